@@ -1,7 +1,7 @@
 """Build the distributions, and check their files, metadata and installation.
 
 python .ci/package.py             build into a temporary folder, and check files and metadata
-python .ci/package.py --pythons   also install the wheel on each Python from 3.11 to 3.13 here
+python .ci/package.py --pythons   also install the wheel on each Python from 3.11 to 3.14 here
 python .ci/package.py --extras    also resolve each extra, without installing it
 python .ci/package.py --notebooks run each notebook in a new environment, from the wheel
 python .ci/package.py -o dist     keep the distributions
@@ -27,7 +27,7 @@ WHEEL_LIMIT = 3_000_000
 """Largest wheel [bytes]."""
 FILE_LIMIT = 1_000_000
 """Largest file of the source distribution [bytes]."""
-PYTHONS = ("3.11", "3.12", "3.13")
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 EXAMPLE = "examples/paper-figure-9.kilter.json"
 
 

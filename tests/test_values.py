@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import pickle
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -143,8 +144,8 @@ def arrays_of(value: Any, seen: set[int]) -> Iterator[tuple[str, np.ndarray]]:
             yield from ((f"[]{way}", array) for way, array in arrays_of(one, seen))
     elif type(value).__module__.startswith("kilter"):
         for name in (n for n in dir(value) if not n.startswith("_")):
-            attribute = getattr(value, name)
-            kept = getattr(value, name) is attribute  # else computed anew: nobody else's
+            attribute = getattr(value, name, None)  # an unstable verdict has no forces
+            kept = getattr(value, name, None) is attribute  # else computed anew: nobody else's
             if kept and not callable(attribute):
                 yield from ((f".{name}{way}", a) for way, a in arrays_of(attribute, seen))
 
@@ -171,13 +172,6 @@ def test_what_is_handed_over_is_copied() -> None:
 # what a wrong type is told -----------------------------------------------------------------
 
 
-class Trimesh:
-    """As much of a trimesh as is looked at."""
-
-    vertices = np.zeros((3, 3))
-    faces = np.zeros((1, 3), dtype=int)
-
-
 VERBS = (
     *(kilter.check, kilter.contacts, kilter.orient, kilter.region, kilter.margin, kilter.report),
     *(kilter.draw, kilter.common_region, kilter.verify, kilter.dump),
@@ -190,7 +184,7 @@ VERBS = (
     ("given", "hint"),
     [
         ("arch.stl", r"arch\.stl"),
-        (Trimesh(), r"kilter\.load\(mesh\)"),
+        (SimpleNamespace(vertices=[], faces=[]), r"kilter\.load\(mesh\)"),
         (CUBE, r"kilter\.Assembly\(\[part"),
         ([CUBE], r"kilter\.load\(path or object\)"),
         (None, r"kilter\.load\(path or object\)"),
@@ -208,7 +202,6 @@ def test_what_is_no_assembly_is_told_how_to_become_one(verb: Any, given: Any, hi
     ("build", "words"),
     [
         (lambda: Part("a", "box"), "shape is of type str"),
-        (lambda: Part("a", Trimesh()), r"kilter\.Mesh\(mesh"),
         (lambda: Part("a", Box([1, 1, 1]), [1, 2]), r"a pose is \[1, 2\]"),
         (lambda: Box(1, 1), r"expected 3 numbers"),
         (lambda: Pose.from_matrix([1, 2, 3]), r"matrix of a pose: expected 3 x 3 numbers"),

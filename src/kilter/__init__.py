@@ -17,6 +17,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from kilter import hooks
+from kilter.values import guesses
 
 if TYPE_CHECKING:
     from kilter.analysis.check import check as check
@@ -231,7 +232,11 @@ def __getattr__(name: str) -> Any:
     try:
         home = _HOMES[name]
     except KeyError:
-        raise AttributeError(f"module 'kilter' has no attribute {name!r}") from None
+        words = f"module 'kilter' has no attribute {name!r}"
+        remedy = guesses.remedy_of("kilter", name)
+        if remedy is not None:
+            raise guesses.GuessedAttribute(words, hint=remedy) from None
+        raise AttributeError(words) from None
     return _attribute(home, name)
 
 

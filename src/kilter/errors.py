@@ -8,21 +8,40 @@ their evidence as attributes.
 from __future__ import annotations
 
 import difflib
+import os
 import re
 import shlex
 from collections.abc import Iterable, Sequence
 
 __all__ = [
+    "FAULT",
+    "NO_MEMORY",
     "InputError",
     "KilterError",
     "SolverError",
     "TimeLimitReached",
+    "fault_words",
+    "message_line",
     "nearest_name",
     "shell_words",
+    "short_name",
     "some",
     "some_names",
     "visible",
 ]
+
+
+FAULT = 70
+"""Exit code of the command after a fault of kilter itself."""
+NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
+LONGEST = 80
+"""Longest name in a message or in a text [characters]."""
+LONGEST_PATH = 300
+"""Longest path or command in a message [characters]."""
+LONGEST_MESSAGE = 2000
+"""Largest number of characters of a message on a terminal."""
+QUOTED = re.compile(r"(?<!\w)'((?:[^'\\]|\\.)*+)'(?!\w)")
+"""A quoted name in a message; an apostrophe within a word begins no name."""
 
 
 LIKE = 0.6
@@ -78,12 +97,12 @@ class InputError(KilterError):
         hint: str | None = None,
         option: str | None = None,
     ) -> None:
-        super().__init__(what)
-        self.what = what
+        self.what = _with_short_names(what)
+        super().__init__(self.what)
         self.file = file
         self.part = part
-        self.hint = hint
-        self.option = option
+        self.hint = hint and _with_short_names(hint, LONGEST_PATH)
+        self.option = option and _with_short_names(option, LONGEST_PATH)
 
     def __str__(self) -> str:
         return self._message(self.hint)
@@ -94,7 +113,7 @@ class InputError(KilterError):
         return self._message(self.option or self.hint)
 
     def _message(self, hint: str | None) -> str:
-        place = [self.file] if self.file else []
+        place = [short_name(self.file, LONGEST_PATH)] if self.file else []
         place += [f"part {_short(self.part)}"] if self.part is not None else []
         message = ": ".join([*place, self.what])
         return f"{message}; {hint}" if hint else message
@@ -163,20 +182,83 @@ def some(words: Sequence[str], limit: int = 5, total: int | None = None) -> str:
     return f"{shown} and {total - limit} more" if total > limit else shown
 
 
-def _short(name: str, limit: int = 60) -> str:
-    """A name in quotes, cut to `limit` characters."""
-    return repr(name if len(name) <= limit else name[: limit - 3] + "...")
+def _short(name: str) -> str:
+    """A name in quotes, cut to `LONGEST` characters."""
+    return repr(_cut(name, LONGEST))
 
 
-def visible(text: str) -> str:
+def _with_short_names(message: str, width: int = LONGEST) -> str:
+    """A message whose quoted names are cut to `width` characters."""
+    return QUOTED.sub(lambda found: f"'{_cut(found[1], width)}'", message)
+
+
+def visible(text: str, keep: str = "") -> str:
     """Escape the characters of a text that do not print, such as line breaks and terminal codes.
+
+    Parameters
+    ----------
+    text : str
+    keep : str
+        Characters that stay, such as the line breaks of a text of several lines.
 
     Examples
     --------
     >>> print(visible("a\\x1b[31mb\\n\\u202ec \xfc"))
     a\\x1b[31mb\\n\\u202ec \xfc
     """
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in keep else repr(c)[1:-1] for c in text)
+
+
+def message_line(message: str) -> str:
+    """A message for a terminal: names are cut, characters that do not print are escaped.
+
+    Examples
+    --------
+    >>> message_line(f"touches nothing: '{'b' * 70_000}'")[:34]
+    "touches nothing: 'bbbbbbbbbbbbbbbb"
+    >>> len(message_line(f"touches nothing: '{'b' * 70_000}'"))
+    99
+    """
+    return _cut(visible(_with_short_names(message)), LONGEST_MESSAGE)
+
+
+def short_name(name: str, width: int = LONGEST) -> str:
+    """A name or path for display: escaped as by `visible`, and cut to `width` characters.
+
+    Examples
+    --------
+    >>> short_name("a\\nb")
+    'a\\\\nb'
+    >>> short_name("bracket-assembly_1/nut-bolt-assembly_2/nut", width=24)
+    'bracket...assembly_2/nut'
+    """
+    return _cut(visible(_cut(name, 4 * width)), width)
+
+
+def _cut(text: str, width: int) -> str:
+    """A text without its middle, if it is longer than `width` characters."""
+    if len(text) <= width:
+        return text
+    # names from CAD are paths, and their last component identifies the part
+    head = (width - 3) // 3
+    return f"{text[:head]}...{text[head + 3 - width :]}"
+
+
+def fault_words(error: Exception, words: Sequence[str]) -> str:
+    """Message for an internal error of kilter: the error, its place, and how to report it."""
+    import traceback
+    from importlib.metadata import version
+
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    module = last.filename.replace("\\", "/").rsplit("/kilter/", 1)[-1]
+    detail = " ".join(str(error).split())[:200]
+    return (
+        f"a fault of kilter itself: {type(error).__name__}: {detail} "
+        f"(kilter {version('kilter')}, {module}:{last.lineno}); please report it with the "
+        f"command 'kilter {' '.join(words)}', the file and the output of 'kilter doctor'"
+    )
 
 
 def shell_words(words: Iterable[str]) -> str:
@@ -191,6 +273,7 @@ def shell_words(words: Iterable[str]) -> str:
 
 
 def _shell_word(word: str) -> str:
-    if re.search(r'["$`]', word):  # double quotes would not protect these in POSIX shells
+    # double quotes would not protect these in POSIX shells; Windows has "\\" in paths
+    if re.search(r'["$`]' if os.name == "nt" else r'["$`!\\]', word):
         return shlex.quote(word)
     return word if re.fullmatch(r"[\w@%+=:,./-]+", word) else f'"{word}"'

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
-from kilter.validate import frozen, in_range
+from kilter.validate import finite, frozen, in_range
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = [
     "Pose",
@@ -29,6 +30,7 @@ __all__ = [
     "rotation_between",
     "screwed",
     "skew",
+    "turn_of",
     "unit",
 ]
 
@@ -82,6 +84,16 @@ def unit(v: ArrayLike, what: str = "direction") -> Array:
     length = float(np.linalg.norm(v))
     # a unit vector is returned unchanged, so that writing and reading a file keeps every digit
     return v if abs(length - 1.0) <= 4e-16 else frozen(v / length)
+
+
+def turn_of(rotation: Array) -> Array:
+    """Rotation matrix, shape (3, 3), of a rotation vector [rad]."""
+    angle = float(np.linalg.norm(rotation))
+    if angle == 0.0:
+        return np.eye(3)
+    across = skew(rotation / angle)
+    turn: Array = np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across
+    return turn
 
 
 def quaternion_to_matrix(quaternion: ArrayLike) -> Array:
@@ -167,14 +179,15 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Array:
     return q if q[0] >= 0 else -q
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose(Value):
     """Pose of a part: the shape is rotated about its own origin, then shifted; x -> R x + p.
 
     Parameters
     ----------
-    position : array_like, shape (3,)
-        Position of the shape's origin, world frame [length unit].
+    position : array_like, shape (3,), or (4, 4) without a rotation
+        Position of the shape's origin, world frame [length unit], or a rigid transform.
     rotation : array_like, shape (4,)
         Quaternion w x y z of any length but zero.
 
@@ -200,6 +213,10 @@ class Pose(Value):
     rotation: Any = field(default=(1.0, 0.0, 0.0, 0.0))
 
     def __post_init__(self) -> None:
+        if np.shape(self.position) == (4, 4):
+            whole = Pose.from_matrix(self.position)
+            object.__setattr__(self, "position", whole.position)
+            object.__setattr__(self, "rotation", whole.rotation)
         position, rotation = frozen(self.position, (3,)), frozen(self.rotation, (4,))
         if not math.isfinite(sum(position.tolist()) + sum(rotation.tolist())):
             raise InputError("pose has a number that is not finite", hint="give finite numbers")
@@ -248,6 +265,43 @@ class Pose(Value):
             )
         position = rows[:3, 3] if shape == (4, 4) else (0.0, 0.0, 0.0)
         return cls(position, matrix_to_quaternion(rows[:3, :3]))
+
+    @classmethod
+    def from_euler(
+        cls, angles: ArrayLike, position: ArrayLike = (0.0, 0.0, 0.0), *, axes: str = "xyz"
+    ) -> Pose:
+        """Make a pose from three turns about axes: roll, pitch and yaw by default.
+
+        Parameters
+        ----------
+        angles : array_like, shape (3,)
+            Angles of the turns [rad].
+        position : array_like, shape (3,)
+            Position of the shape's origin, world frame [length unit].
+        axes : str
+            Axes of the turns in order. Lower case: axes of the world, as in URDF; upper case: axes
+            that turn with the part.
+
+        Raises
+        ------
+        InputError
+            If the axes are invalid, or a number is not finite.
+
+        Examples
+        --------
+        >>> Pose.from_euler([0, 0, np.pi / 2]).apply([1, 0, 0]).round(12) + 0.0
+        array([0., 1., 0.])
+        """
+        from scipy.spatial.transform import Rotation
+
+        turns = finite(angles, (3,), "angles")
+        try:
+            x, y, z, w = Rotation.from_euler(axes, turns).as_quat().tolist()
+        except (TypeError, ValueError):
+            raise InputError(
+                f"axes are {axes!r:.40}", hint='give three axes, as in "xyz" or "ZYX"'
+            ) from None
+        return cls(position, (w, x, y, z))
 
     def __matmul__(self, other: Pose) -> Pose:
         """Combined pose, which applies `other` first and then this pose."""

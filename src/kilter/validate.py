@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array
 from kilter.errors import InputError
 
-__all__ = ["LARGEST", "finite", "frozen", "in_range", "number"]
+__all__ = ["LARGEST", "finite", "frozen", "in_range", "name_list", "number"]
 
 LARGEST = 1e100
 """Numbers with a size above this, or below its inverse, are rejected [any unit]."""
@@ -46,6 +47,26 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
         raise InputError(f"{what} is {result:g}", hint=hint)
     in_range(result, what)
     return result
+
+
+def name_list(value: Any, what: str = "the names") -> list[str]:
+    """A name, or an iterable of names, as a list; raises an error for other types.
+
+    Raises
+    ------
+    InputError
+        If the value is not text, or an iterable of texts.
+
+    Examples
+    --------
+    >>> name_list("C1"), name_list(("C1", "C2"))
+    (['C1'], ['C1', 'C2'])
+    """
+    names = [value] if isinstance(value, str) or not isinstance(value, Iterable) else list(value)
+    wrong = [name for name in names if not isinstance(name, str)]
+    if wrong:
+        raise InputError(f"{what}: {wrong[0]!r:.40} is no text", hint="give a name, or a list")
+    return names
 
 
 def in_range(values: Any, what: str, *, tiny: bool = False) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -281,6 +282,42 @@ def test_a_picture_is_png_and_the_same_twice(calls: ToolCalls) -> None:
     assert first.image == calls.call("draw", {"file": "f.kilter.json"}).image
     turned = calls.call("draw", {"file": "f.kilter.json", "view": [80, 10]})
     assert turned.image != first.image
+
+
+# faults ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("error_", "said"),
+    [
+        (
+            ZeroDivisionError("a\x1b[8m\ud800"),
+            r"a fault of kilter itself: ZeroDivisionError: a\\x1b",
+        ),
+        (RecursionError("deep"), "'kilter check tower.kilter.json'.*exit code 70"),
+        (MemoryError(), "not enough memory"),
+    ],
+)
+def test_an_unexpected_exception_is_the_sentence_of_the_command(
+    error_: Exception, said: str, calls: ToolCalls, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: Any) -> None:
+        raise error_
+
+    kilter.dump(kilter.example("tower"), calls.folder / "tower.kilter.json")
+    monkeypatch.setitem(ASK, "check", broken)
+    words = error(calls.call("check", {"file": "tower.kilter.json"}))
+    assert re.search(said, words)
+    assert words.isprintable()
+    monkeypatch.undo()
+    assert answer(calls.call("check", {"file": "tower.kilter.json"}))["verdict"] == "stable"
+
+
+@pytest.mark.parametrize("name", ["x" * 4000, "x" * 300 + ".step", "a\0b", "\ud800.step", "\udce9"])
+def test_a_name_that_the_system_rejects_is_a_sentence(name: str, calls: ToolCalls) -> None:
+    words = error(calls.call("check", {"file": name}))
+    assert "fault of kilter" not in words
+    assert len(words) < 400
 
 
 # new poses ------------------------------------------------------------------------------------

@@ -195,7 +195,7 @@ def rounded(assembly, seed):
 def test_balanced_scene_in_float32_is_stable_within_the_accuracy_of_its_data(name, seed):
     verdict = judged(rounded(BALANCED[name](), seed))
     assert verdict.verdict == "stable"
-    assert verdict.sentence.startswith("Stable within the accuracy of the coordinates")
+    assert verdict.sentence.startswith("Stable, up to the accuracy of its coordinates")
     # 10 roundings of coordinates near 100 sizes over the width of the smallest face
     assert 1e-8 < verdict.tolerance < 4e-3
 
@@ -215,8 +215,11 @@ TILTED = {
 @pytest.mark.parametrize("name", TILTED)
 def test_tilted_scene_in_float32_is_unstable(name, degrees, seed):
     verdict = judged(rounded(tilted(TILTED[name](), [0, 1, 0], degrees), seed))
+    if verdict.tolerance > np.sin(np.radians(abs(degrees))):  # bricks of the wall, 0.1 degrees
+        assert verdict.sentence.startswith("Stable within the accuracy of the coordinates")
+        return
     assert verdict.verdict == "unstable"
-    assert "beyond the accuracy of its coordinates" in verdict.sentence
+    assert "by more than the accuracy of its coordinates" in verdict.sentence
 
 
 @pytest.mark.slow

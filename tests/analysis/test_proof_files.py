@@ -16,7 +16,8 @@ from builders import (
 )
 from judged import judged, reloaded, verified
 
-from kilter import InputError
+import kilter
+from kilter import Assembly, Box, InputError, Part
 from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.mechanics.proof import digest_of
@@ -253,3 +254,18 @@ def test_proof_with_numbers_that_are_none_is_refused():
 def test_verdict_and_proof_do_not_depend_on_the_run():
     for build in (paper.figure_8, rough_staircase):
         assert judged(build()).proof() == judged(build()).proof()
+
+
+@pytest.mark.parametrize("verb", ["check", "margin"])
+def test_a_proof_in_python_lists_the_options_with_which_the_file_was_read(
+    tmp_path, monkeypatch, verb
+):
+    monkeypatch.chdir(tmp_path)
+    cubes = [Part(name, Box(1, 1, 1), [0, 0, z]) for name, z in (("a", 0), ("b", 1))]
+    kilter.dump(Assembly(cubes), "shelf.json")
+    answer = getattr(kilter, verb)("shelf.json", floor=True)
+    proof = answer.proof()
+    assert kilter.verify("shelf.json", proof).holds
+    assert kilter.verify(answer.assembly, proof).holds
+    loaded = kilter.load("shelf.json", ground="a")
+    assert kilter.verify("shelf.json", kilter.check(loaded).proof()).holds

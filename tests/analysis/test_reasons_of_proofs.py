@@ -195,7 +195,6 @@ ONE_REASON: dict[str, tuple[str, Callable[[Proof], object], str]] = {
         in_place("friction", "witness", "residual", add=2e-9),
         "power or residual",
     ),
-    "seat": ("refuted", in_place("friction", "seated", "residual", add=2e-9), "seated: the forces"),
     "one push": (
         "refuted",
         lambda p: p["friction"]["witness"]["forces"].pop(),
@@ -205,11 +204,6 @@ ONE_REASON: dict[str, tuple[str, Callable[[Proof], object], str]] = {
         "refuted",
         lambda p: p["friction"]["witness"]["acceleration"].clear(),
         "its motion does not belong to",
-    ),
-    "passed": (
-        "refuted",
-        lambda p: p["friction"]["tries"].update(passed=p["friction"]["tries"]["passed"] + 1),
-        "forces of every try",
     ),
 }
 
@@ -287,53 +281,46 @@ def test_a_motion_that_breaks_the_law_of_friction() -> None:
     assert any("breaks Coulomb's law" in one for one in reasons)
 
 
-def settled() -> tuple[Assembly, ContactSet, Proof]:
-    """A proof that states 'settles', with its forces of equilibrium for every try."""
-    assembly, contacts, proof = made("slope")
-    proof = copy.deepcopy(proof)
-    balanced = {
-        "forces": proof["forces"],
-        "joints": [],
-        "residual": proof["certificate"]["residual"],
+@pytest.mark.parametrize(
+    ("name", "level", "note"),
+    [
+        ("settles", "settles", "8 of 8 tries come to rest when repeated, and the search finds no"),
+        ("refuted", "equilibrium", "a motion obeys Coulomb's law too"),
+        ("squeezed", "equilibrium", "0 of 8 tries come to rest when repeated"),
+    ],
+)
+def test_a_claim_that_it_settles_is_repeated(name: str, level: str, note: str) -> None:
+    """A claim without a motion or an exclusion, for assemblies that settle or do not settle."""
+    made_of = {
+        "settles": lambda: stacks.tower(2, tilt=10.0, friction=0.5),
+        "refuted": lambda: friction.bracket(1.1 / 1.2, pad=1e-3),
+        "squeezed": friction.h_block,
     }
-    proof["friction"] |= {
-        "guarantee": "open",
-        "exclusion": None,
-        "tries": {"passed": 8, "of": 8, "forces": [copy.deepcopy(balanced) for _ in range(8)]},
-    }
+    assembly = made_of[name]()
+    proof = json.loads(json.dumps(kilter.check(assembly, effort=0.2).proof()))
+    proof["friction"] |= {"guarantee": "open", "exclusion": None, "witness": None}
     proof["verdict"] = "settles"
-    return assembly, contacts, proof
-
-
-@pytest.mark.parametrize(("count", "of", "holds"), [(8, 8, True), (7, 7, False), (8, 9, False)])
-def test_it_settles_where_enough_tries_came_to_rest(count: int, of: int, holds: bool) -> None:
-    assembly, contacts, proof = settled()
-    tries = proof["friction"]["tries"]
-    proof["friction"]["tries"] = {"passed": count, "of": of, "forces": tries["forces"][:count]}
     proof["digest"] = digest_of(proof)
-    found = verify_proof(assembly, contacts, proof)
-    assert found.holds == holds
-    if holds:
-        assert any(note.startswith("8 of 8 tries came to rest") for note in found.notes)
-    else:
-        assert "carries the evidence of 'potentially-stable'" in found.reasons[0]
+    found = kilter.verify(assembly, proof)
+    assert (found.level, found.claimed, found.reasons) == (level, "settles", ())
+    assert found.holds == (level == "settles")
+    assert note in found.notes[-1]
+    lower = kilter.verify(assembly, proof, require="equilibrium")
+    assert lower.holds
+    assert lower.level == "equilibrium"
 
 
-def test_a_try_that_does_not_balance_is_named() -> None:
-    assembly, contacts, proof = settled()
-    forces = proof["friction"]["tries"]["forces"][4]
-    forces["forces"] = [[1.5 * x for x in one] for one in forces["forces"]]
-    proof["digest"] = digest_of(proof)
-    assert verify_proof(assembly, contacts, proof).reasons == ("try 5: the forces do not balance",)
-
-
-def test_what_is_seated_is_noted() -> None:
+def test_a_lower_level_is_not_the_required_level() -> None:
     assembly, contacts, proof = made("refuted")
-    found = verify_proof(assembly, contacts, proof)
-    assert found.notes[0].startswith("seated by forces that balance to")
-    assert "a motion obeys Coulomb's law too" in found.notes[-1]
+    found = verify_proof(assembly, contacts, proof, require="settles")
+    assert (found.holds, found.level, found.reasons) == (False, "equilibrium", ())
+    assert found.notes[-1].startswith("a motion obeys Coulomb's law too")
     assert found.residual == pytest.approx(proof["certificate"]["residual"])
     assert found.power is None
+    fall = verify_proof(*made("motion"), require="equilibrium")
+    assert (fall.holds, fall.level, fall.claimed, fall.reasons) == (False, None, None, ())
+    with pytest.raises(kilter.InputError, match="the level 'sure' does not exist"):
+        kilter.verify(assembly, proof, require="sure")
 
 
 def test_a_verification_says_all_and_is_neither_true_nor_false() -> None:
@@ -347,6 +334,9 @@ def test_a_verification_says_all_and_is_neither_true_nor_false() -> None:
     assert found.to_dict() == {
         "holds": True,
         "verdict": "unstable",
+        "level": None,
+        "claimed": None,
+        "require": None,
         "residual": None,
         "power": found.power,
         "reasons": [],
@@ -407,7 +397,8 @@ def test_several_proofs_in_one_file(files: tuple[Path, Path]) -> None:
     assert found.power is not None
     again = json.loads(proof.read_text())
     whole, touching = example("tower"), detect.contacts(example("tower"))
-    each = [one.split(" x ") for one in found.notes]
+    assert found.notes[0].startswith("a direction without a proof lies at most")
+    each = [one.split(" x ") for one in found.notes[1:]]
     assert sum(int(count) for count, _ in each) == len(bundle["proofs"])
     assert {what.split(": ")[1] for _, what in each} == {"held by forces", "a motion starts"}
     held = [count for count, what in each if what.endswith("held by forces")]
@@ -492,13 +483,6 @@ def test_a_hinge_carries_no_torque_about_its_axis(place: int, more: float) -> No
     reasons = kilter.verify(assembly, proof).reasons
     beyond = "the revolute joint of 'frame' and 'door' has a load that its kind cannot carry"
     assert (beyond in reasons) == (more > 0)
-
-
-def test_what_seats_it_has_one_force_a_row_of_a_joint() -> None:
-    def more(proof: Proof) -> None:
-        proof["friction"]["seated"]["joints"].append(1.0)
-
-    assert "seated: the proof does not have a force for each row of a joint" in said("slope", more)
 
 
 def test_a_proof_with_friction_has_one_force_a_contact_point_too() -> None:

@@ -17,7 +17,7 @@ from kilter.mechanics.mechanics_tolerances import AGREES, POWER_ROUNDING
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of, make_proof
 from kilter.mechanics.rows import JOINT
-from kilter.scenes import paper, stacks
+from kilter.scenes import paper
 from kilter.scenes.transform import moved
 
 Proof = dict[str, Any]
@@ -135,16 +135,6 @@ def test_near_a_limit_the_power_agrees_to_the_rounding_of_its_terms(
 
     found = reasons(assembly, proof, change)
     assert any(reason.startswith("its power is") for reason in found) == refused
-
-
-def test_tries_are_noted_with_the_worst_of_their_residuals() -> None:
-    assembly = stacks.tower(2, tilt=10.0, friction=0.5)
-    proof = proof_of(assembly, effort=0.0)
-    forces = proof["friction"]["tries"]["forces"]
-    assert len(forces) > 1
-    worst = max(one["residual"] for one in forces)
-    notes = kilter.verify(assembly, proof).notes
-    assert any(f"balance to {worst:.1e} of a weight; the path to rest" in note for note in notes)
 
 
 def mixed(degrees: float) -> Assembly:

@@ -27,10 +27,8 @@ MOTION = MotionProof(np.zeros((1, 6)), 1.0, 0.0, 1e9, True)
         (FORCES, None, "stable"),
         (FORCES, Evidence("proved"), "stable"),
         (FORCES, Evidence("open"), "potentially-stable"),
-        (FORCES, Evidence("open", tries=(FORCES, FORCES), of=2), "settles"),
-        (FORCES, Evidence("open", tries=(FORCES,), of=1), "settles"),
-        (FORCES, Evidence("open", tries=(FORCES,), of=2), "potentially-stable"),
-        (FORCES, Evidence("refuted", tries=(FORCES, FORCES), of=2), "potentially-stable"),
+        (FORCES, Evidence("open", settles=True), "settles"),
+        (FORCES, Evidence("refuted", settles=True), "potentially-stable"),
     ],
 )
 def test_the_verdict_is_that_of_the_evidence(

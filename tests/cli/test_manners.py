@@ -13,7 +13,7 @@ from kilter.cli.app import command
 from kilter.cli.arguments import with_several_names
 from kilter.cli.commands import COMMANDS
 from kilter.cli.overview import GROUPS, overview
-from kilter.cli.synonyms import GUESSES, MEANT, meant_option
+from kilter.values.guesses import MEANT, WORDS, meant_word
 
 
 @pytest.fixture(autouse=True)
@@ -64,11 +64,11 @@ def test_each_guess_means_an_option_that_exists_and_none_is_an_option_of_a_comma
         for name, entry in command().commands.items()
     }
     everywhere = set().union(*params.values())
-    assert set(GUESSES) <= everywhere
-    assert len(MEANT) == sum(map(len, GUESSES.values()))
-    assert meant_option("--hold", params["plan"]) is None or "--hold" in params["plan"]
+    assert {f"--{name}" for name in WORDS} <= everywhere
+    assert len(MEANT) == sum(map(len, WORDS.values()))
+    assert meant_word("--hold", params["plan"]) is None or "--hold" in params["plan"]
     # a command suggests only options that it has
-    assert meant_option("--mu", params["verify"]) is None
+    assert meant_word("--mu", params["verify"]) is None
 
 
 def test_several_names_after_one_option(capsys: pytest.CaptureFixture[str]) -> None:

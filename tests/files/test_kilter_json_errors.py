@@ -188,7 +188,7 @@ TEXT = [
     (b'{"kilter": 1, "parts": [{"name": "C1", "mass": -Infinity}]}', "mass is -Infinity"),
     (b'{"kilter": ' + b"[" * 200_000, "nested too deeply; flatten them"),
     (b'{"kilter": ' + b"1" * 5000 + b"}", "not a number: "),
-    (b'{"kilter": 1, "parts": [{"name": "\\ud800", "box": [1,1,1]}]}', "name is "),
+    (b'{"kilter": 1, "parts": [{"name": "\\ud800", "box": [1,1,1]}]}', "half of a surrogate"),
     (b'{"kilter": 1} x', "not JSON: Extra data at line 1, column 15"),
     (b'{"nodes": []}', "the key 'kilter' is missing: this is not a kilter file; begin with"),
 ]  # fmt: skip

@@ -146,9 +146,9 @@ def test_a_file_larger_than_is_read_is_refused(tmp_path: Path, monkeypatch: Any)
     path = tmp_path / "a.kilter.json"
     path.write_text('{"kilter": 1, "parts": [{"name": "a", "box": [1, 1, 1]}]}', "utf-8")
     size = path.stat().st_size
-    monkeypatch.setattr(raw, "MOST_BYTES", size)
+    monkeypatch.setattr(raw.read_bytes, "__kwdefaults__", {"most": size})
     assert len(kilter.load(path)) == 1
-    monkeypatch.setattr(raw, "MOST_BYTES", size - 1)
+    monkeypatch.setattr(raw.read_bytes, "__kwdefaults__", {"most": size - 1})
     refused(path, "the largest size that is read")
 
 

@@ -343,9 +343,9 @@ def circular() -> str:
 
 
 THREEMF_FAULTS = [
-    (b"PK\x03\x04 no zip", "damaged 3MF: "),
-    (model(built(item("1"), objects=xml_object("1")))[:-40], "damaged 3MF: "),
-    (model("<resources>"), "damaged 3MF: invalid XML"),
+    (b"PK\x03\x04 no zip", "the file is damaged: File is not a zip file"),
+    (model(built(item("1"), objects=xml_object("1")))[:-40], "the file is damaged: "),
+    (model("<resources>"), "the file is damaged: mismatched tag"),
     (model(built(item("9"), objects=xml_object("1"))), "object '9' is not in 3D/3dmodel.model"),
     (model(built(item("1"), objects=xml_object("1")), 'unit="ell"'), "unit 'ell' is not a unit of 3MF"),
     (model(circular()), "object '1' contains itself"),

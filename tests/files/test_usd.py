@@ -402,8 +402,9 @@ def test_faults_of_objects_name_the_object(path: Path) -> None:
 
 def test_without_usd_core_the_sentence_has_the_command(path: Path) -> None:
     Stage(path).save()
+    (path.parent / "pxr.py").write_text("raise ImportError")
     code = (
-        "import sys; sys.modules['pxr'] = None\n"
+        f"import sys; sys.path.insert(0, {str(path.parent)!r})\n"
         "from kilter.cli import main\n"
         f"sys.exit(main(['check', {str(path)!r}]))"
     )

@@ -16,6 +16,7 @@ from kilter.friction.settling import find_settling
 from kilter.friction.springs import Springs, spring_system
 from kilter.mechanics.law_check import check_balance
 from kilter.scenes import arches, friction, stacks, walls
+from kilter.solvers.block_cholesky import NotPositive
 from kilter.tell.facts import facts
 from kilter.work import Work
 
@@ -264,6 +265,20 @@ def test_inexact_newton_steps_end_in_the_balance_of_the_path_from_rest(monkeypat
     assert released.passed == fallen.passed == 2
     assert released.iterations < fallen.iterations
     for forces, others in zip(released.forces, fallen.forces, strict=True):
+        assert others == pytest.approx(forces, abs=1e-6 * np.abs(forces).max())
+
+
+def test_a_factor_that_rounding_makes_indefinite_is_made_stiffer(monkeypatch):
+    """It was a fault of kilter, on a scene with parts of very different sizes."""
+    tilted = program(walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4))
+    exact = find_settling(tilted, tries=2)
+    monkeypatch.setattr("kilter.friction.spring_newton.STIFFER", (-1e3,))
+    with pytest.raises(NotPositive):
+        find_settling(tilted, tries=2)
+    monkeypatch.setattr("kilter.friction.spring_newton.STIFFER", (-1e3, 1e-5))
+    found = find_settling(tilted, tries=2)
+    assert found.passed == exact.passed == 2
+    for forces, others in zip(found.forces, exact.forces, strict=True):
         assert others == pytest.approx(forces, abs=1e-6 * np.abs(forces).max())
 
 

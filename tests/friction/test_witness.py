@@ -222,8 +222,7 @@ def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
     assert find_coulomb_motion(built, work=Work(units_of(0.5), said.append)) is None
     assert len(said) >= 1
     assert all(isinstance(line, str) for line in said)
-    nearest = find_coulomb_motion(built, work=0.5, nearest=True)
-    assert nearest is None or not nearest.law.holds
+    assert find_coulomb_motion(built, work=0.5, impending=True) is None
     assert find_coulomb_motion(program(slope(10).with_grounded(["*"])), work=1) is None
     built = program(friction.a_block())
     one, two = (find_coulomb_motion(built, work=2, seed=3) for _ in range(2))

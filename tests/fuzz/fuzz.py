@@ -1,7 +1,7 @@
 """Fuzzing: damaged files and proofs, options and scenes at random, until the time is up.
 
     python tests/fuzz/fuzz.py --seconds 50                    as many of each kind as there is time
-    python tests/fuzz/fuzz.py --files 100000 --scenes 20000 --log run.json     goes on where it was
+    python tests/fuzz/fuzz.py --inputs 40000 --log run.json   so many, goes on where it was
     python tests/fuzz/fuzz.py --only files:417                one case again, in this process
 
 A case is its kind and its number: both together are its seed. Cases run in a process that is
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import resource
 import sys
@@ -25,8 +26,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one process, forked: befor
 from fuzz_cases import KINDS, case
 from fuzz_worker import Worker
 
-SHARE = {"files": 50, "scenes": 10, "options": 10, "proofs": 10}
+SHARE = {
+    "files": 50, "scenes": 10, "options": 10, "proofs": 10,
+    "formats": 70, "messages": 2, "tools": 10,
+}  # fmt: skip
 """Cases of each kind where only a time is given, of so many together."""
+HOSTILE = ("files", "proofs", "formats", "messages", "tools")
+"""Kinds of cases that are damaged inputs."""
 KEPT_EACH = 20.0
 """Between two writings of the log [s]."""
 
@@ -110,6 +116,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="number of the first case")
     parser.add_argument("--log", type=Path, help="kept here; a run goes on from it")
     parser.add_argument("--only", metavar="KIND:NUMBER", help="one case, in this process")
+    parser.add_argument("--inputs", type=int, help="damaged inputs of all kinds together")
     for kind in KINDS:
         parser.add_argument(f"--{kind}", type=int, help=f"cases of {kind}")
     given = parser.parse_args()
@@ -121,6 +128,9 @@ def main() -> int:
         print("\n".join([how, *faults]))
         return 1 if faults else 0
     asked = {kind: getattr(given, kind) for kind in KINDS}
+    if given.inputs:
+        share = given.inputs / sum(SHARE[kind] for kind in HOSTILE)
+        asked = {kind: math.ceil(share * SHARE[kind]) if kind in HOSTILE else 0 for kind in KINDS}
     targets = {kind: count for kind, count in asked.items() if count}
     if not targets:
         if given.seconds == float("inf"):

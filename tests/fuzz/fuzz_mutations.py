@@ -13,6 +13,12 @@ import numpy as np
 from fuzz_corpus import numbers
 
 Random = np.random.Generator
+ODD = ("", "table", "\0", "\x1b[31m", "../../etc", "ü\u202e", "b\ud800")
+"""Texts as values of a JSON."""
+TEXTS = ("step", "stl", "obj", "urdf", "xml", "usda", "csv", "txt", "mpd")
+"""Endings of texts of words and numbers."""
+TABLES = ("csv", "txt", "mpd")
+"""Endings of texts whose lines have a meaning of their own."""
 NUMBER = re.compile(rb"-?\d+(?:\.\d*)?(?:[eE][+-]?\d{1,3})?")
 
 
@@ -20,13 +26,15 @@ def damaged(name: str, content: bytes, rng: Random) -> bytes:
     """The content with one to four mutations that suit its format; half of all keep its form."""
     ways = [flipped, cut, doubled, swapped, renumbered, *[nudged] * 4]
     if name.endswith("json"):
-        ways += [reshaped] * 4
+        ways += [*[reshaped] * 4, enlarged]
     if name.endswith("3mf"):
         ways += [rezipped] * 6
     if name.endswith("glb"):
         ways += [rechunked] * 6
-    if name.endswith(("step", "stl", "obj", "urdf", "xml")):
-        ways += [renumbered, reworded] * 2
+    if name.endswith(TEXTS):
+        ways += [*[renumbered, reworded] * 2, enlarged]
+    if name.endswith(TABLES):
+        ways += [relined] * 2
     if rng.random() < 0.4:
         ways = [nudged]
     for _ in range(int(rng.choice([1, 1, 2, 3, 4]))):
@@ -98,7 +106,7 @@ def _near(value: float, rng: Random) -> str:
         value * 10.0 ** rng.integers(-3, 4),
         value + 1,
     ]
-    found = near[int(rng.integers(len(near)))]
+    found = float(near[int(rng.integers(len(near)))])
     return str(int(found)) if value.is_integer() and rng.random() < 0.5 else repr(found)
 
 
@@ -131,6 +139,37 @@ def reworded(content: bytes, rng: Random) -> bytes:
     ]
     word = other[0] if rng.random() < 0.6 else odd[int(rng.integers(len(odd)))]
     return content[: match.start()] + word + content[match.end() :]
+
+
+def enlarged(content: bytes, rng: Random) -> bytes:
+    """A word or number of a text that is very long, or deep brackets in its place."""
+    found = list(re.finditer(rb"[A-Za-z_.#\d-]+", content))
+    if not found or b"\0" in content[:200]:
+        return flipped(content, rng)
+    match = found[int(rng.integers(len(found)))]
+    size = int(rng.choice([300, 4000, 70_000, 140_000]))
+    large = [b"a" * size, b"9" * size, b"1" + b"0" * 309, b"[" * size, b'{"a":' * size]
+    word = large[int(rng.integers(len(large)))]
+    return content[: match.start()] + word + content[match.end() :]
+
+
+def relined(content: bytes, rng: Random) -> bytes:
+    """Lines with other ends, a few of them only, many times over, or in another encoding."""
+    lines = content.split(b"\n")
+    k = int(rng.integers(len(lines)))
+    ways: list[Callable[[], bytes]] = [
+        lambda: b"\r".join(lines),
+        lambda: content.replace(b"\n", b"\r\n"),
+        lambda: b"\n".join([*lines[:k], lines[k].replace(b",", b"\r,", 1), *lines[k + 1 :]]),
+        lambda: b"\n".join(lines[: k + 1]),
+        lambda: b"\n".join([*lines[:k], *[lines[k]] * int(rng.integers(2, 300)), *lines[k + 1 :]]),
+        lambda: b"\xef\xbb\xbf" + content,
+        lambda: content.decode("latin-1").encode("utf-16"),
+        lambda: content.replace(b",", b'"', 1),
+        lambda: content.replace(lines[k][:1], b"\xed\xa0\x80", 1),
+        lambda: content.replace(lines[k][:1], b"\0", 1),
+    ]
+    return ways[int(rng.integers(len(ways)))]()
 
 
 def rechunked(content: bytes, rng: Random) -> bytes:
@@ -198,8 +237,11 @@ def _other(value: Any, rng: Random) -> Any:
         lambda: bool(rng.integers(2)),
         lambda: float(rng.choice([1e308, -1e308, 1e-308, 0.0, -1.0, 1e12, 1e-12, np.nan, np.inf])),
         lambda: int(rng.choice([0, 1, 3, -1, 255, 2**16, 2**31, 2**32, 2**53, 10**18])),
+        lambda: 10**309,
         lambda: str(
-            rng.choice(["", "table", "\0", "\x1b[31m", "../../etc", "ü\u202e", "a" * 5000])
+            rng.choice(
+                ["", "table", "\0", "\x1b[31m", "../../etc", "ü\u202e", "a" * 5000, "b\ud800"]
+            )
         ),
         lambda: deep,
         dict,
@@ -237,7 +279,8 @@ def rezipped(content: bytes, rng: Random) -> bytes:
     else:
         members[name] = renumbered(members[name], rng)
     made = io.BytesIO()
-    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+    packing = [zipfile.ZIP_DEFLATED, zipfile.ZIP_STORED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA]
+    with zipfile.ZipFile(made, "w", packing[int(rng.integers(4))]) as archive:
         for one, data in members.items():
             archive.writestr(one, data)
     return made.getvalue()

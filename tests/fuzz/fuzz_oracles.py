@@ -16,7 +16,7 @@ import numpy as np
 import kilter
 from kilter import Assembly
 from kilter.cli import main
-from kilter.cli.mistakes import NO_MEMORY
+from kilter.errors import NO_MEMORY
 from kilter.scenes.transform import moved
 
 sys.path.append(str(Path(__file__).parents[1] / "scenes"))  # run as a command, without pytest
@@ -29,6 +29,8 @@ STANDS = {"stable", "settles", "potentially-stable"}
 """Verdicts that have forces of equilibrium, of which there are none where it is unstable."""
 APART, ROUGH, THIN = 1e6, 1e3, 1e4
 """Masses, friction and sizes that leave a solver few of its sixteen digits."""
+LONGEST_SENTENCE, LONGEST_ERROR = 2000, 20_000
+"""Largest number of characters of an error, and of an error with warnings."""
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """What moves the cursor of a terminal, colours it, or turns its writing."""
 Outcome = tuple[str, list[str]]
@@ -61,6 +63,11 @@ def _wrong_with(code: int, out: str, error: str) -> list[str]:
         found.append(f"on the error stream: {error.strip()[:300]}")
     if code == 2 and (error.count("\n") != 1 or not error.startswith("kilter: ")):
         found.append(f"exit 2 with {error.count(chr(10))} lines: {error.strip()[:300]}")
+    strange = [line for line in error.splitlines() if line and not line.startswith("kilter: ")]
+    if strange:
+        found.append(f"not a sentence of kilter on the error stream: {strange[0][:300]}")
+    if len(error) > LONGEST_ERROR or (code == 2 and len(error) > LONGEST_SENTENCE):
+        found.append(f"{len(error)} characters on the error stream: {error[:200]}")
     if code == 2 and out:
         found.append(f"exit 2 with an answer: {out[:100]!r}")
     for name, text in (("error stream", error), ("output", out)):
@@ -68,6 +75,21 @@ def _wrong_with(code: int, out: str, error: str) -> list[str]:
             start = max(seen.start() - 60, 0)
             found.append(f"a control character on the {name}: {text[start : start + 120]!r}")
     return found
+
+
+def faults_of_sample(words: list[str], folder: Path) -> Outcome:
+    """As of any command; and after an error no file is left in the folder."""
+    before = listed(folder)
+    how, found = faults_of_command(words)
+    left = sorted(listed(folder) - before)
+    if left and not (how in ("exit 0", "exit 1") and words[0] == "batch"):
+        found.append(f"files are left: {left[:5]}")
+    return how, found
+
+
+def listed(folder: Path) -> set[str]:
+    """Paths of all files and folders below a folder."""
+    return {str(path.relative_to(folder)) for path in folder.rglob("*")}
 
 
 def faults_of_proof(words: list[str], proof: Path) -> Outcome:

@@ -23,12 +23,14 @@ import kilter
 from kilter.cli import app
 from kilter.pipes import end_with_parent
 
-HANGS = 30.0
+HANGS = 20.0
 """Seconds of CPU after which a case counts as hanging, with all processes that it started."""
 STUCK = 3600.0
 """The same of a case that computes nothing; it may be that others take all of the machine [s]."""
-MEMORY = 4 << 30
-"""What a case may take beside what is loaded before it [bytes]."""
+MEMORY = 2 << 30
+"""Memory that a case may take beside that of the modules that are loaded before [bytes]."""
+ADDRESSES = 6 << 30
+"""Addresses that a case may take: threads of libraries reserve many more than they use [bytes]."""
 ANEW = 2000
 """Cases after which a new process takes over."""
 IN_MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None
@@ -113,9 +115,10 @@ def _work(pipe: Connection) -> None:
     """Run the cases that are asked for, until nobody asks any more."""
     end_with_parent()
     held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-    resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
+    resource.setrlimit(resource.RLIMIT_AS, (held + ADDRESSES, held + ADDRESSES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     with TemporaryDirectory(dir=IN_MEMORY) as folder, TemporaryFile() as noise:
+        os.chdir(folder)  # a file that a library leaves in the working folder is seen
         for stream in (1, 2):
             os.dup2(noise.fileno(), stream)
         while True:
@@ -125,14 +128,30 @@ def _work(pipe: Connection) -> None:
                 break
             if asked is None:
                 break
+            before = _start_peak()
             try:
                 how, faults = case(*asked, Path(folder))
             except MemoryError:
-                how, faults = "took it all", [f"takes over {MEMORY >> 30} GiB"]
+                how, faults = "took it all", [f"takes over {ADDRESSES >> 30} GiB"]
             except BaseException as error:
                 how, faults = "raised", [_raised(error)]
+            if _peak() - before > MEMORY and not faults:
+                faults = [f"takes over {MEMORY >> 30} GiB"]
             pipe.send((how, faults + _heard(noise)))
     sys.stdout = sys.stderr = None
+
+
+def _start_peak() -> int:
+    """Begin to measure the largest memory of this process anew; the present memory [bytes]."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def _peak() -> int:
+    """Largest memory of this process since `_start_peak` [bytes]."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM")) * 1024
 
 
 def _raised(error: BaseException) -> str:

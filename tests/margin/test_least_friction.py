@@ -16,7 +16,7 @@ from kilter.analysis.margins.squeeze import held_by_squeeze, squeeze
 from kilter.assembly import Assembly, GivenContact
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
-from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.scenes import friction, scene, stacks
 from kilter.scenes.pieces import block, floor
 
@@ -141,7 +141,11 @@ def test_any_friction_holds_what_is_squeezed_however_indirectly():
 
 @pytest.mark.slow
 def test_no_squeeze_holds_what_gravity_takes_out_of_it():
-    """A block between plates that lean by an angle slips out below its tangent."""
+    """A block between plates that lean by an angle slips out below its tangent.
+
+    The forces grow with the inverse of the distance from this limit, up to `RULED_OUT` weights.
+    """
     leaning = program_of(friction.a_block(10.0))
     assert held_by_squeeze(leaning) is None
-    assert find_least_friction(leaning).value == pytest.approx(np.tan(np.radians(10.0)), abs=1e-6)
+    limit, found = np.tan(np.radians(10.0)), find_least_friction(leaning)
+    assert limit < found.value < limit + 2 / RULED_OUT

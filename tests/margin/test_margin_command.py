@@ -115,11 +115,24 @@ def test_a_load_on_a_held_or_unknown_part_is_refused(tower, capsys, part):
 
 
 @pytest.mark.slow
-def test_the_exit_code_says_nothing_of_the_verdict_which_comes_first(tower, capsys):
-    kilter.dump(stacks.block_on_slope(50.0, friction=0.3), "slope.json")
-    answer = answered(capsys, "margin", "slope.json", "--effort", "0")
-    assert next(iter(answer.items())) == ("verdict", "unstable")
-    assert main(["check", "slope.json", "--effort", "0", "--quiet"]) == 1
+@pytest.mark.parametrize(
+    ("made", "code"),
+    [
+        (lambda: stacks.block_on_slope(50.0, friction=0.3), 1),
+        (lambda: stacks.block_on_slope(10.0, friction=0.3), 0),
+        (lambda: scene("squeezed-block"), 3),
+    ],
+    ids=["falls", "holds", "lower level"],
+)
+def test_the_exit_code_is_that_of_check(tmp_path, monkeypatch, capsys, made, code):
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(made(), "a.json")
+    for command in ("check", "margin"):
+        capsys.readouterr()
+        assert main([command, "a.json", "--json", "--quiet"]) == code
+        answer = json.loads(capsys.readouterr().out)
+        if command == "margin":
+            assert next(iter(answer)) == "verdict"
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -116,6 +117,23 @@ def test_meshes_are_found_beside_the_file_and_in_packages(tmp_path: Path) -> Non
         assert found.geometry.mass[0] == 4
 
 
+def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.stl")
+    for name in ("pipe.stl", "package://pipe.stl", "package://somewhere/pipe.stl"):
+        if name.startswith("package://some"):
+            (tmp_path / "somewhere").mkdir()
+            (tmp_path / "pipe.stl").rename(tmp_path / "somewhere" / "pipe.stl")
+        shape = f'<mesh filename="{name}"/>'
+        with pytest.raises(InputError, match=r"'pipe\.stl' is not a regular file; name a file"):
+            kilter.load(robot(tmp_path, link("cube", shape)))
+
+
+def test_a_mass_of_zero_is_a_note(tmp_path: Path) -> None:
+    found = kilter.load(robot(tmp_path, link("base", '<box size="1 1 1"/>', 0)))
+    assert found.notes == ("the mass of 'base' is 0, so it has its density",)
+    assert found.geometry.mass.tolist() == [1000.0]
+
+
 def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
     two = """<link name="ell"><collision><geometry><box size="2 1 1"/></geometry></collision>
     <collision><origin xyz=".5 0 .5"/><geometry><box size="1 1 2"/></geometry></collision></link>"""
@@ -139,6 +157,18 @@ def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
             [BASE, link("a", '<box size="1 1 1"/>'), joint("base", "a", "planar", "0 0 0")],
             "part 'a': its joint has the type planar; use one of fixed",
         ),
+        ([BASE, BASE], "part 'base': two links have this name; rename a link"),
+        (
+            [BASE, link("a", '<box size="1 1 1"/>'), *[joint("base", "a", "fixed", "0 0 0")] * 2],
+            "part 'a': it is the child of two joints; a robot is a tree",
+        ),
+        (
+            [BASE, link("a", '<box size="1 1 1"/>')],
+            "the robot has 2 roots: 'base', 'a'; join them to a single root",
+        ),
+        ([joint("base", "base", "fixed", "0 0 0"), BASE], "'base': its joints form a loop"),
+        ([link("a", '<box size="1 1 1"/>', mass=-1)], "part 'a': mass is -1"),
+        ([link("a", '<box size="1 1 1"/>', mass=float("nan"))], "value of <mass> is 'nan'"),
     ],
 )
 def test_what_the_format_has_not_is_told(tmp_path: Path, elements: list[str], words: str) -> None:

@@ -7,6 +7,7 @@ import pytest
 from cones import KINDS, MORE, region_of
 
 import kilter
+from kilter.analysis.turning_tolerances import BEYOND_CONE
 from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.contact import detect
 from kilter.files import from_dict, to_dict
@@ -45,8 +46,9 @@ def test_the_motion_of_a_facet_is_its_normal() -> None:
         sum_of_motions = assembly.geometry.mass @ proof.certificate.motion[:, :3]
         sum_of_motions /= np.linalg.norm(sum_of_motions)
         assert np.allclose(sum_of_motions, -proof.vector, atol=1e-7)
-        # just outside: as near as the proof holds
-        assert -1e-4 < proof.vector @ proof.down < 0
+        # just outside, by one of the steps: which one suffices depends on the solver's vertex
+        beyond = -proof.vector @ proof.down
+        assert any(step <= beyond < 1.1 * step for step in BEYOND_CONE[:3]), beyond
 
 
 def test_facets_are_not_claimed_where_friction_may_hold() -> None:

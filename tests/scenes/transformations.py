@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.assembly import GROUND, Assembly, Load, Part
+from kilter.assembly import GROUND, Assembly, Joint, Load, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix
 from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved_features, require_about_y
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
 
-__all__ = ["as_single", "permuted", "renamed", "scaled", "tilted"]
+__all__ = ["as_single", "has_box", "mirrored", "permuted", "renamed", "scaled", "split", "tilted"]
 
 
 def tilted(assembly: Assembly, axis: ArrayLike, degrees: float) -> Assembly:
@@ -116,6 +116,77 @@ def as_single(assembly: Assembly) -> Assembly:
     Mesh(8 vertices, 12 triangles)
     """
     return dataclasses.replace(assembly, parts=[_single(part) for part in assembly.parts])
+
+
+def mirrored(assembly: Assembly) -> Assembly:
+    """Reflect an assembly of polyhedra, without loads, contacts and joints, in the plane x = 0.
+
+    Examples
+    --------
+    >>> from kilter.scenes.stacks import staircase
+    >>> one, other = staircase(), mirrored(staircase())
+    >>> bool((one.geometry.center[-1] * [-1, 1, 1] == other.geometry.center[-1]).all())
+    True
+    """
+    if assembly.loads or assembly.contacts or assembly.joints or assembly.straps:
+        raise InputError("only parts are mirrored")
+    sign = np.array([-1.0, 1.0, 1.0])
+    parts = []
+    for part in assembly.parts:
+        vertices, triangles = surface(part.shape)
+        center = part.center_of_mass
+        parts.append(
+            dataclasses.replace(
+                part,
+                shape=Mesh(part.pose.apply(vertices) * sign, triangles[:, ::-1]),
+                pose=Pose(),
+                center_of_mass=None if center is None else part.pose.apply([center])[0] * sign,
+            )
+        )
+    return dataclasses.replace(assembly, parts=parts, gravity=assembly.gravity * sign)
+
+
+def split(assembly: Assembly) -> Assembly:
+    """Cut the first free box without a given mass into two halves along its x, joined rigidly.
+
+    Raises
+    ------
+    InputError
+        If the assembly has no such box.
+
+    Examples
+    --------
+    >>> from kilter.scenes.stacks import tower
+    >>> split(tower(1)).names
+    ('base', 'cube-1', 'cube-1-half')
+    """
+    boxes = [k for k, part in enumerate(assembly.parts) if _is_free_box(part)]
+    if not boxes:
+        raise InputError("no part is a free box without a given mass")
+    part = assembly.parts[boxes[0]]
+    assert isinstance(part.shape, Box)
+    size = part.shape.size * [0.5, 1, 1]
+    halves = [
+        dataclasses.replace(
+            part,
+            name=name,
+            shape=Box(size),
+            pose=Pose(part.pose.apply(np.array([[at, 0.0, 0.0]]))[0], part.pose.rotation),
+        )
+        for name, at in ((part.name, -size[0] / 2), (f"{part.name}-half", size[0] / 2))
+    ]
+    parts = [*assembly.parts[: boxes[0]], halves[0], *assembly.parts[boxes[0] + 1 :], halves[1]]
+    joint = Joint((halves[0].name, halves[1].name))
+    return dataclasses.replace(assembly, parts=parts, joints=[*assembly.joints, joint])
+
+
+def has_box(assembly: Assembly) -> bool:
+    """Whether an assembly has a part that `split` can cut."""
+    return any(_is_free_box(part) for part in assembly.parts)
+
+
+def _is_free_box(part: Part) -> bool:
+    return isinstance(part.shape, Box) and not part.grounded and part.given_mass is None
 
 
 def permuted(assembly: Assembly, order: Sequence[int]) -> Assembly:

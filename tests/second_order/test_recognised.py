@@ -136,7 +136,7 @@ def test_a_proof_for_the_surface_as_recognised_alone_is_refused(
     near = weeble(doubts * doubt())
     with monkeypatch.context() as patch:
         patch.setattr(
-            one_cluster, "decided_for_all", lambda _p, _f, problem, found, _w: (problem, found)
+            one_cluster, "decided_for_all", lambda _f, problem, found, _w: (problem, found)
         )
         proof = kilter.check(near).proof()
     assert proof["second_order"]["state"] == state

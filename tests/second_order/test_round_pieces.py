@@ -9,9 +9,9 @@ from lathe import turned_part
 import kilter
 from kilter.assembly import Assembly, Part
 from kilter.assembly.lowest import lowest_heights
-from kilter.rigid import Pose
+from kilter.rigid import Pose, turn_of
 from kilter.scenes.pieces import floor
-from kilter.second_order.parts.separation import bodies_of, turn_of
+from kilter.second_order.parts.separation import bodies_of
 
 UP = np.array([0.0, 0.0, 1.0])
 LIMIT = 1 / np.sqrt(2)

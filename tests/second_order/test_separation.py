@@ -10,13 +10,12 @@ from scipy.spatial import ConvexHull
 from kilter import Assembly, Cylinder, Mesh, Part, Pose, Sphere
 from kilter.arrays import Array
 from kilter.mechanics.program import build_program
-from kilter.rigid import matrix_to_quaternion
+from kilter.rigid import matrix_to_quaternion, turn_of
 from kilter.second_order.parts.separation import (
     bodies_of,
     least_separation,
     separation,
     separation_of_point,
-    turn_of,
 )
 from kilter.shape.primitives import Box
 

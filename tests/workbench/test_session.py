@@ -129,13 +129,34 @@ def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -
         ({"do": "save", "file": "f8.kilter.json"}, "is not overwritten"),
         ({"do": "revert", "index": 3}, "there are 0 changes"),
         ({"do": "nothing"}, "unknown request"),
-        ({"do": "go"}, "wrong request"),
+        ({"do": "go"}, "index is None"),
+        ({"do": "revert", "index": -1}, "index is -1"),
+        ({"do": "go", "index": True}, "index is True"),
+        ({"do": "go", "index": float("inf")}, "the number Infinity"),
+        ({"do": "load", "part": "C3", "force": [0, 0, 10**309]}, "the number 1000"),
+        ({"do": "load", "part": "C3", "force": [0, 0, -1], "index": -1}, "index is -1"),
+        ({"do": "load_off", "index": 10**300}, "index is 1000"),
+        ({"do": "load_off", "index": 5}, "there is no load number 6"),
+        ({"do": "hold", "parts": ["\ud800"], "on": True}, "a lone surrogate"),
+        ({"do": "hold", "parts": ["x" * 70_000], "on": True}, "there is no part"),
+        ({"do": ["hold"]}, "unknown request"),
+        ({"do": "open", "file": "x" * 300 + ".step"}, "there is no file"),
+        ({"do": "open", "file": "a\0b"}, "there is no file"),
+        ({"do": "save", "file": "x" * 300 + ".kilter.json"}, "cannot be written"),
+        ({"do": "save", "file": "a\0.kilter.json"}, "cannot be written"),
+        ({"do": "save", "file": ".bashrc"}, "the name is '.bashrc'"),
+        ({"do": "ask", "tab": 3}, "there is no tab"),
+        ({"do": "compare", "a": 0, "b": 1e300}, "b is 1e+300"),
+        ({"do": "poses", "poses": [1]}, "a wrong value"),
+        (json.loads("[" * 30 + "]" * 30), "nested too deeply"),
     ],
 )
-def test_a_wrong_request_is_refused_in_a_sentence(page: Page, request_: dict, said: str) -> None:
-    reply = page.say(**request_)
+def test_a_wrong_request_is_refused_in_a_sentence(page: Page, request_: Any, said: str) -> None:
+    """The other pages, and the next message, are not disturbed."""
+    reply = page.say(**(request_ if isinstance(request_, dict) else {"do": request_}))
     assert not reply["ok"]
     assert said in reply["error"]
+    assert len(reply["error"]) <= 200
     assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
 
 

@@ -18,6 +18,7 @@ import pytest
 import kilter
 from kilter.cli import main
 from kilter.scenes import scene
+from kilter.workbench.server import folder_of
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals are sent otherwise there")
 ENDS = 30
@@ -130,6 +131,9 @@ def test_a_wrong_file_is_a_sentence_on_the_page(tmp_path: Path) -> None:
         (["-"], "cannot watch"),
         (["x.json", "--port", "70000"], "--port is 70000"),
         (["gone.step"], "no such file"),
+        (["x" * 300 + ".step"], "too long"),
+        (["--folder", "gone"], "no such folder"),
+        (["--host", "0.0.0.0/8"], "is no name of a host"),
         (["gone.step", "--ground", "a"], "no such file"),
     ],
 )
@@ -138,6 +142,43 @@ def test_a_wrong_argument_is_refused(
 ) -> None:
     assert main(["view", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links of POSIX")
+def test_a_link_out_of_the_folder_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("sent", "own"):
+        (tmp_path / name).mkdir()
+    kilter.dump(scene("tower"), tmp_path / "own" / "tower.kilter.json")
+    link = tmp_path / "sent" / "link.kilter.json"
+    link.symlink_to(tmp_path / "own" / "tower.kilter.json")
+    assert main(["view", str(link), "--no-browser"]) == 2
+    assert "leads out of the opened folder" in capsys.readouterr().err
+    assert os.listdir(tmp_path / "own") == ["tower.kilter.json"]
+
+
+def test_the_opened_folder_is_that_of_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = Path(os.path.realpath(tmp_path)) / "a" / "b"
+    here.mkdir(parents=True)
+    monkeypatch.chdir(here)
+    shown = {"x.step": here, "../x.step": here.parent, ".": here.parent, "..": here.parent.parent}
+    assert {name: folder_of(Path(name)) for name in shown} == shown
+    assert folder_of(None) == here
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("every", [False, True])
+def test_all_addresses_are_a_warning(tmp_path: Path, every: bool) -> None:
+    words = ["--host", "0.0.0.0"] if every else []
+    with serving(tmp_path, *words) as (process, url):
+        with urllib.request.urlopen(url, timeout=20) as page:
+            assert b"kilter" in page.read()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=ENDS)
+        assert ("warning: other computers can reach this page" in errors) == every
 
 
 @pytest.mark.slow

@@ -97,7 +97,7 @@ def build_server(folder: str | Path) -> Any:
     async def call_tool(context: Any, request: Any) -> Any:
         async with lock:
             done = await anyio.to_thread.run_sync(calls.call, request.name, request.arguments or {})
-        content: list[Any] = [types.TextContent(text=done.text)]
+        content: list[Any] = [types.TextContent(text=_encodable(done.text))]
         if done.image is not None:
             data = base64.b64encode(done.image).decode()
             content.append(types.ImageContent(data=data, mime_type="image/png"))
@@ -115,7 +115,7 @@ def build_server(folder: str | Path) -> Any:
         if uri not in calls.answers:
             raise MCPError(NOT_FOUND, f"there is no answer {uri}; ask again")
         text = types.TextResourceContents(
-            uri=uri, mime_type="application/json", text=calls.answers[uri]
+            uri=uri, mime_type="application/json", text=_encodable(calls.answers[uri])
         )
         return types.ReadResourceResult(contents=[text])
 
@@ -128,3 +128,8 @@ def build_server(folder: str | Path) -> Any:
         on_list_resources=list_resources,
         on_read_resource=read_resource,
     )
+
+
+def _encodable(text: str) -> str:
+    """A text with escapes for lone surrogates, which a name of a file may have."""
+    return text.encode("utf-8", "backslashreplace").decode()

@@ -18,7 +18,7 @@ from kilter.agents.tool_schemas import READING, TOOLS, Tool, required_of, tool_n
 from kilter.assembly import Assembly
 from kilter.contact import contacts
 from kilter.contact.fits.fastening import fastened
-from kilter.errors import InputError, nearest_name
+from kilter.errors import FAULT, NO_MEMORY, InputError, fault_words, nearest_name, visible
 from kilter.files.reading import load
 from kilter.files.start_folder import only_below, require_below
 from kilter.files.usd.usd_poses import write_usd_poses
@@ -79,7 +79,7 @@ class ToolCalls:
         self.answers: OrderedDict[str, str] = OrderedDict()
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> Called:
-        """Answer a call. Every fault of the user is a result with a single sentence.
+        """Answer a call. Every fault is a result with a single sentence, that of the command.
 
         Parameters
         ----------
@@ -99,7 +99,13 @@ class ToolCalls:
             with only_below(self.folder):
                 return self._answer(tool, dict(arguments))
         except InputError as error:
-            return Called(self._relative(str(error)), failed=True)
+            words = str(error)
+        except MemoryError:
+            words = NO_MEMORY
+        except Exception as error:
+            given = [name, *(str(arguments[key]) for key in ("file",) if key in arguments)]
+            words = f"{fault_words(error, given)} (exit code {FAULT})"
+        return Called(visible(self._relative(words)), failed=True)
 
     def _relative(self, text: str) -> str:
         """A text without the path of the start folder."""
@@ -165,8 +171,13 @@ class ToolCalls:
         with only_below(self.folder):
             try:
                 require_below(path)
+                path.exists()
             except InputError as error:
                 raise InputError(error.what, file=name, hint=error.hint) from None
+            except OSError as error:  # a name that is too long
+                raise InputError(
+                    f"cannot be opened: {error.strerror}", file=name, hint="give another name"
+                ) from None
         return path
 
     def _read(self, options: dict[str, Any]) -> Assembly:

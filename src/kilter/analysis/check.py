@@ -38,10 +38,11 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.tell.levels import REQUIRE, VerdictWord, level_rank, require_level
 from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
-from kilter.tell.second_order_words import balanced_sentence
+from kilter.tell.second_order_words import balanced_sentence, push_open_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, facts_of, units_of
 
 __all__ = ["check", "check_equilibrium", "check_level"]
@@ -53,6 +54,7 @@ FAR_APART = 1e9
 """Ratio of the largest to the least mass above which accelerations of light parts are inexact."""
 
 
+@guarded
 @on_one_thread
 def check(
     assembly: AssemblyOrPath,
@@ -314,17 +316,16 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     second = decision.second_order
     if second is not None and second.state == "balanced":
         rolling = second.rolling.state if second.rolling is not None else None
-        # rolling was not examined, so with friction the fall is not proved
-        if rolling is None and decision.verdict == "stable":
-            rolling = "open"
         moving = [decision.program.names[k] for k in second.moving]
         return balanced_sentence(moving, rolling=rolling)
+    if second is not None and len(second.bending):
+        bending = [decision.program.names[k] for k in second.bending]
+        return push_open_sentence(bending, second.why)
     if friction is None:
-        first_order = second is not None and second.state in ("free", "open")
+        rubs = assembly.friction > 0 or any(pair.mu > 0 for pair in assembly.friction_pairs)
         return verdict_sentence(
             decision.verdict,
-            first_order=first_order,
-            frictionless=not decision.program.mu.any(),
+            frictionless=not (rubs or decision.program.mu.any()),
             coarse=coarse,
             counted=counted,
             bonded=bonded,

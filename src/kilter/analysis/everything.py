@@ -310,7 +310,7 @@ def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
         parts,
         [force for patch in patches for force in patch["forces"]],
     )
-    if verdict.assembly.bonds and verdict.forces is not None:
+    if verdict.assembly.bonds and verdict.known_forces is not None:
         rows = verdict.forces.rows[np.argsort(verdict.forces.patch_of, kind="stable")]
         balance = replace(balance, pull=verdict.program.pull[rows])
     return Answered(down, answer, balance, sentence, path)

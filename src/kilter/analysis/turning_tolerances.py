@@ -125,7 +125,7 @@ NO_SHARE = 1e-12
 """A largest share of a load closer to 0 than this counts as 0 [-]."""
 MU_NOTHING = 1e-7
 """Coefficients of friction below this count as zero: any friction holds [-]."""
-MU_SQUEEZED = (MU_NOTHING, 1e-6, 1e-5, 1e-4, 1e-3)
+MU_SQUEEZED = (MU_NOTHING, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)
 """Friction coefficients for which forces of a squeeze are tried, in this order [-]."""
 NO_GAIN = 1e-6
 """A smaller gain counts as zero [deg, or weights]."""

@@ -47,11 +47,13 @@ from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subje
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
-from kilter.mechanics.recheck import recheck
+from kilter.mechanics.recheck import proof_forces, recheck
+from kilter.second_order.proofs.push_recheck import wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds as holds_at
 from kilter.tell.levels import level_of, level_rank, require_level
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import VerifyData
@@ -140,6 +142,7 @@ class Verification(AnswerInWords):
         raise TypeError("a verification is neither true nor false: use .holds")
 
 
+@guarded
 def verify(
     assembly: Assembly | str | Path,
     proof: dict[str, Any] | str | Path,
@@ -217,7 +220,10 @@ def verify(
             return _verify_rest(assembly, first, require, progress)
         touching = known or contacts(assembly, tolerance=tolerance, progress=progress)
         recompute = verify_bundle if several else verify_proof
-        return recompute(assembly, touching, data, require=require)
+        result = recompute(assembly, touching, data, require=require)
+        if tolerance == (assembly.tolerance or Tolerance()):
+            return result
+        return replace(result, notes=(OTHER_TOLERANCE, *result.notes))
     except InputError as error:
         raise error.located(file=file) from None
 
@@ -419,10 +425,24 @@ def verify_proof(
     elif not reasons and second is not None:
         reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
         notes += [] if reasons else [f"second order: {second['state']}"]
-    if not reasons and friction is None and "forces" in proof:
-        reasons = _wrong_word(proof["verdict"], second, rubs=bool((contacts.patch_mu > 0).any()))
     claimed = level_of(proof["verdict"])
     level = None if reasons else claimed
+    if not reasons and "forces" in proof:
+        rough = program if friction is not None else program.frictionless
+        forces, _, _ = proof_forces(rough, proof)
+        beyond = wrong_about_push(
+            assembly,
+            contacts,
+            rough,
+            forces,
+            proof["verdict"],
+            second,
+            curves=friction is None,
+        )
+        if beyond and claimed == "equilibrium":
+            reasons, level = beyond, None
+        elif beyond:
+            level, notes = "equilibrium", [*notes, *beyond]
     if level == "proved" and second is not None and second["state"] in STRICT:
         level = "strict"
     if level == "settles":
@@ -451,6 +471,8 @@ def verify_proof(
 
 STRICT = ("minimum", "free")
 """States of second order with which a stable assembly reaches the level strict."""
+OTHER_TOLERANCE = "the tolerance of contacts is that of the file of the proof, not the default"
+"""Note about a premise that whoever made the proof chose."""
 CLAIMED = "settles is claimed by the file: its tries are not repeated at the required level"
 """Note about a claim that is not recomputed."""
 
@@ -464,18 +486,3 @@ def _settles_again(program: Program) -> tuple[str, str]:
     if answer.settles:
         return "settles", f"{tries}, and the search finds no motion; there is no proof of either"
     return "equilibrium", f"settles is claimed by the file: {tries}"
-
-
-def _wrong_word(verdict: str, second: Mapping[str, Any] | None, *, rubs: bool) -> list[str]:
-    """Errors if the verdict of a proof differs from the verdict that its second order proves.
-
-    As sentences; empty if both agree.
-
-    `rubs`: whether a contact has friction. Then a fall counts only if rolling falls, too.
-    """
-    state = None if second is None else second["state"]
-    falls = second is not None and second.get("rolling", None if rubs else "falls") == "falls"
-    fits = "balanced" if state == "balanced" and falls else "stable"
-    if verdict == fits:
-        return []
-    return [f"it states {verdict!r}, but its evidence proves {fits!r}"]

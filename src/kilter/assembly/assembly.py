@@ -11,7 +11,7 @@ import dataclasses
 import fnmatch
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -31,13 +31,17 @@ from kilter.hooks import hook
 from kilter.rigid import unit
 from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
-from kilter.validate import frozen, in_range, number
+from kilter.validate import frozen, in_range, name_list, number
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import BondData
     from kilter.tell.answer_data.common_data import JointData
 
 __all__ = ["Assembly", "require_assembly"]
+
+LIBRARIES = ("build123d", "cadquery", "compas", "compas_assembly", "mujoco", "trimesh")
+"""Libraries whose objects `kilter.load` converts."""
 
 Entry = FrictionPair | GivenContact | Joint | Bond
 ENTRIES: dict[str, type] = {
@@ -53,6 +57,7 @@ ENTRIES: dict[str, type] = {
 """Type of the entries of each sequence of an assembly."""
 
 
+@guarded
 @dataclass(frozen=True, eq=False)
 class Assembly(ChangedCopies):
     """Rigid parts with held parts, gravity, loads, joints, bonds, straps and given contacts.
@@ -82,11 +87,14 @@ class Assembly(ChangedCopies):
     tolerance : kilter.Tolerance, optional
         Default tolerance of contact detection; None for that of `kilter.Tolerance()`.
     straps : sequence of Strap
+    reading : mapping, optional
+        Options with which `kilter.load` read the file, as JSON data: proofs list them.
 
     Notes
     -----
     An assembly is a frozen value: methods such as `with_friction` return a changed copy.
-    Assemblies with equal content are equal and have the same hash; `source` does not count.
+    Assemblies with equal content are equal and have the same hash; `source` and `reading` do not
+    count.
 
     Raises
     ------
@@ -129,6 +137,7 @@ class Assembly(ChangedCopies):
     bonds: Sequence[Bond] = ()
     tolerance: Any = None
     straps: Sequence[Strap] = ()
+    reading: Mapping[str, Any] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         try:
@@ -418,10 +427,10 @@ class Assembly(ChangedCopies):
         Raises
         ------
         InputError
-            If a pattern matches no part.
+            If a pattern matches no part, or is no text.
         """
         chosen: set[str] = set()
-        for pattern in [patterns] if isinstance(patterns, str) else patterns:
+        for pattern in name_list(patterns):
             if pattern in self.index:
                 chosen.add(pattern)
                 continue
@@ -431,9 +440,25 @@ class Assembly(ChangedCopies):
                 ends = [n for n in self.names if n.startswith(head) and n.endswith(tail)]
                 matches = ends if len(ends) == 1 else []
             if not matches:
-                self.index_of(pattern)
+                self._require_alike(pattern)
             chosen.update(matches)
         return chosen
+
+    def _require_alike(self, pattern: str) -> None:
+        """Raise an InputError for a pattern without a match; a wildcard may be missing in it."""
+        for place, alike in (
+            ("end in", f"*{pattern}"),
+            ("begin with", f"{pattern}*"),
+            ("contain", f"*{pattern}*"),
+        ):
+            count = len(fnmatch.filter(self.names, alike))
+            if count > 1:
+                raise InputError(
+                    f"no part is named {pattern!r}",
+                    file=self.source or None,
+                    hint=f"{count} parts {place} {pattern}: {alike!r}",
+                )
+        self.index_of(pattern)
 
     def require_grounded(self) -> None:
         """Raise an InputError if no part is held or joined to the ground.
@@ -515,4 +540,6 @@ def require_assembly(value: object, verb: str) -> None:
         hint = "convert it: kilter.load(mesh)"
     elif isinstance(value, Part):
         hint = "put it into an assembly: kilter.Assembly([part, ...])"
+    elif type(value).__module__.partition(".")[0] in LIBRARIES:
+        hint = "convert it: kilter.load(object, floor=True)"
     raise InputError(f"{verb} needs an assembly, got {type(value).__name__}", hint=hint)

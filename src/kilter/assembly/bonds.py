@@ -12,6 +12,7 @@ from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import frozen, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import BondData
@@ -44,6 +45,7 @@ NOT_RANGED = "their strength does not scale with the masses"
 """Reason why a worst case over intervals of masses is not computed for bonds, for messages."""
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Bond(Value):
     """A glued, studded or magnetic connection of two parts, which breaks beyond a limit of pull.

@@ -13,6 +13,7 @@ from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite, frozen, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 
@@ -32,6 +33,7 @@ def _names(parts: Any) -> tuple[str, ...]:
     return names
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionPair(Value):
     """Friction coefficient of all contacts between two parts.
@@ -57,6 +59,7 @@ class FrictionPair(Value):
         object.__setattr__(self, "mu", number(self.mu, "friction coefficient", lowest=0))
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Load(Value):
     """A force [N] at a point and a torque [N x length unit] on a part, fixed in the world.
@@ -104,6 +107,7 @@ class Load(Value):
         return f"Load({self.part!r}, {', '.join(words)}{at})"
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class GivenContact(Value):
     """Contact points of two parts given by the user; no contacts of that pair are detected.
@@ -180,6 +184,7 @@ class GivenContact(Value):
         return f"GivenContact({self.parts}, {len(self.points)} points, normal={normal}{mu})"
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint(Value):
     """A joint of two parts, or of a part and the ground, that can push and pull.

@@ -12,10 +12,11 @@ from kilter.assembly.brick import Brick
 from kilter.errors import InputError
 from kilter.hooks import hook
 from kilter.rigid import Pose, in_brackets
-from kilter.shape.primitives import Box, Shape
+from kilter.shape.primitives import Box, Mesh, Shape
 from kilter.units import metres_per_unit
 from kilter.validate import finite, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["GROUND", "Part"]
 
@@ -27,6 +28,7 @@ NOT_STATED: Any = type("NotStated", (), {"__repr__": lambda _: "None"})()
 """Default of the mass, so that ``replace(part, mass=None)`` removes a given mass."""
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False, init=False)
 class Part(Value):
     """A rigid part with a shape, a pose, and a mass or density.
@@ -36,7 +38,8 @@ class Part(Value):
     name : str
         Name, unique in the assembly; not "ground".
     shape : Box, Cylinder, Sphere, Prism, Mesh or Solid
-        Shape in the part's own frame [length unit].
+        Shape in the part's own frame [length unit]. An object with `vertices` and `faces`, such
+        as a mesh of trimesh, becomes a `Mesh`.
     pose : Pose, or array_like of shape (3,), (3, 3) or (4, 4)
         Transform from the part's frame to the world: a pose, a position, a rotation matrix, or a
         rigid transform.
@@ -157,9 +160,12 @@ class Part(Value):
     def _validate(self) -> None:
         """Check and convert all fields of the part except its name."""
         if self.name == GROUND:
-            raise InputError(f"the name {GROUND!r} is reserved", hint="give it another name")
+            raise InputError(
+                f"the name {GROUND!r} is reserved for the world in joints and straps",
+                hint="give another name, such as 'table'",
+            )
         if not isinstance(self.shape, Shape):
-            raise _shape_error(self.shape)
+            object.__setattr__(self, "shape", _shape_of(self.shape))
         if self.brick is not None and not isinstance(self.shape, Box):
             raise InputError("the shape of the brick is not a box", hint="give a box, or no brick")
         if self.color is not None and not re.fullmatch("#[0-9a-f]{6}", str(self.color)):
@@ -210,9 +216,21 @@ def _flag(value: Any, name: str) -> bool:
     return bool(value)
 
 
-def _shape_error(value: Any) -> InputError:
-    """Build the error for a value that is not a shape, with advice."""
-    hint = "give a kilter.Box, Cylinder, Sphere, Prism or Mesh"
+def _shape_of(value: Any) -> Shape:
+    """The mesh of an object with vertices and faces, such as a mesh of trimesh.
+
+    Raises
+    ------
+    InputError
+        If the object is another one.
+    """
     if hasattr(value, "vertices") and hasattr(value, "faces"):
-        hint = "give kilter.Mesh(mesh.vertices, mesh.faces)"
-    return InputError(f"shape is of type {type(value).__name__}", hint=hint)
+        try:
+            return Mesh(np.asarray(value.vertices), np.asarray(value.faces))
+        except (TypeError, ValueError):  # for example methods of the same names
+            pass
+    raise InputError(
+        f"shape is of type {type(value).__name__}",
+        hint="give a kilter.Box, Cylinder, Sphere, Prism or Mesh, or convert a shape of another "
+        "library: kilter.load({name: shape})",
+    )

@@ -28,12 +28,14 @@ from kilter.assembly.part import GROUND
 from kilter.errors import InputError
 from kilter.validate import finite, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["Strap", "StrapEnd"]
 
 StrapEnd = Literal["first", "last"]
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Strap(Value):
     """A belt along a path over parts, such as a lashing strap: of known tension, or of capacity.

@@ -18,6 +18,7 @@ from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.errors import InputError
 from kilter.hooks import hook
 from kilter.tell.levels import REQUIRE
+from kilter.validate import name_list
 from kilter.work import EFFORT
 
 __all__ = [
@@ -128,7 +129,7 @@ def asked_assembly(
         assembly = assembly.with_friction(friction)
     if down is not None:
         assembly = assembly.with_down(down)
-    names = [ground] if isinstance(ground, str) else list(ground)
+    names = name_list(ground, "ground")
     if names:
         assembly = assembly.with_grounded(names)
     if floor is not None and floor is not False:

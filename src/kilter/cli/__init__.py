@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
@@ -16,14 +17,21 @@ from pathlib import Path
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.known_facts import begin_facts, interruption_words
-from kilter.cli.mistakes import NO_MEMORY, fault_words, usage_words
+from kilter.cli.mistakes import usage_words
 from kilter.cli.streams import is_full, open_closed_streams
+from kilter.errors import NO_MEMORY, InputError, fault_words, message_line
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
 
 HELP: tuple[list[str], ...] = ([], ["--help"], ["-h"])
 """Command lines that print the overview of the commands."""
+READ_APART = {
+    **dict.fromkeys(("step", "stp"), "step"),
+    **dict.fromkeys(("xml", "mjcf"), "mjcf"),
+    **dict.fromkeys(("usd", "usda", "usdc", "usdz"), "usd"),
+}
+"""Endings of the files whose libraries run in a separate process, and the kind of each."""
 NEW_OBJECTS = 200_000
 """New objects after which garbage is collected. The imports of a command make about 60,000, and a
 collection of so many takes 40 ms; more objects need more memory."""
@@ -81,13 +89,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _read_ahead(words: list[str]) -> None:
-    """Start reading the first STEP file of a command while kilter is still being loaded."""
-    from kilter.files.step_process import begin_early
+    """Start reading the first file of a command that needs a process of its own.
 
-    named = [word for word in words if word.lower().endswith((".step", ".stp"))]
-    if named and Path(named[0]).is_file():
-        every = not any(word.startswith("--without") for word in words)
-        begin_early(Path(named[0]) if every else None)
+    Kilter is still being loaded meanwhile.
+    """
+    from kilter.files import scene_process, step_process
+
+    for word in words:
+        path, ending = Path(word), word.lower().rpartition(".")[2]
+        if ending not in READ_APART or not path.is_file():
+            continue
+        if READ_APART[ending] == "step":
+            every = not any(word.startswith("--without") for word in words)
+            step_process.begin_early(path if every else None)
+        elif ending != "xml" or scene_process.is_mjcf(path):
+            scene_process.begin_early(READ_APART[ending], path)
+        return
 
 
 def _run(words: list[str]) -> int:
@@ -106,10 +123,11 @@ def _run(words: list[str]) -> int:
         with_several_names,
         with_two_names,
     )
-    from kilter.errors import InputError
+    from kilter.cli.quantities import with_plain_numbers
 
     try:
-        given = with_two_names(with_several_names(with_off_names(with_floor_value(words))))
+        given = with_off_names(with_floor_value(with_plain_numbers(words)))
+        given = with_two_names(with_several_names(given))
         result = _result(given)
         sys.stdout.flush()
         if result == INTERRUPTED:
@@ -130,6 +148,9 @@ def _run(words: list[str]) -> int:
         _print_error(NO_MEMORY)
         return USAGE
     except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            _print_error("the name of a file is too long for this system; give a shorter name")
+            return USAGE
         if not is_full(error):
             raise
         _print_error(f"the answer cannot be written: {error.strerror}; write to another place")
@@ -168,7 +189,5 @@ def _result(given: list[str]) -> int | None:
 
 def _print_error(message: str) -> None:
     """Print an error message as a single line on the error stream."""
-    from kilter.errors import visible
-
     with suppress(OSError):  # without an error stream the exit code remains
-        print(f"kilter: {visible(message)}", file=sys.stderr, flush=True)
+        print(f"kilter: {message_line(message)}", file=sys.stderr, flush=True)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ToleranceOptions",
-    "acceleration_of",
+    "named_numbers",
     "pair_of",
     "reading_of",
     "straps_of",
@@ -59,6 +59,9 @@ def reading_of(
     bond: list[str] | None = None,
     off: list[str] | None = None,
     release: list[str] | None = None,
+    mass: list[str] | None = None,
+    load: list[str] | None = None,
+    accelerate: tuple[str, str, str] | None = None,
 ) -> Reading:
     """Create the reading options from the values of the options of a command."""
     # imported late: the help needs no reader
@@ -85,6 +88,9 @@ def reading_of(
         bond=tuple(_bond_of(words) for words in bond or ()),
         off=tuple(dict.fromkeys(word.replace("-", "_") for word in off or ())),
         release=tuple(release or ()),
+        mass=tuple(named_numbers("--mass", words, 1, '"bolt*=0.2"') for words in mass or ()),
+        load=tuple(named_numbers("--load", words, 3, "lid=0,0,-20") for words in load or ()),
+        accelerate=accelerate,
     )
 
 
@@ -358,30 +364,27 @@ def _lowest() -> str:
     return LOWEST
 
 
-def acceleration_of(option: str, text: str) -> tuple[float, bool]:
-    """Parse a component of an acceleration: its number, and whether its unit is g.
+def named_numbers(option: str, words: str, count: int, example: str) -> tuple[Any, ...]:
+    """Split ``NAME=X`` or ``NAME=X,Y,Z`` into the name and its numbers.
 
     Raises
     ------
     InputError
-        If it is no finite number; the message names `option`.
+        If the name or a number is missing; the message names `option`.
 
     Examples
     --------
-    >>> acceleration_of("--accelerate", "0.5g"), acceleration_of("--accelerate", "-2")
-    ((0.5, True), (-2.0, False))
+    >>> named_numbers("--load", "lid=0,0,-20", 3, "")
+    ('lid', 0.0, 0.0, -20.0)
     """
-    in_g = text.endswith("g")
+    name, equals, text = words.rpartition("=")
     try:
-        value = float(text[:-1] if in_g else text)
+        numbers = [float(word) for word in text.split(",")]
     except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(
-            f"{option} has {text!r:.40}",
-            hint="give numbers in m/s^2, or in g as 0.5g",
-        )
-    return value, in_g
+        numbers = []
+    if not (name and equals and len(numbers) == count and all(map(math.isfinite, numbers))):
+        raise InputError(f"{option} has {words!r:.60}", hint=f"write {option} {example}")
+    return (name, *numbers)
 
 
 def straps_of(path: Path) -> dict[str, Any]:

@@ -10,10 +10,10 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import ToleranceOptions, reading_of, straps_of
-from kilter.cli.colour import in_colour
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.known_facts import known_words
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
+from kilter.cli.quantities import material_of
 from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.errors import InputError, TimeLimitReached, shell_words
 from kilter.work import facts_of, stop_after
@@ -111,11 +111,15 @@ class Asked:
             *(given[key] for key in ("up", "contacts", "keyframe", "base")),
             *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides", "bond")),
             *(given[key] for key in ("off", "release")),
+            *(given.get(key) for key in ("mass", "load", "accelerate")),
         )
         touching = [name for name in TOUCHING if given[name] not in (None, False)]
         require_off(reading.off, (), touching)
-        if given["straps"] is not None:
-            reading = replace(reading, entries=straps_of(given["straps"]))
+        entries = {} if given["straps"] is None else straps_of(given["straps"])
+        if given["material"]:
+            entries["materials"] = [material_of(words) for words in given["material"]]
+        if entries:
+            reading = replace(reading, entries=entries)
         touch = ToleranceOptions(*(given[name] for name in TOUCHING))
         effort = _not_negative(given.get("effort", 0.0), "--effort", "N")
         limit = given.get("time_limit")
@@ -242,6 +246,11 @@ class Asked:
         reading = replace(self.reading, entries=entries)
         return replace(self, reading=reading, typed=reading), straps
 
+    def without_acceleration(self) -> tuple[Asked, tuple[str, str, str] | None]:
+        """A copy that reads the assembly without `--accelerate`, and the value of this option."""
+        reading = replace(self.reading, accelerate=None)
+        return replace(self, reading=reading), self.reading.accelerate
+
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
@@ -296,7 +305,7 @@ class Asked:
             return
         text = text_of(answer, *more, brief=not self.verbose) + after
         text += self._next(answer, typed, bricks)
-        emit(text if self.output else in_colour(text, answer), self.output)
+        emit(text, self.output, answer)
         tell_written(self.output, content, self.quiet)
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
@@ -315,6 +324,8 @@ class Asked:
         request = self
         if "--down" in rest:
             request = replace(self, typed=replace(self.typed, down=None))
+        if "--accelerate" in rest:
+            request = replace(self, typed=replace(self.typed, accelerate=None))
         if "--friction" in rest:
             request = replace(self, typed=replace(self.typed, friction=None))
         words = request.command(name, *(typed if name == kind_of(answer) else ()), *rest)

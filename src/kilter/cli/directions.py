@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
+from kilter.cli.each import code_of
 from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, asks
 from kilter.cli.order_files import as_typed
 from kilter.cli.output import Progress
 from kilter.errors import InputError
+from kilter.tell.levels import holds
 from kilter.work import stop_after
 
 if TYPE_CHECKING:
@@ -246,7 +248,9 @@ def margin(
     and the answer names the parts that start to move. --require settles or proved adds the value of
     each limit up to which that level is reached.
 
-    Exit code: 0, whatever the verdict.
+    Exit code, as of check in the given direction of gravity: 0 it holds at the level settles, or
+    at that of --require if it is higher; 1 it does not hold, 3 it holds at a lower level only,
+    4 undecided.
     """
     from kilter.analysis.margins.margin import margin as find
 
@@ -282,7 +286,10 @@ def margin(
         require=None if require == "equilibrium" else require,
     )
     asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
-    return WRITTEN
+    verdict = answer.verdict
+    lowest = verdict.require if require == "equilibrium" else require
+    reached = holds(verdict.level, lowest)
+    return code_of({"verdict": verdict.verdict, "level": verdict.level, "holds": reached})
 
 
 def _ranges(

@@ -8,9 +8,8 @@ from typing import Any
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
-from kilter.cli.mistakes import NO_MEMORY, fault_words
 from kilter.cli.output import as_json, emit, tell_warnings, tell_written
-from kilter.errors import InputError, visible
+from kilter.errors import NO_MEMORY, InputError, fault_words, message_line
 
 __all__ = ["check_each", "code_of"]
 
@@ -76,5 +75,5 @@ def _answer(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, int
         warnings = [f"{asked.file}: {warning}" for warning in answer["warnings"]]
         tell_warnings(warnings, asked.quiet or asked.json)
         return answer, code_of(answer)
-    print(f"kilter: {visible(why)}", file=sys.stderr)
+    print(f"kilter: {message_line(why)}", file=sys.stderr)
     return {"error": why}, code

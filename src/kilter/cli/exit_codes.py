@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from kilter.errors import FAULT
+
 __all__ = [
     "DOCTOR",
     "FAULT",
@@ -53,7 +55,5 @@ SOME_ERRORS = 1
 """Code of `batch` if some of the written rows have an error instead of a verdict."""
 USAGE = 2
 """Wrong usage or input."""
-FAULT = 70
-"""Fault of kilter itself."""
 INTERRUPTED = 130
 """Ctrl-C, or a request of the system to end."""

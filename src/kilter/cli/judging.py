@@ -14,7 +14,7 @@ from kilter.cli.each import check_each, code_of
 from kilter.cli.exit_codes import HOLDS, INVALID, LOWER, WRITTEN
 from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_written, write_whole
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
 from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
@@ -305,11 +305,11 @@ def example(
     if target.exists() and not force:
         raise InputError("already exists", file=str(target), hint="add --force to replace it")
     write_whole(target, text)
-    print(f"{target}: {SCENES[name].title}")
+    print(f"{visible(str(target))}: {SCENES[name].title}")
     if len(assembly) <= SMALL:
         with Progress(quiet=False) as progress:
             print(decide(assembly, progress=progress).sentence)
-    print(f"next: kilter check {target}")
+    print(f"next: kilter check {visible(str(target))}")
     return WRITTEN
 
 

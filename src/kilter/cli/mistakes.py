@@ -1,16 +1,13 @@
-"""Single-line error messages about wrong usage, and about faults of kilter itself."""
+"""Single-line error messages about wrong usage."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any
 
-from kilter.cli.synonyms import meant_option
+from kilter.values.guesses import meant_word, remedy_of
 
-__all__ = ["NO_MEMORY", "fault_words", "usage_words"]
-
-NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"
+__all__ = ["usage_words"]
 
 
 def usage_words(error: Any) -> str:
@@ -21,7 +18,10 @@ def usage_words(error: Any) -> str:
     unknown = getattr(error, "option_name", None)
     if unknown is not None and context is not None and not hasattr(error, "param_hint"):
         known = {name for option in context.command.params for name in option.opts}
-        meant = meant_option(unknown, known)
+        meant = meant_word(unknown, known)
+        remedy = remedy_of("--", unknown.lstrip("-").split("=")[0].lower())
+        if remedy is not None:
+            message = f"there is no option {unknown}: {remedy}"
         if meant is not None:
             message = f"there is no option {unknown}: use {meant}"
     message = message.replace("Value error, ", "")
@@ -30,19 +30,3 @@ def usage_words(error: Any) -> str:
         wanted = {"number": "a number", "integer": "a whole number"}.get(named[2], f"a {named[2]}")
         message = f"the value of {named[1]} is not {wanted}"
     return f"{message}; see '{path} --help'"
-
-
-def fault_words(error: Exception, words: Sequence[str]) -> str:
-    """Message for an internal error of kilter: the error, its place, and how to report it."""
-    import traceback
-
-    import kilter
-
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    module = last.filename.replace("\\", "/").rsplit("/kilter/", 1)[-1]
-    detail = " ".join(str(error).split())[:200]
-    return (
-        f"a fault of kilter itself: {type(error).__name__}: {detail} "
-        f"(kilter {kilter.__version__}, {module}:{last.lineno}); please report it with the "
-        f"command 'kilter {' '.join(words)}', the file and the output of 'kilter doctor'"
-    )

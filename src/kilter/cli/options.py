@@ -14,6 +14,7 @@ from typing import Annotated, Any, get_type_hints
 
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
+from kilter.cli.output import require_answer_file
 from kilter.errors import TimeLimitReached
 from kilter.work import EFFORT
 
@@ -28,7 +29,8 @@ WORK = "Limits of work and time"
 HELP_OF_FILE = (
     "An assembly: STEP (needs kilter[step]), a folder of meshes (a file for each part), OBJ, STL, "
     "3MF, GLB, COMPAS JSON, MJCF, URDF, USD (needs kilter[usd]), bricks (LDraw, StableLego JSON, "
-    "BrickGPT text) or *.kilter.json. With -, kilter JSON is read from standard input."
+    "BrickGPT text), a packing list (CSV) or *.kilter.json. With -, kilter JSON is read from "
+    "standard input."
 )
 File = Annotated[
     str,
@@ -162,7 +164,7 @@ Friction = Annotated[
         "--friction",
         metavar="MU",
         help="Friction coefficient of contacts without a coefficient of their own; it replaces the "
-        "default of the file.",
+        "default of the file. 30% and 17deg are 0.3 and tan 17 deg.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -183,7 +185,18 @@ Density = Annotated[
         "--density",
         metavar="KG/M3",
         help="Density of the parts without a density in the file, or of all parts of a STEP file "
-        "[kg/m^3]; 1000 by default.",
+        "[kg/m^3]; 1000 by default. Names such as steel or oak are known.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+Material = Annotated[
+    list[str] | None,
+    Option(
+        "--material",
+        metavar="NAME=KG/M3",
+        help='Density of parts, in place of density and mass of the file: --material "bolt*=7850" '
+        'or "bolt*=steel". Repeatable; * and ? are wildcards.',
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -301,6 +314,39 @@ Straps = Annotated[
         show_default=False,
     ),
 ]
+Mass = Annotated[
+    list[str] | None,
+    Option(
+        "--mass",
+        metavar="NAME=KG",
+        help='Mass of a part, in place of its density: --mass "bolt*=0.2". Repeatable; * and ? are '
+        "wildcards.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+Load = Annotated[
+    list[str] | None,
+    Option(
+        "--load",
+        metavar="NAME=FX,FY,FZ",
+        help="Add a force at the centre of mass of a part [N]: --load lid=0,0,-20. Repeatable; * "
+        "and ? are wildcards.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+Accelerate = Annotated[
+    tuple[str, str, str] | None,
+    Option(
+        "--accelerate",
+        metavar="X Y Z",
+        help="The held parts belong to a carrier with this acceleration, in m/s^2, or in g as "
+        "0.5g.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
 Off = Annotated[
     list[str] | None,
     Option(
@@ -382,9 +428,13 @@ READING: dict[str, tuple[Any, Any]] = {
     "friction": (Friction, None),
     "units": (Units, None),
     "density": (Density, None),
+    "material": (Material, None),
     "fasten": (Fasten, None),
     "bond": (Bonded, None),
     "straps": (Straps, None),
+    "mass": (Mass, None),
+    "load": (Load, None),
+    "accelerate": (Accelerate, None),
     "fasten_suggested": (FastenSuggested, False),
     "fasten_overlaps": (FastenOverlaps, False),
     "contacts": (Contacts, None),
@@ -414,11 +464,17 @@ FORMS: dict[str, tuple[Any, Any]] = {
 
 
 def asks(
-    *, searches: bool = False, timed: bool = False, proves: bool = False, answers: bool = True
+    *,
+    searches: bool = False,
+    timed: bool = False,
+    proves: bool = False,
+    answers: bool = True,
+    writes: tuple[str, ...] = (),
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
     """Create a decorator that adds the shared options to a command ``act(asked, **options)``.
 
-    A parameter whose annotation is a dataclass stands for the options that are its fields.
+    A parameter whose annotation is a dataclass stands for the options that are its fields. An
+    option of the command replaces a shared option of the same name.
 
     Parameters
     ----------
@@ -431,6 +487,8 @@ def asks(
     answers : bool
         Whether to add ``--json``, ``--output`` and ``--verbose``. Commands that write a page or a
         figure have output options of their own.
+    writes : tuple of str
+        Endings of pages, figures and films that the command writes with ``--output``.
     """
 
     def decorate(act: Callable[..., int]) -> Callable[..., int]:
@@ -439,6 +497,8 @@ def asks(
         declared_options = [field for parameter in declared for field in _own_options(parameter)]
         limits = {"time_limit": (TimeLimit, None)} if timed else {}
         shared = READING | (SEARCHING if searches else limits)
+        names = {parameter.name for parameter in declared_options}
+        shared = {name: option for name, option in shared.items() if name not in names}
         kept = {"proof": (Proof, None)} if proves else {}
         last = kept | (FORMS if answers else {}) | {"quiet": (Quiet, False)}
         own = any(parameter.name in ("file", "files") for parameter in declared_options)
@@ -458,9 +518,10 @@ def asks(
             ),
             *(_parameter(name, *option) for name, option in last.items()),
         ]
-        names = {parameter.name for parameter in declared_options}
 
         def command(**given: Any) -> int:
+            if answers:
+                require_answer_file(given["output"], writes)
             asked = Asked.of({k: v for k, v in given.items() if k not in names})
             try:
                 return act(asked, **{entry.name: _value(entry, given) for entry in declared})

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import PAIRS, pair_of
-from kilter.cli.output import tell_warnings, write_whole
+from kilter.cli.output import tell_warnings, tell_written, write_whole
 
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
@@ -57,13 +56,12 @@ def written(order: Order, answer: Mapping[str, Any], asked: Asked, typed: list[s
     else:
         return False
     tell_warnings(answer["warnings"], asked.quiet)
-    return _report(asked, f"plan {order.verdict}")
+    return _report(asked, answer["sentence"])
 
 
 def _report(asked: Asked, words: str) -> bool:
     """Print a line about the output file on the error stream; always returns True."""
-    if not asked.quiet:
-        print(f"{asked.output}: {words}", file=sys.stderr)
+    tell_written(asked.output, words, asked.quiet)
     return True
 
 

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import json
-import re
+import os
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from kilter.cli.colour import in_colour
 from kilter.cli.known_facts import begin_facts, remember_fact, remember_step
-from kilter.errors import InputError, visible
+from kilter.errors import InputError, message_line, short_name, visible
 
 __all__ = [
     "Progress",
     "as_json",
     "emit",
     "keep_apart",
+    "require_answer_file",
     "tell_warnings",
     "tell_written",
     "write_whole",
@@ -27,29 +29,45 @@ __all__ = [
 EACH = 1.0
 """Time between two updates of the progress line [s]."""
 
-
-CONTROLS = re.compile(
-    r"(?!\x1b\[[\d;]*m)[\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]"
+PAGE, PICTURE, FILM = (
+    "'kilter report FILE -o x.html' writes a page",
+    "'kilter draw FILE -o x.png' writes a picture",
+    "'kilter draw FILE -o x.glb' writes a film",
 )
-"""Control characters that a name could bring: cursor moves and changes of the text direction.
-
-Escape sequences of colours do not match, since only kilter writes them.
-"""
+OTHER_FILES = {
+    **dict.fromkeys((".html", ".htm"), PAGE),
+    **dict.fromkeys((".svg", ".png", ".pdf", ".jpg", ".jpeg"), PICTURE),
+    **dict.fromkeys((".glb", ".gif", ".mp4"), FILM),
+}
+"""Endings of files that hold no text of an answer, with the command that writes such a file."""
 
 
 def as_json(data: Any) -> str:
-    """Data as JSON text with exact numbers and escaped control characters."""
+    """Data as JSON text with exact numbers; characters that do not print are escaped."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    return CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
+    if all(line.isprintable() for line in text.split("\n")):
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text)
 
 
-def emit(text: str, output: Path | None) -> None:
-    """Print a text with escaped control characters, or write it to a file."""
-    text = CONTROLS.sub(lambda match: visible(match[0]), text)
-    if output is None:
-        sys.stdout.write(text if text.endswith("\n") else text + "\n")
-    else:
+def emit(text: str, output: Path | None, answer: Mapping[str, Any] | None = None) -> None:
+    """Print a text, or write it to a file; characters that do not print are escaped.
+
+    Parameters
+    ----------
+    text : str
+    output : Path or None
+        None: standard output.
+    answer : mapping, optional
+        Data of the answer whose colour the first line has on a terminal.
+    """
+    text = visible(text, keep="\n")
+    if output is not None:
         write_whole(output, text)
+        return
+    if answer is not None:
+        text = in_colour(text, answer)
+    sys.stdout.write(text if text.endswith("\n") else text + "\n")
 
 
 def tell_written(output: Path | None, content: str, quiet: bool) -> None:
@@ -66,13 +84,37 @@ def keep_apart(file: str, *outputs: Path | None) -> None:
     InputError
         If an output is the file that is read or an earlier output.
     """
-    seen = [Path(file).resolve()] if file != "-" else []
+    seen = [os.path.realpath(file)] if file != "-" else []
     for output in outputs:
         if output is None:
             continue
-        if output.resolve() in seen:
+        place = os.path.realpath(output)
+        if place in seen:
             raise InputError("would be overwritten", file=str(output), hint="write to another file")
-        seen.append(output.resolve())
+        seen.append(place)
+
+
+def require_answer_file(output: Path | None, writes: Sequence[str] = ()) -> None:
+    """Raise an error if the file of an answer has the ending of a page, a picture or a film.
+
+    Parameters
+    ----------
+    output : Path or None
+    writes : sequence of str
+        Endings of this kind that the command writes.
+
+    Raises
+    ------
+    InputError
+        If the command would write text into such a file.
+    """
+    ending = "" if output is None else output.suffix.lower()
+    if ending in OTHER_FILES and ending not in writes:
+        raise InputError(
+            "the answer is text or JSON, which does not belong into such a file",
+            file=str(output),
+            hint=f"use -o x.txt or -o x.json; {OTHER_FILES[ending]}",
+        )
 
 
 def write_whole(path: Path, text: str) -> None:
@@ -93,7 +135,7 @@ def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None
     if quiet:
         return
     for warning in warnings[:limit]:
-        print(f"kilter: warning: {visible(warning)}", file=sys.stderr)
+        print(f"kilter: warning: {message_line(warning)}", file=sys.stderr)
     if len(warnings) > limit:
         print(f"kilter: {len(warnings) - limit} more warnings (--json lists all)", file=sys.stderr)
 
@@ -128,7 +170,7 @@ class Progress:
         shown = False
         while not self._ended.wait(EACH):
             elapsed, shown = time.perf_counter() - self._started, True
-            line = f"kilter: {self._step} ... ({elapsed:.0f} s so far)"
+            line = f"kilter: {short_name(self._step)} ... ({elapsed:.0f} s so far)"
             print(f"\r\x1b[K{line}", end="", file=sys.stderr, flush=True)
         if shown:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.exit_codes import HOLDS, LOWER, PACKING
 from kilter.cli.options import Json, Output, Quiet, Require
-from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings, tell_written
+from kilter.cli.output import (
+    Progress,
+    as_json,
+    emit,
+    keep_apart,
+    require_answer_file,
+    tell_warnings,
+    tell_written,
+)
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
 
@@ -91,6 +99,7 @@ def check_plan(
     from kilter.analysis.placing.check_plan import check_plan as decide
     from kilter.tell.text import text_of
 
+    require_answer_file(output)
     keep_apart(plan, output, None)
     if pallet is not None and not min(pallet) > 0:
         raise InputError(f"--pallet is {pallet[0]:g} {pallet[1]:g}", hint="give lengths above 0")

@@ -11,7 +11,7 @@ from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.exit_codes import WRITTEN
 from kilter.cli.options import HELP_OF_FILE, asks
-from kilter.cli.output import Progress, tell_warnings
+from kilter.cli.output import Progress, tell_warnings, tell_written
 from kilter.errors import InputError, visible
 
 __all__ = ["draw", "report", "view"]
@@ -68,10 +68,9 @@ def report(
             command=asked.command("report", "-o", str(output), *["--margins"] * margins),
             progress=progress,
         )
-    if not asked.quiet:
-        size = len(page.html.encode("utf-8")) / 1e6
-        words = f"verdict {page.verdict}; {size:.2f} MB in a file that needs no network"
-        print(f"{output}: {words}", file=sys.stderr)
+    size = len(page.html.encode("utf-8")) / 1e6
+    words = f"verdict {page.verdict}; {size:.2f} MB in a file that needs no network"
+    tell_written(output, words, asked.quiet)
     return WRITTEN
 
 
@@ -95,7 +94,17 @@ def view(
             "--host",
             metavar="NAME",
             help="Also answer requests for this host name, for a proxy in front of this machine. "
-            "Repeatable.",
+            "0.0.0.0 listens on all addresses, for a container. Repeatable.",
+            show_default=False,
+        ),
+    ] = None,
+    folder: Annotated[
+        Path | None,
+        Option(
+            "--folder",
+            metavar="DIR",
+            help="Opened folder: FILE and the files that it names must be below. By default the "
+            "folder of FILE.",
             show_default=False,
         ),
     ] = None,
@@ -105,7 +114,8 @@ def view(
     The options are the first choices, which the page changes and saves as X.kilter.json. Without
     FILE the page lists the files of this folder and the examples.
 
-    The page is served to this machine only. Ctrl-C ends it; the changes are kept beside FILE.
+    The page is served to this machine only, except with --host 0.0.0.0. Ctrl-C ends it; the changes
+    are kept beside FILE.
     """
     from kilter.workbench.view import view as open_workbench
 
@@ -119,7 +129,14 @@ def view(
 
     path, keys, down = (None, None, None) if file is None else _first_choices(asked.of_file(file))
     open_workbench(
-        path, port=port, browser=not no_browser, hosts=host or (), keys=keys, down=down, say=say
+        path,
+        port=port,
+        browser=not no_browser,
+        hosts=host or (),
+        folder=folder,
+        keys=keys,
+        down=down,
+        say=say,
     )
     return WRITTEN
 
@@ -215,7 +232,6 @@ def draw(
             publish.draw(answer, output, view=view)
     data = answer.to_dict()
     tell_warnings(data["warnings"], asked.quiet)
-    if not asked.quiet:
-        words = f"verdict {data['verdict']}" if "verdict" in data else f"region {data['kind']}"
-        print(f"{output}: {words}", file=sys.stderr)
+    words = f"verdict {data['verdict']}" if "verdict" in data else f"region {data['kind']}"
+    tell_written(output, words, asked.quiet)
     return WRITTEN

@@ -23,7 +23,7 @@ __all__ = ["place"]
 PUT = "The part that is put down"
 
 
-@asks(proves=True)
+@asks(proves=True, writes=(".html", ".htm"))
 def place(
     asked: Asked,
     box: Annotated[

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from kilter.cli.arguments import acceleration_of, pair_of
+from kilter.cli.arguments import pair_of
 from kilter.cli.declarations import Option
 from kilter.cli.options import FORM
 from kilter.cli.order_files import as_typed
@@ -217,6 +217,8 @@ def _acceleration(text: str, gravity: Sequence[float]) -> float | list[float]:
     >>> _acceleration("0.5g", (0, 0, -10)), _acceleration("0.1g,-2,0", (0, 0, -10))
     (5.0, [1.0, -2.0, 0.0])
     """
+    from kilter.files.reading_steps import acceleration_of
+
     parts = [acceleration_of("--carried", word) for word in text.split(",")]
     values = [value * (math.hypot(*gravity) if in_g else 1.0) for value, in_g in parts]
     if len(values) not in (1, 3):

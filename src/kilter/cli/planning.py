@@ -12,7 +12,7 @@ from kilter.cli.plan_options import PlanOptions
 __all__ = ["plan"]
 
 
-@asks(searches=True, proves=True)
+@asks(searches=True, proves=True, writes=(".html", ".htm", ".svg", ".png", ".pdf", ".glb"))
 def plan(asked: Asked, options: PlanOptions) -> int:
     """Find an order in which an assembly can be put together, and the parts to hold at each step.
 

@@ -142,6 +142,12 @@ def require_pose_form(output: Path, asked: Asked) -> None:
         source = asked.source or Path(asked.file)
         if source.exists():
             choices_about(source, output.parent, {})
+    elif suffix in USD and (asked.source or Path(asked.file)).suffix.lower() not in (*USD, ".usdz"):
+        raise InputError(
+            "a USD layer moves the objects of a USD file, and the input is another file",
+            file=str(output),
+            hint="write the pose to X.kilter.json, X.xml, X.glb or X.json",
+        )
     elif suffix not in (".xml", ".glb", ".json", *USD):
         raise InputError(
             f"{suffix or 'a file without ending'} is no format of a pose", file=str(output),

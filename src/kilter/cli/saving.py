@@ -11,7 +11,7 @@ from kilter.cli.arguments import triple_of
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import WRITTEN
-from kilter.cli.options import FORM, HELD, TOUCH, Json, asks
+from kilter.cli.options import FORM, TOUCH, Json, asks
 from kilter.cli.output import Progress, as_json, emit, tell_warnings
 from kilter.errors import InputError, shell_words
 
@@ -32,17 +32,6 @@ def save(
             metavar="X.kilter.json",
             help="File to write, in the folder of FILE or above it.",
             rich_help_panel=FORM,
-            show_default=False,
-        ),
-    ] = None,
-    material: Annotated[
-        list[str] | None,
-        Option(
-            "--material",
-            metavar="NAME=KG/M3",
-            help='Density of a part, in place of density and mass of the file: --material "bolt*='
-            '7850". Repeatable; * and ? are wildcards.',
-            rich_help_panel=HELD,
             show_default=False,
         ),
     ] = None,
@@ -78,12 +67,16 @@ def save(
         raise InputError(
             "options for standard input cannot be saved", hint="give a file or a folder"
         )
+    for option in ("mass", "load", "accelerate"):
+        if getattr(asked.typed, option):
+            raise InputError(
+                f"--{option} is not saved: it is part of a question",
+                hint=f"give --{option} to the command that asks; --material and the key 'loads' of "
+                "the file of choices are saved",
+            )
     replaces = require_place(output)
-    entries = {
-        "materials": [_material(words) for words in material or ()],
-        "open_pairs": [_decision(words) for words in open_pairs or ()],
-    }
-    given = {**asked.typed.entries, **{key: value for key, value in entries.items() if value}}
+    decisions = [_decision(words) for words in open_pairs or ()]
+    given = {**asked.typed.entries, **({"open_pairs": decisions} if decisions else {})}
     asked = replace(asked, typed=replace(asked.typed, entries=given)).of_file(asked.file)
     with Progress(asked.quiet) as progress:
         choices = save_reading(
@@ -99,20 +92,6 @@ def save(
     else:
         emit(_words(choices, output, replaces), None)
     return WRITTEN
-
-
-def _material(words: str) -> dict[str, Any]:
-    """Parse a value of ``--material`` into the material entry of a file of choices."""
-    parts, _, density = words.rpartition("=")
-    try:
-        value = float(density)
-    except ValueError:
-        value = 0.0
-    if not parts or not value > 0:
-        raise InputError(
-            f"--material has {words!r:.60}", hint='give a name and kg/m^3: --material "bolt*=7850"'
-        )
-    return {"parts": parts, "density": value}
 
 
 def _decision(words: str) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from kilter.cli.arguments import acceleration_of
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, WRITTEN
@@ -31,17 +30,6 @@ UNSURE = "Worst case for uncertain data"
 @asks(searches=True, proves=True)
 def transport(
     asked: Asked,
-    accelerate: Annotated[
-        tuple[str, str, str] | None,
-        Option(
-            "--accelerate",
-            metavar="X Y Z",
-            help="Does the assembly stay in place at this acceleration of the carrier? In m/s^2, "
-            "or in g as 0.5g.",
-            rich_help_panel=QUESTION,
-            show_default=False,
-        ),
-    ] = None,
     turn: Annotated[
         tuple[float, float, float] | None,
         Option(
@@ -180,14 +168,16 @@ def transport(
     """Find how hard a carrier may accelerate, brake and turn before a part on it moves.
 
     The frame of the file is fixed in the carrier: a truck, a trolley, a robot's wrist. Held parts
-    belong to the carrier. Without a question: the largest acceleration along each axis, and the
-    least of all horizontal directions. Up to each limit forces that hold the assembly exist.
+    belong to the carrier. --accelerate asks about one acceleration. Without a question: the
+    largest acceleration along each axis, and the least of all horizontal directions. Up to each
+    limit forces that hold the assembly exist.
 
     Exit code: 0 carried at the level of --require (without a question: always), 1 not carried,
     3 carried at a lower level only, 4 undecided.
     """
     from kilter.analysis.transport.transport import transport as find
 
+    asked, accelerate = asked.without_acceleration()
     if figure is not None:
         _require_figure(figure, [accelerate, turn, turn_faster, code])
         asked.apart(figure)
@@ -290,6 +280,8 @@ def _motion(
     """Return a function from an assembly to the carrier motion of the options; None without any."""
     if accelerate is None and turn is None and turn_faster is None:
         return None
+    from kilter.files.reading_steps import acceleration_of
+
     parts = [acceleration_of("--accelerate", text) for text in accelerate or ("0", "0", "0")]
 
     def motion(assembly: Assembly) -> CarrierMotion:

@@ -26,6 +26,7 @@ from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES
 from kilter.contact.recent_searches import recent_searches
 from kilter.errors import InputError
+from kilter.values.guesses import guarded
 from kilter.work import facts_of, stop_after, take_at_least
 
 __all__ = [
@@ -43,6 +44,7 @@ LEAST_TIME = 0.2
 """Time in which contacts are searched for whatever the time limit [s]."""
 
 
+@guarded
 def contacts(
     assembly: AssemblyOrPath,
     *,

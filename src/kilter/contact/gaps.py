@@ -37,6 +37,7 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facets import Facets
 from kilter.errors import InputError, some
+from kilter.values.guesses import guarded
 
 __all__ = [
     "APART",
@@ -56,6 +57,7 @@ __all__ = [
 ]
 
 
+@guarded
 @dataclass(frozen=True, slots=True)
 class Tolerance:
     """Largest gap and angle at which two faces count as touching.

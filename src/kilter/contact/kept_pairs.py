@@ -46,7 +46,7 @@ class KeptPairs:
         for record in records:
             a, b = (int(self.new_part[k]) for k in record.parts)
             if a >= 0 and b >= 0 and frozenset(record.parts) not in self.removed:
-                kept.append(replace(record, parts=(a, b)))
+                kept.append(record if record.parts == (a, b) else replace(record, parts=(a, b)))
         return tuple(kept)
 
     def rows_of(self, pair: Index) -> Index:

@@ -7,6 +7,7 @@ stay the same. So these values are kept, until bodies of another geometry are se
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import Any
@@ -55,6 +56,16 @@ def recent_searches(geometry: Geometry) -> RecentSearches:
     if recent.geometry is not geometry:
         recent = _recent = RecentSearches(geometry)
     return recent
+
+
+@atexit.register
+def forget() -> None:
+    """Release the values before the interpreter ends.
+
+    Solids that live longer than their library make it print a list of leaks.
+    """
+    global _recent
+    _recent = RecentSearches()
 
 
 _recent = RecentSearches()

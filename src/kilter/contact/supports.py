@@ -33,6 +33,7 @@ from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box
 from kilter.validate import finite, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.plan_data import SupportData
@@ -46,6 +47,7 @@ OUTSIDE = "outside"
 """Name of the held part that stands for the outside world."""
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Support(Value):
     """A device that may hold a part, such as a finger, a prop, a vacuum cup or a magnet.

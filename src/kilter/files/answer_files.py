@@ -10,6 +10,7 @@ from typing import Any
 
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.tell.json_answer import SCHEMA_VERSION
+from kilter.values.guesses import guarded
 
 __all__ = ["LoadedAnswer", "load_answer"]
 
@@ -78,6 +79,7 @@ class LoadedAnswer(Mapping[str, Any]):
         return {k: v for k, v in self._data.items() if k not in ("answer", "schema")}
 
 
+@guarded
 def load_answer(source: str | os.PathLike[str]) -> LoadedAnswer:
     """Read an answer that `to_json` wrote, from its text or from a file.
 

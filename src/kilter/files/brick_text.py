@@ -20,7 +20,9 @@ from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
 from kilter.assembly.bricks.brick_library import STATED, brick_mass, is_stated
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError
+from kilter.files.limits import MOST_TABLE_BYTES
 from kilter.files.raw import read_bytes
+from kilter.files.reader_guard import reader_guard
 
 __all__ = ["BRICK_TEXT", "load_brick_text"]
 
@@ -39,10 +41,8 @@ def load_brick_text(path: Path, *, rules: StudRules | None = None) -> Assembly:
         If a line is not a brick, or its brick has an unknown size, a negative layer, or a cell
         of another brick; the error names the line.
     """
-    try:
-        return _read(read_bytes(path), rules, str(path))
-    except InputError as error:
-        raise error.located(file=str(path)) from None
+    with reader_guard(path):
+        return _read(read_bytes(path, most=MOST_TABLE_BYTES), rules, str(path))
 
 
 def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:

@@ -22,7 +22,7 @@ from kilter.errors import InputError
 from kilter.files.complaints import complaint
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.lying import UP
-from kilter.files.raw import read_bytes
+from kilter.files.raw import is_file, read_bytes
 from kilter.files.strict_json import parse_json
 
 __all__ = ["LOWEST", "OPTIONS", "Choices", "digest", "find_choices", "plain"]
@@ -214,9 +214,9 @@ class Choices:
             If the file does not exist.
         """
         path = Path(self.folder, self.file)
-        if not path.exists():
+        if not os.path.exists(path):  # also for a name that the system rejects
             raise InputError(
-                f"the file {self.file!r} is not in the folder {str(self.folder)!r}",
+                f"the file {self.file!r:.80} is not in the folder {str(self.folder)!r}",
                 hint="move it back, or correct the key 'file'",
             )
         return path
@@ -264,7 +264,7 @@ def find_choices(source: Any) -> Choices | None:
     if not isinstance(source, str | os.PathLike):
         return None
     path = Path(source)
-    if path.suffix.lower() != ".json" or not path.is_file():
+    if path.suffix.lower() != ".json" or not is_file(path):
         return None
     data = read_bytes(path)
     if not any(f'"{key}"'.encode() in data for key in SIGNS):

@@ -75,7 +75,7 @@ def require_place(output: Path) -> bool:
         raise InputError(
             "choices need a file that ends in .json", file=str(output), hint="give X.kilter.json"
         )
-    if not output.exists():
+    if not os.path.exists(output):  # also for a name that the system rejects
         return False
     try:
         replaces = find_choices(output) is not None
@@ -90,8 +90,10 @@ def require_place(output: Path) -> bool:
     return True
 
 
-def write_choices(choices: Choices, output: str | Path) -> None:
+def write_choices(choices: Choices, output: str | Path, *, links: bool = True) -> None:
     """Write choices to a JSON file, a key in each line; a failure leaves the old file intact.
+
+    `links` is that of `kilter.files.writing.write_bytes`.
 
     Raises
     ------
@@ -99,4 +101,4 @@ def write_choices(choices: Choices, output: str | Path) -> None:
         As `require_place`, or if the file cannot be written.
     """
     require_place(Path(output))
-    write_text(output, json_lines(choices.to_dict()))
+    write_text(output, json_lines(choices.to_dict()), links=links)

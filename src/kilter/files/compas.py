@@ -25,6 +25,7 @@ from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
 from kilter.files.interfaces import contacts_of, interfaces_of
 from kilter.files.naming import natural_key
+from kilter.files.reader_guard import reader_guard
 from kilter.shape.primitives import Mesh
 
 __all__ = ["from_compas", "is_compas"]
@@ -70,7 +71,7 @@ def from_compas(
     InputError
         If the value is not an assembly of blocks, or a block is damaged; the error names it.
     """
-    try:
+    with reader_guard(source):
         nodes, graph = _graph(data)
         defaults = _dict(graph.get("default_node_attributes") or graph.get("node_attributes"))
         keys = sorted(nodes, key=natural_key)
@@ -98,8 +99,6 @@ def from_compas(
             contacts=used,
             detect=contacts != "file",
         )
-    except InputError as error:
-        raise error.located(file=source or None) from None
 
 
 def _interfaces_note(count: int) -> str:

@@ -19,7 +19,7 @@ from kilter.files.formats import FORMATS, load_bodies
 from kilter.files.kilter_json import from_dict
 from kilter.files.ldraw import LDRAW_FILES, load_ldraw
 from kilter.files.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
-from kilter.files.raw import read_bounded, read_bytes
+from kilter.files.raw import is_folder, read_bounded, read_bytes
 from kilter.files.stable_lego import from_stable_lego, is_stable_lego
 from kilter.files.start_folder import require_below
 from kilter.files.strict_json import parse_json
@@ -64,7 +64,7 @@ def read_path(
     path, units = Path(source), options.units
     require_below(path)
     suffix = path.suffix.lower()
-    if _is_folder(path):
+    if is_folder(path):
         return FileContent(load_folder(path, units=units), from_cad=True)
     if suffix in FORMATS:
         assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
@@ -76,9 +76,9 @@ def read_path(
         return FileContent(*load_xml(path, options))
     if suffix in USD:
         # imported late: other files do not need these modules
-        from kilter.files.usd.usd_assembly import read_usd
+        from kilter.files.scene_process import read_scene
 
-        return FileContent(read_usd(path, options), states_gravity=True)
+        return FileContent(read_scene("usd", path, options), states_gravity=True)
     if suffix in LDRAW_FILES:
         return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
     if suffix in BRICK_TEXT:
@@ -109,14 +109,6 @@ def read_json(path: Path) -> Any:
         return parse_json(data)
     except InputError as error:
         raise error.located(file=str(path)) from None
-
-
-def _is_folder(path: Path) -> bool:
-    """Whether the path is a folder; False for a path that the system rejects."""
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
 
 
 def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -> FileContent:

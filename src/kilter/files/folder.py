@@ -14,6 +14,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.bodies import split_bodies
 from kilter.files.formats import FORMATS, read_bodies
+from kilter.files.limits import require_regular
 from kilter.files.naming import distinct, fill_names, natural_key
 from kilter.files.placed import FileBodies
 from kilter.shape.primitives import Mesh
@@ -43,6 +44,11 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
         raise InputError(
             "no mesh or STEP file in the folder", file=str(path), hint=_remedy(entries)
         )
+    try:
+        for entry in chosen:
+            require_regular(entry)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
     solids = [read_bodies(entry) for entry in chosen]
     target = _units(path, chosen, solids, units)
     notes = _ignored_note([entry for entry in entries if entry not in chosen])

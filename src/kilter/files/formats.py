@@ -22,6 +22,7 @@ from kilter.files.naming import fill_names
 from kilter.files.obj import read_obj
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
+from kilter.files.reader_guard import reader_guard
 from kilter.files.start_folder import require_below
 from kilter.files.stl import read_stl
 from kilter.files.threemf import read_3mf
@@ -66,8 +67,8 @@ def _glb(path: Path) -> FileBodies:
 
 def _3mf(path: Path) -> FileBodies:
     """Read the meshes of a 3MF file."""
-    objects, units = read_3mf(read_bytes(path))
-    return _bodies(objects, [], units)
+    objects, units, notes = read_3mf(read_bytes(path))
+    return _bodies(objects, notes, units)
 
 
 def _step(
@@ -93,6 +94,10 @@ FORMATS: dict[str, Callable[[Path], FileBodies]] = {
 """Reader of each file ending (lower case)."""
 EXACT = (".step", ".stp")
 """Endings of files with exact faces; the key `step` of a part accepts these."""
+ZIPPED = (".3mf",)
+"""Endings of zip files."""
+ZIP_DAMAGE = frozenset({"builtins.RuntimeError", "xml.etree.ElementTree.ParseError"})
+"""Further exceptions of a damaged zip of XML files: an encrypted member, invalid XML."""
 MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
 """Endings of mesh files; the key `mesh` of a part accepts these."""
 
@@ -119,14 +124,12 @@ def read_bodies(
         If the file is missing, empty, damaged, or holds no faces; it names the file.
     """
     require_below(path)
-    try:
-        suffix = path.suffix.lower()
+    suffix = path.suffix.lower()
+    with reader_guard(path, ZIP_DAMAGE if suffix in ZIPPED else ()):
         bodies = _step(path, without, progress) if suffix in EXACT else FORMATS[suffix](path)
         if not bodies.left_out and not any(len(shape.triangles) for shape in bodies.shapes):
             raise InputError("no faces", hint="export solids, as triangles or polygons")
         return bodies
-    except InputError as error:
-        raise error.located(file=str(path)) from None
 
 
 def load_bodies(
@@ -152,10 +155,8 @@ def load_bodies(
         As `read_bodies`; also if `units` differ from the units that the file states.
     """
     bodies = read_bodies(path, without=without, progress=progress)
-    try:
+    with reader_guard(path):
         return assembly_of(bodies, units=units, stem=path.stem, source=str(path)), bodies.left_out
-    except InputError as error:
-        raise error.located(file=str(path)) from None
 
 
 def assembly_of(

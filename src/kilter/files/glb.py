@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.accuracy import SINGLE
-from kilter.files.limits import Tally
+from kilter.files.limits import DEEPEST, Tally
 from kilter.files.naming import tails
 from kilter.files.placed import join_meshes, transform_mesh
 from kilter.files.strict_json import parse_json
@@ -44,6 +44,7 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 """Modes of the primitives that are read."""
 
 _DAMAGED = "export it again: it is incomplete or damaged"
+_DEEP = "export it again, with its objects in fewer groups"
 
 
 def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
@@ -147,7 +148,8 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
         mesh = read[node.mesh]
         skipped += mesh is None
         tally.add(0 if mesh is None else len(mesh.triangles))
-        solids += [] if mesh is None else [((*path, name or ""), transform_mesh(mesh, matrix))]
+        above = (part for part in path if part)
+        solids += [] if mesh is None else [((*above, name or ""), transform_mesh(mesh, matrix))]
     named = [row for row, (whole, _) in enumerate(solids) if whole[-1]]
     names = dict(zip(named, tails([solids[row][0] for row in named]), strict=True))
     result = [(names.get(row), mesh) for row, (_, mesh) in enumerate(solids)]
@@ -161,7 +163,7 @@ def _placed_nodes(header: Gltf) -> Iterator[tuple[Node, Array, tuple[str, ...]]]
     Raises
     ------
     InputError
-        If a node has two parent nodes, or a transform that is not finite.
+        If a node has two parent nodes, a transform that is not finite, or too many nodes above it.
     """
     seen: set[int] = set()
     start: tuple[str, ...] = ()
@@ -172,11 +174,12 @@ def _placed_nodes(header: Gltf) -> Iterator[tuple[Node, Array, tuple[str, ...]]]
         if k in seen:
             raise InputError(f"node {k} of the GLB has two parent nodes", hint=_DAMAGED)
         seen.add(k)
+        if len(path) > DEEPEST:
+            raise InputError(f"nodes of the GLB are nested deeper than {DEEPEST}", hint=_DEEP)
         matrix = above @ _matrix(node)
         if not np.isfinite(matrix).all():
             raise InputError(f"the transform of node {k} is not finite", hint=_DAMAGED)
-        name = _stripped_name(node)
-        below = (*path, name) if name else path
+        below = (*path, _stripped_name(node))
         pending.extend((child, matrix, below) for child in reversed(node.children))
         yield node, matrix, path
 

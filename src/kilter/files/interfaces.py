@@ -47,7 +47,8 @@ def _edge_interfaces(edge: dict[str, Any]) -> list[dict[str, Any]]:
     single = edge.get("interface")
     stored = several if isinstance(several, list) and several else [single]
     if isinstance(edge.get("interface_points"), list):
-        u, v = (*(edge.get("interface_uvw") or ()), None, None)[:2]
+        axes = edge.get("interface_uvw")
+        u, v = (*(axes if isinstance(axes, list) else ()), None, None)[:2]
         stored = [{"points": edge["interface_points"], "frame": {"xaxis": u, "yaxis": v}}]
     return [_inner(interface) for interface in stored if isinstance(interface, dict)]
 
@@ -93,7 +94,7 @@ def _contact(u: str, v: str, interface: Any, parts: Mapping[str, Part]) -> Given
     """Convert an interface to a contact, with the normal from block u to block v."""
     for key in (u, v):
         if key not in parts:
-            raise InputError(f"an interface names the unknown block {key!r}", hint=_HINT)
+            raise InputError(f"an interface names the unknown block {key!r:.80}", hint=_HINT)
     points, normal = _polygon(interface)
     if not len(points) or not np.linalg.norm(normal) > 0:
         raise InputError(
@@ -123,7 +124,7 @@ def _polygon(interface: Any) -> tuple[Array, Array]:
         else:
             around = points - points.mean(axis=0) if len(points) else points
             normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0) / 2
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return np.empty((0, 3)), np.zeros(3)
     if not (np.isfinite(points).all() and np.isfinite(normal).all()):
         return np.empty((0, 3)), np.zeros(3)

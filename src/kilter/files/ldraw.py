@@ -29,7 +29,9 @@ from kilter.assembly.bricks.brick_library import LDRAW, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError, some
 from kilter.files.file_tolerances import OFF_GRID
+from kilter.files.limits import DEEPEST, MOST_PARTS, MOST_TABLE_BYTES
 from kilter.files.raw import read_bytes
+from kilter.files.reader_guard import reader_guard
 
 __all__ = ["LDRAW_FILES", "load_ldraw"]
 
@@ -41,8 +43,6 @@ CELL_MM = 8.0
 """Width of a cell [mm]."""
 INHERITED = 16
 """Colour code of a part that takes the colour of the model around it."""
-DEEPEST = 100
-"""Largest depth of models within models; deeper nesting is an error."""
 NUMBERS = 13
 """Number of values before the part name in a line of type 1: colour, position, matrix."""
 DRAWN = ("2", "3", "4", "5")
@@ -82,16 +82,14 @@ def load_ldraw(path: Path, *, rules: StudRules | None = None) -> Assembly:
         If a line is invalid, or a part is not a plain brick or plate, is tilted or off the grid,
         or occupies a cell of another part; the error names the line.
     """
-    try:
-        data = read_bytes(path)
+    with reader_guard(path):
+        data = read_bytes(path, most=MOST_TABLE_BYTES)
         models, notes = _models(data)
         bricks = list(_placed_bricks(models))
         if not bricks:
             raise InputError("the file has no bricks", hint="give a model with lines of type 1")
         model = _grid_model(bricks)
         return assembly_of_bricks(model, rules=rules, cell=CELL_MM, source=str(path), notes=notes)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
 
 
 def _models(data: bytes) -> tuple[dict[str, list[_PartLine]], list[str]]:
@@ -150,42 +148,71 @@ def _placed_bricks(models: dict[str, list[_PartLine]]) -> Iterator[_PlacedBrick]
     Raises
     ------
     InputError
-        If a model contains itself, or parts are unknown; the error names all unknown parts.
+        If a model contains itself, parts are unknown, or there are too many bricks; the error
+        names all unknown parts.
     """
-    unknown: dict[str, int] = {}
+    if not models:
+        return
+    first = next(iter(models))
+    bricks = _brick_counts(models, first)
+    if bricks[first] > MOST_PARTS:
+        raise InputError(
+            f"the models of the file make {bricks[first]:,} parts; the limit is {MOST_PARTS:,}",
+            hint="place models fewer times",
+        )
 
-    def within(
-        name: str, place: Array, matrix: Array, color: int, way: tuple[str, ...]
-    ) -> Iterator[_PlacedBrick]:
-        """Yield the bricks of a model at its place in the whole.
-
-        `way` lists the models around it.
-        """
+    def within(name: str, place: Array, matrix: Array, color: int) -> Iterator[_PlacedBrick]:
+        """Yield the bricks of a model at its place in the whole."""
         for line in models[name]:
             part_color = color if line.color == INHERITED else line.color
             at, turned = place + matrix @ line.place, matrix @ line.matrix
-            size = LDRAW.get(_number(line.part))
-            if line.part in models:
-                if line.part in way or len(way) > DEEPEST:
-                    raise InputError(
-                        f"line {line.number}: the model {line.part!r:.60} contains itself",
-                        hint="remove the line",
-                    )
-                yield from within(line.part, at, turned, part_color, (*way, line.part))
-            elif size is not None:
+            if line.part not in models:
+                size = LDRAW[_number(line.part)]
                 yield _PlacedBrick(line.number, part_color, at, turned, size)
+            elif bricks[line.part]:  # models without bricks may be placed without end
+                yield from within(line.part, at, turned, part_color)
+
+    with np.errstate(all="ignore"):  # the grid rejects numbers that are not finite
+        yield from within(first, np.zeros(3), np.eye(3), INHERITED)
+
+
+def _brick_counts(models: dict[str, list[_PartLine]], first: str) -> dict[str, int]:
+    """Number of bricks in the first model and in each model that it contains, by name.
+
+    Each model is counted once, so that the time does not grow with the number of bricks. Raises
+    `InputError` for a model that contains itself and for unknown parts.
+    """
+    counts: dict[str, int] = {}
+    unknown: dict[str, int] = {}
+
+    def count(name: str, way: tuple[str, ...]) -> int:
+        """Number of bricks of a model; `way` lists the models around it and the model."""
+        total = 0
+        for line in models[name]:
+            if line.part in way or len(way) > DEEPEST:
+                fault = "contains itself" if line.part in way else "is nested too deeply"
+                raise InputError(
+                    f"line {line.number}: the model {line.part!r:.60} {fault}",
+                    hint="remove the line",
+                )
+            if line.part in models:
+                if line.part not in counts:
+                    counts[line.part] = count(line.part, (*way, line.part))
+                total += counts[line.part]
+            elif _number(line.part) in LDRAW:
+                total += 1
             else:
                 unknown.setdefault(line.part, line.number)
+        return total
 
-    if models:
-        first = next(iter(models))
-        yield from within(first, np.zeros(3), np.eye(3), INHERITED, (first,))
+    counts[first] = count(first, (first,))
     if unknown:
         words = [f"line {number}: {part!r:.60}" for part, number in unknown.items()]
         raise InputError(
             f"not a plain brick, plate or baseplate: {some(words, 8)}",
             hint="remove these parts, or replace them by bricks",
         )
+    return counts
 
 
 def _number(part: str) -> str:

@@ -1,8 +1,12 @@
 """Bounds on the memory, time and paths that a file may demand; the error states the bound.
 
-    bytes        size of a file, and of the contents of a zip in it, `MOST_BYTES`
+    bytes        size of a file, and of the contents of a zip in it, `MOST_BYTES`;
+                 of a table or a list in a text file, `MOST_TABLE_BYTES`
     fold         size of the contents of a zip / size of the zip, `MOST_FOLD` (above 16 MB)
     entries      tags and attributes of an XML text, `MOST_ENTRIES`: 0.1 kB of memory for each
+    values       values of a JSON text, `MOST_VALUES`
+    parts        parts of a model that places models again, `MOST_PARTS`
+    depth        models, nodes or components within others, `DEEPEST`
     triangles    triangles of all bodies, counted once for each instance, `MOST_TRIANGLES`
 
 A few bytes can place a mesh a million times, so triangles are counted while they are placed. A
@@ -19,24 +23,38 @@ from kilter.errors import InputError
 from kilter.files.start_folder import require_below
 
 __all__ = [
+    "DEEPEST",
     "MOST_BYTES",
     "MOST_ENTRIES",
     "MOST_FOLD",
+    "MOST_PARTS",
+    "MOST_TABLE_BYTES",
     "MOST_TRIANGLES",
+    "MOST_VALUES",
     "Tally",
     "named_path",
+    "require_count",
     "require_few_entries",
+    "require_regular",
     "require_unfolded",
 ]
 
 MOST_BYTES = 1_000_000_000
 """Largest size of a file that is read [bytes]."""
+MOST_TABLE_BYTES = 50_000_000
+"""Largest size of a table or a list in a text file [bytes]; a row needs ten times its bytes."""
 MOST_FOLD = 200
 """Largest ratio of unpacked to packed size of a zip [-]: XML of meshes has 5 to 40."""
 SMALL = 16_000_000
 """Unpacked size that is allowed for every zip, whatever its ratio [bytes]."""
 MOST_ENTRIES = 24_000_000
 """Largest number of tags and attributes of an XML text: six million corners and triangles."""
+MOST_VALUES = 20_000_000
+"""Largest number of values of a JSON text: up to 0.1 kB of memory for each."""
+MOST_PARTS = 50_000
+"""Largest number of parts that a file can make by placing the same models again."""
+DEEPEST = 200
+"""Largest depth of models, nodes or components within others."""
 MOST_TRIANGLES = 10_000_000
 """Largest number of triangles of all bodies of a file; the analysis needs a kilobyte for each."""
 
@@ -141,7 +159,6 @@ def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
         inside = os.path.realpath(path).startswith(
             os.path.join(os.path.realpath(top or folder), "")
         )
-        kind = path.stat().st_mode if inside and path.exists() else stat.S_IFREG
     except (OSError, ValueError):  # reading the file will report the fault
         return path
     if not inside:
@@ -149,6 +166,36 @@ def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
             f"{name!r:.80} leads out of the folder of the file",
             hint="put the named file beside it, or into a folder below",
         )
-    if not stat.S_ISREG(kind):
-        raise InputError(f"{name!r:.80} is not a regular file", hint="name a file")
+    require_regular(path)
     return path
+
+
+def require_regular(path: Path) -> None:
+    """Verify that a path is no device and no pipe, which may have no end; it need not exist.
+
+    Raises
+    ------
+    InputError
+        If it is a device, a pipe or a folder.
+    """
+    try:
+        kind = path.stat().st_mode
+    except (OSError, ValueError):  # reading the file will report the fault
+        return
+    if not stat.S_ISREG(kind):
+        raise InputError(f"{path.name!r:.80} is not a regular file", hint="name a file")
+
+
+def require_count(what: str, count: int, most: int) -> None:
+    """Verify that a file does not make too many things; raises `InputError` beyond the limit.
+
+    Examples
+    --------
+    >>> require_count("parts", 1_000_000, 50_000)
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: the file would make 1,000,000 parts; the limit is 50,000
+    """
+    if count > most:
+        number = f"{count:,}" if count < 10**15 else "more than 10^15"
+        raise InputError(f"the file would make {number} {what}; the limit is {most:,}")

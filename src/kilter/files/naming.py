@@ -49,12 +49,19 @@ def tails(paths: Sequence[tuple[str, ...]]) -> list[str]:
     >>> tails([("a", "plate"), ("plate",)])  # a whole path is kept, although others end with it
     ['a/plate', 'plate']
     """
-    ends = Counter(path[k:] for path in set(paths) for k in range(len(path)))
-    shortest = [
-        next((path[k:] for k in reversed(range(len(path))) if ends[path[k:]] == 1), path)
-        for path in paths
-    ]
-    return ["/".join(end) for end in shortest]
+    unique = list(dict.fromkeys(paths))
+    length = {path: len(path) for path in unique}
+    # paths with the same last components form a group; longer ends divide it, until it has one path
+    pending = dict.fromkeys(unique, 0)
+    for count in range(1, max(map(len, unique), default=0) + 1):
+        ends = {
+            path: (group, path[-count]) for path, group in pending.items() if len(path) >= count
+        }
+        sizes = Counter(ends.values())
+        groups = {end: k for k, end in enumerate(sizes)}
+        length |= {path: count for path, end in ends.items() if sizes[end] == 1}
+        pending = {path: groups[end] for path, end in ends.items() if sizes[end] > 1}
+    return ["/".join(path[len(path) - length[path] :]) for path in paths]
 
 
 def fill_names(names: Sequence[str | None], stem: str) -> list[str]:

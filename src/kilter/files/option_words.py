@@ -11,7 +11,7 @@ __all__ = ["option_words"]
 
 
 def option_words(options: Mapping[str, Any]) -> list[str]:
-    """Words of the command line for the options of a reading, except its `entries`.
+    """Words of the command line for the options of a reading; of its `entries`, the materials.
 
     Parameters
     ----------
@@ -26,12 +26,20 @@ def option_words(options: Mapping[str, Any]) -> list[str]:
     words: list[str] = []
     for key, value in options.items():
         option = f"--{key.replace('_', '-')}"
-        if key in ("entries", "saved"):
+        if key == "entries":
+            for entry in value.get("materials", ()):
+                words += ["--material", f"{entry['parts']}={entry.get('name', entry['density'])}"]
+        elif key == "saved":
             continue
-        if key == "floor":
+        elif key == "floor":
             words += ["--floor"] if value == LOWEST else ["--floor", str(value)]
         elif key == "down":
             words += ["--down", *(repr(float(v)).removesuffix(".0") for v in value)]
+        elif key == "accelerate":
+            words += [option, *value]
+        elif key in ("mass", "load"):
+            numbers = [(name, ",".join(f"{x:.15g}" for x in each)) for name, *each in value]
+            words += [word for name, text in numbers for word in (option, f"{name}={text}")]
         elif key == "fasten":
             words += [word for pair in value for word in ("--fasten", *pair)]
         elif key == "bond":

@@ -17,8 +17,6 @@ BED-BPP: Kagerer et al., "BED-BPP: Benchmarking dataset for robotic bin packing 
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections import Counter
@@ -31,11 +29,15 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError, nearest_name, some_names
+from kilter.files.limits import MOST_BYTES, MOST_TABLE_BYTES
 from kilter.files.raw import read_bytes
+from kilter.files.reader_guard import reader_guard
 from kilter.files.strict_json import parse_json
+from kilter.files.table_rows import decoded_table, table_rows
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.units import metres_per_unit
+from kilter.validate import number as require_number
 
 __all__ = ["CSV", "PackedBox", "PackingPlan", "is_packing_plan", "load_plan", "plan_of_json"]
 
@@ -153,16 +155,15 @@ def load_plan(
         If the file is no packing plan, or a box is invalid; the error names the line.
     """
     path = Path(path)
-    data = read_bytes(path)
-    try:
-        if path.suffix.lower() in CSV:
+    is_table = path.suffix.lower() in CSV
+    data = read_bytes(path, most=MOST_TABLE_BYTES if is_table else MOST_BYTES)
+    with reader_guard(path):
+        if is_table:
             plan = _plan_of_table(data, units)
             if order is not None:
                 raise InputError("a table has no orders", hint="leave the order out")
         else:
             plan = plan_of_json(parse_json(data), order)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
     return PackingPlan(plan.boxes, plan.units, plan.order, str(path))
 
 
@@ -201,28 +202,34 @@ def plan_of_json(content: Any, order: str | None = None) -> PackingPlan:
     name = names[0] if order is None else order
     if name not in content:
         raise InputError(f"has no order {name!r:.40}", hint=f"its orders are {some_names(names)}")
-    boxes = [_item_of_json(entry, k) for k, entry in enumerate(content[name], 1)]
+    items = content[name]
+    if not isinstance(items, list) or not items:
+        raise InputError(f"the order {name!r:.40} has no items", hint="give a list of items")
+    boxes = [_item_of_json(entry, k) for k, entry in enumerate(items, 1)]
     return PackingPlan(_named(boxes), "mm", name)
 
 
 def _item_of_json(entry: Any, number: int) -> PackedBox:
     """The box of an item in BED-BPP data; lengths in mm, mass in kg."""
-    try:
-        item, corner = entry["item"], entry["flb_coordinates"]
-        lengths = [float(item[f"{key}/mm"]) for key in ("length", "width", "height")]
-        mass, turned = float(item["weight/kg"]), int(entry.get("orientation", 0))
-        place = tuple(float(x) for x in corner)
-        name = str(item.get("article") or item.get("id") or f"item {number}")
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    item = entry.get("item") if isinstance(entry, dict) else None
+    corner = entry.get("flb_coordinates") if isinstance(entry, dict) else None
+    if not isinstance(item, dict) or not isinstance(corner, list) or len(corner) != 3:
         raise InputError(
-            f"item {number} has a missing or wrong value: {error}"[:120],
-            hint="give the keys of BED-BPP: item, flb_coordinates, orientation",
-        ) from None
-    if len(place) != 3 or turned not in (0, 1):
-        raise InputError(
-            f"item {number} has a wrong place or orientation", hint="give 3 numbers, and 0 or 1"
+            f"item {number} has no item or no place",
+            hint="give the keys of BED-BPP: item, flb_coordinates (3 numbers), orientation",
         )
-    return _box(name, lengths, mass, place, bool(turned), number, "item")
+    *lengths, mass = (
+        require_number(item.get(key), f"item {number}: {key}")
+        for key in ("length/mm", "width/mm", "height/mm", "weight/kg")
+    )
+    place = [require_number(x, f"item {number}: flb_coordinates") for x in corner]
+    turned = entry.get("orientation", 0)
+    if isinstance(turned, bool) or turned not in (0, 1):
+        raise InputError(f"item {number}: orientation is {turned!r:.40}", hint="give 0 or 1")
+    name = item.get("article") or item.get("id") or f"item {number}"
+    if isinstance(name, dict | list | bool):
+        raise InputError(f"item {number}: its name is no text", hint="give a text as article")
+    return _box(str(name), lengths, mass, place, bool(turned), number, "item")
 
 
 def _box(
@@ -259,23 +266,20 @@ def _named(boxes: Sequence[PackedBox]) -> tuple[PackedBox, ...]:
 
 def _plan_of_table(data: bytes, units: str | None) -> PackingPlan:
     """The packing plan of a CSV table; commas, semicolons or tabs separate its columns."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError("is not UTF-8", hint="save the table as UTF-8") from None
-    lines = text.splitlines()
-    if not lines:
+    text = decoded_table(data)
+    separator = max(",;\t", key=re.split("[\r\n]", text.lstrip(), maxsplit=1)[0].count)
+    rows = table_rows(text, separator)
+    header = next(rows, None)
+    if header is None:
         raise InputError("the table is empty", hint=f"begin with the header {HEADER}")
-    separator = max(",;\t", key=lines[0].count)
-    rows = csv.reader(io.StringIO(text), delimiter=separator)
-    columns, unit = _columns(next(rows))
+    columns, unit = _columns(header[1])
     if unit is not None and units is not None and unit != units:
         raise InputError(
             f"the table is in {unit}, but the units given are {units}", hint="leave the units out"
         )
     boxes = [
-        _box_of_row(row, columns, rows.line_num)
-        for row in rows
+        _box_of_row(row, columns, line)
+        for line, row in rows
         if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
     ]
     if not boxes:

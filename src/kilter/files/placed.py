@@ -11,7 +11,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.rigid import Pose
 from kilter.shape.primitives import Mesh
-from kilter.shape.solid import Solid, Surface, scale_solid
+from kilter.shape.solid import Solid, scale_solid
 from kilter.units import metres_per_unit
 
 __all__ = ["FileBodies", "join_meshes", "scale_mesh", "transform_mesh"]
@@ -56,15 +56,6 @@ class FileBodies:
     materials: tuple[str | None, ...] = ()
     layers: tuple[str | None, ...] = ()
 
-    def make_read_only(self) -> FileBodies:
-        """Make all arrays of the bodies read-only."""
-        for value in (*self.shapes, *self.poses, *(s for x in self.shapes for s in _surfaces(x))):
-            for name in value.__slots__:
-                array = getattr(value, name)
-                if isinstance(array, np.ndarray):
-                    array.flags.writeable = False
-        return self
-
     @property
     def places(self) -> tuple[Pose, ...]:
         """Pose of each shape in the frame of the file, also if `poses` is empty."""
@@ -92,11 +83,6 @@ class FileBodies:
             (converted[id(shape)], Pose(pose.position * factor, pose.rotation))
             for shape, pose in zip(self.shapes, self.places, strict=True)
         ]
-
-
-def _surfaces(shape: Mesh | Solid) -> tuple[Surface, ...]:
-    """The exact surfaces of a solid; empty for a mesh."""
-    return shape.surfaces if isinstance(shape, Solid) else ()
 
 
 def transform_mesh(mesh: Mesh, matrix: Array) -> Mesh:

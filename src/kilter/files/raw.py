@@ -9,11 +9,27 @@ from kilter.errors import InputError, nearest_name
 from kilter.files.limits import MOST_BYTES
 from kilter.files.start_folder import require_below
 
-__all__ = ["read_bytes"]
+__all__ = ["is_file", "is_folder", "read_bytes"]
 
 
-def read_bytes(path: Path) -> bytes:
-    """Read all bytes of a file; raises `InputError` if it cannot be read or is too large.
+def is_file(path: Path) -> bool:
+    """Whether a path is a regular file; False if the system rejects the path."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name of thousands of letters, or with a null
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is a folder; False if the system rejects the path."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def read_bytes(path: Path, *, most: int = MOST_BYTES) -> bytes:
+    """Read all bytes of a file, at most `most`; raises `InputError` if it cannot be read.
 
     Raises
     ------
@@ -24,7 +40,7 @@ def read_bytes(path: Path) -> bytes:
     require_below(path)
     try:
         with path.open("rb") as stream:
-            data = read_bounded(stream, str(path))
+            data = read_bounded(stream, str(path), most)
     except FileNotFoundError:
         raise InputError("no such file", file=str(path), hint=_similar_name_hint(path)) from None
     except (OSError, ValueError) as error:
@@ -38,18 +54,19 @@ def read_bytes(path: Path) -> bytes:
     return data
 
 
-def read_bounded(stream: BinaryIO, file: str) -> bytes:
-    """Read a stream to its end; raises `InputError` if it has too many bytes.
+def read_bounded(stream: BinaryIO, file: str, most: int = MOST_BYTES) -> bytes:
+    """Read a stream to its end; raises `InputError` if it has more than `most` bytes.
 
     Raises
     ------
     InputError
-        If it is longer than `MOST_BYTES`; the error names `file`.
+        If it is longer; the error names `file`.
     """
-    data = stream.read(MOST_BYTES + 1)
-    if len(data) > MOST_BYTES:
+    data = stream.read(most + 1)
+    if len(data) > most:
+        size = f"{most / 1e9:g} GB" if most >= 1e9 else f"{most / 1e6:g} MB"
         raise InputError(
-            f"larger than {MOST_BYTES / 1e9:g} GB, the largest size that is read",
+            f"larger than {size}, the largest size that is read",
             file=file,
             hint="make it coarser, or split it",
         )

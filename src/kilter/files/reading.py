@@ -22,7 +22,13 @@ from kilter.files.choices_off import require_off, require_saved
 from kilter.files.file_content import FileContent, read_path
 from kilter.files.format_options import BASES, FormatOptions
 from kilter.files.lying import UP, note_on_up
-from kilter.files.reading_steps import with_contacts_of, with_density
+from kilter.files.reading_steps import (
+    on_carrier,
+    with_contacts_of,
+    with_density,
+    with_loads,
+    with_masses,
+)
 from kilter.files.saved_entries import (
     entries_for,
     known,
@@ -36,6 +42,7 @@ from kilter.files.saved_entries import (
 from kilter.hooks import hook
 from kilter.units import metres_per_unit
 from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 
 __all__ = ["LOWEST", "Reading", "load", "reading_for"]
 
@@ -46,6 +53,7 @@ NAMED = ("ground", "without", "fasten", "bond")
 _OR = " or "
 
 
+@guarded
 @dataclass(frozen=True, slots=True)
 class Reading:
     """The user's options for reading a file that change the assembly; a proof lists them.
@@ -54,6 +62,10 @@ class Reading:
     (`fasten`), whether to join pairs that look fastened, whether to join pairs that overlap.
     Each entry of `bond` has two part names and a pull [N]. `floor` is a height [length unit] or
     `LOWEST`.
+
+    `mass` has name patterns and masses [kg], `load` names of parts and the components of a force at
+    the centre of mass [N]. `accelerate` is the acceleration of a carrier to which the held parts
+    belong, as text: m/s^2, or g as in "0.5g"; the assembly then feels gravity less it.
 
     `entries` are the keys of choices without an option, as JSON data (`kilter.files.choices`).
     `saved` names the options that come from choices: the parts that they name may be missing.
@@ -90,6 +102,9 @@ class Reading:
     saved: tuple[str, ...] = ()
     off: tuple[str, ...] = ()
     release: tuple[str, ...] = ()
+    mass: tuple[tuple[str, float], ...] = ()
+    load: tuple[tuple[str, float, float, float], ...] = ()
+    accelerate: tuple[str, str, str] | None = None
 
     def __post_init__(self) -> None:
         _ = self.studs
@@ -150,6 +165,11 @@ class Reading:
             values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
             for key in ("fasten_suggested", "fasten_overlaps"):
                 values[key] = bool(values.get(key, False))
+            values["mass"] = tuple((str(a), float(kg)) for a, kg in values.get("mass", ()))
+            loads = values.get("load", ())
+            values["load"] = tuple((str(a), float(x), float(y), float(z)) for a, x, y, z in loads)
+            if "accelerate" in values:
+                values["accelerate"] = tuple(str(text) for text in values["accelerate"])
             values["entries"] = valid_entries(values.get("entries", {}))
             return cls(**values)
         except (TypeError, ValueError):
@@ -279,6 +299,7 @@ class Reading:
         remaining = [p for p in self.without if not fnmatch.filter(content.left_out, p)]
         if remaining:  # the reader of STEP has left out the others
             assembly = assembly.without(remaining)
+        assembly = with_masses(assembly, self.mass)
         here, _ = self.for_parts(assembly.names)  # choices about parts that are left out
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
@@ -298,9 +319,11 @@ class Reading:
                 assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
         if self.floor is not None:
             assembly = assembly.with_floor(None if self.floor == LOWEST else float(self.floor))
-        return with_interactions(assembly, here.entries)
+        assembly = with_loads(with_interactions(assembly, here.entries), self.load)
+        return on_carrier(assembly, self.accelerate)
 
 
+@guarded
 def load(
     source: Any,
     *,
@@ -399,9 +422,10 @@ def load(
     )
     choices = find_choices(source)
     if choices is None:
-        return reading.read(source)
-    assembly: Assembly = hook("read_chosen")(choices, reading)
-    return assembly
+        assembly, options = reading.read(source), reading.options()
+        return dataclasses.replace(assembly, reading=options) if options else assembly
+    chosen: Assembly = hook("read_chosen")(choices, reading)
+    return chosen
 
 
 def reading_for(

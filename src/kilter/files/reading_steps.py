@@ -1,14 +1,23 @@
-"""Steps of a reading that need no names: the source of the contacts, and default densities."""
+"""Steps of a reading: the source of the contacts, densities, masses, loads and a carrier."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
+from collections.abc import Sequence
 from typing import Any
 
-from kilter.assembly import Assembly, Part
+from kilter.assembly import Assembly, Load, Part
 from kilter.errors import InputError
 
-__all__ = ["with_contacts_of", "with_density"]
+__all__ = [
+    "acceleration_of",
+    "on_carrier",
+    "with_contacts_of",
+    "with_density",
+    "with_loads",
+    "with_masses",
+]
 
 
 def with_contacts_of(assembly: Assembly, source: str | None, *, floor: bool) -> Assembly:
@@ -66,3 +75,92 @@ def with_density(assembly: Assembly, density: float, *, replaces: bool = False) 
         return dataclasses.replace(assembly, parts=[with_default(part) for part in assembly.parts])
     except InputError as error:
         raise InputError(error.what, hint=error.hint) from None
+
+
+def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Assembly:
+    """The assembly with given masses [kg] of the parts that match a name or wildcard.
+
+    If several patterns match a part, the last mass counts.
+
+    Raises
+    ------
+    InputError
+        If a pattern matches no part, or a mass is not positive.
+    """
+    if not masses:
+        return assembly
+    given = {name: kg for pattern, kg in masses for name in assembly.matching([pattern])}
+    parts = [
+        dataclasses.replace(part, mass=given[part.name], density=None)
+        if part.name in given
+        else part
+        for part in assembly.parts
+    ]
+    return dataclasses.replace(assembly, parts=parts)
+
+
+def with_loads(assembly: Assembly, loads: Sequence[tuple[str, float, float, float]]) -> Assembly:
+    """The assembly with further forces [N] at the centres of mass of the named parts.
+
+    Raises
+    ------
+    InputError
+        If a name matches no part.
+    """
+    if not loads:
+        return assembly
+    more = [
+        Load(name, force=force)
+        for pattern, *force in loads
+        for name in assembly.matching([pattern])
+    ]
+    return dataclasses.replace(assembly, loads=[*assembly.loads, *more])
+
+
+def on_carrier(assembly: Assembly, accelerate: Sequence[str] | None) -> Assembly:
+    """The assembly on a carrier with this acceleration: it feels gravity less the acceleration.
+
+    Raises
+    ------
+    InputError
+        If a component is no number, or if no weight remains.
+    """
+    if accelerate is None:
+        return assembly
+    size = math.hypot(*assembly.gravity)
+    parts = [acceleration_of("--accelerate", text) for text in accelerate]
+    felt = [
+        float(g) - value * (size if in_g else 1.0)
+        for g, (value, in_g) in zip(assembly.gravity, parts, strict=True)
+    ]
+    if not any(felt):
+        raise InputError(
+            "the carrier falls freely, so no part has weight", hint="give another acceleration"
+        )
+    return dataclasses.replace(assembly, gravity=felt)
+
+
+def acceleration_of(option: str, text: str) -> tuple[float, bool]:
+    """Parse a component of an acceleration: its number, and whether its unit is g.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number; the message names `option`.
+
+    Examples
+    --------
+    >>> acceleration_of("--accelerate", "0.5g"), acceleration_of("--accelerate", "-2")
+    ((0.5, True), (-2.0, False))
+    """
+    in_g = text.endswith("g")
+    try:
+        value = float(text[:-1] if in_g else text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(
+            f"{option} has {text!r:.40}",
+            hint="give numbers in m/s^2, or in g as 0.5g",
+        )
+    return value, in_g

@@ -10,14 +10,16 @@ The files that ``kilter plan -o`` and ``--json`` write can be read.
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError
+from kilter.files.limits import MOST_TABLE_BYTES
 from kilter.files.raw import read_bytes
+from kilter.files.reader_guard import reader_guard
 from kilter.files.strict_json import parse_json
+from kilter.files.table_rows import decoded_table, table_rows
+from kilter.tell.csv_cells import name_of_cell
 
 __all__ = ["read_sequence"]
 
@@ -30,17 +32,12 @@ def read_sequence(path: Path) -> list[list[str]]:
     InputError
         If the file cannot be read or has no valid sequence; the error names the file.
     """
-    data = read_bytes(path)
-    try:
+    data = read_bytes(path, most=MOST_TABLE_BYTES)
+    with reader_guard(path):
         if path.suffix.lower() == ".json":
             return _json_steps(parse_json(data))
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            raise InputError(f"not UTF-8 at byte {error.start}", hint="save it as UTF-8") from None
+        text = decoded_table(data)
         return _csv_steps(text) if path.suffix.lower() == ".csv" else _text_steps(text)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
 
 
 def _text_steps(text: str) -> list[list[str]]:
@@ -51,18 +48,22 @@ def _text_steps(text: str) -> list[list[str]]:
 
 def _csv_steps(text: str) -> list[list[str]]:
     """Steps of an assembly sequence in a CSV table: a step in each row."""
-    rows = csv.DictReader(io.StringIO(text))
-    if "part" not in (rows.fieldnames or ()):
+    rows = table_rows(text)
+    _, header = next(rows, (0, []))
+    if "part" not in header:
         raise InputError("the table has no column 'part'", hint="name it in the first line")
-    return [[name.strip() for name in (row["part"] or "").split(";")] for row in rows]
+    column = header.index("part")
+    cells = [row[column] if column < len(row) else "" for _, row in rows]
+    return [[name_of_cell(name.strip()) for name in cell.split(";")] for cell in cells]
 
 
 def _json_steps(data: Any) -> list[list[str]]:
     """Steps of an assembly sequence in JSON data: a list, or the answer of `kilter plan`."""
     steps = data
     if isinstance(data, dict):
-        entries = data.get("steps")
-        steps = [e.get("parts") if isinstance(e, dict) else None for e in entries or ()]
+        steps = data.get("steps")
+        if isinstance(steps, list):
+            steps = [entry.get("parts") if isinstance(entry, dict) else None for entry in steps]
     if not isinstance(steps, list) or not steps:
         raise InputError(
             "the file has no sequence",

@@ -23,11 +23,14 @@ from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
 from kilter.assembly.bricks.brick_library import STABLE_LEGO
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError
+from kilter.files.reader_guard import reader_guard
 
 __all__ = ["from_stable_lego", "is_stable_lego"]
 
 KEYS = ("x", "y", "z", "brick_id", "ori")
 """Keys of a brick."""
+FARTHEST = 10**6
+"""Largest coordinate of a brick [cells]; grid positions are computed as integers."""
 
 
 def is_stable_lego(data: Any) -> bool:
@@ -67,11 +70,14 @@ def from_stable_lego(
         error names the line.
     """
     try:
-        rows = np.array([list(map(brick.get, KEYS)) for brick in data.values()])
-        whole = rows.dtype.kind == "i" and (rows[:, 2] >= 0).all()
-    except (AttributeError, TypeError, ValueError):
+        values = [list(map(brick.get, KEYS)) for brick in data.values()]
+        whole = all(type(value) is int for row in values for value in row)
+        rows = np.array(values) if whole else np.zeros((0, len(KEYS)))
+        whole = whole and rows.dtype.kind == "i" and bool((np.abs(rows) <= FARTHEST).all())
+        whole = whole and bool((rows[:, 2] >= 0).all())
+    except (AttributeError, TypeError, ValueError, OverflowError):
         whole = False
-    try:
+    with reader_guard(source):
         if not whole or not _in_library(rows).all():
             raise _first_error(data, text)
         library = np.array([STABLE_LEGO[k] for k in rows[:, 3].tolist()])
@@ -90,8 +96,6 @@ def from_stable_lego(
             line=_lines(data, text),
         )
         return assembly_of_bricks(model, rules=rules, source=source)
-    except InputError as error:
-        raise error.located(file=source or None) from None
 
 
 def _in_library(rows: Any) -> Any:
@@ -147,7 +151,7 @@ def _fault(brick: Any) -> tuple[str, str] | None:
         return f"is {brick!r:.40}", f"give an object with {', '.join(KEYS)}"
     for name in KEYS:
         value = brick.get(name)
-        if type(value) is not int or abs(value) > 10**6:
+        if type(value) is not int or abs(value) > FARTHEST:
             return f"has {name} {value!r:.40}", "give a whole number"
     if brick["z"] < 0:
         return f"is in layer {brick['z']}", "layers are counted from 0, on the baseplate"

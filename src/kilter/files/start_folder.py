@@ -15,14 +15,21 @@ from pathlib import Path
 
 from kilter.errors import InputError
 
-__all__ = ["is_restricted", "only_below", "require_below"]
+__all__ = ["is_restricted", "only_below", "require_below", "start_folder"]
 
-_START: ContextVar[str | None] = ContextVar("start folder", default=None)
+SERVER = "give a file below the folder in which the server was started"
+_START: ContextVar[tuple[str, str] | None] = ContextVar("start folder", default=None)
 
 
 @contextmanager
-def only_below(folder: str | Path) -> Iterator[None]:
+def only_below(folder: str | Path, remedy: str = "") -> Iterator[None]:
     """Refuse all files outside of a folder while the context lasts, in this thread.
+
+    Parameters
+    ----------
+    folder : path
+    remedy : str, optional
+        Remedy in the error; "{folder}" in it becomes the folder above that also contains the file.
 
     Examples
     --------
@@ -32,11 +39,17 @@ def only_below(folder: str | Path) -> Iterator[None]:
     ...
     kilter.errors.InputError: /tmp/scenes/../secret.xml: outside of the start folder; give ...
     """
-    token = _START.set(os.path.join(os.path.realpath(folder), ""))
+    token = _START.set((os.path.join(os.path.realpath(folder), ""), remedy))
     try:
         yield
     finally:
         _START.reset(token)
+
+
+def start_folder() -> str | None:
+    """The folder to which reading is restricted; None without a restriction."""
+    start = _START.get()
+    return None if start is None else start[0]
 
 
 def is_restricted() -> bool:
@@ -52,16 +65,20 @@ def require_below(path: str | Path) -> None:
     InputError
         If the path, with symbolic links followed, is not below the start folder.
     """
-    start = _START.get()
-    if start is None:
+    restriction = _START.get()
+    if restriction is None:
         return
+    start, remedy = restriction
     try:
-        inside = os.path.join(os.path.realpath(path), "").startswith(start)
-    except (OSError, ValueError):
-        inside = False
-    if not inside:
-        raise InputError(
-            "outside of the start folder",
-            file=str(path),
-            hint="give a file below the folder in which the server was started",
-        )
+        place = os.path.realpath(path)
+        inside = os.path.join(place, "").startswith(start)
+        above = os.path.commonpath([place, start])
+    except (OSError, ValueError):  # also: another drive
+        inside, above = False, os.sep
+    if inside:
+        return
+    if not remedy:
+        raise InputError("outside of the start folder", file=str(path), hint=SERVER)
+    # a whole drive is never proposed
+    hint = "copy it" if os.path.dirname(above) == above else remedy.format(folder=above)
+    raise InputError("outside of the opened folder", file=str(path), hint=hint)

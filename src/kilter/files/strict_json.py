@@ -1,13 +1,22 @@
-"""Parse JSON strictly: UTF-8, no duplicate keys, errors with line and column."""
+"""Parse JSON strictly: UTF-8, no duplicate keys, errors with line and column.
+
+Python keeps half of a surrogate pair that an escape names alone, and no encoder can write it. It
+is rejected here, so that every text of a file can be printed and written.
+"""
 
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 from kilter.errors import InputError
+from kilter.files.limits import MOST_VALUES
 
 __all__ = ["parse_json"]
+
+_SURROGATE = re.compile(r"[\ud800-\udfff]")
+_SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
 
 def parse_json(data: bytes) -> Any:
@@ -18,7 +27,8 @@ def parse_json(data: bytes) -> Any:
     Raises
     ------
     InputError
-        If the text is not UTF-8 or not JSON, is nested too deeply, or has a duplicate key.
+        If the text is not UTF-8 or not JSON, is nested too deeply, has too many values, a
+        duplicate key, or half of a surrogate pair.
 
     Examples
     --------
@@ -37,8 +47,12 @@ def parse_json(data: bytes) -> Any:
         raise InputError(f"not UTF-8 at byte {error.start}", hint="save it as UTF-8") from None
     if not text.strip():
         raise InputError("the file is empty", hint="give a file with contents")
+    _require_few_values(data)
     try:
-        return json.loads(text, object_pairs_hook=_without_duplicates)
+        content = json.loads(text, object_pairs_hook=_without_duplicates)
+        if _SURROGATE_ESCAPE.search(data):
+            _require_no_surrogates(content)
+        return content
     except json.JSONDecodeError as error:
         raise InputError(
             f"not JSON: {error.msg} at line {error.lineno}, column {error.colno}",
@@ -48,6 +62,28 @@ def parse_json(data: bytes) -> Any:
         raise InputError("lists or objects are nested too deeply", hint="flatten them") from None
     except ValueError as error:  # an integer of thousands of digits
         raise InputError(f"not a number: {error}"[:120], hint="give fewer digits") from None
+
+
+def _require_few_values(data: bytes) -> None:
+    """Raise `InputError` if a JSON text has too many values for the memory."""
+    count = sum(data.count(mark) for mark in (b",", b"[", b"{"))
+    if count > MOST_VALUES:
+        raise InputError(
+            f"its JSON has {count:,} values; the limit is {MOST_VALUES:,}",
+            hint="make its meshes coarser, or write them as STL",
+        )
+
+
+def _require_no_surrogates(content: Any) -> None:
+    """Raise `InputError` if a text within JSON data has half of a surrogate pair."""
+    text = json.dumps(content, ensure_ascii=False)
+    half = _SURROGATE.search(text)
+    if half is not None:
+        around = text[max(half.start() - 20, 0) : half.end() + 20]
+        raise InputError(
+            f"a text has half of a surrogate pair, near {around!r}",
+            hint="give a text of valid characters",
+        )
 
 
 def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree import ElementTree
@@ -23,7 +22,7 @@ import numpy as np
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
-from kilter.files.limits import Tally, require_few_entries, require_unfolded
+from kilter.files.limits import DEEPEST, Tally, require_few_entries, require_unfolded
 from kilter.files.placed import scale_mesh, transform_mesh
 from kilter.shape.primitives import Mesh
 
@@ -55,7 +54,7 @@ class _Object:
     components: list[tuple[str, str, Array]]
 
 
-def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
+def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str, list[str]]:
     """Read the meshes of a 3MF file with their names, and its length unit.
 
     Returns
@@ -64,33 +63,26 @@ def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
         Name and mesh, at its place.
     units : str
         Length unit of the meshes.
+    notes : list of str
 
     Raises
     ------
     InputError
-        If the zip or its XML is damaged, or an item names an object that does not exist.
+        If an item names an object that does not exist, or a value is invalid. A damaged zip or XML
+        raises the exceptions of the libraries, which the caller's guard converts.
     """
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive, np.errstate(all="ignore"):
-            require_unfolded(sum(entry.file_size for entry in archive.infolist()), len(data))
-            return _read(archive)
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, OSError) as error:
-        raise InputError(f"damaged 3MF: {error}"[:120], hint=_DAMAGED) from None
-    except ElementTree.ParseError as error:
-        raise InputError(f"damaged 3MF: invalid XML, {error}", hint=_DAMAGED) from None
-    except LookupError as error:
-        raise InputError(f"damaged 3MF: {error} is missing", hint=_DAMAGED) from None
-    except (ValueError, OverflowError) as error:
-        raise InputError(f"damaged 3MF: {error}"[:120], hint=_DAMAGED) from None
+    with zipfile.ZipFile(io.BytesIO(data)) as archive, np.errstate(all="ignore"):
+        require_unfolded(sum(entry.file_size for entry in archive.infolist()), len(data))
+        return _read(archive)
 
 
-def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str]:
-    """Meshes in the build section of an opened 3MF file, and its length unit."""
+def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str, list[str]]:
+    """Meshes in the build section of an opened 3MF file, its length unit, and notes."""
     root_path = _root_path(archive)
     root = _xml(archive, root_path)
     unit = root.get("unit", "millimeter")
     if unit not in UNITS:
-        raise InputError(f"unit {unit!r} is not a unit of 3MF", hint=f"use {', '.join(UNITS)}")
+        raise InputError(f"unit {unit!r:.80} is not a unit of 3MF", hint=f"use {', '.join(UNITS)}")
     units, factor = UNITS[unit]
     models, tally = {root_path: _objects(root, root_path)}, Tally()
     solids: list[tuple[str | None, Mesh]] = []
@@ -100,7 +92,10 @@ def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str]
         placements += _leaves(archive, models, start, _transform(item), tally)
     values = [o.vertices.reshape(-1) for model in models.values() for o in model.values()]
     accuracy = text_accuracy(np.concatenate([*values, np.empty(0)]))
+    empty = sum(not len(item_object.faces) for item_object, _, _ in placements)
     for item_object, matrix, above in placements:
+        if not len(item_object.faces):
+            continue
         name = item_object.name or above or None
         vertices = item_object.vertices
         try:
@@ -108,7 +103,8 @@ def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str]
         except InputError as error:
             raise error.located(part=name) from None
         solids.append((name, scale_mesh(transform_mesh(mesh, matrix), factor)))
-    return solids, units
+    notes = [f"{empty} objects without triangles are ignored"] if empty else []
+    return solids, units, notes
 
 
 def _xml(archive: zipfile.ZipFile, path: str) -> ElementTree.Element:
@@ -163,12 +159,14 @@ def _leaves(
         if path not in models:
             models[path] = _objects(_xml(archive, path), path)
         if key not in models[path]:
-            raise InputError(f"object {key!r} is not in {path}", hint=_DAMAGED)
+            raise InputError(f"object {key!r:.80} is not in {path:.80}", hint=_DAMAGED)
         if (path, key) in chain:
-            raise InputError(f"object {key!r} contains itself", hint=_DAMAGED)
+            raise InputError(f"object {key!r:.80} contains itself", hint=_DAMAGED)
+        if len(chain) > DEEPEST:
+            raise InputError(f"components are nested deeper than {DEEPEST}", hint=_DAMAGED)
         node = models[path][key]
         tally.add(10 + len(node.faces))  # empty objects cost time too
-        if len(node.faces):
+        if len(node.faces) or not node.components:
             yield node, matrix, above
         below = [
             ((model, child), matrix @ step, node.name or above, chain | {(path, key)})

@@ -21,10 +21,16 @@ from kilter.assembly.interactions import Joint
 from kilter.errors import InputError, some_names
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import MESHES, read_bodies
-from kilter.files.limits import Tally, named_path
+from kilter.files.limits import Tally, named_path, require_regular
 from kilter.files.one_body import compose, one_body
 from kilter.files.placed import join_meshes, transform_mesh
-from kilter.files.urdf_elements import Element, numbers_of, origin_of, text_of
+from kilter.files.urdf_elements import (
+    Element,
+    joints_by_child,
+    numbers_of,
+    origin_of,
+    text_of,
+)
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 
@@ -64,12 +70,22 @@ class _Robot:
 
     def __init__(self, root: Element, path: Path) -> None:
         self.folder = path.parent
-        self.links = {text_of(link, "name"): link for link in root.findall("link")}
+        self.links: dict[str, Element] = {}
+        for link in root.findall("link"):
+            name = text_of(link, "name")
+            if name in self.links:
+                raise InputError("two links have this name", part=name, hint="rename a link")
+            self.links[name] = link
         if not self.links:
             raise InputError("the robot has no links", hint="give it at least one link")
-        self.joints = root.findall("joint")
-        self.leads = {self._end(joint, "child"): joint for joint in self.joints}
+        self.leads = joints_by_child(root.findall("joint"), lambda joint: self._end(joint, "child"))
         """The joint whose child is a link."""
+        roots = [name for name in self.links if name not in self.leads]
+        if len(roots) > 1:
+            raise InputError(
+                f"the robot has {len(roots)} roots: {some_names(roots)}",
+                hint="join them to a single root",
+            )
         self.frames: dict[str, Pose] = {}
         for name in self.links:
             self._place(name)
@@ -129,7 +145,7 @@ class _Robot:
         try:
             shape, inner = one_body(shapes, name, self.notes)
             if inertial is not None:
-                mass = numbers_of(inertial.find("mass"), "value", 1, "0")[0] or None
+                mass = self._mass(name, inertial)
             if mass is not None and inertial is not None:
                 center = (origin_of(inertial).position - inner.position) @ inner.matrix
             pose = compose(self.frames[name], inner)
@@ -145,6 +161,16 @@ class _Robot:
             )
         except InputError as error:
             raise error.located(part=name) from None
+
+    def _mass(self, name: str, inertial: Element) -> float | None:
+        """Mass in the `inertial` element of a link [kg]; None if it is 0 or not stated."""
+        element = inertial.find("mass")
+        if element is None:
+            return None
+        mass = numbers_of(element, "value", 1, "0")[0]
+        if mass == 0:
+            self.notes.append(f"the mass of {name!r:.80} is 0, so it has its density")
+        return mass or None
 
     def _joint(self, name: str, solid: set[str], held: bool) -> list[Joint]:
         """The joint between a link and the nearest carrying link with a shape, or the ground.
@@ -232,4 +258,5 @@ class _Robot:
             for inner in (plain, plain.partition("/")[2]):
                 if (folder / inner).is_file():
                     return named_path(folder, inner)
+        require_regular(self.folder / plain)
         return self.folder / plain

@@ -19,8 +19,8 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.files.urdf_elements import Element, numbers_of, origin_of, text_of
-from kilter.files.xml_scenes import xml_root
+from kilter.files.urdf_elements import Element, joints_by_child, numbers_of, origin_of, text_of
+from kilter.files.xml_text import xml_root
 from kilter.rigid import Pose, unit
 
 __all__ = ["ChainJoint", "JointChain", "read_joint_chain"]
@@ -110,7 +110,7 @@ def _chain(root: Element, link: str) -> JointChain:
             f"the robot has no link {link!r:.60}",
             hint=f"did you mean {near}?" if near else f"the links are {some_names(links)}",
         )
-    leads = {_end(joint, "child"): joint for joint in root.findall("joint")}
+    leads = joints_by_child(root.findall("joint"), lambda joint: _end(joint, "child"))
     chain: list[Element] = []
     above = link
     while above in leads:

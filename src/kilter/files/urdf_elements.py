@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from xml.etree import ElementTree
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from kilter.errors import InputError
 from kilter.rigid import Pose
 
-__all__ = ["Element", "numbers_of", "origin_of", "text_of"]
+__all__ = ["Element", "joints_by_child", "numbers_of", "origin_of", "text_of"]
 
 Element = ElementTree.Element
 
@@ -47,3 +48,22 @@ def origin_of(element: Element) -> Pose:
     about_z = np.array([[cos[2], -sin[2], 0], [sin[2], cos[2], 0], [0, 0, 1]])
     turn = Pose.of(about_z @ about_y @ about_x)
     return Pose(numbers_of(origin, "xyz", 3, "0 0 0"), turn.rotation)
+
+
+def joints_by_child(
+    joints: Sequence[Element], child: Callable[[Element], str]
+) -> dict[str, Element]:
+    """The joint that carries each link; `child` returns the link that a joint carries.
+
+    Raises
+    ------
+    InputError
+        If two joints carry the same link.
+    """
+    leads: dict[str, Element] = {}
+    for joint in joints:
+        name = child(joint)
+        if name in leads:
+            raise InputError("it is the child of two joints", part=name, hint="a robot is a tree")
+        leads[name] = joint
+    return leads

@@ -1,17 +1,23 @@
-"""Write kilter files and other files atomically: completely, or not at all."""
+"""Write kilter files and other files atomically: completely, or not at all.
+
+A device, a pipe or a socket cannot be replaced: the text is written into it.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import secrets
+import stat
 from pathlib import Path
 from typing import Any
 
 from kilter.assembly import Assembly, require_assembly
 from kilter.errors import InputError
 from kilter.files.kilter_json import to_dict
+from kilter.values.guesses import guarded
 
 __all__ = ["dump", "json_lines", "to_text", "write_bytes", "write_text"]
 
@@ -20,6 +26,7 @@ UNDER_WAY: set[str] = set()
 """Paths of temporary files that are being written; an exit without cleanup has to remove them."""
 
 
+@guarded
 def dump(assembly: Assembly, path: str | Path) -> None:
     """Write an assembly to a kilter file (JSON), one part per line.
 
@@ -56,8 +63,8 @@ def to_text(assembly: Assembly) -> str:
         ) from None
 
 
-def write_text(path: str | Path, text: str) -> None:
-    """Write a text file in UTF-8, completely or not at all.
+def write_text(path: str | Path, text: str, *, links: bool = True) -> None:
+    """Write a text file in UTF-8, completely or not at all; `links` as in `write_bytes`.
 
     Raises
     ------
@@ -72,26 +79,73 @@ def write_text(path: str | Path, text: str) -> None:
             file=str(path),
             hint="give names of valid characters",
         ) from None
-    write_bytes(path, data)
+    write_bytes(path, data, links=links)
 
 
-def write_bytes(path: str | Path, data: bytes) -> None:
+def write_bytes(path: str | Path, data: bytes, *, links: bool = True) -> None:
     """Write a binary file, completely or not at all.
+
+    Parameters
+    ----------
+    path : path
+        A device or a pipe is written into, and stays.
+    data : bytes
+    links : bool
+        Whether a link is followed: the link stays, and its target is written. Otherwise only a
+        regular file is replaced, for files whose names the user did not choose.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    target = Path(os.path.realpath(path))  # a symbolic link stays, its target is replaced
     try:
-        _replace(target, data)
-    except OSError as error:
+        if not links:
+            _require_plain(path)
+            _replace(Path(path), data)  # a link that appears now is replaced, never followed
+        elif _is_special(path):
+            _write_into(path, data)
+        else:
+            target = Path(os.path.realpath(path))
+            if target.is_symlink():
+                raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+            _replace(target, data)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise InputError(
-            f"cannot be written: {error.strerror or error}",
+            f"cannot be written: {getattr(error, 'strerror', None) or error}",
             file=str(path),
             hint="check the folder and its permissions",
         ) from None
+
+
+def _is_special(path: str | Path) -> bool:
+    """Whether a path leads to a device, a pipe or a socket."""
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def _require_plain(path: str | Path) -> None:
+    """Raise `InputError` if the path itself is a link, a device, a pipe or a socket."""
+    try:
+        mode = os.lstat(path).st_mode
+    except FileNotFoundError:
+        return
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        kind = "a link, which is not followed" if stat.S_ISLNK(mode) else "no regular file"
+        raise InputError(f"is {kind}", file=str(path), hint="remove it")
+
+
+def _write_into(path: str | Path, data: bytes) -> None:
+    """Write to a device or a pipe; an error follows if no program reads the pipe."""
+    # without this flag, the opening of a pipe would wait for a reader without end
+    handle = os.open(path, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0))
+    if hasattr(os, "set_blocking"):
+        os.set_blocking(handle, True)
+    with open(handle, "wb") as stream:
+        stream.write(data)
 
 
 def _replace(target: Path, data: bytes) -> None:

@@ -142,8 +142,7 @@ class FrictionAnswer:
         return Evidence(
             self.guarantee,
             witness=None if self.witness is None else self.witness.law,
-            passed=len(self.tries),
-            of=self.settling.of,
+            settles=self.settles,
             exclusion=None
             if exclusion is None or not exclusion.proved
             else exclusion_data(exclusion),

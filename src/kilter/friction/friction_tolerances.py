@@ -8,12 +8,12 @@ of |w| over the mobility of their point (`kilter.friction.law`). Those of a witn
 
 so that no assembly can be both refuted by a motion and proved to have none. For accuracy:
 
-    CLOSE > WITNESS_SLIVER,   WITNESS_EXACT > EXACTLY > SHARP > SOLVED
+    WITNESS_EXACT > EXACTLY > SHARP > SOLVED
 
 A conic program is solved to more digits than a witness needs, and Newton's method adds more. For
 the mode of a point, which a force or speed decides only above these values:
 
-    CLEAR > SLACK > SOLVED,   CLEAR > CREEP
+    SLOW > CLEAR > SLACK > SOLVED,   CLEAR > CREEP
 
 For rounding of numbers near 1: ZERO_ENTRY < CONE_ROUNDING < JOINT_RANK < FLAT.
 """
@@ -23,7 +23,6 @@ from __future__ import annotations
 __all__ = [
     "BALANCED",
     "CLEAR",
-    "CLOSE",
     "COARSEST_NO_POWER",
     "CONE_ROUNDING",
     "CREEP",
@@ -43,6 +42,7 @@ __all__ = [
     "PRESSES",
     "SHARP",
     "SLACK",
+    "SLOW",
     "SOFT_MODE",
     "SOFT_SQUEEZE",
     "SOLVED",
@@ -101,8 +101,6 @@ accurate to its root.
 """
 NODE_GAP = 1e-8
 """Tolerance of the conic programs of contact modes, whose solutions are only first guesses."""
-CLOSE = 0.01
-"""Residual of the nearest motion, over |a|^2 / |w|^2, above which it is not reported."""
 GONE = 1e-5
 """Size |x| below which a run of De Saxce's iteration counts as a state of rest."""
 STEADY = 1e-7
@@ -115,10 +113,14 @@ CLEAR = 1e-4
 """Forces below this value count as zero in the first attempt; in the second, below `SLACK`."""
 NEAR_ITS_CONE = 1e-4
 """Relative distance of a force to the boundary of its cone at which it counts as on the boundary. A
-point that slides slower than this does not define a sliding direction.
+point that slides slower than this fraction of the fastest does not define a sliding direction.
 """
 CREEP = 1e-7
-"""Points that slide slower than this are also tried as sticking."""
+"""Points that slide slower than this fraction of the fastest are also tried as sticking."""
+SLOW = 0.03
+"""Points that slide slower than this fraction of the fastest are, in a third attempt, tried as
+sticking: near a limit the motion itself is little above the error of the solver. A larger value
+tries more points so."""
 SLACK = 1e-9
 """A speed or force that violates its mode by more than this changes the mode."""
 SOFT_MODE = 1e-9

@@ -15,6 +15,7 @@ steps are regularised, so they stay near those of the candidate.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +29,7 @@ from kilter.friction.friction_tolerances import (
     CREEP,
     NEAR_ITS_CONE,
     SLACK,
+    SLOW,
     SOFT_MODE,
     SOLVED,
 )
@@ -62,9 +64,9 @@ class TrialMotion:
 
 
 def polished(
-    law: CoulombLaw, start: TrialMotion, seen: set[bytes], work: Work
-) -> list[TrialMotion]:
-    """Motions near `start` that exactly solve the equations of a contact mode.
+    law: CoulombLaw, start: TrialMotion, seen: set[bytes], work: Work, *, impending: bool = False
+) -> Iterator[TrialMotion]:
+    """Yield motions near `start` that exactly solve the equations of a contact mode.
 
     Parameters
     ----------
@@ -73,45 +75,51 @@ def polished(
     seen : set of bytes
         Modes that are not solved again; the solved modes are added.
     work : Work
-        Limits the work; when it is spent, the motions found so far are returned.
+        Limits the work; when it is spent, no further motions follow.
+    impending : bool
+        The motion may be slow, little above the error of the solver: points that slide much slower
+        than the fastest are tried as sticking first.
     """
-    motions: list[TrialMotion] = []
     with np.errstate(over="ignore"):
         if not np.isfinite(start.forces**2).all():  # the squares overflow
-            return motions
-    for least in (CLEAR, SLACK):
-        motions += _follow_modes(law, _nearest_modes(law, start, least), start, seen, work)
-    return motions
+            return
+    for slow in (SLOW, 0.0) if impending else (0.0,):
+        for least in (CLEAR, SLACK):
+            mode = _nearest_modes(law, start, least, slow)
+            yield from _follow_modes(law, mode, start, seen, work)
 
 
 def _follow_modes(
     law: CoulombLaw, mode: Index, start: TrialMotion, seen: set[bytes], work: Work
-) -> list[TrialMotion]:
+) -> Iterator[TrialMotion]:
     """Solve a contact mode, change the modes that the solution contradicts, and repeat."""
-    motions: list[TrialMotion] = []
     candidate = start
     for _ in range(MODES):
         if mode.tobytes() in seen or work.over:
-            break
+            return
         seen.add(mode.tobytes())
         solution = _solve_mode(law, mode, candidate, work)
         if solution is None:
-            break
+            return
         candidate = solution
-        motions += [candidate, *_at_the_limit(law, mode, candidate, work)]
+        yield candidate
+        yield from _at_the_limit(law, mode, candidate, work)
         corrected = _corrected_modes(law, mode, candidate)
         if (corrected == mode).all():
-            break
+            return
         mode = corrected
-    return motions
 
 
-def _nearest_modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
-    """Contact mode of each row that is nearest to a motion; forces below `least` count as zero."""
+def _nearest_modes(law: CoulombLaw, start: TrialMotion, least: float, slow: float) -> Index:
+    """Contact mode of each row that is nearest to a motion.
+
+    Forces below `least` count as zero, and so does sliding below `slow` of the fastest.
+    """
     u, f = (law.matrix @ start.x).reshape(-1, 3), start.forces
     touches = law.tied | (f[:, 0] > np.maximum(u[:, 0], least))
     room = law.mu * f[:, 0] - np.linalg.norm(f[:, 1:], axis=1)
-    slides = (law.mu <= 0) | (np.linalg.norm(u[:, 1:], axis=1) > room)
+    slip = np.linalg.norm(u[:, 1:], axis=1)
+    slides = (law.mu <= 0) | ((slip > room) & (slip >= slow * slip.max(initial=0.0)))
     return np.where(~touches, Mode.OPEN, np.where(slides & ~law.tied, Mode.SLIDING, Mode.STICKING))
 
 
@@ -251,11 +259,12 @@ def _at_the_limit(
     u, f = (law.matrix @ motion.x).reshape(-1, 3), motion.forces
     drag, slip = np.linalg.norm(f[:, 1:], axis=1), np.linalg.norm(u[:, 1:], axis=1)
     full, rough = law.mu * np.maximum(f[:, 0], 0.0), law.mu > 0
+    fastest = float(slip.max(initial=0.0))
     at_limit = (full > NEAR_ITS_CONE) & (drag > (1 - NEAR_ITS_CONE) * full)
-    creeping = (mode == Mode.SLIDING) & rough & (slip <= CREEP)
+    creeping = (mode == Mode.SLIDING) & rough & (slip <= CREEP * fastest)
     limit = np.flatnonzero(((mode == Mode.STICKING) & at_limit) | (creeping & at_limit))
     slides = (mode == Mode.SLIDING) & ~creeping
-    fast = slides & rough & (slip > NEAR_ITS_CONE)
+    fast = slides & rough & (slip > NEAR_ITS_CONE * fastest)
     along = np.einsum("ki,kij->kj", u[fast, 1:] / slip[fast, None], law.basis[fast, 1:])
     if not len(limit) or not len(along):
         return []

@@ -17,7 +17,7 @@ Steihaug, Inexact Newton methods, SIAM J. Numer. Anal. 19, 1982.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import hypot
 
@@ -51,6 +51,9 @@ MOST, IDLE = 150, 40
 """Number of Newton steps after which the method fails; the same without a new least imbalance."""
 SOFT = 1e-7
 """Stiffness added to each freedom of P, so that P is positive definite for loose parts [-]."""
+STIFFER = (SOFT, 1e-5, 1e-3, 0.1, 10.0)
+"""Stiffness that is added until the matrix of closed points is positive definite; after the first,
+over the largest of P. Loose parts of very different sizes need more: rounding exceeds `SOFT`."""
 NARROW = 24
 """Half width of a band up to which parts form chains, such as arches and stacks. Their matrices are
 cheap, but soft: rough steps do not help, and single precision does not suffice."""
@@ -98,25 +101,41 @@ class SharedFactor:
             slope = np.zeros((len(self.system.law.mu) + 1, 3, 3))
             slope[:-1, 0, 0] = 1.0
             slope[:-1, 1, 1] = slope[:-1, 2, 2] = np.where(self.system.law.mu > 0, ACROSS, 0.0)
-            self._closed = self._factorised(slope, work)
+            self._closed = self._factorised(slope, work, STIFFER)
         self._factor = self._closed
 
     def renew(self, slope: Array, work: Work) -> None:
         """Use the factor for symmetric slopes -df/du, shape (K + 1, 3, 3), from now on."""
         self._factor = self._factorised(slope, work)
 
-    def _factorised(self, slope: Array, work: Work) -> BlockCholesky:
-        """Factorise the stiffness matrix for given slopes of the contact points."""
+    def _factorised(
+        self, slope: Array, work: Work, stiffer: Sequence[float] = (SOFT,)
+    ) -> BlockCholesky:
+        """Factorise the stiffness matrix for given slopes of the contact points.
+
+        Raises
+        ------
+        NotPositive
+            If the matrix is not positive definite with any of the stiffnesses that are added.
+        """
         blocks, width = self.system.pair_blocks(slope), self._width
-        count = len(self.system.weight)
-        diagonal = np.tile(SOFT * np.eye(width), (count, 1, 1))
+        diagonal = np.zeros((len(self.system.weight), width, width))
         for side, ends in enumerate(self._ends):
             square = slice(width * side, width * (side + 1))
             own = blocks[:, square, square].reshape(len(blocks), -1)
             diagonal += (ends @ own).reshape(diagonal.shape)
+        largest = max(float(diagonal.max(initial=0.0)), 1.0)
         factor = self._layout.another()
-        work.dissected(width * count, self.entries)
-        factor.factorise(diagonal, blocks[self._both, :width, width:])
+        for k, added in enumerate(stiffer):
+            work.dissected(width * len(diagonal), self.entries)
+            stiff = diagonal + added * (largest if k else 1.0) * np.eye(width)
+            try:
+                factor.factorise(stiff, blocks[self._both, :width, width:])
+            except NotPositive:
+                if k == len(stiffer) - 1:
+                    raise
+            else:
+                break
         return factor
 
     def start(self, right: Array, work: Work) -> Array:

@@ -1,7 +1,7 @@
 """Certificates: verification of a proof from rows and load alone, independently of the solver.
 
 Forces f prove that an equilibrium exists. Every force must lie in its cone (exactly, by clipping;
-with friction |f_t| <= mu f_n, and f_n >= 0 also for mu = 0). The imbalance of each part, |J^T f + w|,
+with friction |f_t| <= mu f_n, and f_n >= 0 also for mu = 0). The imbalance |J^T f + w| of each part
 may be at most the tolerance times its weight, and what rounding of its forces explains.
 
 A motion dp proves that no equilibrium exists. It is normalised so that the fastest part moves by 1
@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Mask
+from kilter.arrays import TINY, Array
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_limits import balanced_parts, power_limit, pressing_forces
 

@@ -98,6 +98,15 @@ class LawProof:
         """The largest of the six relative residuals of the contact law [-]."""
         return max(self.balance, self.opening, self.cone, self.normal, self.angle, self.stretch)
 
+    @property
+    def obeyed(self) -> bool:
+        """Whether the motion obeys the law, however slow it is.
+
+        If equilibrium forces exist, a slow motion that nearly obeys the law proves nothing
+        (`holds`). If none exist, the parts must move, and near a limit they move slowly.
+        """
+        return self.size > 0.0 and self.residual <= WITNESS_EXACT * float(np.sqrt(self.size))
+
 
 def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
     """Check whether accelerations and forces form a motion that obeys Coulomb's contact law.

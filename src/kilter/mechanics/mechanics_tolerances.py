@@ -60,9 +60,9 @@ EXCESS = 1e-11
 """Largest sum of such roundings beyond the tolerance, over the weight of a cluster, for exact data.
 A larger value rejects slower motions of light parts that touch heavy parts.
 """
-COARSE_EXCESS = 100.0
-"""The same sum over the tolerance, for data coarser than float64: stacks of up to about 100 courses
-on inclined faces. A larger value rejects slower motions.
+COARSE_EXCESS = 1.0
+"""The same sum over the tolerance, for data coarser than float64. Inclined stacks of 30 cubes need
+up to 0.5, of 100 cubes up to 3.7. A larger value rejects slower motions.
 """
 BLUR = 10.0
 """Tolerance of a part over the relative accuracy of its coordinates, for data coarser than float64.

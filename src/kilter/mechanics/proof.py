@@ -48,17 +48,15 @@ class Evidence:
         Whether no other motion obeys the contact law.
     witness : LawProof or None
         A motion that obeys the contact law.
-    passed, of : int
-        Number of tries that came to rest, and that were requested. A statement without a proof:
-        verification repeats the tries.
+    settles : bool
+        Whether every try came to rest: a claim without a proof, since verification repeats them.
     exclusion : dict or None
         Proof that excludes every motion, with all steps (`kilter.friction.exclusion_file`).
     """
 
     guarantee: str
     witness: LawProof | None = None
-    passed: int = 0
-    of: int = 0
+    settles: bool = False
     exclusion: dict[str, Any] | None = None
 
 
@@ -80,7 +78,7 @@ def make_proof(
     program : Program
     certificate : ForceProof or MotionProof or None
     options : dict
-        Reading options of the file.
+        Reading options of the file; if it is empty, those that the assembly remembers.
     evidence : Evidence, optional
         Given if the verdict depends on friction.
 
@@ -101,7 +99,7 @@ def make_proof(
         "planar": assembly.planar,
         "gravity": assembly.gravity.tolist(),
         "down": assembly.down.tolist(),
-        "options": options,
+        "options": options or dict(assembly.reading or {}),
         "tolerance": {
             "gap": contacts.tolerance.gap,
             "relative_gap": contacts.tolerance.relative_gap,
@@ -171,7 +169,7 @@ def _verdict_word(certificate: ForceProof | MotionProof, evidence: Evidence | No
         return "unstable"
     if evidence is None or evidence.guarantee == "proved":
         return "stable"
-    settles = evidence.guarantee == "open" and 0 < evidence.of == evidence.passed
+    settles = evidence.guarantee == "open" and evidence.settles
     return "settles" if settles else "potentially-stable"
 
 
@@ -205,7 +203,6 @@ def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[st
     joints = np.flatnonzero(program.kind == JOINT)
     witness = evidence.witness
     data: dict[str, Any] = {"guarantee": evidence.guarantee, "exclusion": evidence.exclusion}
-    data["tries"] = {"passed": evidence.passed, "of": evidence.of}
     data["witness"] = None if witness is None else {
         "acceleration": {
             name: witness.acceleration[k].tolist()

@@ -215,7 +215,6 @@ FRICTION = keys(
             steps=list_of(keys()),
         )
     ),
-    tries=keys(passed=COUNT, of=COUNT),
     witness=nullable(
         keys(
             acceleration=named(SIX),

@@ -18,7 +18,12 @@ from kilter.mechanics.certificate import ForceProof, check_forces, check_motion,
 from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.joints import joint_forces, joint_wrench
 from kilter.mechanics.law_check import LawProof, check_law
-from kilter.mechanics.mechanics_tolerances import AGREES, POWER_ROUNDING, RULED_OUT
+from kilter.mechanics.mechanics_tolerances import (
+    AGREES,
+    POWER_ROUNDING,
+    RULED_OUT,
+    UNITS_IN_LAST_PLACE,
+)
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import (
     coefficients,
@@ -30,7 +35,7 @@ from kilter.mechanics.proof import (
 )
 from kilter.mechanics.rows import BONDED, CONTACT, JOINT
 
-__all__ = ["RecheckResult", "recheck"]
+__all__ = ["RecheckResult", "proof_forces", "recheck"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,8 +88,8 @@ def _verdict_objections(verdict: str, balanced: bool, friction: dict[str, Any] |
         supported = "stable"
     else:
         supported = "potentially-stable"
-    if verdict == "balanced" and friction is None:
-        verdict = "stable"  # second order separates the two: `kilter.analysis.verification`
+    if verdict in ("balanced", "potentially-stable") and supported == "stable":
+        verdict = supported  # small pushes decide: `kilter.second_order.proofs.push_recheck`
     if verdict == "settles" and guarantee == "open":
         return []  # a claim beyond equilibrium: verification repeats the tries
     if verdict != supported:
@@ -273,8 +278,8 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     return forces, [f"the {joint['kind']} joint of {pair} has a load that its kind cannot carry"]
 
 
-def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
-    """Check the equilibrium forces of a proof: relative residual [-], and objections."""
+def proof_forces(program: Program, proof: dict[str, Any]) -> tuple[Array, Array, list[str]]:
+    """Forces along the rows, (K,), and across them, (K, 3), of a proof [N], and objections."""
     joints = np.zeros(len(program.part_a))
     joint_objections: list[str] = []
     for number, entry in enumerate(proof["joints"]):
@@ -284,10 +289,15 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
     forces, friction, reasons = _given_forces(
         program, proof["forces"], joints, proof.get("pulls", [])
     )
-    reasons += joint_objections
+    return forces, friction, reasons + joint_objections
+
+
+def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
+    """Check the equilibrium forces of a proof: relative residual [-], and objections."""
+    forces, friction, reasons = proof_forces(program, proof)
     judged = check_forces(program, forces, friction)
-    size = max(1.0, judged.residual / AGREES)
-    if not _agree(judged.residual, proof["certificate"]["residual"], size):
+    rounding = 10 * UNITS_IN_LAST_PLACE * _squeeze(program, judged) / AGREES
+    if not _agree(judged.residual, proof["certificate"]["residual"], max(1.0, rounding)):
         reasons.append("its stated residual differs from that of its forces")
     if not judged.holds:
         reasons.append(_unbalanced(program, judged))
@@ -296,10 +306,15 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
 
 def _unbalanced(program: Program, judged: ForceProof) -> str:
     """Reason why forces are no proof: the imbalance over the weight, and the largest forces."""
-    sums = program.force_sums(judged.forces, judged.friction)[program.free]
-    squeeze = float((sums / np.maximum(program.weight[program.free], TINY)).max(initial=0.0))
+    squeeze = _squeeze(program, judged)
     hard = f"; its forces press a part with {squeeze:.1e} weights" if squeeze > RULED_OUT else ""
     return f"the forces leave {judged.residual:.3g} of a part's weight unbalanced{hard}"
+
+
+def _squeeze(program: Program, judged: ForceProof) -> float:
+    """Largest sum of the forces on a part, over its weight [-]."""
+    sums = program.force_sums(judged.forces, judged.friction)[program.free]
+    return float((sums / np.maximum(program.weight[program.free], TINY)).max(initial=0.0))
 
 
 def _recheck_friction(
@@ -369,8 +384,8 @@ def _recheck_motion(
     reasons = []
     if not judged.holds:
         reasons.append(
-            f"the motion gains {judged.power:.3g} W and closes contacts by {judged.violation:.3g}; "
-            f"rounding and this may explain {judged.power / max(judged.ratio, TINY):.3g} W"
+            f"the motion gains {judged.power:.3g} W and violates contacts by "
+            f"{judged.violation:.3g}, {judged.ratio:.3g} of what it needs: that proves nothing"
         )
     if proof["open_pairs"] != open_pairs_of(assembly, contacts):
         reasons.append("its open pairs differ from those of the file, so the motion may be blocked")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from kilter.errors import InputError
 from kilter.publish.output_files import require_figure
 from kilter.publish.subjects import changed_subject, path_of, require_steps
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ DRAWING = 1.0
 Tell = Callable[[str], None]
 
 
+@guarded
 def draw(
     subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places,
     out: str | Path | None = None,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from kilter.errors import InputError
 from kilter.publish.output_files import FILMS, require_ending
 from kilter.publish.subjects import path_of, require_steps
+from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["animate"]
 
 
+@guarded
 def animate(subject: Order | Region | Verdict | Transport, out: str | Path | None = None) -> bytes:
     """Export a plan or a motion as an animated GLB file, for any glTF viewer.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from kilter.errors import InputError
 from kilter.publish.output_files import PAGES, require_ending, title_of
 from kilter.publish.subjects import changed_subject
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class Report:
         return f"Report({self.verdict!r}, {len(self.html.encode()) / 1e6:.2f} MB)"
 
 
+@guarded
 def report(
     assembly: AssemblyOrPath | Order | Places,
     out: str | Path | None = None,

@@ -22,10 +22,10 @@ FILMS = (".glb",)
 """Endings of films."""
 
 
-def require_ending(out: str | Path, endings: tuple[str, ...], what: str) -> None:
+def require_ending(out: str | Path, endings: tuple[str, ...], what: str, also: str = "") -> None:
     """Reject an output name with a wrong ending, so that no input file is overwritten."""
     if Path(out).suffix.lower() not in endings:
-        hint = f"use a name that ends in {', '.join(endings)}"
+        hint = f"use a name that ends in {', '.join(endings)}{also}"
         raise InputError(f"not a file name for a {what}", file=str(out), hint=hint)
 
 
@@ -44,7 +44,7 @@ def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> 
     from kilter.show.canvas import SUFFIXES, require
 
     if out is not None:
-        require_ending(out, SUFFIXES, "figure")
+        require_ending(out, SUFFIXES, "figure", f", or in {', '.join(FILMS)} for a film")
     if view is not None and not all(math.isfinite(angle) for angle in view):
         raise InputError(
             f"the view is {view[0]} {view[1]}",

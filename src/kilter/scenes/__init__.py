@@ -20,6 +20,7 @@ from typing import overload
 
 from kilter.assembly import Assembly
 from kilter.scenes.registry import SCENES, Answer, Example, scene
+from kilter.values.guesses import guarded
 
 __all__ = ["SCENES", "Answer", "Example", "example", "scene"]
 
@@ -49,6 +50,7 @@ for _room in ROOMS:
 def example() -> list[Example]: ...
 @overload
 def example(name: str, *, size: tuple[int, int] | None = None) -> Assembly: ...
+@guarded
 def example(
     name: str | None = None, *, size: tuple[int, int] | None = None
 ) -> list[Example] | Assembly:

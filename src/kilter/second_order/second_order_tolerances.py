@@ -12,6 +12,7 @@ __all__ = [
     "APART",
     "BALANCED",
     "BEARS",
+    "BENDS",
     "CARRIES",
     "CROSSING",
     "CURVED",
@@ -46,6 +47,8 @@ BALANCED = 1e-9
 """Largest imbalance of forces in a proof, over the load [-]."""
 BEARS = 10.0
 """Multiple of the tolerated imbalance above which a force in a proof counts as a force [-]."""
+BENDS = 1e-6
+"""A motion of length 1 bends if the energy curves by more than this, over the forces [-]."""
 CARRIES = 1e-9
 """Fraction of the largest force above which a row counts as carrying [-]."""
 ACROSS = 1e-7

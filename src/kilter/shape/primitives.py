@@ -18,10 +18,12 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.errors import InputError
 from kilter.rigid import in_brackets
+from kilter.shape.convex_hull import hull_surface
 from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
 from kilter.shape.solid import Solid
-from kilter.validate import frozen, in_range, number
+from kilter.validate import finite, frozen, in_range, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
@@ -46,6 +48,7 @@ def _positive(value: Any, what: str) -> float:
     return number(value, what, lowest=0, above=True)
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False, init=False)
 class Box(Value):
     """A solid box, centred on the origin.
@@ -84,6 +87,7 @@ class Box(Value):
         return f"Box{in_brackets(self.size)}"
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Cylinder(Value):
     """A solid cylinder about the z axis, centred on the origin.
@@ -107,6 +111,7 @@ class Cylinder(Value):
         object.__setattr__(self, "height", _positive(self.height, "height of the cylinder"))
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Sphere(Value):
     """A solid sphere, centred on the origin.
@@ -128,13 +133,14 @@ class Sphere(Value):
         object.__setattr__(self, "radius", _positive(self.radius, "radius of the sphere"))
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class Prism(Value):
     """A solid prism: a polygon in the x-z plane, extruded along y, centred on y = 0.
 
     Parameters
     ----------
-    polygon : array_like, shape (n, 2)
+    polygon : array_like, shape (n, 2), or shapely.Polygon
         Corners (x, z) in order, in either sense [length unit].
     depth : float
         Length along y [length unit].
@@ -148,13 +154,16 @@ class Prism(Value):
     --------
     >>> len(Prism([[0, 0], [4, 0], [4, 3]], depth=1).polygon)
     3
+    >>> import shapely
+    >>> Prism(shapely.box(0, 0, 4, 3), 1) == Prism([[4, 0], [4, 3], [0, 3], [0, 0]], 1)
+    True
     """
 
     polygon: Any
     depth: float
 
     def __post_init__(self) -> None:
-        polygon = frozen(self.polygon, (-1, 2))
+        polygon = frozen(_outline(self.polygon), (-1, 2))
         if len(polygon) < 3:
             raise InputError("the polygon has fewer than 3 corners", hint="give 3 or more")
         if not np.isfinite(polygon).all():
@@ -176,6 +185,7 @@ class Prism(Value):
         return f"Prism({len(self.polygon)} corners, depth={self.depth:g})"
 
 
+@guarded
 class Mesh(Value):
     """A closed surface of triangles, as the shape of a part.
 
@@ -227,11 +237,50 @@ class Mesh(Value):
             largest * (2.0**-24 if single else 2.0**-53) if accuracy is None else float(accuracy)
         )
 
+    @classmethod
+    def convex_hull(cls, points: ArrayLike) -> Mesh:
+        """The convex hull of points as a mesh.
+
+        Parameters
+        ----------
+        points : array_like, shape (n, 3)
+            Points [length unit].
+
+        Raises
+        ------
+        InputError
+            If the points lie in a plane, or a number is not finite.
+
+        Examples
+        --------
+        >>> len(Mesh.convex_hull([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).triangles)
+        4
+        """
+        corners = finite(points, (-1, 3), "points")
+        try:
+            return cls(*hull_surface(corners))
+        except InputError:
+            raise InputError(
+                "the points lie in a plane", hint="give four points or more that enclose a volume"
+            ) from None
+
     def _content(self) -> tuple[Any, ...]:
         return self.vertices, self.triangles, self.accuracy
 
     def __repr__(self) -> str:
         return f"Mesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
+
+
+def _outline(polygon: Any) -> Any:
+    """Corners of a polygon, which may be a polygon of shapely without holes."""
+    if not hasattr(polygon, "exterior"):
+        return polygon
+    if len(polygon.interiors):
+        raise InputError(
+            f"the polygon has {len(polygon.interiors)} holes", hint="give a mesh of the solid"
+        )
+    corners = np.asarray(polygon.exterior.coords)
+    return corners[:-1, :2]  # the first corner is repeated at the end
 
 
 Shape = Box | Cylinder | Sphere | Prism | Mesh | Solid

@@ -98,7 +98,7 @@ def draw_assembly(
     entries += draw_straps(axes, assembly, camera)
     if verdict.moving:
         entries += draw_motion(axes, verdict, camera, ARROW * size)
-    elif verdict.forces is not None:
+    elif verdict.known_forces is not None:
         radius = assembly.geometry.radius[verdict.program.free]
         longest = min(ARROW * size, 2 * float(radius.max(initial=0.0)) or ARROW * size)
         entries += draw_forces(axes, verdict, camera, longest)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kilter.analysis.verdict.motion import GAINS
 from kilter.arrays import Array, Index
 from kilter.rigid import quaternion_to_matrix, screwed
 from kilter.show.canvas import INK, PAPER, label
@@ -114,7 +115,7 @@ def draw_motion(
     """
     motion, geometry = verdict.motion, verdict.assembly.geometry
     if not motion.known:
-        return []
+        return _ghosts(axes, verdict, camera, 0.6 * longest)
     linear = motion.acceleration[:, :3]
     sizes = np.linalg.norm(linear, axis=1)
     most = float(sizes.max())
@@ -141,24 +142,25 @@ def draw_motion(
 
 
 def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> list[tuple[Any, str]]:
-    """Draw the edges of the moving parts, displaced along their impending motion.
+    """Draw the edges of the moving parts, displaced along their impending motion or the proof's.
 
     `farthest`: largest displacement of a point [length unit].
     """
     motion, assembly = verdict.motion, verdict.assembly
     moving = np.flatnonzero(motion.moves)
-    if len(moving) > GHOSTS:
+    screws = motion.screws(metres_per_unit(assembly.units))
+    if len(moving) > GHOSTS or not screws[moving].any():
         return []
-    unit, center = metres_per_unit(assembly.units), assembly.geometry.center
+    center = assembly.geometry.center
     edges, paths = [], []
     for k, corners, pairs in _corners(assembly, moving):
         ends = corners[pairs]
-        angular = motion.acceleration[k, 3:] * unit
         edges.append(ends)
-        paths.append(motion.acceleration[k, :3] + np.cross(angular, ends - center[k]))
+        paths.append(screws[k, :3] + np.cross(screws[k, 3:], ends - center[k]))
     start, path = np.concatenate(edges), np.concatenate(paths)
     most = float(np.linalg.norm(path, axis=-1).max())
-    return _outlines(axes, camera.flat(start + path * farthest / most), "displaced parts, enlarged")
+    words = "displaced parts, enlarged" if motion.known else f"parts displaced {GAINS}"
+    return _outlines(axes, camera.flat(start + path * farthest / most), words)
 
 
 def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[tuple[Any, str]]:
@@ -224,7 +226,7 @@ def draw_forces(
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
-    forces = verdict.forces
+    forces = verdict.known_forces
     if forces is None:
         return []
     sizes = np.linalg.norm(forces.resultant, axis=1)

@@ -235,7 +235,7 @@ def build_orientation(answers: Everything, answer: Answered, center: Array) -> d
         "why": answer.sentence,
         "level": dict(facts(check)).get("level"),
         "down": answer.down.tolist(),
-        "motion": pack(motion) if moves.any() else None,
+        "motion": pack(motion) if motion.any() else None,
         "moves": pack(moves, "u1"),
         "words": words,
         "forces": None

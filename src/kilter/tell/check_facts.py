@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from kilter.tell.numbers import counts, force, mass, number, percent, plain
 from kilter.tell.open_words import open_facts, remedy_facts
-from kilter.tell.second_order_words import second_order_words
+from kilter.tell.second_order_words import is_shown, second_order_words
 from kilter.tell.shared_facts import (
     Answer,
     Fact,
@@ -39,6 +39,7 @@ WHY = {
     "squeeze": "it holds only if forces other than its weight press the parts together",
     "balanced": "the slightest push makes it fall",
     "not-asked": "settling and other motions were not examined",
+    "push-open": "whether a small push makes round or jointed parts fall is not decided",
     "not-found": "whether its own weight can hold it was not determined",
 }
 UNDONE = "not every try was finished for lack of {}"
@@ -75,6 +76,7 @@ def check_facts(answer: Answer) -> list[Fact]:
     if answer["z"] is not None and answer["verdict"] != "stable":
         facts.append(("instability", instability_phrase(answer)))
     second = answer.get("second_order")
+    second = second if is_shown(second, answer["require"]) else None
     if second is not None:
         facts.append(("second order", second_order_words(second)))
     if answer["neutral"] is not None:

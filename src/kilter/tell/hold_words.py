@@ -81,7 +81,10 @@ def _limit(answer: Answer) -> str:
 def hold_facts(answer: Answer) -> list[tuple[str, str]]:
     """Return the lines below the sentence of `kilter hold`, each a term and its words."""
     rows = [("level", answer["level"] or "none"), ("base", some_names(answer["base"]) or "none")]
-    for k, motion in enumerate(answer["motions"]):
+    motions = answer["motions"]
+    if answer["verdict"] == "impossible":  # a motion that a support stops is no reason
+        motions = [motion for motion in motions if not motion["stopped_by"]]
+    for k, motion in enumerate(motions):
         by = some_names(motion["stopped_by"], 4) or "no candidate"
         words = f"{some_names(motion['moving'], 3)} would move; stopped by {by}"
         rows.append(("" if k else "because", words))

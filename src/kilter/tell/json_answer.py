@@ -6,13 +6,15 @@ import json
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from kilter.values.guesses import Guessable
+
 __all__ = ["SCHEMA_VERSION", "Answer", "AnswerInWords"]
 
 SCHEMA_VERSION = 1
 """Version of the data of all answers; a key that is removed or changes its meaning raises it."""
 
 
-class Answer:
+class Answer(Guessable):
     """Base class of the answers of all functions; its JSON data are as printed with ``--json``."""
 
     __slots__ = ()

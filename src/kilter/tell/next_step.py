@@ -116,7 +116,7 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     if kind == "transport":
         if answer["verdict"] == "unstable":
             return HOLD
-        return None if answer["cases"] or answer["speed"] else CARRIED
+        return _held_against(answer) if answer["cases"] or answer["speed"] else CARRIED
     if kind == "margin":
         if answer["level"] == "proved" and moved_by_least(answer):
             return ROUGH
@@ -140,6 +140,23 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     if kind == "scene":
         faults = any(entry["state"] in ("floats", "overlaps") for entry in answer["objects"])
         return SETTLED if faults else None
+    return None
+
+
+def _held_against(answer: Answer) -> NextStep | None:
+    """The search for supports under the first acceleration that is not carried; else None.
+
+    A carrier that turns has no such command.
+    """
+    for case in answer["cases"]:
+        if case["verdict"] == "unstable":
+            if any(case["angular_velocity"]) or any(case["angular_acceleration"]):
+                return None
+            along = (f"{near_zero(x):.15g}" for x in case["acceleration"])
+            return NextStep(
+                ("hold", "--accelerate", *along),
+                "finds the fewest supports, or straps of --straps, that hold it then",
+            )
     return None
 
 

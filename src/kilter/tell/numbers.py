@@ -6,8 +6,11 @@ import math
 from collections import Counter
 from collections.abc import Iterable
 
+from kilter.errors import short_name
+
 __all__ = [
     "NO_ANGLE",
+    "Name",
     "angle",
     "count",
     "counts",
@@ -28,8 +31,16 @@ NO_LENGTH = 1e-12
 """A coordinate below this is shown as 0, since it comes from rounding [length unit]."""
 NO_SHARE = 1e-9
 """A share below this is shown as 0, since it comes from rounding [-]."""
+LONGEST_OF_EQUAL = 400
+"""Longest name of several that are equal once they are cut [characters]."""
 MASSES = ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg"))
 PREFIXES = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"))
+
+
+class Name(str):
+    """A name from a file; the terminal and the pages escape and shorten it for display."""
+
+    __slots__ = ()
 
 
 def number(value: float, digits: int = 6) -> str:
@@ -149,25 +160,18 @@ def counts(*, pairs: int, patches: int, points: int) -> str:
 
 
 def plain(name: str, width: int = 40) -> str:
-    """Return a name without control characters, cut to `width` characters.
+    """Return a name for a table or a sentence: `short_name` with a smaller width.
 
     Examples
     --------
-    >>> plain("a\\nb")
-    'a?b'
     >>> plain("bracket-assembly_1/nut-bolt-assembly_2/nut", width=24)
     'bracket...assembly_2/nut'
     """
-    shown = "".join(c if c.isprintable() else "?" for c in name)
-    if len(shown) <= width:
-        return shown
-    # names from CAD are paths, and their last component identifies the part
-    head = (width - 3) // 3
-    return f"{shown[:head]}...{shown[head + 3 - width :]}"
+    return short_name(name, width)
 
 
 def shortened(names: Iterable[str], width: int = 40) -> dict[str, str]:
-    """Map each name to its displayed form: shortened, or the full name if two would be equal.
+    """Map each name to its displayed form: shortened, or longer if two would be equal.
 
     Examples
     --------
@@ -179,6 +183,6 @@ def shortened(names: Iterable[str], width: int = 40) -> dict[str, str]:
     short = {name: plain(name, width) for name in names}
     often = Counter(short.values())
     return {
-        name: shown if often[shown] == 1 else plain(name, len(name))
+        name: shown if often[shown] == 1 else plain(name, LONGEST_OF_EQUAL)
         for name, shown in short.items()
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from kilter.tell.levels import holds
-from kilter.tell.numbers import count, number
+from kilter.tell.numbers import Name, count, number, plain
 from kilter.tell.shared_facts import Answer, Fact
 
 __all__ = ["PACKING_HEAD", "item_cells", "packing_facts", "packing_sentence"]
@@ -24,25 +24,25 @@ def packing_sentence(answer: Answer) -> str:
     over = answer.get("overload")
     if over is not None and (answer["first"] is None or over["after"] <= answer["first"]):
         return (
-            f"Item {over['after']}, {items[over['after'] - 1]['name']!r}, overloads "
-            f"{over['item']!r}: its top must carry {number(over['load'])} kg, and its limit is "
-            f"{number(over['max_load'])} kg."
+            f"Item {over['after']}, {_quoted(items[over['after'] - 1]['name'])}, overloads "
+            f"{_quoted(over['item'])}: its top must carry {number(over['load'])} kg, and its limit "
+            f"is {number(over['max_load'])} kg."
         )
     if answer["first"] is not None:
         item = items[answer["first"] - 1]
-        return f"Item {answer['first']}, {item['name']!r}, falls: {answer['why']}."
+        return f"Item {answer['first']}, {_quoted(item['name'])}, falls: {answer['why']}."
     if answer["stands"]:
         return f"The pile stands after each of its {count(len(items), 'item')}."
     verdicts = [item["verdict"] for item in items]
     if "undecided" in verdicts:
         k = verdicts.index("undecided")
-        return f"After item {k + 1}, {items[k]['name']!r}, the pile is undecided."
+        return f"After item {k + 1}, {_quoted(items[k]['name'])}, the pile is undecided."
     k, item = next(
         (k, item) for k, item in enumerate(items, 1) if not holds(item["level"], answer["require"])
     )
     return (
-        f"After item {k}, {item['name']!r}, the pile has the level {item['level']}, "
-        f"not {answer['require']}."
+        f"After item {k}, {_quoted(item['name'])}, the pile stands only at the level {item['level']}; "
+        f"the level {answer['require']} is required."
     )
 
 
@@ -60,7 +60,7 @@ def packing_facts(answer: Answer) -> list[Fact]:
         if item["max_load"] is not None and item["top_load"] is not None:
             load, limit = number(item["top_load"]), number(item["max_load"])
             facts.append(
-                (f"load on {item['name']}", f"at least {load} kg; its limit is {limit} kg")
+                (f"load on {plain(item['name'])}", f"at least {load} kg; its limit is {limit} kg")
             )
     walls = answer["walls"]
     if walls is not None:
@@ -91,5 +91,12 @@ def packing_facts(answer: Answer) -> list[Fact]:
 def item_cells(entry: tuple[int, Answer]) -> list[str]:
     """Return the cells of an item: its number, name, verdict and the parts on which it rests."""
     k, item = entry
-    rests = ", ".join(f"{part['part']} {100 * part['share']:.0f} %" for part in item["support"])
-    return [str(k), str(item["name"]), str(item["verdict"]), rests or "nothing"]
+    rests = ", ".join(
+        f"{plain(part['part'])} {100 * part['share']:.0f} %" for part in item["support"]
+    )
+    return [str(k), Name(item["name"]), str(item["verdict"]), rests or "nothing"]
+
+
+def _quoted(name: str) -> str:
+    """Return a name in quotes, shortened for a sentence."""
+    return f"'{plain(name)}'"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kilter.errors import some
 from kilter.tell.levels import holds
-from kilter.tell.numbers import count, number, plain
+from kilter.tell.numbers import Name, count, number, plain
 from kilter.tell.shared_facts import Answer, Fact, gravity_phrase
 
 __all__ = ["SCENE_HEAD", "object_cells", "object_words", "scene_facts", "scene_order"]
@@ -67,6 +67,8 @@ def scene_sentence(answer: Answer) -> str:
     >>> at_rest = {"state": "at-rest", "level": "proved"}
     >>> scene_sentence({"objects": [at_rest] * 2, "require": "settles", "level": "proved"})
     'All 2 free objects are at rest (level proved).'
+    >>> scene_sentence({"objects": [{"state": "floats"}], "require": "settles"})
+    'The free object floats.'
     """
     free = [entry for entry in answer["objects"] if entry["state"] != "held"]
     if not free:
@@ -81,14 +83,16 @@ def scene_sentence(answer: Answer) -> str:
     if counts["open"]:
         faults.append(f"{counts['open']} {'is' if counts['open'] == 1 else 'are'} open")
     objects = count(len(free), "free object")
+    if faults and len(free) == 1:
+        return f"The free object {faults[0].removeprefix('1 ')}."
     if faults:
         at_rest = f"{counts['at-rest']} of {objects} {_are(counts['at-rest'])} at rest"
         return f"{at_rest}: {', '.join(faults)}."
     lower = sum(not holds(entry["level"], answer["require"]) for entry in free)
     if lower:
         return (
-            f"All {objects} are at rest, but {lower} only at a lower level than "
-            f"{answer['require']}."
+            f"All {objects} are at rest, but {lower} {'does' if lower == 1 else 'do'} not reach "
+            f"the required level {answer['require']}."
         )
     if len(free) == 1:
         return f"The free object is at rest (level {answer['level']})."
@@ -127,4 +131,4 @@ def scene_order(objects: list[Answer]) -> list[Answer]:
 
 def object_cells(entry: Answer) -> list[str]:
     """Return the cells of an object: its name and its state in words."""
-    return [str(entry["name"]), str(entry["words"])]
+    return [Name(entry["name"]), str(entry["words"])]

@@ -7,7 +7,7 @@ from typing import Any
 
 from kilter.tell.numbers import number, plain
 
-__all__ = ["balanced_sentence", "second_order_words"]
+__all__ = ["balanced_sentence", "is_shown", "push_open_sentence", "second_order_words"]
 
 FRICTION = {
     None: "unless friction holds {them}",
@@ -28,7 +28,7 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
         Names of the parts that fall.
     within : str
         Words about the accuracy, after the verdict.
-    rolling : {"holds", "falls"}, optional
+    rolling : {"holds", "falls", "open"}, optional
         Proved effect of friction on this fall.
 
     Examples
@@ -42,11 +42,6 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
             f"Stable{within}: friction holds {_names(parts)} against small pushes. Without "
             f"friction the slightest push makes {them} fall."
         )
-    if rolling == "open":
-        return (
-            f"Stable{within}, to first order as in the paper: it cannot start to move by itself. "
-            f"The slightest push makes {_names(parts)} fall, unless friction holds {them}."
-        )
     falls = f"makes {_names(parts)} fall"
     friction = f"unless friction holds {them}"
     if rolling == "falls":
@@ -54,6 +49,21 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
     return (
         f"Balanced{within}: it cannot start to move by itself, but the slightest push {falls}, "
         f"{friction}."
+    )
+
+
+def push_open_sentence(parts: Sequence[str], why: str, within: str = "") -> str:
+    """Return the sentence of an assembly that a small push may make roll, rock or swing on.
+
+    Examples
+    --------
+    >>> push_open_sentence(["b"], "its forces are not unique")
+    'Potentially stable: forces that hold it exist, but a small push may make b roll, rock or \
+swing on: its forces are not unique.'
+    """
+    return (
+        f"Potentially stable{within}: forces that hold it exist, but a small push may make "
+        f"{_names(parts)} roll, rock or swing on: {why}."
     )
 
 
@@ -91,6 +101,21 @@ grows by a factor of 2.7 in 2 s'
         friction = FRICTION[answer.get("rolling")].format(them=them)
         return f"balanced: the slightest push makes {names} fall, {friction}{grows}"
     return f"open: {answer.get('left_open') or answer['why']}"
+
+
+def is_shown(answer: Mapping[str, Any] | None, require: str) -> bool:
+    """Return whether the result of second order matters to the reader.
+
+    Open motions along which only flat faces slide are not shown, unless level strict is required.
+
+    Examples
+    --------
+    >>> is_shown({"state": "open", "bending": []}, "proved")
+    False
+    """
+    if answer is None:
+        return False
+    return answer["state"] != "open" or bool(answer["bending"]) or require == "strict"
 
 
 def _names(parts: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ from kilter.tell.facts import kind_of
 from kilter.tell.hold_words import support_cells
 from kilter.tell.improve_words import HEAD, change_cells, improve_sentence
 from kilter.tell.margin_facts import part_level_words
-from kilter.tell.numbers import count, counts, force, mass, number, percent, plain, vector
+from kilter.tell.numbers import Name, count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import settling_options
 from kilter.tell.packing_words import PACKING_HEAD, item_cells
 from kilter.tell.plan_words import step_cells
@@ -24,7 +24,7 @@ from kilter.tell.verify_words import verify_sentence
 from kilter.tell.words import NAMED
 
 __all__ = [
-    "Name",
+    "NO_ACCELERATION",
     "Table",
     "forces_table",
     "load_table",
@@ -41,6 +41,10 @@ NO_FORCE = 1e-9
 """A force below this share of the greatest force is left out, since it comes from rounding [-]."""
 NO_GAP = 1e-14
 """A gap below this share of the largest part is shown as 0, since it comes from rounding [-]."""
+NO_ACCELERATION = (
+    "No accelerations that obey the contact law were found. The motion of the proof is shown: it "
+    "gains energy, but it does not tell how fast the parts start to move."
+)
 KINDS = {
     "none": "No direction of gravity is stable.",
     "ray": "One direction of gravity is stable, and none near it.",
@@ -59,12 +63,6 @@ HELD = (
 )
 TRIED = "Changes that were tried, the best first:"
 LEFT_OUT = "Without friction and without the contacts that are not modelled:"
-
-
-class Name(str):
-    """A name from a file; the terminal and the pages escape and shorten it for display."""
-
-    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,6 +121,8 @@ def sentences(answer: Answer) -> list[str]:
     lines = [str(answer["sentence"])]
     if kind == "check" and answer["verdict"] == "unstable":
         moving = sum(part["moves"] for part in answer["parts"])
+        if moving and all(part["acceleration"] is None for part in answer["parts"]):
+            lines.append(NO_ACCELERATION)
         if moving > NAMED:
             lines.append(f"Fastest: {answer['summary']}.")
     return lines
@@ -220,6 +220,9 @@ def moving_table(answer: Answer) -> Table | None:
     title = _moving_title(answer, moving)
     if not moving and verdict != "potentially-stable":
         moving = [part for part in parts if part["slow_motion"] is not None]
+
+    if not moving:
+        return None
 
     def row(part: Answer) -> Sequence[str]:
         return Name(part["name"]), part["motion"] if part["moves"] else part["slow_motion"]

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+from kilter.errors import visible
 from kilter.tell.facts import facts
-from kilter.tell.numbers import count, plain, shortened
+from kilter.tell.numbers import Name, count, plain, shortened
 from kilter.tell.shared_facts import Answer
-from kilter.tell.tables import Name, Table, moving_table, sentences, tables
+from kilter.tell.tables import Table, moving_table, sentences, tables
 
 __all__ = [
     "LISTED",
@@ -77,7 +78,7 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
     ['a     b', 'long  c']
     """
     short = shortened(cell for row in rows for cell in row if isinstance(cell, Name))
-    shown = [[short[cell] if isinstance(cell, Name) else cell for cell in row] for row in rows]
+    shown = [[short.get(cell) or visible(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
     return [
         (indent + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()

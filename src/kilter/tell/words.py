@@ -40,9 +40,6 @@ NAMED = 2
 """Number of parts, the fastest first, that `motion_summary` describes."""
 SENTENCES = {
     ("stable", None): "Stable{within}: it cannot start to move{slippery}.",
-    ("stable", "first order"): (
-        "Stable{within}, to first order as in the paper: it cannot start to move{slippery}."
-    ),
     ("stable", "proved"): (
         "Stable{within}: with this friction no motion can start, whatever the initial contact "
         "forces are{assumed}."
@@ -135,7 +132,6 @@ def verdict_sentence(
     why: str | None = None,
     squeeze: bool = False,
     tries: tuple[int, int, int] = (0, 0, 0),
-    first_order: bool = False,
     frictionless: bool = False,
     assumed: str = "",
     coarse: bool = False,
@@ -156,8 +152,6 @@ def verdict_sentence(
         Whether the parts move away from every starting state of the search for a seat.
     tries : tuple of int
         Number of tries that came to rest, that were made, and that were planned.
-    first_order : bool
-        Whether second order leaves a neutral motion free or open.
     frictionless : bool
         Whether no contact of the assembly has friction.
     assumed : str
@@ -182,19 +176,17 @@ to move.'
     'Stable, counting gaps up to 1 mm as closed: it cannot start to move.'
     """
     key = guarantee if verdict == "stable" else why
-    if verdict == "stable" and guarantee is None and first_order:
-        key = "first order"
     if why == "refuted" and squeeze:
         key = "refuted squeeze"
     passed, tried, of = tries
     counting = f", counting gaps up to {counted} as closed" if counted else ""
     counting += ", if no bond breaks below its capacity" if bonded else ""
     return SENTENCES[verdict, key].format(
-        within=(" within the accuracy of the coordinates" if coarse else "") + counting,
+        within=(", up to the accuracy of its coordinates" if coarse else "") + counting,
         slippery="" if counted else ", even without friction",
         smooth="without friction " if frictionless else "",
         assumed=f" ({assumed})" if assumed else "",
-        beyond=" beyond the accuracy of its coordinates" if coarse else "",
+        beyond=", by more than the accuracy of its coordinates" if coarse else "",
         here=", whatever the open pairs do. Here" if has_open_pairs else "; here",
         passed=passed,
         tried=tried,

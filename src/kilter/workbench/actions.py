@@ -12,14 +12,17 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from kilter.errors import InputError
+from kilter.errors import InputError, short_name
 from kilter.files.choices import Choices
+from kilter.workbench.messages import index_of
 from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["ACTIONS", "apply", "drag_of"]
 
 Keys = dict[str, Any]
 Action = Mapping[str, Any]
+LONGEST_LABEL = 240
+"""Longest label of a change [characters]."""
 STATES = ("joined", "touching", "apart")
 """Decisions about a pair of parts."""
 
@@ -53,13 +56,13 @@ def apply(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
         raise InputError(f"unknown action {name!r:.40}", hint="reload the page")
     try:
         changes, label = change(action, keys, bodies)
-    except (KeyError, TypeError, ValueError, IndexError) as error:
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError) as error:
         raise InputError(
             f"the action {name!r} has a wrong value: {error}"[:160], hint="reload the page"
         ) from None
     new = {key: value for key, value in {**keys, **changes}.items() if value not in (None, [], {})}
     new = {key: value for key, value in new.items() if value is not False}
-    return Choices.from_dict(new).to_dict(), label
+    return Choices.from_dict(new).to_dict(), short_name(label, LONGEST_LABEL)
 
 
 def drag_of(action: Action) -> str:
@@ -228,8 +231,8 @@ def _removal(key: str, words: str) -> Callable[[Action, Keys, OpenedParts], tupl
     """The action that removes an entry of a list by its index."""
 
     def change(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
-        index, entries = int(action["index"]), list(keys.get(key, []))
-        if not 0 <= index < len(entries):
+        index, entries = index_of(action, "index"), list(keys.get(key, []))
+        if index >= len(entries):
             raise InputError(f"there is no {words} number {index + 1}", hint="reload the page")
         del entries[index]
         return {key: entries}, f"remove {words} {index + 1}"
@@ -253,12 +256,12 @@ def _load(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
         }
     )
     loads = list(keys.get("loads", []))
-    index = action.get("index")
     size = math.hypot(*entry["force"])
-    if index is None:
+    if action.get("index") is None:
         return {"loads": [*loads, entry]}, f"load of {size:.3g} N on {part}"
-    loads[int(index)] = entry
-    return {"loads": loads}, f"load {int(index) + 1}: {size:.3g} N on {part}"
+    index = index_of(action, "index")
+    loads[index] = entry
+    return {"loads": loads}, f"load {index + 1}: {size:.3g} N on {part}"
 
 
 def _scale_loads(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
@@ -403,8 +406,8 @@ def _toggled(patterns: Sequence[str], parts: list[str], on: bool, bodies: Opened
 def _named(parts: Sequence[str]) -> str:
     """Names of parts for a label: the first two, and the number of the others."""
     if len(parts) <= 3:
-        return ", ".join(parts)
-    return f"{parts[0]}, {parts[1]} and {len(parts) - 2} others"
+        return ", ".join(map(short_name, parts))
+    return f"{short_name(parts[0])}, {short_name(parts[1])} and {len(parts) - 2} others"
 
 
 def _numbers(values: Sequence[float]) -> str:

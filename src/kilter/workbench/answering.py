@@ -193,22 +193,36 @@ def _transport(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tu
         asked["code"] = str(options["code"])
         words = ["--code", asked["code"]]
     elif options.get("accelerate"):
-        asked["accelerate"] = [float(x) for x in options["accelerate"]]
+        asked["accelerate"] = _numbers(options["accelerate"], "the acceleration")
         words = ["--accelerate", *(f"{x:.15g}" for x in asked["accelerate"])]
     answer = transport(prepared.assembly, contacts=prepared.contacts, progress=tell, **asked)
     return answer, words
 
 
 def _place(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
-    size = [float(x) for x in options.get("size") or ()]
+    size = _numbers(options.get("size") or (), "the size of the box")
     if len(size) != 3 or "mass" not in options:
         raise InputError(
             "the box to place is not given", hint="give its three lengths and its mass"
         )
-    mass = float(options["mass"])
+    [mass] = _numbers([options["mass"]], "the mass")
     part = box_to_place(size, mass)
     answer = place(prepared.assembly, part, contacts=prepared.contacts, progress=tell)
     return answer, ["--box", "x".join(f"{x:.15g}" for x in size), "--mass", f"{mass:.15g}"]
+
+
+def _numbers(values: Any, what: str) -> list[float]:
+    """Numbers in the options of a tab.
+
+    Raises
+    ------
+    InputError
+        If a value is no number.
+    """
+    try:
+        return [float(value) for value in values]
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{what} is {values!r:.40}", hint="give numbers") from None
 
 
 def _contacts(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -15,6 +13,7 @@ from kilter.analysis.planning.order.plan import plan
 from kilter.errors import InputError
 from kilter.files.choices import Choices
 from kilter.files.writing import json_lines, write_text
+from kilter.tell.csv_cells import csv_text
 from kilter.workbench.live_assembly import Prepared
 
 __all__ = ["EXPORTS", "export"]
@@ -81,21 +80,12 @@ def _choices(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: T
 
 
 def _contacts(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
-    lines = io.StringIO()
-    table = csv.writer(lines)
-    table.writerow(["part_a", "part_b", "kind", "area", "gap", "mu", "nx", "ny", "nz"])
-    for patch in prepared.contacts.to_dict()["patches"]:
-        table.writerow(
-            [
-                *patch["parts"],
-                patch["kind"],
-                patch["area"],
-                patch["gap"],
-                patch["mu"],
-                *patch["normal"],
-            ]
-        )
-    write_text(path, lines.getvalue())
+    head = ["part_a", "part_b", "kind", "area", "gap", "mu", "nx", "ny", "nz"]
+    rows: list[list[Any]] = [
+        [*p["parts"], p["kind"], p["area"], p["gap"], p["mu"], *p["normal"]]
+        for p in prepared.contacts.to_dict()["patches"]
+    ]
+    write_text(path, csv_text([head, *rows]))
 
 
 def _figure(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:

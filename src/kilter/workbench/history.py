@@ -6,6 +6,7 @@ in a file after each change (autosave), so that no choice is lost if a process e
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Mapping
@@ -14,14 +15,18 @@ from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError
-from kilter.files.strict_json import parse_json
 from kilter.workbench.actions import apply, drag_of
+from kilter.workbench.messages import parse_message
 from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["Change", "History", "autosave_path", "upload_autosave_path"]
 
 FORM = 1
 """Version of the form of the autosave file."""
+MOST_CHANGES = 5000
+"""Largest number of changes, since a restart applies each again."""
+LONGEST_NAME = 200
+"""Longest name of a file that the name of its autosave file repeats [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +104,8 @@ class History:
         InputError
             If the action is invalid; nothing changes then.
         """
+        if len(self.changes) >= MOST_CHANGES:
+            raise InputError(f"there are {MOST_CHANGES} changes", hint="save, and open it again")
         drag = drag_of(action)
         replaces = bool(drag and self.changes) and drag == drag_of(self.changes[-1].action)
         if replaces:
@@ -135,7 +142,8 @@ class History:
         InputError
             If there is no such change, or a later change needs it; nothing changes then.
         """
-        self.keys_after(index + 1)
+        if not 0 <= index < len(self.changes):
+            raise InputError(f"there are {len(self.changes)} changes", hint="choose one of them")
         rest = [*self.changes[:index], *self.changes[index + 1 :]]
         gone = self.changes[index]
         try:
@@ -210,20 +218,31 @@ class History:
         InputError
             If the file is no autosave file, or an action in it is invalid now.
         """
-        content = parse_json(data)
-        if not isinstance(content, dict) or content.get("kilter_workbench") != FORM:
+        try:
+            content = parse_message(data.decode())
+        except (InputError, UnicodeDecodeError):
+            raise InputError("is a damaged list of changes", hint="remove the file") from None
+        if content.get("kilter_workbench") != FORM:
             raise InputError("is no saved list of changes", hint="remove the file")
         try:
+            if len(content["changes"]) + len(content["undone"]) > MOST_CHANGES:
+                raise ValueError
             changes = [Change(dict(action), "") for action in content["changes"]]
             undone = [Change(dict(action), str(action["do"])) for action in content["undone"]]
             return cls(dict(content["base"]), bodies, changes, undone)
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, AttributeError):
             raise InputError("is a damaged list of changes", hint="remove the file") from None
 
 
 def autosave_path(path: Path) -> Path:
-    """Path of the autosave file of an assembly file: beside it, hidden."""
-    return path.parent / f".{path.name}.workbench.json"
+    """Path of the autosave file of an assembly file: beside it, hidden.
+
+    The name is that of the file, or its digest if the system would find the name too long.
+    """
+    name = path.name
+    if len(os.fsencode(name)) > LONGEST_NAME:
+        name = hashlib.sha256(os.fsencode(name)).hexdigest()[:32]
+    return path.parent / f".{name}.workbench.json"
 
 
 def upload_autosave_path(digest: str) -> Path:

@@ -15,6 +15,7 @@ import numpy as np
 
 from kilter.errors import InputError
 from kilter.files.choices import digest, find_choices
+from kilter.files.start_folder import only_below
 from kilter.show.scene import view_box
 from kilter.workbench.answering import (
     PHASES,
@@ -31,6 +32,8 @@ from kilter.workbench.settle_change import settling_action
 
 __all__ = ["Jobs"]
 
+ELSEWHERE = "if you trust the file, start 'kilter view' with --folder {folder}"
+"""Remedy if a file names another file outside of the opened folder."""
 Report = Callable[[str, Any], None]
 Job = Mapping[str, Any]
 
@@ -41,6 +44,7 @@ class Jobs:
     def __init__(self) -> None:
         self.live: LiveAssembly | None = None
         self.bodies = OpenedParts()
+        self._folder: str | None = None
         self._shapes: Any = None
         self._prepared: tuple[Any, Prepared] | None = None
 
@@ -60,7 +64,10 @@ class Jobs:
             "compare": self._compare,
             "export": self._export,
         }
-        steps[job["job"]](job, report)
+        folder = job.get("folder") or self._folder
+        assert folder is not None
+        with only_below(folder, ELSEWHERE):
+            steps[job["job"]](job, report)
 
     def _open(self, job: Job, report: Report) -> None:
         """Read a file, or the file that choices name, and report its parts and first choices."""
@@ -78,6 +85,7 @@ class Jobs:
             base = {**base, "gravity": (size * unit + 0.0).tolist()}
         bodies = live.opened_parts(base)
         self.live, self.bodies, self._shapes, self._prepared = live, bodies, None, None
+        self._folder = job["folder"]
         report("opened", {"path": str(about), "keys": base, "bodies": bodies})
 
     def _prepare(self, job: Job) -> Prepared:

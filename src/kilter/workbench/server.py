@@ -1,20 +1,19 @@
-"""HTTP and WebSocket server of the workbench, for this machine only.
+"""HTTP and WebSocket server of the workbench, for this machine.
 
-The server listens on the loopback address. Each request needs the token of the session and a host
-name of this machine, with any port, or a name that the user allows, for a proxy. If the browser
-sends an origin, it must be that of this host, or have an allowed name: some proxies replace the
-host by the loopback address. So no foreign web page can use the workbench. All addresses of the
-page are relative, so a proxy may serve it below any path.
+The server listens on the loopback address, or on all addresses for a container. Each request needs
+the token of the session and a host name of this machine, with any port, or a name that the user
+allows, for a proxy. If the browser sends an origin, it must be that of this host, or have an
+allowed name: some proxies replace the host by the loopback address. So no foreign web page can use
+the workbench. All addresses of the page are relative, so a proxy may serve it below any path.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
+import os
 import re
 import secrets
-import socket
 import tempfile
 import threading
 from collections.abc import AsyncIterator, Callable, Sequence
@@ -28,14 +27,16 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from kilter.errors import InputError
-from kilter.files.limits import MOST_BYTES
+from kilter.errors import InputError, short_name
 from kilter.show.workbench_page import workbench_page
+from kilter.workbench.connections import EVERY_ADDRESS, LOOPBACK, PromptProtocol, listen
+from kilter.workbench.job_queue import FAULT
+from kilter.workbench.messages import message_id, parse_message, to_json
 from kilter.workbench.session import Session
+from kilter.workbench.uploads import receive_upload
 
-__all__ = ["Workbench"]
+__all__ = ["Workbench", "folder_of"]
 
-LOOPBACK = "127.0.0.1"
 LOCAL = ("127.0.0.1", "localhost", "[::1]")
 """Host names of this machine; the port may differ, for a port that SSH forwards."""
 HEADERS = {
@@ -52,6 +53,7 @@ class _Guard:
     """Decides which requests are answered: token, host name and origin."""
 
     def __init__(self, token: str, hosts: Sequence[str]) -> None:
+        hosts = [name for name in hosts if name not in EVERY_ADDRESS]
         for name in hosts:
             if not name or _name_of(name) != name:
                 raise InputError(
@@ -67,6 +69,8 @@ class _Guard:
         name = _name_of(host)
         if len(connection.headers.getlist("host")) != 1 or not name:
             return "the request names no single host"
+        if name in EVERY_ADDRESS:
+            return f"{name} is no address of a page: use the address that 'kilter view' printed"
         if name not in LOCAL and name not in self.named:
             return (
                 f"this page is served to this machine only; if a proxy serves it as {name}, "
@@ -104,8 +108,9 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
             try:
                 response: Response = await answer(request)
             except InputError as error:
-                words = {"error": error.what, "hint": error.hint or ""}
-                response = JSONResponse(words, 409)
+                response = JSONResponse(_words(error), 409)
+            except Exception as error:
+                response = JSONResponse({"error": _fault_words(error), "hint": ""}, 500)
             response.headers.update(HEADERS)
             return response
 
@@ -117,11 +122,7 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
         )
 
     async def upload(request: Request) -> Response:
-        session = session_of()
-        path = _place(session.uploads, request.query_params)
-        await _receive_file(request, path)
-        folder = request.query_params.get("folder")
-        return JSONResponse({"file": folder or path.relative_to(session.uploads).as_posix()})
+        return JSONResponse({"file": await receive_upload(request, session_of().uploads)})
 
     async def export(request: Request) -> Response:
         made = await session_of().export(request.path_params["kind"])
@@ -149,52 +150,6 @@ def build_app(session_of: Callable[[], Session], token: str, hosts: Sequence[str
     )
 
 
-def _place(uploads: Path, given: Any) -> Path:
-    """Path for an uploaded file in the temporary folder.
-
-    Raises
-    ------
-    InputError
-        If the name is no plain file name.
-    """
-    name, folder = given.get("name", ""), given.get("folder", "")
-    for word in (name, folder):
-        if Path(word).name != word or "\\" in word or word.startswith("."):
-            raise InputError(f"the name {word!r:.60} is not usable", hint="rename the file")
-    if not name:
-        raise InputError("the uploaded file has no name", hint="rename the file")
-    path: Path = uploads / folder / name
-    return path
-
-
-async def _receive_file(request: Request, path: Path) -> None:
-    """Write the body of a request to a file, up to the largest size of a file.
-
-    Raises
-    ------
-    InputError
-        If the body is larger, or cannot be written.
-    """
-    partial = path.with_name(f"{path.name}.partial")
-    size = 0
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with partial.open("wb") as file:
-            async for piece in request.stream():
-                size += len(piece)
-                if size > MOST_BYTES:
-                    raise InputError(
-                        f"the file is larger than {MOST_BYTES // 10**6} MB",
-                        hint="open it with 'kilter view FILE'",
-                    )
-                file.write(piece)
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(f"the file cannot be kept: {error.strerror}", hint="free space") from None
-    finally:
-        partial.unlink(missing_ok=True)
-
-
 async def _talk(session: Session, socket: WebSocket) -> None:
     """Pass messages between a page and the session until the page leaves."""
     outgoing: asyncio.Queue[str | None] = asyncio.Queue(WAITING)
@@ -219,7 +174,7 @@ async def _talk(session: Session, socket: WebSocket) -> None:
     tasks: set[asyncio.Task[None]] = set()
     try:
         while True:
-            text = await socket.receive_text()
+            text = await _receive_text(socket)
             task = asyncio.create_task(_reply(session, text, send))
             tasks.add(task)
             task.add_done_callback(tasks.discard)
@@ -230,18 +185,38 @@ async def _talk(session: Session, socket: WebSocket) -> None:
         writer.cancel()
 
 
+async def _receive_text(socket: WebSocket) -> str:
+    """The next text message; empty for a binary message, which is no request."""
+    message = await socket.receive()
+    if message["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect(message.get("code", 1005), message.get("reason"))
+    return message.get("text") or ""
+
+
 async def _reply(session: Session, text: str, send: Callable[[str], None]) -> None:
-    """Handle a message of a page, and answer it."""
-    number: Any = None
+    """Handle a message of a page, and answer it, whatever it is."""
+    number: Any = message_id(text)
     try:
-        message = json.loads(text)
+        message = parse_message(text)
         number = message.get("id")
         reply = {"re": number, "ok": True, **await session.handle(message)}
     except InputError as error:
-        reply = {"re": number, "ok": False, "error": error.what, "hint": error.hint or ""}
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        reply = {"re": number, "ok": False, "error": f"wrong request: {error}", "hint": ""}
-    send(json.dumps(reply))
+        reply = {"re": number, "ok": False, **_words(error)}
+    except Exception as error:
+        reply = {"re": number, "ok": False, "error": _fault_words(error), "hint": ""}
+    send(to_json(reply))
+
+
+def _words(error: InputError) -> dict[str, str]:
+    """The sentence of an error with the name of its file, and the remedy."""
+    name = short_name(Path(error.file).name) if error.file else None
+    sentence = str(InputError(error.what, file=name, part=error.part))
+    return {"error": sentence, "hint": error.hint or ""}
+
+
+def _fault_words(error: Exception) -> str:
+    """Sentence about an exception that nothing expected."""
+    return f"{FAULT}: {type(error).__name__}: {error}"[:300]
 
 
 class Workbench:
@@ -254,11 +229,11 @@ class Workbench:
     first : dict, optional
         The first choices about the file, as `Session.open` takes them.
     folder : Path, optional
-        Folder whose files may be opened; by default that of the file, or the working folder.
+        Folder whose files may be opened; by default `folder_of(path)`.
     port : int
         Port on this machine; 0 selects a free port.
     hosts : sequence of str
-        Further host names, for a proxy.
+        Further host names, for a proxy; 0.0.0.0 or :: listens on all addresses of this machine.
     say : callable, optional
         Called with each line for the user.
 
@@ -280,10 +255,11 @@ class Workbench:
     ) -> None:
         self.token = secrets.token_urlsafe(16)
         self._path, self._first, self._say = path, first or {}, say
-        self._folder = folder or (Path.cwd() if path is None else path.absolute().parent)
+        self._folder = folder or folder_of(path)
         self.session: Session | None = None
         app = build_app(lambda: _present(self.session), self.token, hosts)
-        self._listening = _listen(port)
+        self._listening = listen(port, hosts)
+        self._hosts = hosts
         app.router.lifespan_context = self._life
         self._server = uvicorn.Server(
             uvicorn.Config(
@@ -291,6 +267,7 @@ class Workbench:
                 log_level="critical",
                 access_log=False,
                 lifespan="on",
+                http=PromptProtocol,
                 ws="websockets-sansio",
                 ws_max_size=MOST_MESSAGE,
                 timeout_graceful_shutdown=1,
@@ -313,6 +290,8 @@ class Workbench:
         """Serve until an interruption; `ready` is called when the server answers."""
         with contextlib.suppress(KeyboardInterrupt), self:
             ready()
+            if any(name in EVERY_ADDRESS for name in self._hosts):
+                self._say(EXPOSED)
             while self._thread.is_alive():
                 self._thread.join(STARTS)
 
@@ -355,6 +334,20 @@ class Workbench:
             self._say(f"kilter: {error}")
 
 
+def folder_of(path: Path | None) -> Path:
+    """The folder that contains a file, or a link to it; without a file, the working folder."""
+    if path is None:
+        return Path.cwd()
+    if path.name in ("", ".."):  # "." and ".." are in the folder above their own
+        return Path(os.path.realpath(path)).parent
+    return Path(os.path.realpath(path.parent))
+
+
+EXPOSED = (
+    "warning: other computers can reach this page. Everybody with its address and token can read "
+    "the files of the opened folder, and the connection is not encrypted."
+)
+"""Sentence about a server that listens on all addresses."""
 STARTS = 20.0
 """Time in which the server starts or ends [s]."""
 
@@ -367,24 +360,3 @@ def _present(session: Session | None) -> Session:
 
 MOST_MESSAGE = 1 << 20
 """Largest message of a page [bytes]."""
-
-
-def _listen(port: int) -> socket.socket:
-    """A listening socket on the loopback address.
-
-    Raises
-    ------
-    InputError
-        If the port is not available.
-    """
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        listening.bind((LOOPBACK, port))
-        listening.listen()
-    except OSError as error:
-        listening.close()
-        raise InputError(
-            f"port {port} is not available ({error.strerror})", hint="give another --port"
-        ) from None
-    return listening

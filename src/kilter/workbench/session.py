@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,6 +21,7 @@ from kilter.files.choices import Choices, digest
 from kilter.files.choices_writing import require_place, write_choices
 from kilter.files.file_content import ENDINGS
 from kilter.files.fingerprint import fingerprint
+from kilter.files.raw import read_bytes
 from kilter.files.writing import dump, write_text
 from kilter.scenes.registry import SCENES, scene
 from kilter.tell.numbers import count
@@ -30,6 +30,7 @@ from kilter.workbench.command_line import command, needs_file, saved_name
 from kilter.workbench.history import History, autosave_path, upload_autosave_path
 from kilter.workbench.job_queue import JobQueue, QueuedJob
 from kilter.workbench.materials import MATERIALS
+from kilter.workbench.messages import index_of, to_json
 from kilter.workbench.opened_parts import OpenedParts
 
 __all__ = ["Session"]
@@ -83,13 +84,13 @@ class Session:
     def join(self, page: Send) -> None:
         """Add a page, and send it everything that the other pages show."""
         self.pages.add(page)
-        page(_json(self.session_data()))
+        page(to_json(self.session_data()))
         sent = self._sent
         if sent.scene is not None:
-            page(_json({**sent.scene, "page": {**sent.scene["page"], "shapes": self._shapes}}))
+            page(to_json({**sent.scene, "page": {**sent.scene["page"], "shapes": self._shapes}}))
         for message in (sent.answer, sent.problem, *sent.tabs.values()):
             if message is not None:
-                page(_json(message))
+                page(to_json(message))
 
     def leave(self, page: Send) -> None:
         """Remove a page."""
@@ -97,7 +98,7 @@ class Session:
 
     def broadcast(self, message: Mapping[str, Any]) -> None:
         """Send a message to all pages."""
-        text = _json(message)
+        text = to_json(message)
         for page in tuple(self.pages):
             page(text)
 
@@ -161,13 +162,15 @@ class Session:
             If the request is invalid.
         """
         what = message.get("do")
+        if not isinstance(what, str):
+            raise InputError(f"unknown request {what!r:.40}", hint="reload the page")
         if what in ACTIONS:
             self._require_file()
             self.history.add({k: v for k, v in message.items() if k != "id"})
             self._changed()
         elif what in ("undo", "redo", "revert", "go"):
             self._require_file()
-            self._walk(str(what), message)
+            self._walk(what, message)
         elif what == "open":
             await self._open_asked(message)
         elif what == "close":
@@ -182,7 +185,8 @@ class Session:
         elif what == "stop":
             self.jobs.stop()
         elif what == "save":
-            return {"saved": self._save(message.get("file"))}
+            name = message.get("file")
+            return {"saved": self._save(None if name is None else str(name))}
         else:
             raise InputError(f"unknown request {what!r:.40}", hint="reload the page")
         return {}
@@ -198,9 +202,9 @@ class Session:
         elif what == "redo":
             self.history.redo()
         elif what == "revert":
-            self.history.revert(int(message["index"]))
+            self.history.revert(index_of(message, "index"))
         else:
-            self.history.go(int(message["index"]))
+            self.history.go(index_of(message, "index"))
         self._changed()
 
     def _changed(self) -> None:
@@ -218,19 +222,21 @@ class Session:
 
     def _ask(self, message: Mapping[str, Any]) -> None:
         self._require_file()
-        name = str(message.get("tab"))
+        name, options = message.get("tab"), message.get("options") or {}
+        if not isinstance(name, str) or not isinstance(options, dict):
+            raise InputError(f"there is no tab {name!r:.40}", hint="reload the page")
         job = {
             "job": "tab",
             "name": name,
             "keys": self.history.keys,
-            "options": dict(message.get("options") or {}),
+            "options": options,
             "saved": None if self.saved is None else self.saved.name,
         }
         self.jobs.add(self.state, job, tab=name)
 
     def _compare(self, message: Mapping[str, Any]) -> None:
         self._require_file()
-        counts = [int(message[key]) for key in ("a", "b")]
+        counts = [index_of(message, key) for key in ("a", "b")]
         states = [self.history.keys_after(count) for count in counts]
         labels = [
             self.history.changes[count - 1].label if count else "as opened" for count in counts
@@ -257,9 +263,10 @@ class Session:
             If the path leaves these folders, or does not exist.
         """
         for folder in (self.folder, self.uploads):
-            path = Path(os.path.realpath(folder / name))
-            if name and path != folder and path.is_relative_to(folder) and path.exists():
-                return path
+            with contextlib.suppress(OSError, ValueError):  # a name that the system rejects
+                path = Path(os.path.realpath(folder / name))
+                if name and path != folder and path.is_relative_to(folder) and path.exists():
+                    return path
         raise InputError(
             f"there is no file {name!r:.80} in the opened folder", hint="drop the file on the page"
         )
@@ -300,8 +307,9 @@ class Session:
             If the file cannot be read; the file that was open stays open.
         """
         self.jobs.stop()
+        path = Path(os.path.realpath(path))
         try:
-            job = {"job": "open", "file": str(path), "keys": keys, "down": down}
+            job = {**self._job_of(path), "keys": keys, "down": down}
             opened = await self.jobs.result_of(self.state, job)
         except InputError:
             if self.path is not None:
@@ -317,7 +325,7 @@ class Session:
         elif not base.keys() - {"kilter", "file", "sha256"}:
             self.saved_keys = base  # nothing to lose
         self.history = History(base, bodies)
-        self.message = ""
+        self.message, self._autosaves = "", True
         self._restore(bodies, given=keys is not None)
         self._sent = _Sent()
         self.state += 1
@@ -328,17 +336,23 @@ class Session:
 
     def _open_job(self) -> dict[str, Any]:
         """The job that makes a new worker process read the open file."""
-        return {"job": "open", "file": str(self.path), "keys": self.history.base}
+        assert self.path is not None
+        return {**self._job_of(self.path), "keys": self.history.base}
+
+    def _job_of(self, path: Path) -> dict[str, Any]:
+        """The job that opens a file, with the folder whose files it may read."""
+        folder = self.uploads if path.is_relative_to(self.uploads) else self.folder
+        return {"job": "open", "file": str(path), "folder": str(folder)}
 
     def _restore(self, bodies: OpenedParts, *, given: bool) -> None:
         """Take over the changes of an earlier session that were not saved."""
         assert self.path is not None
         kept = self._autosave_path
-        if given or not kept.is_file():
+        if given or os.path.islink(kept) or not os.path.isfile(kept):
             return
         base = self.history.base
         try:
-            earlier = History.from_text(kept.read_bytes(), bodies)
+            earlier = History.from_text(read_bytes(kept), bodies)
             before, now = (_without_place(keys) for keys in (earlier.base, base))
             if before != now or not (earlier.changes or earlier.undone):
                 return
@@ -371,7 +385,7 @@ class Session:
             kept = self._autosave_path
             if self._is_upload:
                 kept.parent.mkdir(parents=True, exist_ok=True)
-            write_text(kept, self.history.to_text())
+            write_text(kept, self.history.to_text(), links=False)
             self._autosaves = True
         except (InputError, OSError) as error:
             if self._autosaves:
@@ -382,16 +396,18 @@ class Session:
         """Write the choices to a file beside the assembly file; return its name."""
         self._require_file()
         assert self.path is not None
-        target = self.path.parent / (name or saved_name(self.path.name))
-        if target.parent != self.path.parent or "/" in (name or "") or "\\" in (name or ""):
+        target = self.path.parent / (saved_name(self.path.name) if name is None else name)
+        if name is not None and (Path(name).name != name or "\\" in name):
             raise InputError("choices lie beside their file", hint="give a name without a folder")
+        if name is not None and not name.endswith(".kilter.json"):
+            raise InputError(f"the name is {name!r:.60}", hint="give X.kilter.json")
         if name is None and self.saved is not None:
             target = self.saved
         require_place(target)
         keys = self.history.keys
         if target.parent != self.path.parent:
             keys = {**keys, "file": self.path.relative_to(target.parent).as_posix()}
-        write_choices(Choices.from_dict(keys, folder=target.parent), target)
+        write_choices(Choices.from_dict(keys, folder=target.parent), target, links=False)
         self.saved, self.saved_keys = target, self.history.keys
         self.message = f"saved as {target.name}"
         self.broadcast(self.session_data())
@@ -538,7 +554,3 @@ def _missing() -> list[str]:
     if find_spec("matplotlib") is None:
         missing.append('figures need the extra "figures": pip install "kilter[figures]"')
     return missing
-
-
-def _json(message: Mapping[str, Any]) -> str:
-    return json.dumps(message, ensure_ascii=False, separators=(",", ":"))

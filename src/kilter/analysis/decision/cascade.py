@@ -44,7 +44,9 @@ from kilter.tell.levels import REQUIRE
 from kilter.work import Work
 
 if TYPE_CHECKING:
+    from kilter.arrays import Mask
     from kilter.friction.answer import FrictionAnswer
+    from kilter.second_order.answer.second_order_answer import SecondOrder
 
 __all__ = ["decide", "with_second_order"]
 
@@ -106,6 +108,8 @@ def decide(
     elif second_order and decision.verdict == "stable" and decision.friction is None:
         work.fact("equilibrium", "it is stable to first order")
         decision = with_second_order(decision, assembly, contacts, require, work)
+    elif second_order and decision.verdict in ("stable", "settles"):
+        decision = _with_push(decision, assembly, contacts, None)
     return dataclasses.replace(decision, units=work.total - before)
 
 
@@ -243,7 +247,8 @@ def with_second_order(
 ) -> Decision:
     """Extend a decision that holds without friction by second order (curvature).
 
-    Second order separates balanced from stable: does a small push make it fall?
+    Second order separates balanced from stable: does a small push make it fall? It is stable if
+    second order proves it, if friction is proved to hold it, or if no open motion bends.
 
     Parameters
     ----------
@@ -260,13 +265,49 @@ def with_second_order(
     second = find_second_order(
         assembly, contacts, decision.program, forces, work=work, strict=require == "strict"
     )
-    if second is None or second.state != "balanced":
+    if second is None or second.state in ("minimum", "free"):
         return dataclasses.replace(decision, second_order=second)
     program = build_program(assembly, contacts)
     second = with_rolling(second, assembly, contacts, program)
-    # with friction a fall counts only if it is proved for rolling, too
-    falls = second.rolling.state == "falls" if second.rolling else not program.mu.any()
-    word: Word = "balanced" if falls else "stable"
+    if second.state == "balanced" and not second.held_by_friction:
+        return dataclasses.replace(decision, verdict="balanced", second_order=second)
+    return _with_push(decision, assembly, contacts, second, among=second.left)
+
+
+def _with_push(
+    decision: Decision,
+    assembly: Assembly,
+    contacts: ContactSet,
+    second: SecondOrder | None,
+    *,
+    among: Mask | None = None,
+) -> Decision:
+    """Lower a decision if a small push may make round or jointed parts fall, as far as is known.
+
+    Parameters
+    ----------
+    second : SecondOrder or None
+        Second-order answer of a decision that holds without friction.
+    among : ndarray of bool, shape (N,), optional
+        Parts that second order leaves open; by default all.
+    """
+    # imported late, since the import is slow
+    from kilter.second_order.answer.pushed import pushed_answer
+    from kilter.second_order.motions.small_push import small_push
+
+    proof = decision.judgement.forces
+    if proof is None:
+        return dataclasses.replace(decision, second_order=second)
+    program = build_program(assembly, contacts)
+    if len(program.kind) != len(proof.forces):  # fitted normals have no certain friction
+        program = decision.program
+    push = small_push(
+        assembly, contacts, program, proof.forces, curves=decision.friction is None, among=among
+    )
+    if push.state == "holds":
+        return dataclasses.replace(decision, second_order=second)
+    word: Word = "balanced" if push.state == "falls" else "potentially-stable"
+    second = pushed_answer(decision.program, push, second)
     return dataclasses.replace(decision, verdict=word, second_order=second)
 
 

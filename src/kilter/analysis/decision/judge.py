@@ -45,7 +45,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, Unpack
 import numpy as np
 
 from kilter.analysis.decision.cohesion import find_cohesion
-from kilter.analysis.decision.refined_proofs import balanced_proof, lifted_proof
+from kilter.analysis.decision.refined_proofs import balanced_proof, opened_proof
 from kilter.analysis.decision.strength import find_strength
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
@@ -181,7 +181,7 @@ def judge(program: Program, *, work: Work | None = None, solver: Solver | None =
             if best_forces is None or proof.residual < best_forces.residual:
                 best_forces = proof
         if motion is not None:
-            judged = lifted_proof(program, check_motion(program, motion))
+            judged = opened_proof(program, check_motion(program, motion))
             if best_motion is None or _is_better(judged, best_motion):
                 best_motion = judged
         stable = bool(best_forces and best_forces.holds)
@@ -278,6 +278,8 @@ def _candidates_without_friction(program: Program, work: Work) -> Iterator[_Cand
             yield from _by_load_factor(problem, method="simplex", presolve=presolve, work=work)
             yield from _by_least_imbalance(problem, method="simplex", presolve=presolve, work=work)
         yield from _by_load_factor(problem, method="interior", work=work)
+        # of all motions with parts of at most size 1, the one of greatest power
+        yield from _by_total_imbalance(problem, work)
         yield from _by_rounded_rows(problem, work)
         return
     if bonded is not None:

@@ -25,6 +25,7 @@ from kilter.errors import InputError
 from kilter.files.reading import reading_for
 from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, require_level
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class Batch(Answer):
         }
 
 
+@guarded
 def batch(
     source: str | Path,
     output: str | Path,

@@ -11,7 +11,6 @@ import contextlib
 import csv
 import hashlib
 import importlib.util
-import io
 import json
 import os
 from collections.abc import Iterator, Sequence
@@ -20,13 +19,19 @@ from pathlib import Path
 from typing import Any
 
 from kilter.analysis.many.batch_rows import COLUMNS, BatchQuestion, BatchRow
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
+from kilter.files.limits import MOST_TABLE_BYTES
+from kilter.files.raw import read_bytes
+from kilter.files.strict_json import parse_json
 from kilter.files.writing import write_bytes, write_text
+from kilter.tell.csv_cells import csv_text, name_of_cell
 
 __all__ = ["BatchFolder", "open_folder"]
 
 FORMAT = 1
 MANIFEST, LOCK = "batch.json", ".batch.lock"
+FORMS = ("parquet", "csv")
+"""Formats of the tables."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +83,7 @@ class BatchFolder:
             rows = _from_parquet(path) if self.form == "parquet" else _from_csv(path)
             if [row["index"] for row in rows] == list(self.places(chunk)):
                 return rows
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError, KeyError, TypeError, csv.Error):
             pass
         raise InputError("holds other rows", file=str(path), hint="remove it, and run again")
 
@@ -96,43 +101,54 @@ def open_folder(
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise InputError(
-            f"cannot be made: {error.strerror}", file=str(path), hint="give another folder"
+            f"cannot be made: {getattr(error, 'strerror', None) or error}",
+            file=str(path),
+            hint="give another folder",
         ) from None
+    listed = "\n".join(files).encode("utf-8", "backslashreplace")
+    asked = {
+        "kilter_batch": FORMAT,
+        "files": len(files),
+        "listed": hashlib.sha256(listed).hexdigest(),
+        "question": _as_data(question),
+    }
+    manifest = path / MANIFEST
+    _written_form(manifest, asked)  # a folder that is refused gets no lock file
     with _locked_folder(path):
         for left in path.glob(".part-*"):  # of a run that was killed
             left.unlink()
-        asked = {
-            "kilter_batch": FORMAT,
-            "files": len(files),
-            "listed": hashlib.sha256("\n".join(files).encode()).hexdigest(),
-            "question": _as_data(question),
-        }
-        manifest = path / MANIFEST
-        if manifest.exists():
-            form, size = _written_form(manifest, asked)
+        written = _written_form(manifest, asked)
+        if written is not None:
+            form, size = written
         else:
-            if any(path.glob("part-*")):
-                raise InputError(
-                    "has table files, but no batch.json", file=str(path), hint="give another folder"
-                )
             form = "parquet" if importlib.util.find_spec("pyarrow") else "csv"
             write_text(manifest, json.dumps({**asked, "rows": size, "form": form}, indent=2) + "\n")
         yield BatchFolder(path, len(files), size, form)
 
 
-def _written_form(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
-    """File format and chunk size of the batch already in a folder.
+def _written_form(manifest: Path, asked: dict[str, Any]) -> tuple[str, int] | None:
+    """File format and chunk size of the batch already in a folder; None in a new folder.
 
-    Raises InputError if it is a different batch.
+    Raises InputError if it is a different batch, or has tables without a manifest.
     """
+    if not manifest.exists():
+        if any(manifest.parent.glob("part-*")):
+            raise InputError(
+                "has table files, but no batch.json",
+                file=str(manifest.parent),
+                hint="give another folder",
+            )
+        return None
     try:
-        written = json.loads(manifest.read_text(encoding="utf-8"))
-        form, size = str(written.pop("form")), int(written.pop("rows"))
-    except (OSError, ValueError, KeyError, AttributeError):
-        written, form, size = None, "", 0
-    if written != asked:
+        written = parse_json(read_bytes(manifest, most=MOST_TABLE_BYTES))
+    except InputError:
+        written = None
+    form, size = "", 0
+    if isinstance(written, dict):
+        form, size = written.pop("form", ""), written.pop("rows", 0)
+    if written != asked or form not in FORMS or type(size) is not int or size < 1:
         raise InputError(
             "has another batch: other files, or other options",
             file=str(manifest.parent),
@@ -211,15 +227,12 @@ def _flush(folder: Path) -> None:
 
 
 def _csv(rows: Sequence[BatchRow]) -> bytes:
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(COLUMNS), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().encode("utf-8", "surrogateescape")
+    text = csv_text([list(COLUMNS), *([row[name] for name in COLUMNS] for row in rows)])
+    return text.encode("utf-8")
 
 
 def _from_csv(path: Path) -> list[BatchRow]:
-    with open(path, encoding="utf-8", errors="surrogateescape", newline="") as stream:
+    with open(path, encoding="utf-8", newline="") as stream:
         return [
             {name: _value(kind, row[name]) for name, kind in COLUMNS.items()}
             for row in csv.DictReader(stream)
@@ -229,6 +242,8 @@ def _from_csv(path: Path) -> list[BatchRow]:
 def _value(kind: type, text: str) -> Any:
     if text == "":
         return None
+    if kind is str:
+        return name_of_cell(text)
     return text == "True" if kind is bool else kind(text)
 
 
@@ -241,8 +256,12 @@ def _parquet(rows: Sequence[BatchRow]) -> bytes:
         int: pyarrow.int64(), str: pyarrow.string(), bool: pyarrow.bool_(), float: pyarrow.float64()
     }  # fmt: skip
     schema = pyarrow.schema([(name, kinds[kind]) for name, kind in COLUMNS.items()])
+    rows = [  # a file name with invalid characters could not be encoded
+        {k: visible(value) if isinstance(value, str) else value for k, value in row.items()}
+        for row in rows
+    ]
     stream = pyarrow.BufferOutputStream()
-    pyarrow.parquet.write_table(pyarrow.Table.from_pylist(list(rows), schema=schema), stream)
+    pyarrow.parquet.write_table(pyarrow.Table.from_pylist(rows, schema=schema), stream)
     data: bytes = stream.getvalue().to_pybytes()
     return data
 

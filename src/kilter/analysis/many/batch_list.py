@@ -6,7 +6,9 @@ from pathlib import Path
 
 from kilter.errors import InputError
 from kilter.files.formats import FORMATS
+from kilter.files.limits import MOST_TABLE_BYTES
 from kilter.files.naming import natural_key
+from kilter.files.raw import is_file, is_folder, read_bytes
 
 __all__ = ["listed_files"]
 
@@ -30,17 +32,17 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
         If it cannot be read, or names nothing.
     """
     path = Path(source)
-    if path.suffix.lower() in READABLE and path.is_file():
+    if path.suffix.lower() in READABLE and is_file(path):
         raise InputError(
             "is an assembly, not a list of assemblies", file=str(path),
             hint="use `kilter check`, or give its folder",
         )  # fmt: skip
     try:
-        if path.is_dir():
+        if is_folder(path):
             chosen = [e for e in path.iterdir() if _is_assembly(e)]
             base, listed = path, sorted((e.name for e in chosen), key=natural_key)
         else:
-            lines = path.read_text(encoding="utf-8").splitlines()
+            lines = read_bytes(path, most=MOST_TABLE_BYTES).decode("utf-8").splitlines()
             words = [line.strip() for line in lines]
             base, listed = path.parent, [w for w in words if w and not w.startswith("#")]
     except (OSError, UnicodeDecodeError) as error:
@@ -51,7 +53,7 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
         ) from None
     if not listed:
         hint = "name a file in each line"
-        if path.is_dir():
+        if is_folder(path):
             hint = "subfolders are not searched; name their files in a list, a file in each line"
         raise InputError("it contains no assembly", file=str(path), hint=hint)
     return base.resolve(), listed

@@ -14,7 +14,7 @@ from kilter.assembly import Assembly
 from kilter.contact import Tolerance
 from kilter.contact.fits.chosen import read_chosen
 from kilter.contact.fits.fastening import fasten_as_read
-from kilter.errors import InputError, KilterError
+from kilter.errors import InputError, KilterError, visible
 from kilter.files.choices import find_choices
 from kilter.files.reading import Reading
 from kilter.tell.levels import REQUIRE
@@ -123,7 +123,7 @@ def error_row(index: int, file: str, error: str, *, parts: int | None = None) ->
     row = dict.fromkeys(COLUMNS)
     return row | {
         "index": index, "file": file, "verdict": "error", "stable": False, "parts": parts,
-        "error": error,
+        "error": visible(error),
     }  # fmt: skip
 
 

@@ -30,6 +30,7 @@ from kilter.errors import InputError, KilterError
 from kilter.shape.primitives import Box, Mesh, Prism
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 __all__ = ["check_many"]
@@ -40,6 +41,7 @@ SMALL = 100
 """Largest number of parts of an assembly that is processed together with others."""
 
 
+@guarded
 @on_one_thread
 def check_many(
     assemblies: Iterable[AssemblyOrPath] | AssemblyArrays,

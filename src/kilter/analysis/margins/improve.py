@@ -34,6 +34,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
 from kilter.tell.json_answer import Answer
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import facts_of
 
 if TYPE_CHECKING:
@@ -152,6 +153,7 @@ class Improvement(Answer):
         return f"Improvement({self.verdict}, needs {self.share:.6g}, {best})"
 
 
+@guarded
 @on_one_thread
 def improve(
     assembly: AssemblyOrPath,

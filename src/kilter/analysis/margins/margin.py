@@ -36,10 +36,12 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
+from kilter.contact.round_edges import has_round_edges
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
@@ -132,6 +134,15 @@ class Margin(AnswerInWords):
     warnings: tuple[str, ...]
     seconds: dict[str, float]
 
+    @property
+    def exact(self) -> bool:
+        """Whether the contacts are those of the solids: no open pair, no round edge of a face.
+
+        An edge of a circle counts as a polygon inside it, so the limits are slightly too small.
+        """
+        contacts = self.verdict.contacts
+        return not (contacts.open_pairs or has_round_edges(self.assembly, contacts))
+
     def to_dict(self) -> MarginData:
         """The margin as JSON data, as ``kilter margin --json`` prints it."""
         program, tilt, factor = self.program, self.tilt, self.load_factor
@@ -144,7 +155,7 @@ class Margin(AnswerInWords):
             "down": self.assembly.down.tolist(),
             "joints": joints_answer(self.assembly),
             "open_pairs": open_pairs_answer(self.assembly, self.verdict.contacts),
-            "exact": not self.verdict.contacts.open_pairs,
+            "exact": self.exact,
             "level": self.level,
             "require": self.require,
             "tilt_deg": self.tilt_deg,
@@ -225,6 +236,7 @@ def _limit(program: Program, limit: Limit | None) -> LimitData | None:
     return None if limit is None else limit.to_dict(program)
 
 
+@guarded
 @on_one_thread
 def margin(
     assembly: AssemblyOrPath,

@@ -33,6 +33,7 @@ from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
 from kilter.tell.packing_words import packing_sentence
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -172,6 +173,7 @@ class CheckedPlan(AnswerInWords):
         return f"CheckedPlan({len(self.items)} items, {words})"
 
 
+@guarded
 @on_one_thread
 def check_plan(
     plan: PackingPlan | str | Path,
@@ -246,30 +248,31 @@ def check_plan(
         whole = whole.with_parts(given_walls(plan, walls))
     tell("contacts")
     contacts = detect.contacts(whole, tolerance=tolerance, progress=progress)
-    verdicts: list[Verdict] = []
     items: list[CheckedItem] = []
     overload: OverloadData | None = None
     loads: dict[str, float | None] = {}
+    first: int | None = None
+    why = ""
     states = _states(whole, contacts, plan)
     for k, (box, (state, touching)) in enumerate(zip(plan.boxes, states, strict=True), 1):
         tell(f"item {k} of {len(plan.boxes)}")
         verdict = check(state, contacts=touching, require=require, effort=effort)
-        verdicts.append(verdict)
+        if first is None and verdict.verdict == "unstable":
+            # only this verdict is kept: a verdict holds the contacts of its whole pile
+            first, why = k - 1, fall_reason(plan, k - 1, verdict)
         items.append(
             CheckedItem(box, str(verdict.verdict), verdict.level, item_support(box, verdict))
         )
         loads = _top_loads(plan.boxes[:k], verdict)
         overload = overload or _overload(plan.boxes[:k], loads)
     items = [replace(item, top_load=loads.get(item.box.name)) for item in items]
-    falling = [k for k, item in enumerate(items) if item.verdict == "unstable"]
-    first = falling[0] if falling else None
     tell("reason")
     return CheckedPlan(
         plan,
         whole,
         tuple(items),
         None if first is None else first + 1,
-        "" if first is None else fall_reason(plan, first, verdicts[first]),
+        why,
         overload,
         None
         if first is None or held is not None or walls is not None

@@ -41,6 +41,7 @@ from kilter.tell.levels import REQUIRE, holds, require_level
 from kilter.tell.place_words import place_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -195,6 +196,7 @@ def _level_data(level: LevelMap, below: float) -> LevelPlacesData:
     }
 
 
+@guarded
 def box_to_place(
     size: ArrayLike, mass: float, *, turn: float = 0.0, name: str = "new part"
 ) -> Part:
@@ -221,6 +223,7 @@ def box_to_place(
     return Part(name, Box(lengths), pose, mass=number(mass, "mass", lowest=0))
 
 
+@guarded
 @on_one_thread
 def place(
     assembly: AssemblyOrPath,
@@ -302,6 +305,11 @@ def place(
     if assembly.planar or not np.allclose(assembly.down, [0, 0, -1]):
         raise InputError(
             "place needs gravity along -z in space", hint="turn the file with up or down"
+        )
+    if not isinstance(part, Part):
+        raise InputError(
+            f"place needs a part, got {type(part).__name__}",
+            hint="give kilter.Part(name, shape, mass=...)",
         )
     if part.name in assembly.index:
         part = replace(part, name=_free_name(part.name, assembly))

@@ -239,13 +239,18 @@ class PlaceMap:
         question = (landing.tops, possible, landing.height, low, high)
         load = MovingLoad.of_areas(self.loads, *question)
         found = self._counted(load.places_of(accuracy, cell))
+        settled = False
         if self.bound is not self.loads:
             bound = MovingLoad.of_areas(self.bound, *question)
-            found = found.with_outside_of(self._counted(bound.places_of(accuracy, cell)))
+            outside = self._counted(bound.places_of(accuracy, cell))
+            # places that no motion excludes may stand; places that all contacts hold cannot fall
+            unsure = [without(each.outer, each.inner) for each in (found, outside)]
+            settled = both(cell, union(unsure)).area <= NOTHING * cell.area
+            found = found.with_outside_of(outside)
         shares = dict(zip(possible, load.shares.tolist(), strict=False))
         self._findings.append(Finding(low, high, -1, found, shares))
         stands = both(cell, found.inner)
-        return stands, union([out, without(without(cell, stands), found.outer)]), False
+        return stands, union([out, without(without(cell, stands), found.outer)]), settled
 
     def _decided(
         self, landing: Landing, cell: shapely.Geometry, low: Array, high: Array

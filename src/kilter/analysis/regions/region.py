@@ -48,6 +48,7 @@ from kilter.tell.html import html_of
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import stop_after
 
 if TYPE_CHECKING:
@@ -258,7 +259,8 @@ class Region(InCells, AnswerInWords):
             about = {"about": entry.about, "vector": entry.vector.tolist()}
             proofs.append((about | {"change": {"down": entry.data["down"]}}, entry.data))
         slack = max(self.cone.blur, *(part.slack for part in self.found))
-        return make_bundle("region", proofs, gap_deg=self.gap_deg + float(np.degrees(slack)))
+        gap = slack + max(part.gap for part in self.found)
+        return make_bundle("region", proofs, gap_deg=float(np.degrees(gap)))
 
     def to_dict(self) -> RegionData:
         """The region as JSON data, as ``kilter region --json`` prints it.
@@ -322,6 +324,7 @@ class Region(InCells, AnswerInWords):
         return f"Region({self})"
 
 
+@guarded
 @on_one_thread
 def region(
     assembly: AssemblyOrPath,
@@ -459,6 +462,7 @@ def _region(
     )
 
 
+@guarded
 @on_one_thread
 def common_region(
     assemblies: Sequence[Assembly],

@@ -46,11 +46,13 @@ from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 __all__ = ["scene"]
 
 
+@guarded
 @on_one_thread
 def scene(
     assembly: AssemblyOrPath,

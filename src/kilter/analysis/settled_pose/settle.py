@@ -25,7 +25,7 @@ from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle_tolerances import REACH
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, Part
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
@@ -36,6 +36,7 @@ from kilter.tell.numbers import NO_ANGLE
 from kilter.tell.settle_words import settle_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -116,6 +117,10 @@ class Settled(AnswerInWords):
     dropped: float
     warnings: tuple[str, ...]
     seconds: float
+
+    def __getitem__(self, name: str) -> Part:
+        """The part with this name, in the last pose of the search."""
+        return self.assembly[name]
 
     @property
     def distance(self) -> Array:
@@ -210,6 +215,7 @@ class Settled(AnswerInWords):
         return f"<Settled: {self.state}, moved {far:.3g} {self.drawn.units}>"
 
 
+@guarded
 @on_one_thread
 def settle(
     assembly: AssemblyOrPath,
@@ -266,6 +272,8 @@ def settle(
     >>> answer = settle(Assembly([table, box]))
     >>> answer.state, answer.level, answer.distance.round(6).tolist()
     ('at-rest', 'proved', [0.0, 0.001])
+    >>> answer["box"].pose.position.round(6)
+    array([0. , 0. , 0.5])
     """
     started = time.perf_counter()
     tell = progress or (lambda stage: None)

@@ -16,7 +16,8 @@ F. Landis Markley, Attitude interpolation (RotationSpline of scipy).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,9 +31,15 @@ from kilter.errors import InputError
 from kilter.mechanics.program import Program
 from kilter.rigid import quaternion_to_matrix
 from kilter.units import metres_per_unit
-from kilter.validate import frozen
+from kilter.validate import finite
 
-__all__ = ["CarrierPath", "path_from_poses", "read_path", "require_samples"]
+__all__ = [
+    "CarrierPath",
+    "path_from_poses",
+    "read_path",
+    "require_samples",
+    "spline_derivatives",
+]
 
 POSITION, ORIENTATION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 ACCELERATION, SPIN, TURN = ("ax", "ay", "az"), ("ox", "oy", "oz"), ("alx", "aly", "alz")
@@ -87,9 +94,9 @@ class CarrierPath:
             ("angular_acceleration", (count, 3)),
             ("about", (3,)),
         ):
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+            object.__setattr__(self, name, finite(getattr(self, name), shape, name))
         if self.velocity is not None:
-            object.__setattr__(self, "velocity", frozen(self.velocity, (count, 3), "velocity"))
+            object.__setattr__(self, "velocity", finite(self.velocity, (count, 3), "velocity"))
         _require_times(self.time)
 
     def loads(self, program: Program) -> tuple[Array, Array]:
@@ -152,13 +159,11 @@ def path_from_poses(
     >>> path_from_poses(time, position).acceleration[:, 0].round(9)
     array([2., 2., 2., 2., 2.])
     """
-    from scipy.interpolate import CubicSpline
     from scipy.spatial.transform import Rotation, RotationSpline
 
     time = require_samples(time)
     place = np.asarray(position, dtype=np.float64) * metres_per_unit(units)
-    spline = CubicSpline(time, place)
-    velocity, world = spline(time, 1), spline(time, 2)
+    _, velocity, world = spline_derivatives(time, place)
     turning = np.tile([1.0, 0.0, 0.0, 0.0], (len(time), 1))
     if orientation is not None:
         turning = np.asarray(orientation, dtype=np.float64)
@@ -168,9 +173,10 @@ def path_from_poses(
     fixed = bool(np.abs(rotation - rotation[0]).max() <= FIXED)
     spin = turn = np.zeros((len(time), 3))
     if not fixed:
-        turning_spline = RotationSpline(time, Rotation.from_matrix(rotation))
-        # both in the frame of the carrier
-        spin, turn = turning_spline(time, 1), turning_spline(time, 2)
+        with finite_motion():
+            turning_spline = RotationSpline(time, Rotation.from_matrix(rotation))
+            # both in the frame of the carrier
+            spin, turn = turning_spline(time, 1), turning_spline(time, 2)
     return CarrierPath(
         time,
         rotation,
@@ -242,6 +248,44 @@ def _unit_quaternion(quaternion: Array, row: int) -> Array:
         )
     unit: Array = quaternion / size
     return unit
+
+
+@contextmanager
+def finite_motion() -> Iterator[None]:
+    """Turn the errors of splines through samples that are too far apart into an `InputError`.
+
+    The errors are those of scipy: numbers that are not finite, and singular matrices.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except (ValueError, np.linalg.LinAlgError):
+        raise InputError(
+            "the path has no finite accelerations", hint="check the units of its times and poses"
+        ) from None
+
+
+def spline_derivatives(time: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Values, first and second derivatives at the samples of a cubic spline, each of one shape.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+    values : ndarray, shape (n, ...)
+
+    Raises
+    ------
+    InputError
+        If the derivatives are not finite.
+    """
+    from scipy.interpolate import CubicSpline
+
+    with finite_motion():
+        spline = CubicSpline(time, values)
+        derivatives = np.array([spline(time, order) for order in range(3)])
+        if not np.isfinite(derivatives).all():
+            raise ValueError
+    return derivatives[0], derivatives[1], derivatives[2]
 
 
 def require_samples(time: ArrayLike) -> Array:

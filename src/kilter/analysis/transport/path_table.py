@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -12,6 +10,10 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import InputError, nearest_name
+from kilter.files.limits import MOST_TABLE_BYTES
+from kilter.files.raw import read_bytes
+from kilter.files.reader_guard import reader_guard
+from kilter.files.table_rows import decoded_table, table_rows
 
 __all__ = ["columns_of", "read_table"]
 
@@ -38,15 +40,9 @@ def read_table(
         names the file and the line. Errors of `build` get the file, too.
     """
     path = Path(file)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise InputError(f"the path cannot be read: {reason}", file=str(path)) from None
-    try:
-        return build(_table(text, known))
-    except InputError as error:
-        raise error.located(file=str(path)) from None
+    data = read_bytes(path, most=MOST_TABLE_BYTES)
+    with reader_guard(path):
+        return build(_table(decoded_table(data), known))
 
 
 def columns_of(table: Mapping[str, Array], names: Sequence[str]) -> Array | None:
@@ -66,11 +62,14 @@ def columns_of(table: Mapping[str, Array], names: Sequence[str]) -> Array | None
 
 def _table(text: str, known: Sequence[str]) -> dict[str, Array]:
     """Columns of a comma-separated table, by name."""
-    rows = [row for row in csv.reader(io.StringIO(text)) if row]
-    if not rows:
+    rows = table_rows(text)
+    _, first = next(rows, (0, []))
+    if not first:
         raise InputError("the path is empty", hint="give a header and a row for each sample")
-    header = [name.strip() for name in rows[0]]
-    for name in header:
+    header = [name.strip() for name in first]
+    for k, name in enumerate(header):
+        if name in header[:k]:
+            raise InputError(f"the path has two columns {name!r:.40}", hint="remove one of them")
         if name not in known:
             near = nearest_name(name, known)
             raise InputError(
@@ -80,7 +79,7 @@ def _table(text: str, known: Sequence[str]) -> dict[str, Array]:
     if "time" not in header:
         raise InputError("the path has no column 'time'", hint="add the time of each sample [s]")
     numbers = []
-    for line, row in enumerate(rows[1:], start=2):
+    for line, row in rows:
         try:
             values = [float(cell) for cell in row]
         except ValueError:
@@ -95,5 +94,7 @@ def _table(text: str, known: Sequence[str]) -> dict[str, Array]:
                 hint="give a finite number in every column",
             )
         numbers.append(values)
+    if not numbers:
+        raise InputError("the path has no samples", hint="give a row for each sample")
     table = np.array(numbers).reshape(-1, len(header))
     return {name: table[:, k] for k, name in enumerate(header)}

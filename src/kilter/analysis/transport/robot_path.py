@@ -29,7 +29,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.transport.carrier_path import CarrierPath, require_samples
+from kilter.analysis.transport.carrier_path import (
+    CarrierPath,
+    require_samples,
+    spline_derivatives,
+)
 from kilter.analysis.transport.path_table import read_table
 from kilter.arrays import Array, cross
 from kilter.errors import InputError
@@ -130,8 +134,6 @@ def path_from_joints(
         If the times do not increase, there are fewer than three samples, values of a joint are
         missing, or a value is outside the range of its joint.
     """
-    from scipy.interpolate import CubicSpline
-
     seconds = require_samples(time)
     if not chain.drivers:
         raise InputError(
@@ -146,9 +148,10 @@ def path_from_joints(
     given = {name: np.asarray(values[name], dtype=np.float64) for name in chain.drivers}
     for joint in chain.joints:
         _require_in_range(joint, seconds, given)
-    splines = {name: CubicSpline(seconds, value) for name, value in given.items()}
-    at = [{name: spline(seconds, order) for name, spline in splines.items()} for order in range(3)]
-    motion = flange_motion(chain, *at)
+    derivatives = {name: spline_derivatives(seconds, value) for name, value in given.items()}
+    values, rates, second = ({n: d[k] for n, d in derivatives.items()} for k in range(3))
+    with np.errstate(all="ignore"):  # the path rejects numbers that are not finite
+        motion = flange_motion(chain, values, rates, second)
 
     def in_carrier(vectors: Array) -> Array:
         turned: Array = np.einsum("nji,nj->ni", motion.rotation, vectors)

@@ -43,6 +43,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, level_rank, require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, stop_after, units_of
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ AXES = (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("-y", (0, -1,
 """Names and directions of acceleration of an answer without a question."""
 
 
+@guarded
 @on_one_thread
 def transport(
     assembly: AssemblyOrPath,
@@ -252,6 +254,11 @@ def _questions(
     if len(given) > 1:
         raise InputError(f"{' and '.join(given)} are given together", hint="ask one question")
     motions = []
+    if isinstance(accelerate, str):
+        raise InputError(
+            f"accelerate is {accelerate!r:.40}",
+            hint="give three numbers [m/s^2], as in accelerate=[0.5 * 9.81, 0, 0]",
+        )
     if accelerate is not None:
         motions = [("acceleration", CarrierMotion(accelerate))]
     elif turn is not None:

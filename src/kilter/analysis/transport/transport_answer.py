@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, Why, finite, starting
+from kilter.analysis.margins.load_limit import Limit, Why, finite
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.transport.acceleration_rows import KnownAccelerations, inner_rows, outer_rows
 from kilter.analysis.transport.carried_set import Slice
@@ -16,6 +16,7 @@ from kilter.analysis.transport.carrier import CarrierMotion
 from kilter.analysis.transport.collapse import (
     CollapseMultiplier,
 )
+from kilter.analysis.transport.first_motion import first_motions, kind_of_motion
 from kilter.analysis.transport.path import PathLimit
 from kilter.analysis.transport.path_rows import path_rows
 from kilter.analysis.transport.transport_proofs import transport_proofs
@@ -26,25 +27,22 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
-from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
+from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import Program
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds, level_rank
 from kilter.tell.transport_facts import transport_sentence
-from kilter.tell.words import motion_words
-from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.transport_data import (
         CaseData,
         DirectionLimitData,
-        FirstMotionData,
         PolarData,
         StrapUseData,
         TransportData,
     )
 
-__all__ = ["CarriedCase", "DirectionLimit", "Transport", "first_motions"]
+__all__ = ["CarriedCase", "DirectionLimit", "Transport"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +71,8 @@ class DirectionLimit:
 
     def to_dict(self, program: Program) -> DirectionLimitData:
         """The largest acceleration along the direction as JSON data."""
-        motion = first_motions(program, self.limit)
+        along = CarrierMotion(program.g * self.direction)
+        motion = first_motions(program, self.limit, along)
         return {
             "name": self.name,
             "direction": self.direction.tolist(),
@@ -81,7 +80,7 @@ class DirectionLimit:
             "upper": finite(self.value * program.g),
             "g": finite(self.value),
             "moves": [first["part"] for first in motion],
-            "how": _kind_of_motion(motion[0]["words"]) if motion else "",
+            "how": kind_of_motion(motion[0]["words"]) if motion else "",
             "least": self.name == "least",
             "motion": motion,
             "limit": self.limit.to_dict(program),
@@ -119,7 +118,9 @@ class CarriedCase:
             "level": self.verdict.level,
             "guarantee": self.verdict.guarantee,
             "factor": None if self.factor is None else finite(self.factor.value),
-            "motion": [] if self.factor is None else first_motions(program, self.factor),
+            "motion": []
+            if self.factor is None
+            else first_motions(program, self.factor, self.motion),
             "limit": None if self.factor is None else self.factor.to_dict(program),
         }
 
@@ -356,15 +357,6 @@ def _polar_answer(polar: Slice) -> PolarData:
     }
 
 
-def _kind_of_motion(words: str) -> str:
-    """Name of a motion, "slides" or "tips", without its direction; other motions keep their words.
-
-    The direction of a slide in a mechanism includes the opening that its proof assumes.
-    """
-    first = words.split(maxsplit=1)[0]
-    return first if first in ("slides", "tips") else words
-
-
 def strap_uses(
     assembly: Assembly, program: Program, verdicts: Sequence[Verdict]
 ) -> list[StrapUseData]:
@@ -395,27 +387,3 @@ def carried_at(verdicts: Sequence[Verdict], require: str) -> bool | None:
     if "undecided" in words:
         return None
     return all(holds(verdict.level, require) for verdict in verdicts)
-
-
-def first_motions(program: Program, limit: Limit) -> list[FirstMotionData]:
-    """How the parts start to move beyond a limit, seen from the carrier, the fastest first.
-
-    As JSON data.
-    """
-    if limit.mechanism is None:
-        return []
-    motion = limit.mechanism.motion
-    names = set(starting(program, limit.mechanism))
-    size = part_sizes(program, motion, per_radius=False)
-    order = [k for k in np.argsort(-size, kind="stable") if program.names[k] in names]
-    metres = metres_per_unit(program.units)
-    words: list[FirstMotionData] = []
-    for k in order:
-        turn = float(np.linalg.norm(motion[k, 3:])) * program.radius[k]
-        relative = np.array([np.linalg.norm(motion[k, :3]), turn])
-        twist = np.concatenate([motion[k, :3] * metres, motion[k, 3:]])
-        phrase = motion_words(
-            twist, relative, program.down, center=program.center[k], unit=metres, sizes=False
-        )
-        words.append({"part": program.names[k], "words": phrase})
-    return words

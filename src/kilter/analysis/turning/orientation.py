@@ -56,6 +56,7 @@ from kilter.tell.numbers import vector
 from kilter.tell.words import found_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import frozen
+from kilter.values.guesses import guarded
 from kilter.work import seconds_left
 
 if TYPE_CHECKING:
@@ -182,6 +183,7 @@ class Orientation(Answer):
         return f"Orientation({self.verdict}, down {vector(self.down)}{width})"
 
 
+@guarded
 @on_one_thread
 def orient(
     assembly: AssemblyOrPath,

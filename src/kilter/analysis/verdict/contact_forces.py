@@ -20,6 +20,7 @@ from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import cone_problem, least_forces
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
+from kilter.values.guesses import Guessable
 
 __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
 
@@ -29,7 +30,7 @@ LIMIT = 3_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactForces:
+class ContactForces(Guessable):
     """Contact forces that balance every part, at contact points and summed over patches.
 
     The forces act on the second part of each contact, in the world frame.
@@ -78,6 +79,8 @@ class ContactForces:
     array([    0.,     0., 39240.])
     >>> forces.on("cube-2").resultant.round(6) + 0.0  # its own weight
     array([   0.,    0., 9810.])
+    >>> forces["cube-2"].resultant.round(6) + 0.0  # the same
+    array([   0.,    0., 9810.])
     """
 
     rows: Index
@@ -112,6 +115,9 @@ class ContactForces:
                 self.names[part], self.points[rows], sign * self.force[rows], self.pressures[rows]
             )
         )
+
+    def __getitem__(self, part: str) -> PointForces:
+        return self.on(part)
 
     def between(self, a: str, b: str) -> PointForces:
         """Contact forces of part `a` on part `b`; empty if they do not touch.

@@ -37,6 +37,8 @@ MOST = 3000
 def free_travel(verdict: Verdict) -> Array:
     """Displacement of each part along its impending motion until a part would enter another part.
 
+    If no accelerations are known, the parts follow the motion of the proof.
+
     Returns
     -------
     ndarray, shape (N, 6)
@@ -49,14 +51,13 @@ def free_travel(verdict: Verdict) -> Array:
         If no part is known to move, or if there are more than 3,000 parts.
     """
     assembly, motion = verdict.assembly, verdict.motion
-    if not (motion.known and motion.moves.any()):
+    screws = motion.screws(metres_per_unit(assembly.units))
+    if not screws.any():
         raise InputError(
             f"no part is known to move: {verdict.sentence.removesuffix('.')}",
             hint="a film shows how parts start to move; kilter.draw makes a figure",
             option="a film shows how parts start to move; -o figure.svg is a figure",
         )
-    screws = np.where(motion.moves[:, None], motion.acceleration, 0.0)
-    screws[:, :3] /= metres_per_unit(assembly.units)
     return travel_along(assembly, screws)
 
 

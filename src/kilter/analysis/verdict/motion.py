@@ -9,8 +9,8 @@ assembly is stable. The displacement program only decides whether parts move, no
 
     kappa = |a|_M / (|g| sqrt(sum m_i))          0 = stable, 1 = everything in free fall
 
-With friction, the accelerations obey Coulomb's law and need not be unique. If the search reaches
-no exact solution, it returns the nearest solution, with its residual in the law.
+With friction, the accelerations obey Coulomb's law and need not be unique. If the search finds
+none, no accelerations are shown: only the motion of the proof is known, which gains energy.
 
 References
 ----------
@@ -41,9 +41,12 @@ from kilter.mechanics.program import Program
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.projection import solve_projection
 from kilter.units import metres_per_unit
+from kilter.work import Work, units_of
 
 __all__ = [
+    "GAINS",
     "NO_MOTION",
+    "NO_MOTION_BY_LAW",
     "UNKNOWN_MOTION",
     "ImpendingMotion",
     "find_motion",
@@ -57,6 +60,9 @@ __all__ = [
 
 SMALL = 400
 """Largest number of unknowns for which Clarabel is tried first."""
+MORE_WORK = 3.0
+"""Work to find the motion of an unstable assembly, over that of an effort: the search for a motion
+is all that is left to do. In a wall of 28 bricks it takes 1.5 s."""
 MANY = 8000
 """Programs with more unknowns than this, about 1,300 parts, are solved to fewer digits."""
 
@@ -64,6 +70,11 @@ MANY = 8000
 NO_MOTION = (
     "no solver finished the program of the impending motion: accelerations and kappa are left out"
 )
+NO_MOTION_BY_LAW = (
+    "no motion that obeys the law of friction was found: accelerations and kappa are left out"
+)
+GAINS = "in a motion that gains energy"
+"""Words for the motion of a proof, which shows that parts start to move, but not how fast."""
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Words for a part if no solver finished, by whether a proof shows that the part moves."""
 
@@ -87,6 +98,9 @@ class ImpendingMotion:
         Infinite if no solver finished; the accelerations are then 0 and have no meaning.
     names : tuple of str
         Names of the parts; ``motion["upper"]`` is the motion of a part.
+    gains : ndarray, shape (N, 6), or None
+        If the accelerations are not known, the motion of the proof: translations [length unit] and
+        rotations [rad] of any common size, which gain energy. None if there is no such proof.
     """
 
     acceleration: Array
@@ -95,6 +109,7 @@ class ImpendingMotion:
     instability: float
     residual: float
     names: tuple[str, ...] = ()
+    gains: Array | None = None
 
     def __getitem__(self, name: str) -> PartMotion:
         if name not in self.names:
@@ -108,6 +123,15 @@ class ImpendingMotion:
     def known(self) -> bool:
         """Whether a solver computed the motion; if not, `moves` marks parts that a proof moves."""
         return bool(np.isfinite(self.residual))
+
+    def screws(self, metres: float) -> Array:
+        """Screw of each moving part, shape (N, 6), all of a common size: for pictures and films.
+
+        Shift of the centre of mass in length units of `metres` [m], and rotation; of the motion of
+        the proof if the accelerations are not known. 0 for other parts.
+        """
+        shown = self.acceleration / np.repeat([metres, 1.0], 3) if self.known else self.gains
+        return np.where(self.moves[:, None], 0.0 if shown is None else shown, 0.0)
 
 
 def find_motion(program: Program) -> ImpendingMotion:
@@ -164,8 +188,6 @@ def motion_of(program: Program, acceleration: Array, residual: float) -> Impendi
 def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotion | None:
     """Compute accelerations from rest with Coulomb friction, if no equilibrium exists.
 
-    None if no solver finishes within the effort.
-
     Parameters
     ----------
     program : Program
@@ -175,11 +197,12 @@ def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotio
     Returns
     -------
     ImpendingMotion or None
-        The exact or the nearest solution; None if the search finds none.
+        None if the search finds no motion that obeys the law.
     """
     from kilter.friction.motion_search import find_coulomb_motion  # the import is slow
 
-    solution = find_coulomb_motion(program, work=effort, nearest=True)
+    work = MORE_WORK * units_of(effort)
+    solution = find_coulomb_motion(program, work=Work(work), impending=True)
     if solution is None:
         return None
     return motion_of(program, solution.acceleration, solution.law.residual)
@@ -286,10 +309,11 @@ def still(program: Program) -> ImpendingMotion:
 
 
 def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
-    """The motion if no solver finished: marks only the parts that a proof moves."""
+    """The motion if none was found: marks the parts that a proof moves, and has its motion."""
     motion = still(program)
-    moves = motion.moves
+    moves, gains = motion.moves, None
     if isinstance(proof, MotionProof) and proof.holds:
         sizes = part_sizes(program, proof.motion, per_radius=False)
         moves = program.free & (sizes > MOVES * float(sizes.max(initial=0.0)))
-    return replace(motion, moves=moves, instability=np.nan, residual=np.inf)
+        gains = np.where(moves[:, None], proof.motion, 0.0)
+    return replace(motion, moves=moves, instability=np.nan, residual=np.inf, gains=gains)

@@ -26,7 +26,9 @@ from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_f
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.motion import (
+    GAINS,
     NO_MOTION,
+    NO_MOTION_BY_LAW,
     UNKNOWN_MOTION,
     ImpendingMotion,
     find_motion,
@@ -59,6 +61,7 @@ from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
+from kilter.values.guesses import GuessedAttribute
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
@@ -210,26 +213,32 @@ class Verdict(InCells, Answer):
 
     @property
     def first_order(self) -> str:
-        """The verdict without regard to curvature, as in the paper: "stable" if balanced."""
-        return "stable" if self.verdict == "balanced" else self.verdict
+        """The verdict without regard to small pushes, as in the paper: "stable" if balanced."""
+        if self.verdict != "balanced" and self.why != "push-open":
+            return self.verdict
+        settles = self.friction is not None and self.friction.guarantee != "proved"
+        return "settles" if settles else "stable"
 
     @property
-    def why(self) -> Why | Literal["balanced"] | None:
+    def why(self) -> Why | Literal["balanced", "push-open"] | None:
         """Reason for the verdict potentially-stable or balanced; None for other verdicts.
 
-        The values are "refuted", "jams", "squeeze", "not-found", "not-asked" and "balanced".
+        The values are "refuted", "jams", "squeeze", "not-found", "not-asked", "push-open" and
+        "balanced".
         """
         if self.verdict == "balanced":
             return "balanced"
-        if self.verdict != "potentially-stable" or self.friction is None:
+        if self.verdict != "potentially-stable":
             return None
+        if self.friction is None or self.friction.why is None:
+            return "push-open"
         return self.friction.why
 
     @property
     def guarantee(self) -> str:
         """Whether the contact law excludes every motion from rest: proved, refuted or open."""
-        if self.verdict == "potentially-stable" and self.friction is not None:
-            return self.friction.guarantee
+        if self.verdict == "potentially-stable":
+            return "proved" if self.friction is None else self.friction.guarantee
         known = {"stable": "proved", "balanced": "proved", "unstable": "refuted"}
         return known.get(self.verdict, "open")
 
@@ -267,7 +276,7 @@ class Verdict(InCells, Answer):
     @on_one_thread
     def displacement(self) -> Displacement:
         """Optimum z of the displacement program, without friction, and its displacements."""
-        if self.verdict in ("stable", "balanced") and self.friction is None:
+        if self.level is not None and self.friction is None:
             count = len(self.program.names)
             large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
             return sealed(Displacement(0.0, None if large else np.zeros((count, 6))))
@@ -278,7 +287,8 @@ class Verdict(InCells, Answer):
         """Accelerations with which all parts start to move; zero if the assembly is stable.
 
         Without friction, they follow from Gauss's principle. With friction, they obey Coulomb's
-        law. For the verdict potentially-stable, they are the motion that refutes the guarantee.
+        law; if no such motion is found, they are not `known`, and `gains` is the motion of the
+        proof. For the verdict potentially-stable, they are the motion that refutes the guarantee.
         """
         motion = self._motion()
         motion = motion if motion.known else unknown(self.program, self.certificate)
@@ -287,14 +297,14 @@ class Verdict(InCells, Answer):
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
         """The impending motion, by the method for this verdict and these contacts."""
-        if self.verdict in ("stable", "settles", "balanced"):
+        if self.verdict in ("stable", "settles", "balanced") or self.why == "push-open":
             return still(self.program)
         if len(self.modelled.bounded):
             return unknown(self.program)  # no method for straps that give way
         if self.modelled.cohesion.any():
             rubs = self.modelled.mu.any()  # no method for slipping bonds together with friction
             return unknown(self.program) if rubs else find_slipping_motion(self.modelled)
-        if self.verdict == "undecided" or not self.modelled.mu.any():
+        if not self._rubs:
             return find_motion(self.modelled)
         if self.friction is not None:
             witness = self.friction.witness
@@ -302,7 +312,12 @@ class Verdict(InCells, Answer):
                 self.program, witness.acceleration, witness.law.residual
             )  # fmt: skip
         motion = find_motion_with_friction(self.modelled, self.effort)
-        return find_motion(self.modelled) if motion is None else motion
+        return unknown(self.program) if motion is None else motion
+
+    @property
+    def _rubs(self) -> bool:
+        """Whether any contact of the certain ones has friction."""
+        return bool(self.modelled.mu.any())
 
     @property
     def measured(self) -> bool:
@@ -318,8 +333,24 @@ class Verdict(InCells, Answer):
         known = not (self.assembly.loads or self.assembly.straps or unclear) and self.motion.known
         return self.motion.instability if known else None
 
+    @property
+    def forces(self) -> ContactForces:
+        """Contact forces that balance every part.
+
+        Raises
+        ------
+        InputError
+            If the proof has no forces, as for an unstable assembly.
+        """
+        if self.known_forces is None:
+            raise GuessedAttribute(
+                f"the verdict is {self.verdict}, so there are no forces that balance every part",
+                hint="verdict.moving and verdict.motion describe the parts that start to move",
+            )
+        return self.known_forces
+
     @cached_property
-    def forces(self) -> ContactForces | None:
+    def known_forces(self) -> ContactForces | None:
         """Contact forces that balance every part; None if the proof has no forces."""
         proof = self.certificate
         if not isinstance(proof, ForceProof):
@@ -401,15 +432,33 @@ class Verdict(InCells, Answer):
         k = self.assembly.index_of(part)
         if self.assembly.parts[k].grounded:
             return "is held"
+        words, motion = self._motion_words(k, slow), self.motion
+        return words if motion.known or not motion.moves[k] else f"{words}{self._gains}"
+
+    @property
+    def _gains(self) -> str:
+        """Suffix of words for the motion of a proof; empty if the words are about none."""
         motion = self.motion
-        if not motion.known:
+        return "" if motion.known or motion.gains is None else f", {GAINS}"
+
+    def _motion_words(self, k: int, slow: bool = False) -> str:
+        """Describe the motion of part `k`: its accelerations, or else the motion of the proof."""
+        motion, metres = self.motion, metres_per_unit(self.program.units)
+        if motion.known:
+            twist, relative = motion.acceleration[k], motion.relative[k] * (slow or motion.moves[k])
+        elif motion.gains is None or not motion.moves[k]:
             return UNKNOWN_MOTION[bool(motion.moves[k])]
+        else:
+            twist = motion.gains[k] * np.repeat([metres, 1.0], 3)
+            sizes = np.linalg.norm(motion.gains[k].reshape(2, 3), axis=1)
+            relative = sizes * [1.0, self.program.radius[k]]
         return motion_words(
-            motion.acceleration[k],
-            motion.relative[k] * (slow or motion.moves[k]),
+            twist,
+            relative,
             self.assembly.down,
             center=self.program.center[k],
-            unit=metres_per_unit(self.program.units),
+            unit=metres,
+            sizes=motion.known,
         )
 
     @property
@@ -420,11 +469,13 @@ class Verdict(InCells, Answer):
         if not (motion.known or len(which)):
             return "the moving parts are not known"
         speed = motion.relative[which].max(axis=1)
+        if motion.gains is not None:
+            speed = part_sizes(self.program, motion.gains, per_radius=False)[which]
         # parts that the proof moves come first, then faster parts
         order = which[np.lexsort([-speed, ~self.moved_by_proof[which]])]
         names = self.program.names
-        fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
-        return motion_summary(fastest, len(which))
+        fastest = [f"{names[k]} {self._motion_words(int(k))}" for k in order[:NAMED]]
+        return motion_summary(fastest, len(which)) + self._gains
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """The proof of the verdict as JSON data, which `kilter.verify` accepts.
@@ -503,7 +554,7 @@ class Verdict(InCells, Answer):
             "bonds_needed": self._bonds_needed(),
             "certificate": certificate_answer(self.certificate, self.judgement),
             "friction": friction_answer(self.friction, self.effort),
-            "forces": forces_answer(self.forces, contacts, self.program),
+            "forces": forces_answer(self.known_forces, contacts, self.program),
             "tolerance": {
                 "gap": contacts.gap,
                 "angle_deg": float(np.degrees(contacts.tolerance.angle)),
@@ -538,7 +589,8 @@ class Verdict(InCells, Answer):
         """Warnings of the verdict that depend on the motion and the displacements."""
         failed = self.measured and self.displacement.z is None
         unfinished = "no solver finished the displacement program: z and displacements are left out"
-        open_motion = [] if self.motion.known else [NO_MOTION]
+        unknown_motion = NO_MOTION_BY_LAW if self._rubs else NO_MOTION
+        open_motion = [] if self.motion.known else [unknown_motion]
         return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 
     def _part(self, k: int, moved_by_proof: Mask) -> PartData:

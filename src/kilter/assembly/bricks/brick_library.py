@@ -71,7 +71,8 @@ LDRAW: dict[str, tuple[int, int, int]] = {
 def _fit() -> Array:
     """Fitted masses of a cell of the top, and of a wall one stud long and one brick high [kg]."""
     sizes = np.array(list(STATED))
-    masses: Array = np.linalg.lstsq(_terms(sizes, BRICK_PLATES), np.array([*STATED.values()]))[0]
+    stated = np.array([*STATED.values()])
+    masses: Array = np.linalg.lstsq(_terms(sizes, BRICK_PLATES), stated, rcond=None)[0]
     return masses
 
 

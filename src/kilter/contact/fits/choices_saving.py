@@ -13,10 +13,12 @@ from kilter.errors import InputError
 from kilter.files.choices import Choices, find_choices
 from kilter.files.choices_writing import choices_about, require_place, write_choices
 from kilter.files.reading import Reading, reading_for
+from kilter.values.guesses import guarded
 
 __all__ = ["save", "save_reading"]
 
 
+@guarded
 def save(
     source: str | Path,
     output: str | Path,
@@ -62,6 +64,11 @@ def save(
     InputError
         If the file cannot be read with the options, or the choices cannot be written.
     """
+    if not isinstance(source, str | Path):
+        raise InputError(
+            f"save keeps the options of reading a file, and got {type(source).__name__}",
+            hint="write an assembly: kilter.dump(assembly, path)",
+        )
     entries = {"materials": list(materials), "open_pairs": list(open_pairs)}
     read = reading_for(
         **reading,

@@ -95,4 +95,9 @@ def read_chosen(
     assembly = both.reading.read(both.path)
     assembly, _ = fasten_as_read(assembly, both.reading, tolerance=tolerance)
     own = None if tolerance == Tolerance() else tolerance
-    return replace(assembly, notes=[*assembly.notes, *both.notes], tolerance=own)
+    return replace(
+        assembly,
+        notes=[*assembly.notes, *both.notes],
+        tolerance=own,
+        reading=both.reading.options(),
+    )

@@ -19,12 +19,14 @@ from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching
 from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError, some_names
 from kilter.files.reading import Reading
+from kilter.values.guesses import guarded
 
 __all__ = ["fasten_as_read", "fastened"]
 
 Pair = tuple[str, ...]
 
 
+@guarded
 def fastened(
     assembly: Assembly,
     pairs: Iterable[Sequence[str]] = (),

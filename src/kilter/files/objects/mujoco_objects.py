@@ -21,15 +21,17 @@ import numpy as np
 from kilter.arrays import Index, Mask
 from kilter.assembly import Assembly, Part
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
-from kilter.errors import InputError, nearest_name, some_names
+from kilter.errors import InputError
 from kilter.files.file_tolerances import PARALLEL
 from kilter.files.format_options import FormatOptions
 from kilter.files.naming import distinct
+from kilter.files.near_parts import near_pairs
+from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
 from kilter.files.one_body import compose, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
-__all__ = ["read", "read_mjcf"]
+__all__ = ["ModelScene", "read"]
 
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
 FREE, BALL, SLIDE, HINGE = range(4)
@@ -62,75 +64,33 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
             f"a mujoco {type(model).__name__} is not a model",
             hint="give an MjModel, an MjSpec, or (model, data)",
         )
-    return _Model(mujoco, model, data, choices).assembly("")
+    snapshot = take_snapshot(mujoco, model, data, choices.keyframe)
+    return ModelScene(snapshot, choices).assembly("")
 
 
-def read_mjcf(path: Any, choices: FormatOptions) -> Assembly:
-    """Read an MJCF file (a scene for MuJoCo) as an assembly.
-
-    Raises
-    ------
-    InputError
-        As `read`; also if MuJoCo is not installed or rejects the file.
-    """
-    try:
-        import mujoco
-    except ImportError:
-        raise InputError(
-            "MJCF files need MuJoCo, which is not installed", hint="pip install 'kilter[mujoco]'"
-        ) from None
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        what = " ".join(str(error).split())[:200]
-        raise InputError(f"MuJoCo rejects it: {what}", hint="correct the file") from None
-    return _Model(mujoco, model, None, choices).assembly(str(path))
-
-
-class _Model:
+class ModelScene:
     """A MuJoCo model in a given pose, during its conversion to an assembly."""
 
-    def __init__(self, mujoco: Any, model: Any, data: Any, choices: FormatOptions) -> None:
+    def __init__(self, model: Snapshot, choices: FormatOptions) -> None:
         if choices.units not in (None, "m"):
             raise InputError(
                 f"MuJoCo is in m, but the units given are {choices.units}",
                 hint="leave the units out",
             )
-        self.model, self.notes = model, list[str]()
-        self.data = mujoco.MjData(model) if data is None else data
-        if data is None or choices.keyframe is not None:
-            self._pose(mujoco, choices.keyframe)
-        mujoco.mj_kinematics(model, self.data)
-        self.names = distinct([model.body(k).name or f"body_{k}" for k in range(model.nbody)])
+        self.model, self.notes = model, list[str](model.notes)
+        self.names = distinct([name or f"body_{k}" for k, name in enumerate(model.body_names)])
         self.collides: Mask = (model.geom_contype | model.geom_conaffinity) != 0
         self.geoms = self._geoms()
         self.parts: list[Part] = []
         self.rows: list[list[int]] = []
         """The geoms of each part."""
-        off = int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
-        self.filters_parents = not model.opt.disableflags & off
-
-    def _pose(self, mujoco: Any, keyframe: str | None) -> None:
-        """Set the model's pose to the named keyframe, or to the first keyframe, if any."""
-        keys = [self.model.key(k).name for k in range(self.model.nkey)]
-        if keyframe is None and not keys:
-            return
-        if keyframe is not None and keyframe not in keys:
-            near = nearest_name(keyframe, keys)
-            known = f"the keyframes are {some_names(keys)}" if keys else "the model has none"
-            hint = f"did you mean {near!r}?" if near else known
-            raise InputError(f"there is no keyframe {keyframe!r}", hint=hint)
-        number = 0 if keyframe is None else keys.index(keyframe)
-        mujoco.mj_resetDataKeyframe(self.model, self.data, number)
-        if keyframe is None:
-            self.notes.append(f"the pose is that of the first keyframe, {keys[0]!r}")
 
     def _geoms(self) -> dict[int, list[int]]:
         """For each body, the geoms that form its part: those that collide, else all."""
         model, collides = self.model, self.collides
         geoms = {}
         for body in range(model.nbody):
-            rows = np.flatnonzero(model.geom_bodyid == body)
+            rows = int(model.body_geomadr[body]) + np.arange(int(model.body_geomnum[body]))
             solid = rows[collides[rows]]
             geoms[body] = (solid if len(solid) or body == 0 else rows).tolist()
         return geoms
@@ -144,20 +104,22 @@ class _Model:
                 self._add(self._geom_name(geom), [geom], Pose(), held=True)
         for body in range(1, model.nbody):
             if self.geoms[body]:
-                pose = Pose(self.data.xpos[body], self.data.xquat[body])
+                pose = Pose(self.model.xpos[body], self.model.xquat[body])
                 held = int(model.body_weldid[body]) == 0
                 self._add(self.names[body], self.geoms[body], pose, held=held, body=body)
         self._add_planes(planes)
+        if not self.parts:
+            raise self._emptiness(source)
         names = distinct([part.name for part in self.parts])
         parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
         joints = self._joints({part.name for part in parts})
-        near = _near_pairs(parts)
+        near = near_pairs(parts, REACH)
         friction, pairs = self._friction(parts, near)
         left = self._ignored_features()
         return Assembly(
             parts,
             units="m",
-            gravity=np.array(model.opt.gravity),
+            gravity=model.gravity,
             friction=friction,
             friction_pairs=pairs,
             contacts=self._filtered(parts, near),
@@ -166,9 +128,20 @@ class _Model:
             notes=[*self.notes, *([f"ignored: {left}"] if left else [])],
         )
 
+    def _emptiness(self, source: str) -> InputError:
+        """Error for a model without parts."""
+        if self.model.nbody > 1:
+            return InputError("no body has a geom", hint="give its bodies geoms")
+        if not source:
+            return InputError("the model has no bodies", hint="give it bodies with geoms")
+        return InputError(
+            "the file has no bodies: it is made to be included",
+            hint="give the scene that includes it",
+        )
+
     def _geom_name(self, geom: int, unnamed: str = "world") -> str:
         """Name of the geom with an index, for parts of the world body."""
-        return distinct([self.model.geom(geom).name or unnamed])[0]
+        return distinct([self.model.geom_names[geom] or unnamed])[0]
 
     def _add(
         self, name: str, geoms: list[int], pose: Pose, *, held: bool, body: int | None = None
@@ -282,13 +255,13 @@ class _Model:
         kinds = [int(self.model.jnt_type[k]) for k in rows]
         if not rows:
             return Joint(ends)
-        point, axes = self.data.xanchor[rows[0]], [self.data.xaxis[k] for k in rows]
+        point, axes = self.model.xanchor[rows[0]], [self.model.xaxis[k] for k in rows]
         if len(rows) == 1:
             return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0])  # type: ignore[arg-type]
         along = len(rows) == 2 and np.allclose(np.cross(*axes), 0.0, atol=PARALLEL)
         if sorted(kinds) == [SLIDE, HINGE] and along:
             turn = rows[kinds.index(HINGE)]
-            return Joint(ends, "cylindrical", point=self.data.xanchor[turn], axis=axes[0])
+            return Joint(ends, "cylindrical", point=self.model.xanchor[turn], axis=axes[0])
         raise InputError(
             f"it has {len(rows)} joints",
             part=ends[0],
@@ -311,7 +284,7 @@ class _Model:
             first, second = ends if ends[0] != "ground" else ends[::-1]
             point = None
             if kind == CONNECT:
-                pose = Pose(self.data.xpos[ids[0]], self.data.xquat[ids[0]])
+                pose = Pose(self.model.xpos[ids[0]], self.model.xquat[ids[0]])
                 point = pose.apply(model.eq_data[k][:3][None])[0]
             joint = "fixed" if kind == WELD else "spherical"
             joints.append(Joint((first, second), joint, point=point))  # type: ignore[arg-type]
@@ -356,7 +329,7 @@ class _Model:
         common: Index = (bits[0, a] & bits[1, b]) | (bits[0, b] & bits[1, a])
         masked: Mask = solid[a] & solid[b] & (common == 0)
         family = (weld[a] == weld[b]) & (weld[a] != 0)
-        if self.filters_parents:
+        if model.filters_parents:
             family |= (above[a] == weld[b]) & (weld[b] != 0)
             family |= (above[b] == weld[a]) & (weld[a] != 0)
         bodies = model.geom_bodyid[[geoms[0] for geoms in self.rows]].astype(np.int64)
@@ -385,16 +358,3 @@ class _Model:
             "joint frictions": int(np.count_nonzero(model.dof_frictionloss)),
         }
         return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
-
-
-def _near_pairs(parts: list[Part]) -> tuple[Index, Index]:
-    """Pairs of parts whose bounding spheres overlap after enlargement by the factor `REACH`."""
-    points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
-    middle = np.array([(p.min(axis=0) + p.max(axis=0)) / 2 for p in points])
-    radius = np.array(
-        [np.linalg.norm(p - m, axis=1).max() for p, m in zip(points, middle, strict=True)]
-    )
-    apart = np.linalg.norm(middle[:, None] - middle, axis=2)
-    close = apart <= REACH * (radius[:, None] + radius)
-    first, second = np.nonzero(np.triu(close, 1))
-    return first, second

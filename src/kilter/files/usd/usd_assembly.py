@@ -7,6 +7,8 @@ The stage is read at its default time.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,6 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
-from kilter.files.format_options import FormatOptions
 from kilter.files.limits import Tally
 from kilter.files.one_body import compose, one_body
 from kilter.files.usd.usd_objects import UsdObject, find_objects
@@ -26,7 +27,14 @@ from kilter.files.usd.usd_physics import (
     static_friction,
 )
 from kilter.files.usd.usd_shapes import AXES, rigid_part, shape_of_prim
-from kilter.files.usd.usd_stage import UsdScene, open_stage
+from kilter.files.usd.usd_stage import (
+    UsdScene,
+    caught_messages,
+    note_on_messages,
+    open_stage,
+    require_usd,
+)
+from kilter.files.usd.usd_values import token_of
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Mesh, Shape, surface
 
@@ -36,27 +44,42 @@ SPACIOUS = 4.0
 """Margin of the table for an infinite plane around the parts [sizes of all parts]."""
 
 
-def read_usd(path: Path, choices: FormatOptions) -> Assembly:
-    """Read a USD file as an assembly.
+def read_usd(
+    path: Path, shown: str, units: str | None, allow_time: Callable[[int], None]
+) -> Assembly:
+    """Read a USD file as an assembly; `kilter.files.scene_process` runs this.
+
+    Parameters
+    ----------
+    path : Path
+    shown : str
+        Name of the file for the assembly.
+    units : str or None
+        Length unit that the user states.
+    allow_time : callable
+        Called with the size of the file [bytes] before its layers are composed.
 
     Raises
     ------
     InputError
         If usd-core is not installed, the file is damaged or has no shapes, or a shape is of a kind
-        that kilter does not have; the error names the file and the object.
+        that kilter does not have; the error names the object.
     """
-    try:
-        scene = open_stage(path)
-        return _assembly(scene, path, choices)
-    except InputError as error:
-        raise error.located(file=str(path)) from None
+    allow_time(path.stat().st_size)
+    require_usd()
+    with caught_messages() as messages:
+        assembly = _assembly(open_stage(path), shown, units, messages)
+        notes = note_on_messages(messages())
+    return replace(assembly, notes=[*notes, *assembly.notes]) if notes else assembly
 
 
-def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
-    """Build the assembly of an open stage."""
-    if choices.units not in (None, scene.units):
+def _assembly(
+    scene: UsdScene, shown: str, units: str | None, messages: Callable[[], list[str]]
+) -> Assembly:
+    """Build the assembly of an open stage; `messages` returns the warnings of USD so far."""
+    if units not in (None, scene.units):
         raise InputError(
-            f"the stage is in {scene.units}, but the units given are {choices.units}",
+            f"the stage is in {scene.units}, but the units given are {units}",
             hint="leave the units out",
         )
     objects, decoration = find_objects(scene.stage)
@@ -65,6 +88,7 @@ def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
             "; ".join(
                 [
                     "the stage is empty: it has no visible mesh, cube, sphere or cylinder",
+                    *note_on_messages(messages()),
                     *scene.notes,
                 ]
             ),
@@ -90,7 +114,7 @@ def _assembly(scene: UsdScene, path: Path, choices: FormatOptions) -> Assembly:
         friction_pairs=pairs,
         joints=find_joints(scene, bodies, notes),
         contacts=filtered_pairs(scene, bodies),
-        source=str(path),
+        source=shown,
         notes=notes,
     )
 
@@ -136,7 +160,7 @@ def _table(scene: UsdScene, entry: UsdObject, parts: list[Part]) -> Part:
 
     shape = entry.chosen[0]
     pose = rigid_part(_scaled(shape.matrix, scene.scale))
-    axis = str(UsdGeom.Plane(shape.prim).GetAxisAttr().Get())
+    axis = token_of(UsdGeom.Plane(shape.prim).GetAxisAttr(), AXES, "Z")
     upright = compose(pose, Pose.of(AXES[axis]))
     points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
     corners = np.vstack(points) if points else np.zeros((1, 3))

@@ -18,7 +18,11 @@ from typing import Any
 import numpy as np
 
 from kilter.arrays import Array
+from kilter.errors import InputError
+from kilter.files.limits import Tally
 from kilter.files.naming import distinct, tails
+from kilter.files.usd.usd_census import MOST_PARTS
+from kilter.files.usd.usd_values import array_of, place_of, require_finite_transform
 
 __all__ = ["UsdObject", "UsdShape", "find_objects", "matrix_of"]
 
@@ -105,6 +109,8 @@ class _Search:
         self.cache = UsdGeom.XformCache(Usd.TimeCode.Default())
         self.objects: dict[tuple[str, int], UsdObject] = {}
         self.decoration = 0
+        self.finite: set[Any] = set()
+        self.tally = Tally("parts", MOST_PARTS)
         self.has_bodies = any(self._is_body(prim) for prim in self._prims(stage.GetPseudoRoot()))
 
     def _prims(self, root: Any) -> Any:
@@ -189,6 +195,13 @@ class _Search:
             self.objects[key] = UsdObject(key[0], matrix, body, instance, held)
         return self.objects[key]
 
+    def _require_finite(self, prim: Any) -> None:
+        """Verify the transforms of a prim and of the prims above it, each once."""
+        while prim and not prim.IsPseudoRoot() and prim not in self.finite:
+            self.finite.add(prim)
+            require_finite_transform(prim)
+            prim = prim.GetParent()
+
     def _add_shape(self, prim: Any, matrix: Array) -> None:
         """Add a shape of the stage to its object, unless it is decoration."""
         owner, body = self._owner(prim)
@@ -198,6 +211,7 @@ class _Search:
         if body is None and self.has_bodies and not collides:
             self.decoration += 1
             return
+        self._require_finite(prim)
         frame = matrix_of(self.cache.GetLocalToWorldTransform(owner))
         self._object(owner, body, -1, frame).shapes.append(UsdShape(prim, matrix, collides))
 
@@ -209,12 +223,25 @@ class _Search:
         within = instancer.ComputeInstanceTransformsAtTime(
             time, time, instancer.IncludeProtoXform, instancer.IgnoreMask
         )
+        indices = array_of(instancer.GetProtoIndicesAttr(), (-1,)).astype(int).tolist()
+        prototypes = self._prototypes(prim, instancer)
+        for number in (min(indices), max(indices)) if indices else ():
+            if not 0 <= number < len(prototypes):
+                raise InputError(
+                    f"the point instancer {place_of(prim)} has the index {number}, but "
+                    f"{len(prototypes)} prototypes",
+                    hint="correct its protoIndices",
+                )
+        self._require_finite(prim)
+        if len(within) != len(indices):
+            places = len(instancer.GetPositionsAttr().Get() or ())
+            raise InputError(
+                f"the point instancer {place_of(prim)} has {len(indices)} indices and {places} "
+                "positions",
+                hint="give all its attributes the same length",
+            )
         mask = list(instancer.ComputeMaskAtTime(time)) or [True] * len(within)
-        prototypes = [
-            self.stage.GetPrimAtPath(p) for p in instancer.GetPrototypesRel().GetForwardedTargets()
-        ]
         around = self._nearest(prim, self._is_body)
-        indices = list(instancer.GetProtoIndicesAttr().Get() or ())
         for k, (number, matrix) in enumerate(zip(indices, within, strict=True)):
             if not mask[k]:
                 continue
@@ -222,6 +249,20 @@ class _Search:
             placed = above @ matrix_of(matrix)
             body = around[0] if around else (root if self._is_body(root) else None)
             self._add_instance(prim, k, root, placed, body, bool(around))
+
+    def _prototypes(self, prim: Any, instancer: Any) -> list[Any]:
+        """The prims that the instances of a point instancer are copies of."""
+        found = []
+        for path in instancer.GetPrototypesRel().GetForwardedTargets():
+            root = self.stage.GetPrimAtPath(path.GetPrimPath())
+            if not root or root.IsPseudoRoot() or not path.IsPrimPath():
+                raise InputError(
+                    f"the point instancer {place_of(prim)} has the prototype {path}, which does "
+                    "not exist",
+                    hint="correct its path",
+                )
+            found.append(root)
+        return found
 
     def _add_instance(
         self, prim: Any, k: int, root: Any, placed: Array, body: Any, inside: bool
@@ -237,6 +278,7 @@ class _Search:
             if body is None and self.has_bodies and not collides:
                 self.decoration += 1
                 continue
+            self._require_finite(each)
             local = inverse @ matrix_of(self.cache.GetLocalToWorldTransform(each))
             if inside:
                 frame = matrix_of(self.cache.GetLocalToWorldTransform(body))
@@ -244,3 +286,4 @@ class _Search:
             else:
                 target = self._object(prim, body, k, placed)
             target.shapes.append(UsdShape(each, placed @ local, collides))
+            self.tally.add(1)

@@ -20,9 +20,11 @@ from kilter.arrays import Index
 from kilter.assembly import Part
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
 from kilter.assembly.part import GROUND
+from kilter.errors import InputError, visible
 from kilter.files.usd.usd_objects import UsdObject, matrix_of
 from kilter.files.usd.usd_shapes import AXES, rigid_part
 from kilter.files.usd.usd_stage import UsdScene
+from kilter.files.usd.usd_values import number_of, place_of, quaternion_of, token_of, vector_of
 from kilter.rigid import Pose
 from kilter.shape.primitives import surface
 
@@ -36,6 +38,8 @@ __all__ = [
 
 REACH = 1.0
 """Distance of two parts up to which their friction is read [sizes of the smaller box]."""
+NOT_STATED = (-math.inf, -math.inf, -math.inf)
+"""Centre of mass in USD for "not stated"."""
 KINDS = {
     "PhysicsFixedJoint": "fixed",
     "PhysicsRevoluteJoint": "revolute",
@@ -64,12 +68,12 @@ def mass_of_object(scene: UsdScene, entry: UsdObject, pose: Pose) -> dict[str, A
         if not prim.HasAPI(UsdPhysics.MassAPI):
             continue
         values = UsdPhysics.MassAPI(prim)
-        mass, density = values.GetMassAttr().Get(), values.GetDensityAttr().Get()
+        mass, density = number_of(values.GetMassAttr(), 0), number_of(values.GetDensityAttr(), 0)
         if mass:
-            stated["mass"] = float(mass) * scene.kilograms
+            stated["mass"] = mass * scene.kilograms
         elif density:
-            stated["density"] = float(density) * per_volume
-        center = np.array(values.GetCenterOfMassAttr().Get(), dtype=np.float64)
+            stated["density"] = density * per_volume
+        center = vector_of(values.GetCenterOfMassAttr(), 3, NOT_STATED)
         if np.isfinite(center).all():
             place = entry.matrix @ np.append(center, 1.0)
             world = place[:3] * scene.scale
@@ -80,9 +84,9 @@ def mass_of_object(scene: UsdScene, entry: UsdObject, pose: Pose) -> dict[str, A
     if all(masses):
         return {**stated, "mass": sum(masses) * scene.kilograms}
     material = _material(entry.chosen[0].prim)
-    density = None if material is None else material.GetDensityAttr().Get()
+    density = 0.0 if material is None else number_of(material.GetDensityAttr(), 0)
     if density:
-        stated["density"] = float(density) * per_volume
+        stated["density"] = density * per_volume
     return stated
 
 
@@ -92,7 +96,7 @@ def _own_mass(prim: Any) -> float:
 
     if not prim.HasAPI(UsdPhysics.MassAPI):
         return 0.0
-    return float(UsdPhysics.MassAPI(prim).GetMassAttr().Get() or 0.0)
+    return number_of(UsdPhysics.MassAPI(prim).GetMassAttr(), 0)
 
 
 def _material(prim: Any) -> Any:
@@ -116,7 +120,7 @@ def static_friction(entry: UsdObject) -> float | None:
         if material is not None:
             static, dynamic = material.GetStaticFrictionAttr(), material.GetDynamicFrictionAttr()
             chosen = static if static.HasAuthoredValue() else dynamic
-            found.append(float(chosen.Get() or 0.0))
+            found.append(number_of(chosen, 0))
     return min(found) if found else None
 
 
@@ -190,7 +194,9 @@ def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[s
         if entry.GetJointEnabledAttr().Get() is False:
             continue
         kind = KINDS.get(str(prim.GetTypeName()))
-        targets = [list(rel.GetTargets()) for rel in (entry.GetBody0Rel(), entry.GetBody1Rel())]
+        targets = [
+            _bodies(scene, rel, objects) for rel in (entry.GetBody0Rel(), entry.GetBody1Rel())
+        ]
         ends = [_owner(str(found[0]), objects) if found else None for found in targets]
         names = [GROUND if end is None else end.name for end in ends]
         if kind is None or names[0] == names[1]:
@@ -203,6 +209,30 @@ def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[s
     if ignored:
         notes.append(f"ignored joints: {ignored}")
     return joints
+
+
+def _bodies(scene: UsdScene, relation: Any, objects: Mapping[str, UsdObject]) -> list[Any]:
+    """Path of the body that a relation of a joint names; empty for the world.
+
+    Raises
+    ------
+    InputError
+        If there is no such prim, if it is a body without a shape, or if several are named.
+    """
+    from pxr import UsdPhysics
+
+    targets = list(relation.GetTargets())
+    where = f"{place_of(relation)} names"
+    if len(targets) > 1:
+        raise InputError(f"{where} {len(targets)} bodies", hint="name a single body")
+    for target in targets:
+        prim = scene.stage.GetPrimAtPath(target.GetPrimPath())
+        path = visible(str(target))
+        if not prim or not target.IsPrimPath():
+            raise InputError(f"{where} {path:.80}, which does not exist", hint="correct its path")
+        if prim.HasAPI(UsdPhysics.RigidBodyAPI) and _owner(str(target), objects) is None:
+            raise InputError(f"{where} {path:.80}, which has no shape", hint="give it a shape")
+    return targets
 
 
 def filtered_pairs(scene: UsdScene, objects: Mapping[str, UsdObject]) -> list[GivenContact]:
@@ -251,15 +281,15 @@ def _joint(
     from pxr import Usd, UsdGeom
 
     side = 0 if targets[0] else 1
-    place = (entry.GetLocalPos0Attr, entry.GetLocalPos1Attr)[side]().Get()
-    turn = (entry.GetLocalRot0Attr, entry.GetLocalRot1Attr)[side]().Get()
+    place = vector_of((entry.GetLocalPos0Attr, entry.GetLocalPos1Attr)[side](), 3, (0, 0, 0))
+    turn = quaternion_of((entry.GetLocalRot0Attr, entry.GetLocalRot1Attr)[side]())
     body = scene.stage.GetPrimAtPath(targets[side][0])
     matrix = matrix_of(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(body))
-    point = (matrix @ np.append(np.array(place, dtype=np.float64), 1.0))[:3] * scene.scale
-    local = Pose([0, 0, 0], [turn.GetReal(), *turn.GetImaginary()])
+    point = (matrix @ np.append(place, 1.0))[:3] * scene.scale
+    local = Pose([0, 0, 0], turn)
     token = "Z"
     if kind in ("revolute", "prismatic"):
-        token = str(prim.GetAttribute("physics:axis").Get() or "X")
+        token = token_of(prim.GetAttribute("physics:axis"), AXES, "X")
     axis = rigid_part(matrix).matrix @ local.matrix @ AXES[token][:, 2]
     first, second = names
     if kind == "fixed":

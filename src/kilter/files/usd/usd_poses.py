@@ -19,7 +19,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.usd.usd_objects import UsdObject, find_objects, matrix_of
-from kilter.files.usd.usd_stage import UsdScene, open_stage
+from kilter.files.usd.usd_stage import UsdScene, caught_messages, open_stage, require_usd
 from kilter.files.writing import write_bytes
 from kilter.rigid import Pose, matrix_to_quaternion
 
@@ -63,11 +63,13 @@ def write_usd_poses(source: str | Path, path: str | Path, before: Assembly, afte
         )
     if path.exists() and path.resolve() == source.resolve():
         raise InputError("would be overwritten", file=str(path), hint="write to another file")
-    try:
-        scene = open_stage(source)
-    except InputError as error:
-        raise error.located(file=str(source)) from None
-    layer, moved = _layer(scene, before, after)
+    require_usd()
+    with caught_messages():
+        try:
+            scene = open_stage(source)
+        except InputError as error:
+            raise error.located(file=str(source)) from None
+        layer, moved = _layer(scene, before, after)
     layer.subLayerPaths.append(
         Path(os.path.relpath(source.resolve(), path.resolve().parent)).as_posix()
     )

@@ -18,6 +18,7 @@ from kilter.errors import InputError
 from kilter.files.file_tolerances import FLAT_POLYGON, STRAIGHT_AXES
 from kilter.files.one_body import one_body
 from kilter.files.placed import transform_mesh
+from kilter.files.usd.usd_values import array_of, size_of, token_of
 from kilter.rigid import Pose, matrix_to_quaternion
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
@@ -43,7 +44,9 @@ def rigid_part(matrix: Array) -> Pose:
     """
     linear = matrix[:3, :3]
     if not np.isfinite(matrix).all() or abs(np.linalg.det(linear)) == 0.0:
-        raise InputError("its transform is singular", hint="give it a scale other than 0")
+        raise InputError(
+            "its transform is singular or not finite", hint="give it a scale other than 0"
+        )
     lengths = np.linalg.norm(linear, axis=0)
     axes = linear / lengths
     if np.abs(axes.T @ axes - np.eye(3)).max() > STRAIGHT_AXES:
@@ -83,12 +86,12 @@ def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tupl
     straight = np.abs(np.abs(frame[:3, :3]) - np.abs(matrix[:3, :3])).max()
     exact = straight <= STRAIGHT_AXES * lengths.max()
     if kind == "Cube":
-        size = float(UsdGeom.Cube(prim).GetSizeAttr().Get())
+        size = size_of(UsdGeom.Cube(prim).GetSizeAttr())
         if exact:
             return Box(size * lengths), pose
         return _meshed(Box([size] * 3), np.eye(3), matrix)
     if kind == "Sphere":
-        radius = float(UsdGeom.Sphere(prim).GetRadiusAttr().Get())
+        radius = size_of(UsdGeom.Sphere(prim).GetRadiusAttr())
         if exact and np.ptp(lengths) <= STRAIGHT_AXES * lengths.max():
             return Sphere(radius * float(lengths[0])), pose
         return _meshed(Sphere(radius), np.eye(3), matrix)
@@ -98,8 +101,9 @@ def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tupl
             hint="use a mesh, cube, sphere, cylinder, capsule or cone",
         )
     entry = getattr(UsdGeom, kind)(prim)
-    radius, height = float(entry.GetRadiusAttr().Get()), float(entry.GetHeightAttr().Get())
-    turn = AXES[str(entry.GetAxisAttr().Get())]
+    radius = size_of(entry.GetRadiusAttr())
+    height = size_of(entry.GetHeightAttr(), may_be_zero=kind == "Capsule")
+    turn = AXES[token_of(entry.GetAxisAttr(), AXES, "Z")]
     along = np.abs(turn.T) @ lengths
     if kind == "Cylinder" and exact and abs(along[0] - along[1]) <= STRAIGHT_AXES * along.max():
         upright = Pose(pose.position, matrix_to_quaternion(pose.matrix @ turn))
@@ -141,13 +145,13 @@ def _mesh(entry: Any) -> Mesh:
     InputError
         If the counts and indices of its faces do not agree.
     """
-    points = np.array(entry.GetPointsAttr().Get() or (), dtype=np.float32).reshape(-1, 3)
-    counts = np.array(entry.GetFaceVertexCountsAttr().Get() or (), dtype=np.int64)
-    corners = np.array(entry.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64)
+    points = array_of(entry.GetPointsAttr(), (-1, 3), ()).astype(np.float32)
+    counts = array_of(entry.GetFaceVertexCountsAttr(), (-1,), ()).astype(np.int64)
+    corners = array_of(entry.GetFaceVertexIndicesAttr(), (-1,), ()).astype(np.int64)
     name = entry.GetPrim().GetName()
     if not len(counts):
         raise InputError(f"the mesh {name!r} has no faces", hint="export it anew")
-    wrong = counts.sum() != len(corners) or counts.min() < 3
+    wrong = counts.min() < 3 or counts.sum() != len(corners)
     if wrong or corners.min() < 0 or corners.max() >= len(points):
         raise InputError(f"the faces of the mesh {name!r} are inconsistent", hint="export it anew")
     faces = _faces(points, counts, corners)

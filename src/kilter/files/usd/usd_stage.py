@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.errors import InputError, some
+from kilter.errors import InputError, some, visible
 from kilter.files.file_tolerances import SAME_UNIT
-from kilter.files.start_folder import is_restricted, require_below
+from kilter.files.usd.usd_census import count_prims
+from kilter.files.usd.usd_values import number_of, vector_of
 from kilter.units import METRES
 
-__all__ = ["USD", "UsdScene", "open_stage"]
+__all__ = ["USD", "UsdScene", "caught_messages", "note_on_messages", "open_stage", "require_usd"]
 
 USD = (".usda", ".usdc", ".usd", ".usdz")
 """Endings of USD files."""
@@ -44,7 +45,7 @@ class UsdScene:
     metres : float
         Length of a unit of the stage [m].
     notes : tuple of str
-        Remarks about the file, such as missing assets.
+        Remarks about the file, such as another unit.
     """
 
     stage: Any
@@ -56,6 +57,16 @@ class UsdScene:
     notes: tuple[str, ...]
 
 
+def require_usd() -> None:
+    """Raise `InputError` if usd-core is not installed."""
+    try:
+        import pxr.Usd  # noqa: F401
+    except ImportError:
+        raise InputError(
+            "USD files need usd-core, which is not installed", hint='pip install "kilter[usd]"'
+        ) from None
+
+
 def open_stage(path: Path) -> UsdScene:
     """Open a USD file.
 
@@ -64,32 +75,28 @@ def open_stage(path: Path) -> UsdScene:
     InputError
         If usd-core is not installed, or the file is missing, damaged or empty.
     """
-    try:
-        from pxr import Tf, Usd, UsdGeom, UsdPhysics
-    except ImportError:
-        raise InputError(
-            "USD files need usd-core, which is not installed", hint='pip install "kilter[usd]"'
-        ) from None
+    require_usd()
+    from pxr import Tf, Usd, UsdGeom, UsdPhysics
+
     if not path.is_file():
         raise InputError("no such file", hint="check the path")
-    with _quiet() as messages:
-        try:
-            if is_restricted():
-                _require_layers_below(path)
-            stage = Usd.Stage.Open(str(path))
-            stage.Reload()  # a long-running process may hold an older version of the file
-        except Tf.ErrorException as error:
-            raise InputError(
-                f"the USD is invalid: {_detail(error)}", hint="export it anew"
-            ) from None
+    count_prims(path)
+    try:
+        stage = Usd.Stage.Open(str(path))
+        stage.Reload()  # a long-running process may hold an older version of the file
+    except Tf.ErrorException as error:
+        raise InputError(f"the USD is invalid: {_detail(error)}", hint="export it anew") from None
     metres = float(UsdGeom.GetStageMetersPerUnit(stage))
     if not (math.isfinite(metres) and metres > 0):
         raise InputError(f"metersPerUnit is {metres}", hint="give the length of a unit in metres")
+    kilograms = float(UsdPhysics.GetStageKilogramsPerUnit(stage))
+    if not (math.isfinite(kilograms) and kilograms > 0):
+        raise InputError(f"kilogramsPerUnit is {kilograms}", hint="give the mass of a unit in kg")
     units = next(
         (u for u, size in METRES.items() if math.isclose(metres, size, rel_tol=SAME_UNIT)), ""
     )
     scale = 1.0 if units else metres
-    notes = [_missing(messages)] if messages else []
+    notes = []
     if not units:
         notes.append(f"the unit of the stage, {metres:g} m, was converted to metres")
     return UsdScene(
@@ -97,51 +104,36 @@ def open_stage(path: Path) -> UsdScene:
         units or "m",
         scale,
         _gravity(stage, UsdGeom, UsdPhysics, metres),
-        float(UsdPhysics.GetStageKilogramsPerUnit(stage)),
+        kilograms,
         metres,
         tuple(notes),
     )
 
 
-def _require_layers_below(path: Path) -> None:
-    """Verify that all layers of a stage are below the start folder, before any is composed.
-
-    Raises
-    ------
-    InputError
-        If a layer, or a file that it names, is outside.
-    """
-    from pxr import Sdf
-
-    waiting, seen = [str(path)], set[str]()
-    while waiting:
-        place = waiting.pop()
-        file = re.sub(r"\[.*\]$", "", place)  # a layer within a package
-        if place in seen:
-            continue
-        seen.add(place)
-        require_below(file)
-        layer = Sdf.Layer.FindOrOpen(place) if Path(file).is_file() else None
-        if layer is not None:
-            named = {
-                *layer.GetCompositionAssetDependencies(),
-                *layer.GetExternalAssetDependencies(),
-            }
-            waiting += [layer.ComputeAbsolutePath(name) for name in sorted(named) if name]
-
-
 @contextmanager
-def _quiet() -> Iterator[list[str]]:
-    """Collect the warnings of USD in place of their output on the error stream."""
+def caught_messages() -> Iterator[Callable[[], list[str]]]:
+    """Catch the warnings of USD in place of their output on the error stream.
+
+    Yields
+    ------
+    callable
+        Returns all warnings so far.
+    """
     from pxr import UsdUtils
 
     messages: list[str] = []
-    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    delegates = [UsdUtils.CoalescingDiagnosticDelegate()]
+
+    def taken() -> list[str]:
+        for delegate in delegates:
+            messages.extend(entry.commentary for entry in delegate.TakeUncoalescedDiagnostics())
+        return messages
+
     try:
-        yield messages
+        yield taken
     finally:
-        messages += [entry.commentary for entry in delegate.TakeUncoalescedDiagnostics()]
-        del delegate
+        taken()
+        delegates.clear()  # its end restores the output
 
 
 def _detail(error: Exception) -> str:
@@ -150,26 +142,35 @@ def _detail(error: Exception) -> str:
     return " ".join((causes or [str(error)])[0].split())[:160]
 
 
-def _missing(messages: list[str]) -> str:
-    """A note about assets that the stage names but that could not be opened."""
+def note_on_messages(messages: list[str]) -> list[str]:
+    """A note on the warnings of USD: assets that could not be opened, else the first warning."""
+    if not messages:
+        return []
     assets = sorted({name for text in messages for name in re.findall(r"@([^@]+)@ for", text)})
     if assets:
-        return f"assets that could not be opened: {some(assets)}"
-    return f"USD reports: {' '.join(messages[0].split())[:160]}"
+        return [f"assets that could not be opened: {some([visible(name) for name in assets])}"]
+    count = f"{len(messages)} faults, such as: " if len(messages) > 1 else ""
+    return [f"USD reports {count}{visible(' '.join(messages[0].split()))[:160]}"]
 
 
 def _gravity(stage: Any, geom: Any, physics: Any, metres: float) -> Array:
     """Gravity of the first physics scene, else that of the Earth against the up axis [m/s^2]."""
-    up = np.array([0.0, 1, 0] if geom.GetStageUpAxis(stage) == geom.Tokens.y else [0.0, 0, 1])
+    axis = str(geom.GetStageUpAxis(stage))
+    if axis not in ("Y", "Z"):
+        raise InputError(f"upAxis is {visible(axis)!r:.40}", hint="use Y or Z")
+    up = np.array([0.0, 1, 0] if axis == "Y" else [0.0, 0, 1])
     down, size = -up, EARTH
     for prim in stage.Traverse():
         if prim.IsA(physics.Scene):
             entry = physics.Scene(prim)
-            direction = np.array(entry.GetGravityDirectionAttr().Get() or (0, 0, 0), dtype=float)
-            magnitude = float(entry.GetGravityMagnitudeAttr().Get())
-            if np.linalg.norm(direction) > 0:
-                down = direction / np.linalg.norm(direction)
-            if math.isfinite(magnitude) and magnitude > 0:
+            direction = vector_of(entry.GetGravityDirectionAttr(), 3, (0, 0, 0))
+            magnitude = number_of(entry.GetGravityMagnitudeAttr(), -math.inf)
+            length = float(np.linalg.norm(direction))
+            if not math.isfinite(length) or magnitude == math.inf:
+                raise InputError("its gravity is not finite", hint="give a direction in numbers")
+            if length > 0:
+                down = direction / length
+            if magnitude > 0:
                 size = magnitude * metres
             break
     result: Array = down * size + 0.0

@@ -20,9 +20,10 @@ import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.answer.oscillation import growth_rate
 from kilter.second_order.answer.second_order_answer import SecondOrder, answer_of, open_answer
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import free_span, moving_free
@@ -72,7 +73,7 @@ def answer_alone(
         Whether no place is searched to which the cluster falls.
     """
     program = facts.program
-    if (program.kind != CONTACT).any():
+    if (program.kind == POSSIBLE).any():
         return _beside_points(facts, critical, work)
     if critical is not None and len(critical.sides):
         kept = critical.carries
@@ -92,7 +93,7 @@ def answer_alone(
             return answer
     decision, free = _decide_across_free(facts, critical, work, only_if_stays)
     if doubted:
-        problem, decision = decided_for_all(program, facts.features, problem, decision, work)
+        problem, decision = decided_for_all(facts, problem, decision, work)
     if decision.state == "minimum":
         return _minimum_or_free(facts, problem, decision, free)
     if decision.state == "balanced":
@@ -154,7 +155,7 @@ def _beside_points(facts: ClusterFacts, critical: Critical | None, work: Work) -
     answer = answer_alone(facts.certain, critical=critical, whole=program, work=work)
     if answer.state in ("balanced", "open"):
         return answer
-    rows = np.flatnonzero(program.kind == CONTACT)
+    rows = np.flatnonzero(program.kind != POSSIBLE)
     return _opening_idle(facts, rows, answer, work) or open_answer(_sharp(program), program)
 
 
@@ -256,6 +257,8 @@ def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> Seco
 
 def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
     """Answer "free" if stops keep sliding parts from falling off; None without a proof."""
+    if on_joints(facts.program).any():
+        return None
     question = stop_question(facts)
     proof = find_stopped(*question, work=work)
     if proof is None:
@@ -289,7 +292,7 @@ def _unknown(program: Program, known: Mask) -> str:
 
 def _sharp(program: Program) -> str:
     """Reason for an open answer: edges or corners meet without a normal; names their parts."""
-    pair = _first(program, program.kind != CONTACT)
+    pair = _first(program, program.kind == POSSIBLE)
     return f"edges or corners of {pair} meet without a unique normal"
 
 

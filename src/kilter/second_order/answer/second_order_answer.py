@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, Mask
 from kilter.mechanics.program import Program
 from kilter.second_order.parts.cluster_states import State
 
@@ -68,6 +68,10 @@ class SecondOrder:
         without them implies the result with them.
     rolling : Rolling or None
         For a balanced answer with friction, whether friction holds the parts.
+    bending : ndarray of int
+        Round or jointed parts that may roll, rock or swing, about which nothing is proved.
+    alone : bool
+        Whether the parts of `program` fall alone, while the other parts of the cluster are held.
     clusters : tuple of SecondOrder
         Answers of the clusters, if there are several. Then `moving` and the counts are those of all
         clusters; decision and configuration are those of the cluster that decides.
@@ -88,6 +92,8 @@ class SecondOrder:
     program: Program | None = None
     idle: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     rolling: Rolling | None = None
+    bending: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    alone: bool = False
     clusters: tuple[SecondOrder, ...] = ()
 
     @property
@@ -103,12 +109,32 @@ class SecondOrder:
         return proof
 
     @property
+    def names_alone(self) -> list[str] | None:
+        """Names of the parts that fall alone; None if the whole cluster falls."""
+        if not self.alone or self.program is None:
+            return None
+        return [self.program.names[k] for k in np.flatnonzero(self.program.free)]
+
+    @property
+    def held_by_friction(self) -> bool:
+        """True if friction is proved to hold all parts that would fall without it."""
+        return self.rolling is not None and self.rolling.state == "holds"
+
+    @property
+    def left(self) -> Mask:
+        """Mask of the free parts whose cluster is open, shape (N,); groups as their first part."""
+        still = [cluster for cluster in self.clusters or (self,) if cluster.state == "open"]
+        masks = [cluster.program.free for cluster in still if cluster.program is not None]
+        return np.any(masks, axis=0) if masks else np.array(False)
+
+    @property
     def strict(self) -> bool:
         """True if it is proved that no small push makes parts fall, under the given friction."""
         if self.clusters:
             return all(cluster.strict for cluster in self.clusters)
-        held = self.rolling is not None and self.rolling.state == "holds"
-        return self.state in ("minimum", "free") or (self.state == "balanced" and held)
+        if self.state == "balanced":
+            return self.held_by_friction
+        return self.state in ("minimum", "free")
 
     @property
     def counted(self) -> bool:
@@ -153,6 +179,7 @@ class SecondOrder:
             "rolling": None if self.rolling is None else self.rolling.state,
             "why": self.why or None,
             "left_open": self.left_open(names) or None,
+            "bending": [names[k] for k in self.bending],
         }
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from kilter.second_order.parts.cluster_states import joined_state
 from kilter.second_order.proofs.proof_numbers import by_part, counts
 
 if TYPE_CHECKING:
@@ -17,14 +18,18 @@ __all__ = ["second_order_data"]
 
 
 def second_order_data(answer: SecondOrder) -> dict[str, Any] | None:
-    """Data for a proof file from a second-order answer; None if the answer is open."""
-    if answer.state == "open":
-        return None
+    """Data for a proof file from a second-order answer; None without a proof of any cluster."""
     rolling = answer.rolling
     rolls = {} if rolling is None or rolling.state == "open" else {"rolling": rolling.state}
     if answer.clusters:
         entries = [second_order_data(cluster) for cluster in answer.clusters]
-        return {"state": answer.state, **counts(entries), "clusters": entries} | rolls
+        given = [entry for entry in entries if entry is not None]
+        if not given:
+            return None
+        # a fall by rolling alone is found again by rules, and has no proof here
+        state = joined_state("open" if entry is None else entry["state"] for entry in entries)
+        rolls = rolls if state == "balanced" else {}
+        return {"state": state, **counts(entries), "clusters": entries} | rolls
     problem, decision, program = answer.problem, answer.decision, answer.program
     proof = answer.proof
     if decision is None or program is None or proof is None:
@@ -32,6 +37,8 @@ def second_order_data(answer: SecondOrder) -> dict[str, Any] | None:
     data: dict[str, Any] = {"state": answer.state}
     if answer.state != "balanced":  # a path proves that parts fall, not how much may move
         data |= {"neutral": answer.neutral, "free": answer.free}
+    if answer.alone:
+        data["alone"] = answer.names_alone
     if len(answer.idle):
         data["idle"] = answer.idle.tolist()
         if decision.opening is not None:

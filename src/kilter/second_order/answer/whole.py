@@ -19,7 +19,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import CONTACT, JOINT, POSSIBLE
 from kilter.second_order.answer.second_order_answer import (
     LATE,
     SPENT,
@@ -27,8 +27,10 @@ from kilter.second_order.answer.second_order_answer import (
     open_answer,
 )
 from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.gaps.stationary import stationary
-from kilter.second_order.motions.rolling import find_rolling, worst_rolling
+from kilter.second_order.motions.bending import bending_bodies, round_rows
+from kilter.second_order.motions.rolling import rolling_of, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
 from kilter.second_order.parts.cluster_states import joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
@@ -38,6 +40,7 @@ from kilter.second_order.proofs.level_rest import LevelRest, level_rows
 from kilter.second_order.proofs.modelled import (
     OFF_CENTRE,
     loads_off_centre,
+    unmodelled_pairs,
     why_beyond,
     why_unmodelled,
 )
@@ -104,9 +107,6 @@ def find_second_order(
     work = _share(work or Work(), program, strict=strict)
     if work.late:
         return open_answer(LATE, program)
-    unmodelled = why_unmodelled(assembly, contacts)
-    if unmodelled:
-        return open_answer(unmodelled, program)
     groups = RigidGroups.of(assembly)
     program = with_sharp(program, contacts)
     whole = groups.merged(program, assembly)
@@ -116,11 +116,15 @@ def find_second_order(
         forces = np.append(forces, np.zeros(len(program.kind) - len(forces)))
         forces = forces[groups.between(program, assembly)] if groups.tied else forces
     search = _ClusterSearch(assembly, contacts, whole, forces, work)
-    at_once = None if why_beyond(whole) else search.by_forces(whole, forces)
+    beyond = why_beyond(whole) or search.unmodelled
+    at_once = None if beyond else search.by_forces(whole, forces)
+    # a proof that round or jointed parts are held is part of the proof of the verdict
+    bends = bool(round_rows(whole, contacts).any())
     if at_once is not None:
-        return _of_parts(at_once, groups) if at_once.neutral else None
+        return _of_parts(at_once, groups) if at_once.neutral or bends else None
     answers = tuple(search.answer(cluster) for cluster in clusters(whole))
-    if all(answer.state == "minimum" and not answer.neutral for answer in answers):
+    held = all(answer.state == "minimum" and not answer.neutral for answer in answers)
+    if held and not bends:
         return None
     return _of_parts(_join_answers(answers), groups)
 
@@ -164,7 +168,7 @@ def with_rolling(
         return second_order
     features = features_of(program, contacts)
     answers = tuple(
-        replace(answer, rolling=find_rolling(cluster.program, features.take(cluster.rows)))
+        replace(answer, rolling=rolling_of(cluster, features, answer.names_alone, assembly.joints))
         if answer.state == "balanced"
         else answer
         for answer, cluster in zip(answers, parted, strict=True)
@@ -193,11 +197,12 @@ class _ClusterSearch:
         )
         self.parts_so_far = 0
         self.off, self.slanted = loads_off_centre(assembly, program)
+        self.unmodelled = unmodelled_pairs(assembly, contacts)
 
     def answer(self, cluster: Cluster) -> SecondOrder:
         """Second-order answer for a cluster."""
         program, count = cluster.program, int(cluster.program.free.sum())
-        why = why_beyond(program)
+        why = why_unmodelled(self.assembly, self.unmodelled, program.free) or why_beyond(program)
         if why:
             return open_answer(why, program)
         if count < self.program.free.sum():
@@ -205,6 +210,9 @@ class _ClusterSearch:
             answer = self.by_forces(program, forces)
             if answer is not None:
                 return answer
+        fall = self._fall_of_rounds(cluster)
+        if fall is not None:
+            return fall
         most = MOST_PARTS if self.work.allowed <= WORK else MOST_STRICT
         if count > most:
             return open_answer(f"more than {most} free parts touch each other", program)
@@ -217,16 +225,49 @@ class _ClusterSearch:
             return open_answer(LATE if self.work.late else SPENT, program)
         return answer
 
+    def _fall_of_rounds(self, cluster: Cluster) -> SecondOrder | None:
+        """Fall of round or jointed parts alone, while all other parts are held; None without one.
+
+        Held parts only take motions away, so it is a fall of the cluster, whatever stands beside.
+        """
+        program = cluster.program
+        certain = np.isin(program.kind, (CONTACT, JOINT))
+        if self.forces is None or not round_rows(program, self.contacts).any():
+            return None
+        forces = self.forces[cluster.rows][certain]
+        bending = bending_bodies(
+            self.contacts, self.assembly.joints, program.taking(certain), forces, curves=True
+        )
+        if bending[program.free].all() or not bending.any():
+            return None
+        # imported late: level faces and held parts do not need these modules
+        from kilter.second_order.answer.one_cluster import answer_alone
+
+        facts = self.facts.of_cluster(cluster)
+        falls = []
+        for part in clusters(replace(program, free=bending)):
+            few = part.program.free.sum() <= MOST_PARTS and not self.off[part.program.free].any()
+            if few and not self.work.over:
+                answer = answer_alone(facts.of_cluster(part), work=self.work)
+                falls += [answer] if answer.state == "balanced" else []
+        if not falls:
+            return None
+        steepest = max(falls, key=lambda fall: fall.rate or 0.0)
+        motion = np.sum([fall.motion for fall in falls if fall.motion is not None], axis=0)
+        moving = np.sort(np.concatenate([fall.moving for fall in falls]))
+        return replace(steepest, motion=motion, moving=moving, alone=True)
+
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
         """Answer from contact forces alone, if parts rest on horizontal faces or are held."""
         count = int(program.free.sum())
-        if count <= MOST_LEVEL and not self.slanted[program.free].any():
+        jointed = bool(on_joints(program).any())
+        if count <= MOST_LEVEL and not (jointed or self.slanted[program.free].any()):
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
             rest = find_level_rest(program, level, forces, sharp, work=self.work)
             if rest is not None:
                 return _on_level(program, rest)
         if count <= MOST_HELD and forces is not None:
-            certain = program.kind == CONTACT
+            certain = program.kind != POSSIBLE
             held = find_held(program.taking(certain), forces[certain])
             if held is not None:
                 return _without_neutral(program, held)
@@ -235,11 +276,11 @@ class _ClusterSearch:
     def _by_gaps(self, cluster: Cluster) -> SecondOrder:
         """Answer for a cluster from first and second derivatives of its contact gaps."""
         program = cluster.program
-        certain = program.taking(program.kind == CONTACT)
+        certain = program.taking(program.kind != POSSIBLE)
         first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))
         critical = find_critical(first, work=self.work)
         if critical is not None and not critical.basis.shape[1]:
-            held = Held(critical.forces * first.weight)
+            held = Held(critical.forces * first.weight * certain.arm)
             if not judge_held(certain, held):
                 return _without_neutral(program, held)
         if self.off[program.free].any():

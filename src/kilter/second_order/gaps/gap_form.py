@@ -31,7 +31,7 @@ from kilter.rigid import skew
 from kilter.second_order.gaps.features import EDGE, FACE, Features
 from kilter.second_order.second_order_tolerances import CROSSING, ROUND
 
-__all__ = ["corner_slips", "formed", "gap_forms"]
+__all__ = ["arms_of", "corner_slips", "formed", "gap_forms", "relative_motion", "swing"]
 
 
 def gap_forms(program: Program, features: Features) -> Array:
@@ -84,13 +84,13 @@ def formed(program: Program, features: Features) -> Mask:
 def _forms(program: Program, features: Features, rows: Index) -> Array:
     """Second derivatives as in `gap_forms`, for rows that have them, shape (k, 12, 12)."""
     normal, frame = program.normal[rows], _frame(program.normal[rows])
-    arm_a, arm_b = _arms(program, rows)
-    slip, turn = _relative(arm_a, arm_b)
+    arm_a, arm_b = arms_of(program, rows)
+    slip, turn = relative_motion(arm_a, arm_b)
     form = np.zeros((len(rows), 12, 12))
     form[:, 3:6] += skew(normal) @ slip
     form += form.swapaxes(1, 2).copy()
-    form[:, 3:6, 3:6] -= _swing(normal, arm_a)
-    form[:, 9:, 9:] += _swing(normal, arm_b)
+    form[:, 3:6, 3:6] -= swing(normal, arm_a)
+    form[:, 9:, 9:] += swing(normal, arm_b)
     tangential = np.concatenate([frame @ skew(normal) @ turn, frame @ slip], axis=1)
     form += tangential.swapaxes(1, 2) @ _rolling(features, frame) @ tangential
     result: Array = (form + form.swapaxes(1, 2)) / 2
@@ -113,7 +113,7 @@ def corner_slips(program: Program, features: Features) -> Array:
     result = np.zeros((len(features), 4, 12))
     rows = np.flatnonzero(features.flush)
     if len(rows):
-        slip, turn = _relative(*_arms(program, rows))
+        slip, turn = relative_motion(*arms_of(program, rows))
         normal, frame = program.normal[rows], _frame(program.normal[rows])
         fibre = features.fibre[rows]
         line = fibre[:, :, None] * fibre[:, None, :]
@@ -125,14 +125,14 @@ def corner_slips(program: Program, features: Features) -> Array:
     return result
 
 
-def _arms(program: Program, rows: Index) -> tuple[Array, Array]:
+def arms_of(program: Program, rows: Index) -> tuple[Array, Array]:
     """Vectors from the centres of mass of parts a and b to the contact points, (k, 3) each."""
     center = np.vstack([program.center, np.zeros(3)])  # the ground is the last
     point = program.point[rows]
     return point - center[program.part_a[rows]], point - center[program.part_b[rows]]
 
 
-def _relative(arm_a: Array, arm_b: Array) -> tuple[Array, Array]:
+def relative_motion(arm_a: Array, arm_b: Array) -> tuple[Array, Array]:
     """Matrices from motions of both parts to slip and turn of part b past part a, (k, 3, 12)."""
     eye, none = np.tile(np.eye(3), (len(arm_a), 1, 1)), np.zeros((len(arm_a), 3, 3))
     slip = np.concatenate([-eye, skew(arm_a), eye, -skew(arm_b)], axis=2)
@@ -144,7 +144,7 @@ def _frame(normal: Array) -> Array:
     return np.stack(across(normal), axis=1)
 
 
-def _swing(normal: Array, arm: Array) -> Array:
+def swing(normal: Array, arm: Array) -> Array:
     """Matrix of the quadratic form n . (theta x (theta x p)) in theta, shape (K, 3, 3)."""
     product = normal[:, :, None] * arm[:, None, :]
     along = np.einsum("ki,ki->k", normal, arm)

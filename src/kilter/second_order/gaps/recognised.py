@@ -18,14 +18,17 @@ Free motions are free for every surface of the same kind, so they are divided ou
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from kilter.arrays import Array, Mask
+from kilter.assembly import Joint
 from kilter.mechanics.program import Program
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.gap_form import formed
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.gaps.stationary import Stationary, problem_of
 
 __all__ = ["bounded", "formed_for_all"]
@@ -36,13 +39,15 @@ def formed_for_all(program: Program, features: Features) -> Mask:
     rows = formed(program, features)
     if features.doubted:
         rows &= formed(program, _bent(features, program.normal, -1.0))
-    return rows
+    return rows | on_joints(program)
 
 
-def bounded(program: Program, features: Features, sense: float) -> Stationary:
+def bounded(
+    program: Program, features: Features, sense: float, joints: Sequence[Joint] = ()
+) -> Stationary:
     """Gaps and load to second order, at the upper (1) or lower (-1) bounds of curvature."""
     bent = _bent(features, program.normal, sense)
-    return problem_of(program, bent)
+    return problem_of(program, bent, joints)
 
 
 def _bent(features: Features, normal: Array, sense: float) -> Features:

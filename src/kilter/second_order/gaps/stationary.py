@@ -5,20 +5,24 @@ gap of contact k is
 
     phi_k(z) = J_k z + 1/2 z.H_k z + O(3),      E(z) = -w.z,
 
-so that all curvature is that of the gaps. The unknowns are (r, rho theta) over the length L. Forces
-are over the weight W, and energies over W L: no number here has a unit.
+so that all curvature is that of the gaps. A contact needs phi_k >= 0. The row of a joint is
+two-sided: it needs phi_k = 0, and its force has either sign. The unknowns are (r, rho theta) over
+the length L. Forces are over the weight W, and energies over W L: no number here has a unit.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask, read_only
+from kilter.assembly import Joint
 from kilter.mechanics.program import Program
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.gap_form import corner_slips, gap_forms
+from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
 from kilter.second_order.second_order_tolerances import ACROSS
 
 __all__ = ["Stationary", "problem_of", "stationary"]
@@ -48,6 +52,8 @@ class Stationary:
         Rows in which at least one part touches with a plane, which is exact to all orders.
     slips : ndarray, shape (K, 4, 12), optional
         Turn and slip at flush corners (`corner_slips`); 0 for other rows.
+    joined : ndarray of bool, shape (K,), optional
+        Two-sided rows, which belong to joints; None if there are none.
     """
 
     rows: Array
@@ -60,6 +66,7 @@ class Stationary:
     scale: Array | None = None
     on_plane: Mask | None = None
     slips: Array | None = None
+    joined: Mask | None = None
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -77,7 +84,17 @@ class Stationary:
             self.scale,
             None if self.on_plane is None else self.on_plane[rows],
             None if self.slips is None else self.slips[rows],
+            None if self.joined is None else self.joined[rows],
         )
+
+    @property
+    def two_sided(self) -> Mask:
+        """Mask of the rows of joints, whose gap stays 0 and whose force has either sign, (K,)."""
+        return np.zeros(len(self.rows), dtype=bool) if self.joined is None else self.joined
+
+    def pushes(self, forces: Array) -> Array:
+        """Copy of forces, (K,), in which contacts that would pull have the force 0."""
+        return np.where(self.two_sided, forces, np.maximum(forces, 0.0))
 
     @property
     def planes(self) -> Mask:
@@ -141,9 +158,9 @@ class Stationary:
         return float(left / max(np.abs(self.load).max(initial=0.0), TINY))
 
 
-def problem_of(program: Program, features: Features) -> Stationary:
+def problem_of(program: Program, features: Features, joints: Sequence[Joint] = ()) -> Stationary:
     """Build the gaps and the load of a program to second order, without friction."""
-    forms = np.nan_to_num(gap_forms(program, features))
+    forms = np.nan_to_num(gap_forms(program, features)) + joint_forms(program, joints)
     slips = corner_slips(program, features) if features.flush.any() else None
     return stationary(program, forms, slips)
 
@@ -154,7 +171,8 @@ def stationary(program: Program, forms: Array, slips: Array | None = None) -> St
     Parameters
     ----------
     program : Program
-        Contacts without friction, with the rows of `forms`.
+        Contacts without friction, and joints, with the rows of `forms`. Torques of joints are
+        divided by a length (`Program.arm`).
     forms : ndarray, shape (K, 12, 12)
         Second derivatives in (r_a, theta_a, r_b, theta_b) about the centres of mass
         [1/length unit, -, length unit].
@@ -174,9 +192,9 @@ def stationary(program: Program, forms: Array, slips: Array | None = None) -> St
     scale = six[np.ix_(free, program.freedoms)].reshape(-1)
     if slips is not None:
         slips = slips * twelve[:, None] / np.array([1, 1, length, length])[:, None]
-    load = program.load[np.ix_(free, program.freedoms)].reshape(-1)
+    load, joined = program.load[np.ix_(free, program.freedoms)].reshape(-1), on_joints(program)
     return Stationary(
-        program.jacobian().toarray() * scale / length,
+        program.jacobian().toarray() * program.arm[:, None] * scale / length,
         load * scale / (weight * length),
         forms * twelve[:, :, None] * twelve[:, None, :] / length,
         place[both].reshape(-1, 12),
@@ -185,4 +203,5 @@ def stationary(program: Program, forms: Array, slips: Array | None = None) -> St
         weight,
         scale,
         slips=slips,
+        joined=joined if joined.any() else None,
     )

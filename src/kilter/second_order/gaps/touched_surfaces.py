@@ -4,6 +4,10 @@
     POINT      a sphere about it, or a corner
     LINE       a cylinder about it, or a straight edge
     AXIS       a cone, a torus, or any other surface of revolution about a line, with a point of it
+    RAIL       the guide of a joint that slides along a line and does not turn
+
+A joint has such a surface on both parts: POINT for a ball joint, AXIS for a hinge, LINE for a joint
+that turns about and slides along an axis.
 
 A screw with the velocity v(x) = v + omega x (x - o) keeps such a surface in place under
 
@@ -11,36 +15,43 @@ A screw with the velocity v(x) = v + omega x (x - o) keeps such a surface in pla
     POINT   v(p) = 0                             3
     LINE    omega along d, v(p) along d          2
     AXIS    omega along d, v(p) = 0              1
+    RAIL    omega = 0, v(p) along d              1
 
 Each condition is linear in (v, omega), and the screws that satisfy it generate a group of motions.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, across, cross
+from kilter.assembly import Joint
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.gaps.features import EDGE, FACE, VERTEX, Features
+from kilter.second_order.gaps.joint_forms import on_joints
 
 __all__ = [
     "AXIS",
     "LINE",
     "PLANE",
     "POINT",
+    "RAIL",
     "UNKNOWN",
     "Touched",
     "planes_of",
     "touched_surfaces",
 ]
 
-UNKNOWN, PLANE, POINT, LINE, AXIS = range(-1, 4)
+UNKNOWN, PLANE, POINT, LINE, AXIS, RAIL = range(-1, 5)
+OF_JOINT = {"spherical": POINT, "revolute": AXIS, "cylindrical": LINE, "prismatic": RAIL}
+"""Surface of each kind of joint that moves."""
 ON = 1e-7
 """Largest distance of a point on a surface, over the size of the part [-]."""
 FACES = 1e-9
@@ -69,6 +80,7 @@ class Touched:
         at = np.concatenate(
             [np.tile(np.eye(3), (len(none), 1, 1)), -skew((self.point - origin) / length)], axis=2
         )
+        no_turn = np.tile(np.hstack([np.zeros((3, 3)), np.eye(3)]), (len(none), 1, 1))
         along, beside = self.direction[:, None] @ at, sides @ at
         blocks = {
             UNKNOWN: np.tile(np.eye(6), (len(none), 1, 1)),
@@ -76,6 +88,7 @@ class Touched:
             POINT: at,
             LINE: np.concatenate([turns, beside], axis=1),
             AXIS: np.concatenate([turns, at], axis=1),
+            RAIL: np.concatenate([no_turn, beside], axis=1),
         }
         return [blocks[int(kind)][k] for k, kind in enumerate(self.kind)]
 
@@ -86,7 +99,7 @@ class Touched:
 
 
 def touched_surfaces(
-    program: Program, features: Features, contacts: ContactSet
+    program: Program, features: Features, contacts: ContactSet, joints: Sequence[Joint] = ()
 ) -> tuple[Touched, Touched]:
     """Exact surfaces of parts a and of parts b at each contact row.
 
@@ -97,13 +110,18 @@ def touched_surfaces(
     Parameters
     ----------
     program : Program
-        Contacts only.
+        Contacts and joints.
     features : Features
         Features of its rows.
     contacts : ContactSet
         Contacts to which the rows belong.
+    joints : sequence of Joint
+        Joints to which the other rows belong.
     """
-    parts, kinds = contacts.patch_parts[program.source], contacts.patch_kind[program.source]
+    joined = on_joints(program)
+    patch = np.where(joined, -1, program.source)
+    kinds = np.append(contacts.patch_kind, "joint")[patch]
+    parts = np.vstack([contacts.patch_parts, [-1, -1]])[patch]
     sides = (
         (parts[:, 0], program.normal, features.kind_a, features.edge_a, features.curvature_a),
         (parts[:, 1], -program.normal, features.kind_b, features.edge_b, features.curvature_b),
@@ -116,6 +134,11 @@ def touched_surfaces(
         side.point[stated], side.direction[stated] = axis[stated, :3], axis[stated, 3:]
         side.kind[flat], side.direction[flat] = PLANE, program.normal[flat]
         side.point[flat] = program.point[flat]
+        for row in np.flatnonzero(joined):
+            joint = joints[program.source[row]]
+            side.kind[row] = OF_JOINT.get(joint.kind, UNKNOWN)
+            side.point[row] = program.point[row]
+            side.direction[row] = program.normal[row] if joint.axis is None else joint.axis
     return first, second
 
 

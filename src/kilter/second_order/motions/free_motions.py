@@ -37,6 +37,7 @@ from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.gaps.features import EDGE, FACE, Features
 from kilter.second_order.gaps.gap_form import formed
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.gaps.touched_surfaces import LINE, PLANE, POINT, Touched
 from kilter.second_order.motions.null_space import null_space
 
@@ -75,7 +76,7 @@ def find_free_motions(
     Parameters
     ----------
     program : Program
-        Contacts only, without friction.
+        Contacts without friction, and joints.
     features : Features
         Features of its rows.
     touched : pair of Touched
@@ -129,7 +130,10 @@ class _FreeSearch:
         return self._known_motions()
 
     def planar(self) -> FreeMotions:
-        """Free motions of an assembly in the plane: translations."""
+        """Free motions of an assembly in the plane: translations, and spins on joints."""
+        in_plane = np.eye(6)[[1, 3, 5]]
+        for part in self.parts[np.isin(self.parts, self._jointed())]:
+            self._add_screws_of_part(int(part), in_plane)
         self._shifts()
         return self._known_motions()
 
@@ -149,12 +153,19 @@ class _FreeSearch:
         self.motions.append(motion)
         self.kinds.append(kind)
 
-    def _add_screws_of_part(self, part: int) -> None:
+    def _jointed(self) -> Index:
+        """Parts with joints, by index; -1 for the ground."""
+        joined = on_joints(self.program)
+        return np.concatenate([self.program.part_a[joined], self.program.part_b[joined]])
+
+    def _add_screws_of_part(self, part: int, plane: Array | None = None) -> None:
         """Add the screws of a part that keep its touched surfaces and its height.
+
+        `plane`, (p, 6): further conditions on the screws.
 
         A centre of mass keeps its height to all orders if it stays, or if the screw is level.
         """
-        rows = []
+        rows = [] if plane is None else [plane]
         for keeps, of in ((self.keeps_a, self.program.part_a), (self.keeps_b, self.program.part_b)):
             rows += [keeps[k] for k in np.flatnonzero(of == part)]
         arm = (self.program.center[part] - self.origin) / self.length

@@ -7,9 +7,15 @@ that leads a cluster down leads the assembly down.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Literal
 
-__all__ = ["State", "joined_state"]
+import numpy as np
+
+from kilter.mechanics.clusters import Cluster, clusters
+from kilter.mechanics.program import Program
+
+__all__ = ["State", "falling_alone", "joined_state"]
 
 State = Literal["minimum", "free", "balanced", "open"]
 ORDER: tuple[State, ...] = ("balanced", "open", "free", "minimum")
@@ -26,3 +32,21 @@ def joined_state(states: Iterable[State]) -> State:
     """
     given = set(states)
     return next(state for state in ORDER if state in given)
+
+
+def falling_alone(program: Program, names: Iterable[str]) -> Cluster | None:
+    """Part of a cluster in which only the named parts are free; None if they are no cluster.
+
+    Parameters
+    ----------
+    program : Program
+        Program of a cluster.
+    names : iterable of str
+        Free parts of it that touch one another.
+    """
+    wanted = set(names)
+    chosen = np.array([name in wanted for name in program.names]) & program.free
+    if not chosen.any() or int(chosen.sum()) != len(wanted):
+        return None
+    parted = clusters(replace(program, free=chosen))
+    return parted[0] if len(parted) == 1 else None

@@ -21,8 +21,8 @@ import numpy as np
 from kilter.arrays import Array, across, cross
 from kilter.assembly import Assembly
 from kilter.mechanics.program import Program
-from kilter.rigid import matrix_to_quaternion
-from kilter.second_order.parts.separation import Body, bodies_of, parting, parting_point, turn_of
+from kilter.rigid import matrix_to_quaternion, turn_of
+from kilter.second_order.parts.separation import Body, bodies_of, parting, parting_point
 
 __all__ = ["PartPlaces", "PartingPlanes"]
 

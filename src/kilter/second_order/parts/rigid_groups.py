@@ -7,6 +7,7 @@ of it with its centre at c shifts by r + (exp(theta) - 1) (c - C) and turns by t
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import rigid_groups
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import JOINT
+from kilter.rigid import turn_of
 
 __all__ = ["RigidGroups"]
 
@@ -97,6 +99,20 @@ class RigidGroups:
         )
         return whole.taking(self.between(program, assembly))
 
+    def jointed_pairs(self, assembly: Assembly) -> set[frozenset[int]]:
+        """Pairs of parts whose rigid groups a joint that moves connects."""
+        index = assembly.index
+        of_group: dict[int, list[int]] = {}
+        for part, first in enumerate(self.first.tolist()):
+            of_group.setdefault(first, []).append(part)
+        pairs = set()
+        for joint in assembly.joints:
+            ends = [int(self.first[index[name]]) for name in joint.parts if name in index]
+            if joint.kind != "fixed" and len(ends) == 2:
+                both = itertools.product(*(of_group[end] for end in ends))
+                pairs |= {frozenset(pair) for pair in both}
+        return pairs
+
     def of_rows(self, part: Index) -> Index:
         """Replace each part by the first part of its rigid group; -1 (the ground) is kept."""
         return np.where(part >= 0, self.first[part], part)
@@ -131,9 +147,6 @@ class RigidGroups:
 
     def placed(self, motion: Array) -> Array:
         """Displacements of all parts from the displacements of their rigid groups, (N, 6)."""
-        # imported late: only joined parts need these modules
-        from kilter.second_order.parts.separation import turn_of
-
         displacements = motion[self.first].copy()
         for k in np.flatnonzero(np.abs(self.arms).max(axis=1) > 0):
             displacements[k, :3] += (turn_of(displacements[k, 3:]) - np.eye(3)) @ self.arms[k]

@@ -15,6 +15,7 @@ For other shapes the separation is unknown.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,7 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, SPHERE
 from kilter.contact.triangle_distance import surface_distance
 from kilter.mechanics.program import Program
+from kilter.rigid import turn_of
 from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
 from kilter.shape.primitives import Cylinder, Sphere
 
@@ -35,7 +37,6 @@ __all__ = [
     "parting",
     "parting_point",
     "separation",
-    "turn_of",
 ]
 
 CONVEX = 1e-9
@@ -238,6 +239,7 @@ def least_separation(
     beyond: float,
     planes: Mask | None = None,
     tied: Index | None = None,
+    jointed: Collection[frozenset[int]] = (),
 ) -> float | None:
     """Least separation of displaced parts, at most `beyond` [length unit]; None if unknown.
 
@@ -254,6 +256,8 @@ def least_separation(
         Contacts with a plane. A pair that only shifted along such a plane is skipped.
     tied : ndarray of int, shape (N,), optional
         Number of the group of each part; pairs within a group are skipped.
+    jointed : collection of frozenset of int
+        Pairs with a joint; they are skipped, because bodies may overlap at their joint.
 
     Returns
     -------
@@ -268,7 +272,7 @@ def least_separation(
         for j in range(i + 1, count):
             if not (program.free[i] or program.free[j]) or _far(assembly, motion, (i, j), beyond):
                 continue
-            if tied is not None and tied[i] == tied[j]:
+            if (tied is not None and tied[i] == tied[j]) or frozenset((i, j)) in jointed:
                 continue
             for k in (i, j):
                 if k not in moved:
@@ -365,14 +369,3 @@ def parting_point(body: Body, point: Array) -> tuple[float, Array]:
     values = directions @ point - body.reach(directions)
     best = int(values.argmax())
     return float(values[best]), np.asarray(directions[best])
-
-
-def turn_of(rotation: Array) -> Array:
-    """Rotation matrix, shape (3, 3), of a rotation vector [rad]."""
-    angle = float(np.linalg.norm(rotation))
-    if angle == 0.0:
-        return np.eye(3)
-    x, y, z = rotation / angle
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turn: Array = np.eye(3) + np.sin(angle) * skew + (1 - np.cos(angle)) * skew @ skew
-    return turn

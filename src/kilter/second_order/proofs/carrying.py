@@ -6,7 +6,8 @@ f_k (1 + J_k.y) balance exactly, and since f_k J_k J_k^T <= M
 
     |J_k.y|^2 <= (J_k.M^-1 J_k) (r.M^-1 r) <= |r|^2 / (f_k m)
 
-so that all of them push if f_k m > |r|^2. A force at a corner that is needed only for a negligible
+so that all of them push if f_k m > |r|^2. The row of a joint may also pull: in M it has the weight
+of the largest force, and no condition. A force at a corner that is needed only for a negligible
 torque proves nothing: it may be rounding.
 """
 
@@ -28,7 +29,9 @@ ROUNDING = 1e-13
 def carrying_rows(problem: Stationary, forces: Array) -> Mask:
     """Mask of the contact rows whose force, of shape (K,), is clearly above the tolerance."""
     limit = max(BALANCED, problem.blur)
-    return np.asarray(forces > BEARS * limit * forces.max(initial=TINY))
+    return np.asarray(
+        problem.two_sided | (forces > BEARS * limit * np.abs(forces).max(initial=TINY))
+    )
 
 
 def carry_beyond_doubt(
@@ -50,10 +53,17 @@ def carry_beyond_doubt(
     rows, limit = problem.rows[carries], max(BALANCED, problem.blur)
     missing = float(np.linalg.norm(rows.T @ forces[carries] + load))
     missing += limit * np.sqrt(len(load)) * float(np.abs(problem.load).max(initial=0.0))
-    return all_carry(csr_array(rows), forces[carries], missing, neutral)
+    joined = problem.two_sided[carries]
+    return all_carry(csr_array(rows), forces[carries], missing, neutral, joined)
 
 
-def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array | None = None) -> bool:
+def all_carry(
+    rows: csr_array,
+    forces: Array,
+    missing: float,
+    neutral: Array | None = None,
+    joined: Mask | None = None,
+) -> bool:
     """True if forces (k,) on rows (k, n) remain positive after any correction of their residual.
 
     Parameters
@@ -62,10 +72,14 @@ def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array | N
         Norm of the residual.
     neutral : ndarray, shape (n, d), optional
         Orthonormal motions; the rows have to block all motions across them.
+    joined : ndarray of bool, shape (k,), optional
+        Rows of joints, which may also pull.
     """
-    held = (rows.T @ diags_array(forces) @ rows).toarray()
+    pushes = np.ones(len(forces), dtype=bool) if joined is None else ~joined
+    weights = np.where(pushes, forces, max(float(np.abs(forces).max(initial=0.0)), 1.0))
+    held = (rows.T @ diags_array(weights) @ rows).toarray()
     size = max(float(held.diagonal().max(initial=0.0)), TINY)
-    least = max(missing**2 / float(forces.min(initial=np.inf)), ROUNDING * size)
+    least = max(missing**2 / float(forces[pushes].min(initial=np.inf)), ROUNDING * size)
     if neutral is not None:
         held += size * neutral @ neutral.T
     try:

@@ -16,7 +16,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.recognised import bounded, formed_for_all
 from kilter.second_order.gaps.stationary import Stationary, problem_of
@@ -79,7 +79,7 @@ class ClusterFacts:
     @cached_property
     def certain(self) -> ClusterFacts:
         """The same data without contacts of edges and corners that have no unique normal."""
-        rows = self.program.kind == CONTACT
+        rows = self.program.kind != POSSIBLE
         return self if rows.all() else self.taking(rows)
 
     @cached_property
@@ -95,7 +95,7 @@ class ClusterFacts:
     @cached_property
     def touched(self) -> tuple[Touched, Touched]:
         """Exact surfaces of parts a and of parts b at the cluster's contact rows."""
-        return touched_surfaces(self.program, self.features, self.contacts)
+        return touched_surfaces(self.program, self.features, self.contacts, self.assembly.joints)
 
     @cached_property
     def free_motions(self) -> FreeMotions:
@@ -105,12 +105,12 @@ class ClusterFacts:
     @cached_property
     def problem(self) -> Stationary:
         """Contact gaps and load of the cluster, to second order."""
-        problem = problem_of(self.program, self.features)
+        problem = problem_of(self.program, self.features, self.assembly.joints)
         return replace(problem, on_plane=planes_of(self.touched))
 
     def bounded(self, sense: float) -> Stationary:
         """Contact gaps to second order, at the upper (1) or lower (-1) bounds of all curvatures."""
         if not self.features.doubted:
             return self.problem
-        problem = bounded(self.program, self.features, sense)
+        problem = bounded(self.program, self.features, sense, self.assembly.joints)
         return replace(problem, on_plane=planes_of(self.touched))

@@ -1,7 +1,7 @@
 """Proof that parts fall: a path that leads down, and an exact lower place on it.
 
-All parts are apart at that place. Parts that touch at a plane may also have shifted along it: then
-the plane separates them no less than before.
+All parts are apart at that place, and all joints are closed. Parts that touch at a plane may also
+have shifted along it: then the plane separates them no less than before.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import SIX, Form, keys, named, nullable
+from kilter.second_order.gaps.joint_forms import close_joints, joints_closed, on_joints
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.free_span import scaled_columns
 from kilter.second_order.motions.sharp_points import opens_points
@@ -115,9 +116,12 @@ class Fall:
                 return []
             return ["it has no configuration with lower energy and without penetration"]
         columns = scaled_columns(program, problem, self.place[None])[:, 0]
-        if not is_on(self.path, columns):
+        joints = facts.assembly.joints
+        if not is_on(self.path, columns, jointed=bool(on_joints(program).any())):
             return ["its configuration is not on its path"]
         wrong = []
+        if not joints_closed(program, joints, self.place, problem.length):
+            wrong.append("a joint is open in its configuration")
         apart = separation_at(facts.assembly, facts.contacts, program, problem, self.place)
         if apart is None or not apart > APART * problem.length:
             wrong.append("parts penetrate each other in its configuration")
@@ -131,8 +135,9 @@ def by_path_alone(facts: ClusterFacts) -> bool:
 
     So it is for given contacts, and for surfaces that were recognised in meshes.
     """
-    given = facts.contacts.patch_kind[facts.program.source] == "given"
-    return facts.features.doubted or bool(given.all())
+    patches = facts.program.source[~on_joints(facts.program)]
+    given = facts.contacts.patch_kind[patches] == "given"
+    return facts.features.doubted or bool(len(given) and given.all())
 
 
 def separation_at(
@@ -143,18 +148,23 @@ def separation_at(
     Rigid groups move as their first parts. None if the separation of some surfaces is unknown.
     """
     groups = RigidGroups.of(assembly)
+    touching = ~on_joints(program)
     return least_separation(
         assembly,
-        groups.apart(program, assembly, contacts),
+        groups.apart(program.taking(touching), assembly, contacts),
         groups.placed(motion),
         beyond=0.01 * problem.length,
-        planes=problem.on_plane,
+        planes=None if problem.on_plane is None else problem.on_plane[touching],
         tied=groups.first,
+        jointed=groups.jointed_pairs(assembly),
     )
 
 
-def is_on(path: Path, columns: Array) -> bool:
-    """True if a configuration, shape (n,) in scaled unknowns, is on a path near its start."""
+def is_on(path: Path, columns: Array, *, jointed: bool = False) -> bool:
+    """True if a configuration, shape (n,) in scaled unknowns, is on a path near its start.
+
+    With joints it may be beside the path by less than the second-order part of the path.
+    """
     along, bend = columns @ path.first, path.second @ path.first
     if not (along > 0 and 1 + 2 * along * bend >= 0):
         return False
@@ -162,7 +172,8 @@ def is_on(path: Path, columns: Array) -> bool:
     bent = step**2 * path.second / 2
     near = min(max(STEPS), 2 * BENT / max(float(np.linalg.norm(path.second)), TINY))
     off = np.abs(columns - step * path.first - bent).max()
-    return bool(step <= near * (1 + ACROSS) and off <= KEEPS * step)
+    far = step**2 if jointed else KEEPS * step  # joints are closed by a change of third order
+    return bool(step <= near * (1 + ACROSS) and off <= far)
 
 
 def find_configuration(
@@ -183,7 +194,13 @@ def find_configuration(
         if np.linalg.norm(bent) > BENT * step:
             continue
         columns = step * path.first + bent
-        motion = program.full(columns * problem.scale)
+        placed = program.full(columns * problem.scale)
+        motion = close_joints(program, assembly.joints, placed, problem.length)
+        if motion is None:
+            continue
+        columns = scaled_columns(program, problem, motion[None])[:, 0]
+        if not is_on(path, columns, jointed=bool(on_joints(program).any())):
+            continue
         energy = -float(problem.load @ columns)
         apart = separation_at(assembly, contacts, program, problem, motion)
         if apart is None:

@@ -1,8 +1,9 @@
 """Proof of a strict minimum of the energy, checked without a solver.
 
-Forces f >= 0 with J^T f + w = 0 put every critical motion into the null space Z of the carrying
-rows, because the terms f_k J_k z >= 0 sum to -w.z = 0. For cones {z = Z y, R y >= 0} that together
-cover the critical motions, with separate forces f and weights N >= 0 for each cone,
+Forces f >= 0 (of either sign at joints) with J^T f + w = 0 put every critical motion into the null
+space Z of the carrying rows, because the terms f_k J_k z >= 0 sum to -w.z = 0. For cones
+{z = Z y, R y >= 0} that together cover the critical motions, with separate forces f and weights
+N >= 0 for each cone,
 
     -Z^T H(f) Z - R^T N R  positive definite        (Cholesky)
 
@@ -252,7 +253,7 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
     """Reason why forces, (K,), are not an equilibrium of pushing contacts; empty if they are."""
     if forces.shape != (len(problem.rows),) or not np.isfinite(forces).all():
         return "it does not have a finite force for each contact"
-    if (forces < 0).any():
+    if (forces[~problem.two_sided] < 0).any():
         return "a contact force pulls"
     balanced = problem.imbalance(forces) <= max(BALANCED, problem.blur)
     return "" if balanced else "its forces do not balance the load"

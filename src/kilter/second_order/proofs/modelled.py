@@ -1,7 +1,7 @@
-"""Contacts, joints, bonds and loads that second order cannot model.
+"""Contacts, bonds and loads that second order cannot model.
 
 Open pairs and contacts that are not modelled may exert forces without a gap, so the answer is open.
-Two kinds of possible contacts are exceptions:
+Three kinds of possible contacts are exceptions:
 
 The rim of a round flat face: its contact points are the corners of an inscribed polygon, and the
 corners of a circumscribed polygon are possible contacts. The whole face lies in the plane of its
@@ -9,6 +9,8 @@ patch. So the inscribed polygon leaves the same motions neutral, forces at its c
 the face, and motions that keep or open the plane keep or open the face.
 
 Edges and corners without a unique normal, as at a line in which four boxes meet (`sharp_points`).
+
+Parts that overlap at a joint that moves: the joint states how they move against each other.
 
 The force of a load acts at a point of its part. If that is not the centre of mass, the energy
 curves as the part turns, by -F.(theta x (theta x arm)) / 2, even without a torque: a weight above
@@ -18,6 +20,8 @@ force does not change the energy along level motions.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from kilter.arrays import Mask, counted
@@ -25,35 +29,66 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT, POSSIBLE
+from kilter.mechanics.rows import CONTACT, JOINT, POSSIBLE
 from kilter.second_order.motions.sharp_points import sharp_pushes
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import AGREE, KEEPS
 
-__all__ = ["OFF_CENTRE", "loads_off_centre", "why_beyond", "why_unmodelled"]
+__all__ = ["OFF_CENTRE", "loads_off_centre", "unmodelled_pairs", "why_beyond", "why_unmodelled"]
 
 OFF_CENTRE = "second order does not model loads beside a centre of mass"
 
 
-def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
-    """Reason why second order cannot model the contacts of an assembly; empty if it can."""
+def unmodelled_pairs(assembly: Assembly, contacts: ContactSet) -> dict[frozenset[int], str]:
+    """Pairs of parts with contacts that second order cannot model, each with the reason."""
     sharp = sharp_pushes(contacts)
+    jointed = RigidGroups.of(assembly).jointed_pairs(assembly)
+    possible = _pairs(contacts)
     known = _on_rims(contacts) | _within_groups(assembly, contacts) | sharp
-    ends = np.column_stack([contacts.possible.part_a, contacts.possible.part_b])[sharp]
-    pushed = {frozenset(pair) for pair in ends.tolist()}
-    left = still_open(contacts.open_pairs, assembly)
-    settled = all(pair.kind == "degenerate" and frozenset(pair.parts) in pushed for pair in left)
-    if not settled or not known.all():
-        return "some pairs are open, or their kind of contact is not modelled"
-    return ""
+    pushed = {possible[k] for k in np.flatnonzero(sharp)}
+    found = {}
+    for pair in still_open(contacts.open_pairs, assembly):
+        both = frozenset(pair.parts)
+        overlaps = pair.kind == "overlap" and both in jointed
+        if not (overlaps or (pair.kind == "degenerate" and both in pushed)):
+            found[both] = "is open"
+    for k in np.flatnonzero(~known):
+        if possible[k] not in jointed:
+            found.setdefault(possible[k], "is not modelled")
+    return found
+
+
+def why_unmodelled(
+    assembly: Assembly, pairs: Mapping[frozenset[int], str], bodies: Mask | None = None
+) -> str:
+    """Reason why second order cannot model some bodies, with the first pair; empty if it can.
+
+    Parameters
+    ----------
+    pairs : mapping
+        Result of `unmodelled_pairs`.
+    bodies : ndarray of bool, shape (N,), optional
+        First parts of the rigid groups that count; by default all.
+    """
+    first = RigidGroups.of(assembly).first
+    mine = [
+        (sorted(pair), why)
+        for pair, why in pairs.items()
+        if bodies is None or bodies[first[list(pair)]].any()
+    ]
+    if not mine:
+        return ""
+    (a, b), why = min(mine)
+    more = f", and {len(mine) - 1} more" if len(mine) > 1 else ""
+    return f"the contact of {assembly.names[a]} and {assembly.names[b]} {why}{more}"
 
 
 def why_beyond(program: Program) -> str:
-    """Reason why second order cannot model a cluster's joints, bonds or loads; else empty."""
+    """Reason why second order cannot model a cluster's bonds or loads; else empty."""
     if program.has_strength:
         return "second order does not model bonds and straps"
-    if not np.isin(program.kind, (CONTACT, POSSIBLE)).all():
-        return "second order does not model joints"
+    if not np.isin(program.kind, (CONTACT, POSSIBLE, JOINT)).all():
+        return "second order does not model bonds and straps"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
         return OFF_CENTRE
     return ""
@@ -78,6 +113,12 @@ def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
             aside = np.linalg.norm(np.cross(load.force, program.down))
             slanted[first] |= aside > KEEPS * np.linalg.norm(load.force)
     return off, slanted
+
+
+def _pairs(contacts: ContactSet) -> list[frozenset[int]]:
+    """The two parts of each possible contact."""
+    both = zip(contacts.possible.part_a.tolist(), contacts.possible.part_b.tolist(), strict=True)
+    return [frozenset(pair) for pair in both]
 
 
 def _within_groups(assembly: Assembly, contacts: ContactSet) -> Mask:

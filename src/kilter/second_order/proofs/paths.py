@@ -8,6 +8,9 @@ some t on. A gap that opens to first order must not close again too soon after t
 close at first only by the rounding of the data: a configuration in a shallow hollow is a minimum,
 however strongly the wall of the hollow curves.
 
+Joints stay closed: J_k dp = 0 and J_k d2 + dp.H_k dp = 0 for their rows. The error that is left is
+of third order.
+
 Parts that are pressed between planes have no such path, because no motion opens both planes. There
 a path may keep contacts: if both parts only shift along a plane of one of them, the gap stays
 unchanged to all orders. `path_search` finds paths; this module judges them from the numbers of the
@@ -57,6 +60,8 @@ class Path:
         Rounding of the data in `opens` and `power`, and in `slips`.
     one_form : bool
         Whether no flush corner slips off its edge.
+    parts_joints : float
+        Largest second derivative of the error of a joint.
     """
 
     first: Array
@@ -68,6 +73,7 @@ class Path:
     rounding: float
     slack: float
     one_form: bool
+    parts_joints: float = 0.0
 
     @property
     def falls(self) -> bool:
@@ -75,24 +81,28 @@ class Path:
         least = min(self.opens, self.power)
         straight = float(np.linalg.norm(self.second)) <= FARTHEST * np.sqrt(len(self.second))
         begins = min(self.slack, SLIPS * least, self.lasts * least / (2 * LASTS))
-        return straight and least > max(DROPS, self.rounding) and self.slips <= begins
+        joined = self.parts_joints <= max(ACROSS, self.rounding)
+        return joined and straight and least > max(DROPS, self.rounding) and self.slips <= begins
 
 
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
     """Make a path from its first and second derivative, and compute the figures that decide."""
     first_opens = problem.rows @ first
     second_opens = problem.rows @ second + problem.bends(first)
-    kept, later = _kept(problem, first, second), first_opens <= DROPS
-    closes = ~later & (second_opens < 0)
+    joined = problem.two_sided
+    kept, later = _kept(problem, first, second) | joined, first_opens <= DROPS
+    closes = ~later & (second_opens < 0) & ~joined
     lasts = (2 * first_opens[closes] / -second_opens[closes]).min(initial=np.inf)
     slips = max(float(-first_opens.min(initial=0.0)), abs(float(problem.load @ first)))
+    slips = max(slips, float(first_opens[joined].max(initial=0.0)))
+    parted = float(np.abs(second_opens[joined]).max(initial=0.0))
     opens = second_opens[later & ~kept]
     least = float(opens.min()) if len(opens) else 1.0
     power = float(problem.load @ second)
     blurred = problem.blur * float(np.abs(second).max(initial=0.0))
     one_form = bool(problem.one_form(first[:, None]).all())
     slack = max(ACROSS, problem.blur)
-    return Path(first, second, least, power, slips, float(lasts), blurred, slack, one_form)
+    return Path(first, second, least, power, slips, float(lasts), blurred, slack, one_form, parted)
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:

@@ -26,22 +26,25 @@ from kilter.mechanics.proof_form import (
     nullable,
     optional_keys,
 )
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import moving_free, scaled_columns
-from kilter.second_order.motions.rolling import find_rolling, worst_rolling
+from kilter.second_order.motions.rolling import rolling_of, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
-from kilter.second_order.parts.cluster_states import joined_state
+from kilter.second_order.parts.cluster_states import falling_alone, joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
+from kilter.second_order.proofs.fall_proof import Fall
 from kilter.second_order.proofs.held import Held
 from kilter.second_order.proofs.level_rest import LevelRest
 from kilter.second_order.proofs.minimum_proof import MinimumProof
 from kilter.second_order.proofs.modelled import (
     OFF_CENTRE,
     loads_off_centre,
+    unmodelled_pairs,
     why_beyond,
     why_unmodelled,
 )
@@ -52,13 +55,21 @@ from kilter.second_order.proofs.proof_numbers import (
     read_motion,
     stacked,
 )
+from kilter.second_order.proofs.stopped import Stopped
 from kilter.second_order.second_order_tolerances import ACROSS, DROPS, KEEPS
 
 __all__ = ["recheck_second_order"]
 
 ENTRY = every(
     keys(state=WORD),
-    optional_keys(neutral=COUNT, free=COUNT, rolling=WORD, idle=list_of(COUNT), motion=named(SIX)),
+    optional_keys(
+        neutral=COUNT,
+        free=COUNT,
+        rolling=WORD,
+        idle=list_of(COUNT),
+        motion=named(SIX),
+        alone=list_of(WORD),
+    ),
 )
 """Form of the proof of a cluster, in addition to that of its kind."""
 JOINED = every(
@@ -116,8 +127,6 @@ def _wrong(
     assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
 ) -> list[str]:
     """Reasons why a second-order proof of valid form fails; empty if it is valid."""
-    if unmodelled := why_unmodelled(assembly, contacts):
-        return [f"its second order: {unmodelled}"]
     for entry in (data, *_entries(data)):
         if "rolling" in entry and entry["state"] != "balanced":
             return ["only a balanced cluster can roll"]
@@ -126,6 +135,7 @@ def _wrong(
     if "clusters" not in data and _kind_of(data) in (Held, LevelRest):
         # these kinds may prove any number of clusters at once
         parted = [Cluster(program, np.arange(len(program.kind)))]
+    unmodelled = unmodelled_pairs(assembly, contacts)
     entries = data.get("clusters", [data])
     if len(entries) != len(parted):
         return ["its second order does not have a proof for each cluster"]
@@ -136,13 +146,28 @@ def _wrong(
     words = []
     for cluster, entry in zip(parted, entries, strict=True):
         if entry is not None:
-            words.append(_wrong_entry(whole.of_cluster(cluster), entry, *loads))
+            word = why_unmodelled(assembly, unmodelled, cluster.program.free)
+            facts = _falling_alone(whole.of_cluster(cluster), entry)
+            words.append(word or _wrong_entry(facts, entry, *loads))
     reasons = [f"its second order: {word}" for word in words if word]
     if "clusters" in data and not reasons:
         reasons += _wrong_joined(data)
     if not reasons and any("rolling" in entry for entry in (data, *_entries(data))):
         reasons += _wrong_rolling(assembly, contacts, data, entries)
     return reasons
+
+
+def _falling_alone(facts: ClusterFacts, entry: dict[str, Any]) -> ClusterFacts:
+    """Facts of a cluster in which only the parts that fall alone are free, if the entry names them.
+
+    Held parts only take motions away, so a fall beside them is a fall of the cluster.
+    """
+    if "alone" not in entry:
+        return facts
+    alone = falling_alone(facts.program, entry["alone"])
+    if alone is None:
+        raise MalformedProof("the parts that fall alone are not parts that touch one another")
+    return facts.of_cluster(alone)
 
 
 def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted: Mask) -> str:
@@ -154,6 +179,8 @@ def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted:
         Parts with a load off their centre of mass, and with an inclined such load.
     """
     kind, program = _kind_of(entry), facts.program
+    if "alone" in entry and kind is not Fall:
+        return "only a fall is proved with other parts held"
     word = why_beyond(program)
     counted = slanted if kind is LevelRest else off
     if not word and kind is not Held and counted[program.free].any():
@@ -168,6 +195,8 @@ def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted:
 def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
     """Reason why a proof about all contacts of a cluster fails; empty if it is valid."""
     kind = _kind_of(entry)
+    if kind in (LevelRest, Stopped) and on_joints(facts.program).any():
+        return "it does not model joints"
     if word := _wrong_surfaces(kind.SURFACES, facts):
         return word
     judged = kind.from_data(facts, entry).judge(facts)
@@ -183,7 +212,7 @@ def _wrong_surfaces(surfaces: str, facts: ClusterFacts) -> str:
         return ""
     if surfaces == "all":
         facts = facts.certain
-    elif (facts.program.kind != CONTACT).any():
+    elif (facts.program.kind == POSSIBLE).any():
         return "edges and corners without a unique normal are not left out"
     known = bool(facts.known.all())
     if facts.features.doubted and not (known and surfaces != "exact"):
@@ -242,7 +271,7 @@ def _wrong_joined(data: dict[str, Any]) -> list[str]:
     states = [entry["state"] for entry in given]
     states += ["open"] * (len(data["clusters"]) - len(given))
     claimed = {key: data[key] for key in ("neutral", "free") if key in data}
-    agrees = data["state"] == joined_state(states) != "open" and claimed == counts(given)
+    agrees = data["state"] == joined_state(states) and claimed == counts(given)
     return [] if agrees else ["its stated result or counts differ from those of its clusters"]
 
 
@@ -256,7 +285,7 @@ def _wrong_rolling(
     states = []
     for cluster, entry in zip(parted, entries, strict=True):
         if entry is not None and entry["state"] == "balanced":
-            states.append(find_rolling(cluster.program, features.take(cluster.rows)).state)
+            states.append(rolling_of(cluster, features, entry.get("alone"), assembly.joints).state)
             if entry.get("rolling", "open") != states[-1]:
                 return ["its claim about rolling is wrong"]
     agrees = worst_rolling(states) == data.get("rolling", "open")

@@ -2,9 +2,10 @@
 
     Lambda = {f >= 0, J^T f + w = 0}        C = {J z >= 0, w.z = 0}
 
-Each row either carries a force in some equilibrium, or opens in some critical motion (Goldman and
-Tucker). A linear program finds forces that are positive on every row that can carry. C lies in the
-null space of these rows, and equals it if no other row opens or closes there.
+The rows of joints are equations in both. Each other row either carries a force in some equilibrium,
+or opens in some critical motion (Goldman and Tucker). A linear program finds forces that are
+positive on every row that can carry. C lies in the null space of these rows and of the joints, and
+equals it if no other row opens or closes there.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ class Critical:
 
 def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical | None:
     """Compute the cone of critical motions; None if no equilibrium forces were found."""
-    answer = carrying_forces(csr_array(problem.rows), problem.load, work=work)
+    answer = carrying_forces(
+        csr_array(problem.rows), problem.load, two_sided=problem.joined, work=work
+    )
     if answer is None:
         return None
     forces, carries = answer
@@ -62,7 +65,7 @@ def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical 
 
 
 def carrying_forces(
-    rows: csr_array, load: Array, *, work: Work | None
+    rows: csr_array, load: Array, *, two_sided: Mask | None = None, work: Work | None
 ) -> tuple[Array, Mask] | None:
     """Equilibrium forces, positive on every row that can carry force, and a mask of these rows.
 
@@ -73,6 +76,8 @@ def carrying_forces(
     ----------
     rows : csr_array, shape (K, n)
     load : ndarray, shape (n,)
+    two_sided : ndarray of bool, shape (K,), optional
+        Rows of joints: they count as rows that carry, and their forces have either sign.
     """
     count, freedoms = rows.shape
     if count == 0:
@@ -80,19 +85,21 @@ def carrying_forces(
     none = csc_array((freedoms, count))
     balance = hstack([rows.T, csc_array(load[:, None]), none])
     above = hstack([eye_array(count), csc_array((count, 1)), -eye_array(count)])
+    joined = np.zeros(count, dtype=bool) if two_sided is None else two_sided
+    free = np.where(joined, -np.inf, 0.0)
     cost = np.concatenate([np.zeros(count + 1), -np.ones(count)])
     x = optimum(
         LinearProgram(
             cost,
             csc_array(vstack([balance, above], format="csc")),
-            np.zeros(freedoms + count),
+            np.concatenate([np.zeros(freedoms), free]),
             np.concatenate([np.zeros(freedoms), np.full(count, np.inf)]),
-            np.concatenate([np.zeros(count), [1.0], np.zeros(count)]),
-            np.concatenate([np.full(count + 1, np.inf), np.ones(count)]),
+            np.concatenate([free, [1.0], np.zeros(count)]),
+            np.concatenate([np.full(count + 1, np.inf), np.where(joined, 0.0, 1.0)]),
         ),
         work,
     )
     if x is None:
         return None
-    forces, carries = x[:count] / x[count], x[count + 1 :] > 0.5
+    forces, carries = x[:count] / x[count], joined | (x[count + 1 :] > 0.5)
     return np.where(carries, forces, 0.0), carries

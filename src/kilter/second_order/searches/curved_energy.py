@@ -64,11 +64,12 @@ def best_curvature(
     unknowns = 1 + len(forms)
     balance = np.zeros((len(problem.load), unknowns))
     balance[:, 0], balance[:, 1 : 1 + count] = problem.load, problem.rows.T
+    most = MOST_FORCE * max(1.0, float(np.abs(problem.load).sum()))
     solution = _solve(
         _independent(balance),
-        np.eye(unknowns)[1:-1],
-        np.concatenate([[0.0], np.ones(count), np.zeros(len(pairs)), [0.0]]),
-        MOST_FORCE * max(1.0, float(np.abs(problem.load).sum())),
+        np.vstack([_bounds_of_forces(problem, unknowns, most), np.eye(unknowns)[1 + count : -1]]),
+        np.concatenate([[0.0], ~problem.two_sided, np.zeros(len(pairs)), [0.0]]),
+        most,
         (-forms, np.eye(unknowns)[-1]),
         work,
     )
@@ -77,7 +78,8 @@ def best_curvature(
     point, motions = solution
     weights = np.zeros((size, size))
     weights[row, column] = np.maximum(point[1 + count : -1], 0.0)
-    return CurvedEnergy(np.maximum(point[1 : 1 + count], 0.0), (weights + weights.T) / 2, motions)
+    forces = problem.pushes(point[1 : 1 + count])
+    return CurvedEnergy(forces, (weights + weights.T) / 2, motions)
 
 
 def blocking_stress(problem: Stationary, basis: Array, *, work: Work) -> Array | None:
@@ -92,9 +94,18 @@ def blocking_stress(problem: Stationary, basis: Array, *, work: Work) -> Array |
     unknowns = 1 + count
     balance = np.hstack([np.zeros((len(problem.load), 1)), problem.rows.T])
     gain = np.concatenate([[0.0], np.trace(forms, axis1=1, axis2=2)])
-    total = np.concatenate([[0.0], np.ones(count)])
-    solution = _solve(_independent(balance), np.eye(unknowns)[1:], total, 1.0, (forms, gain), work)
-    return None if solution is None else np.maximum(solution[0][1:], 0.0)
+    total = np.concatenate([[0.0], ~problem.two_sided])
+    positive = _bounds_of_forces(problem, unknowns, 1.0)
+    solution = _solve(_independent(balance), positive, total, 1.0, (forms, gain), work)
+    return None if solution is None else problem.pushes(solution[0][1:])
+
+
+def _bounds_of_forces(problem: Stationary, unknowns: int, most: float) -> Array:
+    """Rows B with B x >= 0 for forces x[1:]: contacts push, and a joint has at most `most` x[0]."""
+    unit, joined = np.eye(unknowns), problem.two_sided
+    forces = unit[1 : 1 + len(joined)]
+    both = np.vstack([forces[joined], -forces[joined]]) / most
+    return np.vstack([forces[~joined], unit[0] + both])
 
 
 def _solve(

@@ -329,7 +329,7 @@ class _Question:
         rows = self.carrying.rows
         miss = rows.T @ forces + self.carrying.load
         nearest = np.linalg.lstsq(rows.T, miss, rcond=None)[0]
-        return np.maximum(forces - nearest, 0.0)
+        return self.carrying.pushes(forces - nearest)
 
     def _spread(self, forces: Array) -> Array:
         """Forces of the carrying rows as an array over all rows, shape (K,)."""

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kilter.mechanics.program import Program
-from kilter.second_order.gaps.features import Features
-from kilter.second_order.gaps.recognised import bounded
 from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.cluster_facts import ClusterFacts
 from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
 from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.energy_decision import EnergyDecision
@@ -20,8 +18,7 @@ TOO_NEAR = "the surfaces recognised in meshes are not known exactly enough to de
 
 
 def decided_for_all(
-    program: Program,
-    features: Features,
+    facts: ClusterFacts,
     problem: Stationary,
     decision: EnergyDecision,
     work: Work,
@@ -30,9 +27,8 @@ def decided_for_all(
 
     Parameters
     ----------
-    program : Program
-    features : Features
-        Features of its rows; all gaps have a form for all surfaces.
+    facts : ClusterFacts
+        Its gaps have a form for all surfaces.
     problem : Stationary
         Problem with the surfaces as they were recognised.
     decision : EnergyDecision
@@ -46,11 +42,11 @@ def decided_for_all(
     """
     proof = decision.proof
     if isinstance(proof, MinimumProof):
-        worst = bounded(program, features, 1.0)
+        worst = facts.bounded(1.0)
         if not judge_minimum(problem, proof, worst):
             return worst, decision
     elif isinstance(proof, Path):
-        worst = replace(bounded(program, features, -1.0), on_plane=problem.on_plane)
+        worst = facts.bounded(-1.0)
         for candidate in (proof, *decision.others):
             path = find_path(worst, candidate.first, work=work)
             if path is not None and path.falls:

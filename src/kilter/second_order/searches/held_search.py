@@ -6,6 +6,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
+from kilter.second_order.gaps.joint_forms import on_joints
 from kilter.second_order.proofs.held import Held, judge_held, scaled_rows
 
 __all__ = ["find_held"]
@@ -32,6 +33,8 @@ def find_held(program: Program, forces: Array) -> Held | None:
 
 def _spread_out(program: Program, forces: Array) -> Array | None:
     """Equilibrium forces near the given forces that push at every contact; None if not found."""
+    if on_joints(program).any():
+        return None  # the forces of joints are not to be made positive
     rows = scaled_rows(program)
     gram = (rows.T @ rows).toarray()
     try:

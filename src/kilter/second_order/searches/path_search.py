@@ -1,6 +1,7 @@
 """Search for a falling path along a critical motion, by choice of its second derivative.
 
     max m:   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0,   w.d2 >= m,   |d2| <= reach
+             J_k d2 + dp.H_k dp  = 0 for rows of joints
 
 By duality a d2 with m = 0 exists iff no forces of equilibrium curve the energy upward along dp.
 Parts that are pressed between planes keep these contacts: then d2 shifts them along the planes.
@@ -101,6 +102,14 @@ def _along_planes(
     return path
 
 
+def _on_joints(problem: Stationary, second: Array, rows: Array, bends: Array) -> Array:
+    """Nearest second derivative that keeps joints closed beyond the tolerance of the program."""
+    if not len(rows):
+        return second
+    error = rows @ second + bends
+    return second - np.asarray(np.linalg.lstsq(rows, error, rcond=problem.blur)[0])
+
+
 def _turns_of(problem: Stationary, rows: Mask) -> Index:
     """Indices of the unknowns for turns of the parts at given rows, shape (K,)."""
     places = np.unique(problem.columns[rows][:, TURNS])
@@ -118,13 +127,14 @@ def _second_derivative(
 
     J d2 + dp.H dp >= m for rows that dp keeps closed,  w.d2 >= m,  |d2| <= reach.
     """
-    closed = problem.rows @ first <= DROPS
+    closed = (problem.rows @ first <= DROPS) | problem.two_sided
     rows = problem.rows[closed]
     bends = (problem.bends(first) if bends is None else bends)[closed]
     freedoms = len(first)
+    joined = problem.two_sided[closed]
     matrix = np.vstack(
         [
-            np.hstack([rows, -np.ones((len(rows), 1))]),
+            np.hstack([rows, np.where(joined, 0.0, -1.0)[:, None]]),
             np.append(problem.load, -1.0)[None],
         ]
     )
@@ -134,10 +144,10 @@ def _second_derivative(
             np.append(np.zeros(freedoms), -1.0),
             csc_array(matrix),
             np.append(-bends, 0.0),
-            np.full(len(matrix), np.inf),
+            np.append(np.where(joined, -bends, np.inf), np.inf),
             -bound,
             bound,
         ),
         work,
     )
-    return None if x is None else x[:-1]
+    return None if x is None else _on_joints(problem, x[:-1], rows[joined], bends[joined])

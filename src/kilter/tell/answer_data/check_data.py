@@ -69,6 +69,9 @@ class SecondOrderData(TypedDict):
     rolling: Literal["holds", "falls", "open"] | None
     why: str | None
     left_open: str | None
+    bending: Annotated[
+        list[str], Field(description="parts that a small push may make roll, rock or swing on")
+    ]
 
 
 class DensityData(TypedDict):
@@ -243,7 +246,10 @@ class CheckData(TypedDict):
     require: LevelWord
     holds: bool
     first_order: Word
-    why: Literal["refuted", "jams", "squeeze", "not-found", "not-asked", "balanced"] | None
+    why: (
+        Literal["refuted", "jams", "squeeze", "not-found", "not-asked", "push-open", "balanced"]
+        | None
+    )
     guarantee: Guarantee
     seated: str | None
     tries: TriesData | None

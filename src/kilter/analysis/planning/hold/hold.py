@@ -28,6 +28,7 @@ from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["hold"]
@@ -39,6 +40,7 @@ At the default effort a search without result takes less than ten seconds of one
 this work, an assembly of 60 stones got 17 grips instead of 7."""
 
 
+@guarded
 @on_one_thread
 def hold(
     assembly: AssemblyOrPath,

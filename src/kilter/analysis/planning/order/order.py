@@ -26,6 +26,7 @@ from kilter.analysis.verdict.remarks import remarks
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
+from kilter.tell.csv_cells import csv_text
 from kilter.tell.html import html_of
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds
@@ -303,21 +304,22 @@ class Order(InCells, AnswerInWords):
         level, pose of the part in the world frame once it is seated (px, py, pz [length unit],
         quaternion qw, qx, qy, qz), and the path: positions relative to the seat, the last zero.
         """
-        rows = ["step,part,held,grips,releases,x,y,z,touches,level,px,py,pz,qw,qx,qy,qz,path"]
+        head = "step,part,held,grips,releases,x,y,z,touches,level,px,py,pz,qw,qx,qy,qz,path"
+        rows: list[list[Any]] = [head.split(",")]
         for k, step in enumerate(self.to_dict()["steps"], 1):
             pose = self.states.assembly[step["parts"][0]].pose
             path = [" ".join(f"{x:.12g}" for x in place) for place in step["path"]]
             cells = [
                 str(k),
-                *(";".join(step[key]) for key in ("parts", "held", "grips", "releases")),
+                *(step[key] for key in ("parts", "held", "grips", "releases")),
                 *(f"{x:.12g}" for x in step["direction"] or [math.nan] * 3),
-                ";".join(step["touches"]),
+                step["touches"],
                 step["level"] or "",
                 *(f"{x:.12g}" for x in (*pose.position, *pose.rotation)),
                 ";".join(path),
             ]
-            rows.append(",".join(map(_cell, cells)))
-        return "\n".join(rows) + "\n"
+            rows.append(cells)
+        return csv_text(rows)
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Proofs of the steps, or proof that no order exists, as JSON data for `kilter.verify`.
@@ -370,10 +372,3 @@ class Order(InCells, AnswerInWords):
 
     def __bool__(self) -> bool:
         raise TypeError("an order is neither true nor false: use .found")
-
-
-def _cell(text: str) -> str:
-    """Text for a CSV cell, quoted if necessary."""
-    if any(sign in text for sign in ',"\n\r'):
-        return '"' + text.replace('"', '""') + '"'
-    return text

@@ -46,6 +46,7 @@ from kilter.contact import ContactSet, Tolerance
 from kilter.tell.levels import require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["plan"]
@@ -56,6 +57,7 @@ SEARCH = 12.0
 At the default effort a search without result takes about six seconds of one core."""
 
 
+@guarded
 @on_one_thread
 def plan(
     assembly: AssemblyOrPath,

@@ -12,6 +12,7 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.validate import frozen, number
 from kilter.values import Value
+from kilter.values.guesses import guarded
 
 __all__ = ["FEWEST", "PlanRules", "turns_alone"]
 
@@ -21,6 +22,7 @@ FEWEST = ("holds", "held-steps", "turns")
 """Quantities that a plan may minimise."""
 
 
+@guarded
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class PlanRules(Value):
     """Rules that `kilter.plan` obeys; part names may be patterns with ``*``, ``?`` and ``[]``.

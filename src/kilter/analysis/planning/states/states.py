@@ -70,7 +70,8 @@ from kilter.mechanics.proof import Evidence, make_proof
 from kilter.rigid import unit
 from kilter.tell.levels import level_rank
 from kilter.threads import on_one_thread
-from kilter.validate import number
+from kilter.validate import finite, number
+from kilter.values.guesses import guarded
 from kilter.work import Work, units_of
 
 __all__ = ["States", "states"]
@@ -127,8 +128,13 @@ class States:
         self._motions: list[KnownMotion] = []
         self._found: dict[tuple[int, int], State] = {}
         self._under: dict[tuple[float, ...], States] = {}
+        if not isinstance(accelerations, Iterable):
+            raise InputError(
+                f"accelerations is {accelerations!r:.40}", hint="give a list of vectors in m/s^2"
+            )
         felt = [
-            replace(assembly, gravity=assembly.gravity - np.asarray(one)) for one in accelerations
+            replace(assembly, gravity=assembly.gravity - finite(one, (3,), "acceleration"))
+            for one in accelerations
         ]
         self.carried: tuple[States, ...] = tuple(States(one, contacts.of(one)) for one in felt)
 
@@ -197,7 +203,7 @@ class States:
         """
         if down is None and friction is None:
             return self
-        along = self.assembly.down if down is None else unit(np.asarray(down, float), "down")
+        along = self.assembly.down if down is None else unit(finite(down, (3,), "down"), "down")
         mu = -1.0 if friction is None else number(friction, "friction", lowest=0)
         key = (*along.tolist(), mu)
         if key not in self._under:
@@ -575,6 +581,7 @@ class States:
         )
 
 
+@guarded
 @on_one_thread
 def states(
     assembly: AssemblyOrPath,
@@ -625,6 +632,12 @@ def states(
         assembly, "states", contacts, friction=friction, down=down, ground=ground, floor=floor
     )
     require_no_bonds(assembly, "states", NOT_SET)
+    if contacts is not None and not isinstance(contacts, ContactSet):
+        raise InputError(
+            f"contacts is {type(contacts).__name__}", hint="give contacts of kilter.contacts"
+        )
+    if time_limit is not None:
+        number(time_limit, "time_limit", lowest=0)
     if contacts is None:
         contacts = detect.contacts(
             assembly, tolerance=tolerance, time_limit=time_limit, progress=progress

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from kilter.values.guesses import Guessable
+
 __all__ = ["Value"]
 
 
-class Value:
+class Value(Guessable):
     """A frozen value that is compared by content; the hash is computed once and kept.
 
     Fields of a dataclass that are declared with ``compare=False`` do not count.

@@ -1,0 +1,109 @@
+"""Quantities as users write them: friction as a share or an angle, density as a material.
+
+--friction 30%  ->  0.3        --friction 17deg  ->  tan 17 deg        --density steel  ->  7850
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from kilter.errors import InputError, nearest_name
+
+__all__ = ["material_of", "with_plain_numbers"]
+
+
+def _number(word: str) -> float | None:
+    """The number that a word is; None for other words."""
+    try:
+        return float(word)
+    except ValueError:
+        return None
+
+
+def _friction(word: str) -> float:
+    """Coefficient of friction of a word: a number, a share in percent, or an angle in degrees."""
+    number = _number(word)
+    share, angle = _number(word.removesuffix("%")), _number(word.removesuffix("deg"))
+    if number is not None:
+        return number
+    if word.endswith("%") and share is not None:
+        return share / 100
+    if word.endswith("deg") and angle is not None and 0 <= angle < 90:
+        return math.tan(math.radians(angle))
+    raise InputError(
+        f"--friction has {word!r:.40}",
+        hint="give a coefficient, a share or an angle below 90 degrees: 0.3, 30% or 17deg",
+    )
+
+
+def _density(word: str) -> float:
+    """Density of a word [kg/m^3]: a number, or the name of a material of the workbench."""
+    number = _number(word)
+    if number is not None:
+        return number
+    # imported late: most command lines name no material
+    from kilter.workbench.materials import MATERIALS
+
+    known = {material.name: material.density for material in MATERIALS}
+    near = nearest_name(word, known)
+    if near is not None and near.casefold() == word.casefold():
+        return known[near]
+    hint = f"did you mean {near!r}?" if near else f"give kg/m^3, or one of {', '.join(known)}"
+    raise InputError(f"{word!r:.40} is neither a density nor a material", hint=hint)
+
+
+READERS: dict[str, Callable[[str], float]] = {"--friction": _friction, "--density": _density}
+"""Options whose values may have a unit or a name, with the function that reads the value."""
+
+
+def with_plain_numbers(words: list[str]) -> list[str]:
+    """Replace quantities with a unit or a name by their plain numbers.
+
+    Examples
+    --------
+    >>> with_plain_numbers(["--friction", "30%", "--density=steel"])
+    ['--friction=0.3', '--density=7850']
+    """
+    result: list[str] = []
+    rest = iter(words)
+    for word in rest:
+        if word == "--":
+            return [*result, word, *rest]
+        option, equals, value = word.partition("=")
+        read = READERS.get(option)
+        value = value if equals or read is None else next(rest, "")
+        if read is None or not (equals or value):
+            result.append(word)  # the option parser reports a missing value
+        elif _number(value) is not None or value.startswith("--"):
+            result += [word] if equals else [word, value]
+        else:
+            result.append(f"{option}={read(value):.15g}")
+    return result
+
+
+def material_of(words: str) -> dict[str, Any]:
+    """The material entry of a value of ``--material``: a name of parts, and density or material.
+
+    Raises
+    ------
+    InputError
+        If the value has no name of parts, or no density.
+
+    Examples
+    --------
+    >>> material_of("bolt*=steel")
+    {'parts': 'bolt*', 'density': 7850, 'name': 'steel'}
+    """
+    parts, _, value = words.rpartition("=")
+    if not parts:
+        raise InputError(
+            f"--material has {words!r:.60}",
+            hint=f'name the parts: --material "*={words:.40}", or --density for all parts',
+        )
+    density = _density(value)
+    if not (density > 0 and math.isfinite(density)):
+        raise InputError(f"--material has {words!r:.60}", hint="give a density above zero")
+    name = {} if _number(value) is not None else {"name": value}
+    return {"parts": parts, "density": density, **name}

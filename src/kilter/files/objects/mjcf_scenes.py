@@ -1,0 +1,59 @@
+"""Read MJCF files with MuJoCo; `kilter.files.scene_process` runs this in a separate process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from kilter.errors import InputError
+from kilter.files.mjcf_survey import survey_mjcf
+from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
+
+__all__ = ["read_mjcf"]
+
+WORKSPACE, WORKSPACE_OF_ELEMENT = 100_000_000, 20_000
+"""Memory that MuJoCo reserves for its computations, and in addition for each element [bytes]."""
+
+
+def read_mjcf(path: Path, keyframe: str | None, allow_time: Callable[[int], None]) -> Snapshot:
+    """Read an MJCF file (a scene for MuJoCo) as a snapshot of its model.
+
+    Parameters
+    ----------
+    path : Path
+    keyframe : str or None
+        Name of the keyframe whose pose is used; default the first keyframe.
+    allow_time : callable
+        Called with the size of all files [bytes] before MuJoCo builds the scene.
+
+    Raises
+    ------
+    InputError
+        If MuJoCo is not installed or rejects the file, if the scene has too many elements, or if
+        there is no such keyframe.
+    """
+    survey = survey_mjcf(path)
+    try:
+        import mujoco
+    except ImportError:
+        raise InputError(
+            "MJCF files need MuJoCo, which is not installed", hint="pip install 'kilter[mujoco]'"
+        ) from None
+    allow_time(survey.size)
+    try:
+        model = _compiled(mujoco, path, survey.elements)
+    except ValueError as error:
+        what = " ".join(str(error).split())[:200]
+        raise InputError(f"MuJoCo rejects it: {what}", hint="correct the file") from None
+    return take_snapshot(mujoco, model, None, keyframe)
+
+
+def _compiled(mujoco: Any, path: Path, elements: int) -> Any:
+    """The MuJoCo model of a file, with little memory for a simulation."""
+    if path.suffix != ".xml":  # MuJoCo knows the format of a specification by this ending only
+        return mujoco.MjModel.from_xml_path(str(path))
+    scene = mujoco.MjSpec.from_file(str(path))
+    # by default the memory grows with the square of the number of bodies
+    scene.memory = WORKSPACE + WORKSPACE_OF_ELEMENT * elements
+    return scene.compile()

@@ -1,0 +1,36 @@
+"""Second-order answer that includes the rules about small pushes (`small_push`)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kilter.mechanics.program import Program
+from kilter.second_order.answer.second_order_answer import SecondOrder, open_answer
+from kilter.second_order.motions.small_push import SmallPush
+
+__all__ = ["pushed_answer"]
+
+MAY_FALL = "no proof says whether a small push makes them roll, rock or swing on"
+
+
+def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) -> SecondOrder:
+    """Answer with the result of a small push that makes parts fall, or may make them fall.
+
+    Parameters
+    ----------
+    program : Program
+        Program of the decision.
+    push : SmallPush
+        Its state is "falls" or "open".
+    known : SecondOrder or None
+        Answer without friction; None if friction is needed to hold the parts.
+    """
+    why = push.rolling.why if push.rolling is not None else ""
+    answer = known or open_answer(why or MAY_FALL, program)
+    parts = np.flatnonzero(push.parts)
+    if push.state != "falls":
+        return replace(answer, bending=parts, why=answer.why or why or MAY_FALL)
+    motion = push.rolling.motion if push.rolling is not None else None
+    return replace(answer, state="balanced", rolling=push.rolling, motion=motion, moving=parts)

@@ -1,0 +1,157 @@
+"""Rows of joints to second order, and exactly.
+
+A joint is a set of equations in the motions of its two parts. Part i moves by
+x -> c_i + r_i + exp(theta_i) (x - c_i). With p_i = x - c_i for the point x of a row along n, and
+the axis d of the joint, the equations and their second derivatives are
+
+    point of b on point of a     n . (x_b - x_a)
+        n . (tb x (tb x pb)) - n . (ta x (ta x pa))
+    point of b on axis of a      (exp(ta) n) . (x_b - x_a)
+        the same, and 2 (ta x n) . v
+    axis of b along axis of a    (exp(ta) e) . (exp(tb) d),    e = n x d
+        d . (ta x (ta x e)) + e . (tb x (tb x d)) + 2 (ta x e) . (tb x d)
+    no turn of b over a          n . log(exp(-ta) exp(tb))
+        -n . (ta x tb)
+
+with ta, tb the turns and v = v_b - v_a the velocity of b past a at x. Rows about turns are
+multiplied by a length (`Program.arm`), so that all gaps are lengths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, cross
+from kilter.assembly import Joint
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import JOINT
+from kilter.rigid import skew, turn_of
+from kilter.second_order.gaps.gap_form import arms_of, relative_motion, swing
+
+__all__ = ["close_joints", "joint_errors", "joint_forms", "joints_closed", "on_joints"]
+
+ROUNDS = 60
+"""Largest number of corrections that close the joints of a configuration."""
+CLOSED = 1e-12
+"""Largest error of closed joints, over the length of the assembly [-]."""
+
+
+def on_joints(program: Program) -> Mask:
+    """Mask of the rows of joints, shape (K,)."""
+    rows: Mask = program.kind == JOINT
+    return rows
+
+
+def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
+    """Second derivatives of the joint equations, shape (K, 12, 12); 0 for other rows.
+
+    Parameters
+    ----------
+    program : Program
+        Its joint rows belong to `joints`.
+    joints : sequence of Joint
+        Joints of the assembly.
+
+    Returns
+    -------
+    ndarray, shape (K, 12, 12)
+        In (r_a, theta_a, r_b, theta_b) about the centres of mass, world frame [length unit].
+    """
+    result = np.zeros((len(program.kind), 12, 12))
+    rows = np.flatnonzero(on_joints(program))
+    if not len(rows):
+        return result
+    slides, axes, has_axis = _kinds(program, joints, rows)
+    normal = program.normal[rows]
+    arm_a, arm_b = arms_of(program, rows)
+    slip, _ = relative_motion(arm_a, arm_b)
+    form = np.zeros((len(rows), 12, 12))
+    form[:, 3:6] += np.where(slides[:, None, None], skew(normal) @ slip, 0.0)
+    form += form.swapaxes(1, 2).copy()
+    form[:, 3:6, 3:6] -= swing(normal, arm_a)
+    form[:, 9:, 9:] += swing(normal, arm_b)
+    turn = np.zeros((len(rows), 12, 12))
+    across = cross(normal, axes)
+    mixed = np.where(has_axis[:, None, None], -skew(across) @ skew(axes), skew(normal) / 2)
+    turn[:, 3:6, 9:] = mixed
+    turn[:, 9:, 3:6] = mixed.swapaxes(1, 2)
+    turn[:, 3:6, 3:6] = swing(axes, across)
+    turn[:, 9:, 9:] = swing(across, axes)
+    turn *= program.arm[rows, None, None]
+    result[rows] = np.where(program.angular[rows, None, None], turn, form)
+    return result
+
+
+def joint_errors(program: Program, joints: Sequence[Joint], motion: Array) -> Array:
+    """Errors of the joint equations after a motion, shape (N, 6), exactly; (k,) [length unit]."""
+    rows = np.flatnonzero(on_joints(program))
+    slides, axes, has_axis = _kinds(program, joints, rows)
+    normal, padded = program.normal[rows], np.vstack([motion, np.zeros((1, 6))])
+    turns = np.array([turn_of(six[3:]) for six in padded])
+    a, b = program.part_a[rows], program.part_b[rows]
+    arm_a, arm_b = arms_of(program, rows)
+    # the centres cancel: both arms end in the same point before the motion
+    moved = padded[b, :3] - padded[a, :3]
+    moved += np.einsum("kij,kj->ki", turns[b], arm_b) - arm_b
+    moved -= np.einsum("kij,kj->ki", turns[a], arm_a) - arm_a
+    along = np.where(slides[:, None], np.einsum("kij,kj->ki", turns[a], normal), normal)
+    shifted = np.einsum("ki,ki->k", along, moved)
+    over = turns[a].swapaxes(1, 2) @ turns[b]
+    vee = np.stack(
+        [
+            over[:, 2, 1] - over[:, 1, 2],
+            over[:, 0, 2] - over[:, 2, 0],
+            over[:, 1, 0] - over[:, 0, 1],
+        ],
+        axis=1,
+    )
+    across = cross(normal, axes)
+    leaning = np.einsum("ki,kij,kj->k", across, over, axes)
+    turned = np.where(has_axis, leaning, np.einsum("ki,ki->k", normal, vee) / 2)
+    errors: Array = np.where(program.angular[rows], turned * program.arm[rows], shifted)
+    return errors
+
+
+def joints_closed(program: Program, joints: Sequence[Joint], motion: Array, length: float) -> bool:
+    """True if all joints are closed after a motion, (N, 6), but for rounding."""
+    errors = joint_errors(program, joints, motion)
+    return bool(np.abs(errors).max(initial=0.0) <= CLOSED * length)
+
+
+def close_joints(
+    program: Program, joints: Sequence[Joint], motion: Array, length: float
+) -> Array | None:
+    """Configuration near a motion, (N, 6), in which all joints are closed; None if not found.
+
+    Newton's method with the derivatives at the start.
+    """
+    chosen = on_joints(program)
+    if not chosen.any():
+        return motion
+    units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
+    scale = units[:, program.freedoms].reshape(-1)
+    arm = program.arm[chosen]
+    rows = program.taking(chosen).jacobian().toarray() * scale * arm[:, None]
+    inverse = np.linalg.pinv(rows, rcond=1e-9)
+    for _ in range(ROUNDS):
+        if joints_closed(program, joints, motion, length):
+            return motion
+        errors = joint_errors(program, joints, motion)
+        motion = motion - program.full(scale * (inverse @ errors))
+    return None
+
+
+def _kinds(program: Program, joints: Sequence[Joint], rows: Index) -> tuple[Mask, Array, Mask]:
+    """For joint rows: whether b slides along an axis of a, the axis, and whether b turns about it.
+
+    The axis is 0 for joints without an axis of rotation; shapes (k,), (k, 3), (k,).
+    """
+    chosen = [joints[k] for k in program.source[rows]]
+    slides = np.array([joint.kind in ("prismatic", "cylindrical") for joint in chosen], dtype=bool)
+    turns = np.array([joint.kind in ("revolute", "cylindrical") for joint in chosen], dtype=bool)
+    axes = np.array(
+        [joint.axis if turn else np.zeros(3) for joint, turn in zip(chosen, turns, strict=True)]
+    ).reshape(-1, 3)
+    return slides, axes, turns

@@ -1,0 +1,172 @@
+"""Joints to second order: their equations by finite differences, and linkages in closed form."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Joint, Part, Pose
+from kilter.assembly.interactions import JointKind
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.gaps.joint_forms import joint_errors, joint_forms
+
+Y = np.array([0.0, 1.0, 0.0])
+OFF = 1e-4
+MOVING: tuple[JointKind, ...] = ("revolute", "prismatic", "cylindrical", "spherical")
+
+
+def bar(name: str, start: tuple[float, ...], end: tuple[float, ...], **more: float) -> Part:
+    """A thin upright bar in the plane y = start[1], from one point to the other."""
+    first, last = np.array(start), np.array(end)
+    along = last - first
+    turn = np.arctan2(along[0], along[2]) / 2
+    pose = Pose((first + last) / 2, rotation=[np.cos(turn), 0, np.sin(turn), 0])
+    return Part(name, Box([0.04, 0.04, float(np.linalg.norm(along))]), pose, **more)
+
+
+def hinge(parts: tuple[str, str], at: tuple[float, ...]) -> Joint:
+    return Joint(parts, "revolute", point=at, axis=Y)
+
+
+def second(assembly: Assembly) -> SecondOrder:
+    """The answer of second order; its proof holds, too."""
+    verdict = kilter.check(assembly)
+    assert kilter.verify(assembly, verdict.proof()).holds
+    assert verdict.second_order is not None
+    return verdict.second_order
+
+
+@pytest.mark.parametrize("kind", MOVING)
+@pytest.mark.parametrize("planar", [False, True])
+def test_the_forms_of_a_joint_are_the_second_derivatives_of_its_equations(
+    kind: JointKind, planar: bool
+) -> None:
+    random = np.random.default_rng(MOVING.index(kind))
+    axis = Y if planar and kind != "prismatic" else random.normal(size=3) * ([1, not planar, 1])
+    parts = [bar("a", (0, 0, 0), (0.3, 0, 1)), bar("b", (0.3, 0.1, 1), (1, 0.1, 1.4))]
+    joint = Joint(("a", "b"), kind, point=[0.3, 0.05, 1], axis=axis)
+    held = Part("held", Box([1, 1, 1]), Pose([9, 9, 9]), grounded=True)
+    assembly = Assembly([*parts, held], joints=[joint], planar=planar)
+    program = build_program(assembly, kilter.contacts(assembly))
+    forms = joint_forms(program, assembly.joints)
+    step = 1e-3
+    for _ in range(5):
+        motion = program.full(random.normal(size=len(program.columns)))
+        ahead, behind = (
+            joint_errors(program, assembly.joints, sense * step * motion) for sense in (1, -1)
+        )
+        both = np.concatenate([motion[0], motion[1]])
+        rate = program.velocities(motion) * program.arm
+        assert (ahead - behind) / (2 * step) == pytest.approx(rate, abs=1e-4)
+        bend = np.einsum("i,kij,j->k", both, forms, both)
+        assert (ahead + behind) / step**2 == pytest.approx(bend, abs=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["revolute", "spherical", "cylindrical"])
+@pytest.mark.parametrize(
+    ("below", "state"), [(-1, "balanced"), (-OFF, "balanced"), (0, "free"), (OFF, ""), (1, "")]
+)
+def test_a_pendulum_falls_above_its_joint_and_swings_below_it(
+    kind: JointKind, below: float, state: str
+) -> None:
+    rod = bar("rod", (0, 0, -below - 0.5), (0, 0, -below + 0.5))
+    joint = Joint(("rod", "ground"), kind, point=[0, 0, 0], axis=Y)
+    found = second(Assembly([rod], joints=[joint]))
+    # a ball joint also turns about the vertical, and a cylindrical joint also slides
+    expected = state or ("minimum" if kind == "revolute" else "free")
+    assert found.state == expected
+    if kind == "revolute":
+        inertia = float(Assembly([rod], joints=[joint]).geometry.inertia[0, 1, 1])
+        mass = float(Assembly([rod], joints=[joint]).geometry.mass[0])
+        rate = np.sqrt(mass * 9.81 * abs(below) / (inertia + mass * below**2))
+        assert found.rate == (pytest.approx(rate, rel=1e-3) if below else None)
+
+
+def test_a_pendulum_on_a_level_rail_slides_and_swings() -> None:
+    for below, state in ((0.5, "free"), (-0.5, "balanced")):
+        cart = Part("cart", Box([0.2, 0.2, 0.2]), Pose([0, 1, 0]))
+        rod = bar("rod", (0, 0, -below - 0.5), (0, 0, -below + 0.5))
+        rail = Joint(("cart", "ground"), "prismatic", axis=[1, 0, 0])
+        assembly = Assembly([cart, rod], joints=[rail, hinge(("rod", "cart"), (0, 0, 0))])
+        assert second(assembly).state == state
+
+
+@pytest.mark.parametrize("first", [1, -1])
+@pytest.mark.parametrize("last", [1, -1])
+def test_of_a_double_pendulum_only_down_and_down_is_stable(first: int, last: int) -> None:
+    upper = bar("upper", (0, 0, 0), (0, 0, first))
+    lower = bar("lower", (0, 0.1, first), (0, 0.1, first + last))
+    joints = [hinge(("upper", "ground"), (0, 0, 0)), hinge(("lower", "upper"), (0, 0, first))]
+    found = second(Assembly([upper, lower], joints=joints))
+    assert found.state == ("minimum" if first == last == -1 else "balanced")
+    assert (found.neutral, found.free) == (2, 0)
+
+
+@pytest.mark.parametrize(
+    ("above", "state"), [(0.5, "balanced"), (OFF, "balanced"), (0, "free"), (-OFF, "minimum")]
+)
+def test_a_lever_with_a_counterweight_stands_if_the_common_centre_is_below_the_hinge(
+    above: float, state: str
+) -> None:
+    lever = bar("lever", (-1, 0, 0), (1, 0, 0), mass=1.0)
+    weights = [
+        Part("left", Box([0.1, 0.1, 0.1]), Pose([-1, 0, 0]), mass=3.0),
+        Part("right", Box([0.1, 0.1, 0.1]), Pose([1, 0, 0]), mass=3.0),
+    ]
+    ties = [Joint(("lever", name)) for name in ("left", "right")]
+    beam = Assembly([lever, *weights], joints=[*ties, hinge(("lever", "ground"), (0, 0, -above))])
+    assert second(beam).state == state
+
+
+def four_bar(width: float, side: float, load: float = 0.0) -> Assembly:
+    """A coupler on two bars of length `side` that stand (or hang, if negative) on two hinges."""
+    left = bar("left", (0, 0, 0), (0, 0, side))
+    right = bar("right", (width, 0, 0), (width, 0, side))
+    coupler = bar("coupler", (0, 0.1, side), (width, 0.1, side), mass=1.0 + load)
+    joints = [
+        hinge(("left", "ground"), (0, 0, 0)),
+        hinge(("right", "ground"), (width, 0, 0)),
+        hinge(("coupler", "left"), (0, 0, side)),
+        hinge(("coupler", "right"), (width, 0, side)),
+    ]
+    return Assembly([left, right, coupler], joints=joints)
+
+
+def test_a_parallelogram_falls_if_it_stands_and_swings_if_it_hangs() -> None:
+    """A closed chain whose rows depend on one another: four parallel hinges of a planar linkage."""
+    assert second(four_bar(2.0, 1.0)).state == "balanced"
+    hanging = second(four_bar(2.0, -1.0))
+    assert (hanging.state, hanging.neutral) == ("minimum", 1)
+
+
+def test_a_stretched_chain_is_locked_by_its_self_stress() -> None:
+    """Two collinear bars between fixed hinges move to first order, but not to second order."""
+    bars = [bar("left", (0, 0, 0), (1, 0, 0)), bar("right", (1, 0.1, 0), (2, 0.1, 0))]
+    at = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
+    names = [("left", "ground"), ("left", "right"), ("right", "ground")]
+    stretched = Assembly(bars, joints=[hinge(*both) for both in zip(names, at, strict=True)])
+    level = stretched.with_down([0, 1, 0])  # no load acts along the motion
+    found = second(level)
+    assert (found.state, found.neutral, found.free) == ("minimum", 1, 0)
+
+
+def test_a_proof_about_joints_fails_for_another_pose() -> None:
+    down, up = (
+        Assembly([bar("rod", (0, 0, 0), (0, 0, s))], joints=[hinge(("rod", "ground"), (0, 0, 0))])
+        for s in (-1.0, 1.0)
+    )
+    hanging, standing = kilter.check(down).proof(), kilter.check(up).proof()
+    forged = copy.deepcopy(standing)
+    forged["second_order"], forged["verdict"] = hanging["second_order"], "stable"
+    forged["digest"] = digest_of(forged)
+    assert not kilter.verify(up, forged).holds
+    opened = copy.deepcopy(standing)
+    place = opened["second_order"]["configuration"]["rod"]
+    opened["second_order"]["configuration"]["rod"] = [place[0] + 1e-6, *place[1:]]
+    opened["digest"] = digest_of(opened)
+    assert any("a joint is open" in reason for reason in kilter.verify(up, opened).reasons)

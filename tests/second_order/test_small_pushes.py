@@ -1,0 +1,216 @@
+"""Stable means that a small push topples nothing: closed forms, each on both sides of its limit."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+from lathe import turned_part
+
+import kilter
+from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere, Verdict
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
+from kilter.second_order.motions.bending import bending_bodies
+from kilter.second_order.motions.steady import steady_parts
+from kilter.second_order.parts.rigid_groups import RigidGroups
+
+TABLE = Part("table", Box([60, 60, 1]), Pose([0, 0, -0.5]), grounded=True)
+ALONG_Y = [2**-0.5, 2**-0.5, 0, 0]
+GRIPS = (0.1, 0.5, 1.0)
+R = 0.5
+
+
+def pushed(parts: list[Part], mu: float, joints: list[Joint] | None = None) -> Verdict:
+    """The verdict on parts on a table; its proof holds, and no stronger verdict holds with it."""
+    assembly = Assembly([TABLE, *parts], friction=mu, joints=joints or [])
+    verdict = kilter.check(assembly)
+    proof = verdict.proof()
+    assert kilter.verify(assembly, proof).holds
+    assert verdict.stable == (verdict.verdict == "stable")
+    if verdict.verdict != "stable":
+        stronger = copy.deepcopy(proof)
+        stronger["verdict"], stronger["second_order"] = "stable", None
+        stronger["digest"] = digest_of(stronger)
+        assert not kilter.verify(assembly, stronger).holds
+    return verdict
+
+
+def roller(radius: float, *, held: bool) -> Part:
+    return Part("roller", Cylinder(radius, 2), Pose([0, 0, radius], rotation=ALONG_Y), held)
+
+
+def slab(radius: float, thickness: float) -> Part:
+    return Part("slab", Box([1, 1, thickness]), Pose([0, 0, 2 * radius + thickness / 2]))
+
+
+def balls(*, held: bool = False, at: tuple[float, float] = (0, 0), on: float = 0.0) -> list[Part]:
+    return [
+        Part("ball1", Sphere(R), Pose([*at, on + R]), grounded=held),
+        Part("ball2", Sphere(R), Pose([*at, on + 3 * R])),
+    ]
+
+
+@pytest.mark.parametrize("mu", [0.0, *GRIPS])
+@pytest.mark.parametrize("held", [False, True])
+def test_a_ball_falls_off_a_ball(mu: float, held: bool) -> None:
+    verdict = pushed(balls(held=held), mu)
+    assert (verdict.verdict, verdict.level, verdict.why) == ("balanced", "equilibrium", "balanced")
+    assert verdict.second_order is not None
+    assert (verdict.second_order.rolling is None) == (mu == 0)
+    if mu:
+        assert "friction cannot hold" in verdict.sentence
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_a_ball_falls_off_two_balls_and_lies_in_a_bowl_and_in_a_groove(mu: float) -> None:
+    two = [Part(f"low {s}", Sphere(R), Pose([0, s * 0.6, R]), True) for s in (-1, 1)]
+    up = R + np.sqrt(1.0 - 0.36)
+    assert pushed([*two, Part("ball", Sphere(R), Pose([0, 0, up]))], mu).verdict == "balanced"
+    bowl = turned_part(
+        "bowl", [(0, 0), (3, 0), (3, 1.4), (2, 1.4), (0, 0.4, 0, 2.9)], grounded=True
+    )
+    ball = Part("ball", Sphere(R), Pose([0, 0, 0.4 + R]))
+    assert pushed([bowl, ball], mu).verdict == "stable"
+    log = Part("log", Cylinder(R, 2), Pose([0, 0, 1.5 + R * 2**0.5], rotation=ALONG_Y))
+    for rolling in (log, Part("ball", Sphere(R), log.pose)):
+        found = pushed([wing(-1), wing(1), rolling], mu)
+        assert found.verdict == "stable"
+
+
+def wing(side: int) -> Part:
+    """One side of a groove of 90 degrees along y, whose lowest line is at z = 1.5."""
+    s = 2**-0.5
+    normal, slope = np.array([-side * s, 0, s]), np.array([side * s, 0, s])
+    turn = [np.cos(np.pi / 8), 0, -side * np.sin(np.pi / 8), 0]
+    at = np.array([0, 0, 1.5]) - normal / 2 + 2 * slope
+    return Part(f"wing {side}", Box([4, 4, 1]), Pose(at, turn), grounded=True)
+
+
+@pytest.mark.parametrize("thickness", [0.01, 0.1, 0.5])
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_a_slab_tips_about_a_free_roller_whatever_its_thickness(
+    thickness: float, mu: float
+) -> None:
+    verdict = pushed([roller(0.1, held=False), slab(0.1, thickness)], mu)
+    assert (verdict.verdict, verdict.level) == ("balanced", "equilibrium")
+
+
+@pytest.mark.parametrize(
+    ("radius", "state"),
+    [
+        (0.25 + 1e-5, "holds"),
+        (1.0, "holds"),
+        (0.25, "open"),
+        (0.25 - 1e-5, "falls"),
+        (0.1, "falls"),
+    ],
+)
+def test_friction_holds_a_slab_on_a_held_roller_if_it_is_thinner_than_the_roller(
+    radius: float, state: str
+) -> None:
+    """B / 2 < R; at equality it falls, at fourth order."""
+    verdict = pushed([roller(radius, held=True), slab(radius, 0.5)], 0.5)
+    assert verdict.second_order is not None
+    assert verdict.second_order.rolling is not None
+    assert verdict.second_order.rolling.state == state
+    assert verdict.verdict == ("stable" if state == "holds" else "balanced")
+    assert pushed([roller(radius, held=True), slab(radius, 0.5)], 0.0).verdict == "balanced"
+
+
+@pytest.mark.parametrize(("off", "verdict"), [(-1e-4, "stable"), (1e-4, "balanced")])
+@pytest.mark.parametrize("rho", [0.2, 0.5, 0.8])
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_a_roly_poly_toy_stands_up_if_its_mast_is_short(
+    off: float, verdict: str, rho: float, mu: float
+) -> None:
+    """A half ball with a cylinder (rho, H) on it, of one density: rho H < R^2 / sqrt 2."""
+    height = (1 + off) / (rho * np.sqrt(2.0))
+    toy = turned_part("toy", [(0, 0), (1, 1, 0, 1), (rho, 1), (rho, 1 + height), (0, 1 + height)])
+    assert pushed([toy], mu).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("above", "state"), [(-0.1, "balanced"), (-1e-4, "balanced"), (0, "free"), (1e-4, "minimum")]
+)
+def test_a_seesaw_stays_level_if_its_pivot_is_above_its_centre(above: float, state: str) -> None:
+    beam = Part("beam", Box([4, 0.3, 0.2]), Pose([0, 0, 2]))
+    pivot = Joint(("beam", "ground"), "revolute", point=[0, 0, 2 + above], axis=[0, 1, 0])
+    verdict = pushed([beam], 0.5, [pivot])
+    assert verdict.second_order is not None
+    assert verdict.second_order.state == state
+    assert verdict.verdict == ("balanced" if state == "balanced" else "stable")
+
+
+def crowd(count: int, on: float) -> list[Part]:
+    return [
+        Part(f"box{k}", Box([R, R, R]), Pose([0.7 * (k % 6) - 4, 0.7 * (k // 6) - 6, on + R / 2]))
+        for k in range(count)
+    ]
+
+
+@pytest.mark.parametrize("count", [3, 25])
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_balls_fall_alike_whatever_stands_beside_them(count: int, mu: float) -> None:
+    """All stand on one free base, so that they touch each other through it."""
+    base = Part("base", Box([16, 16, 1]), Pose([0, 0, 0.5]))
+    verdict = pushed([base, *balls(on=1), *crowd(count, 1)], mu)
+    assert verdict.verdict == "balanced"
+    assert "makes ball1 and ball2 fall" in verdict.sentence
+
+
+@pytest.mark.parametrize("count", [3, 25])
+def test_a_ball_in_a_bowl_stays_whatever_stands_beside_it(count: int) -> None:
+    base = Part("base", Box([16, 16, 1]), Pose([0, 0, 0.5]))
+    bowl = turned_part("bowl", [(0, 0), (3, 0), (3, 1.4), (2, 1.4), (0, 0.4, 0, 2.9)], [4, 4, 1])
+    ball = Part("ball", Sphere(R), Pose([4, 4, 1.4 + R]))
+    assert pushed([base, bowl, ball, *crowd(count, 1)], 0.5).verdict == "stable"
+
+
+def test_an_inverted_pendulum_falls_beside_a_block_that_friction_holds() -> None:
+    slope = [np.cos(0.1), 0, np.sin(0.1), 0]
+    ramp = Part("ramp", Box([4, 4, 1]), Pose([9, 0, 3], slope), grounded=True)
+    up = np.array([np.sin(0.2), 0, np.cos(0.2)])
+    block = Part("block", Box([1, 1, 1]), Pose(np.array([9, 0, 3]) + up, slope))
+    hinge = Joint(("rod", "ground"), "revolute", point=[0, 0, 1], axis=[0, 1, 0])
+    for sense, verdict, why in ((1, "potentially-stable", "push-open"), (-1, "stable", None)):
+        rod = Part("rod", Box([0.1, 0.1, 0.8]), Pose([0, 0, 1 + 0.4 * sense]))
+        found = pushed([ramp, block, rod], 0.5, [hinge])
+        if sense > 0:
+            assert (found.verdict, found.why, found.level) == (verdict, why, "equilibrium")
+            assert "a small push may make rod roll, rock or swing on" in found.sentence
+
+
+def test_a_wall_of_bricks_says_nothing_about_second_order() -> None:
+    wall = [
+        Part(
+            f"b{row}-{k}",
+            Box([0.4, 0.2, 0.2]),
+            Pose([0.4 * k + 0.19 * (row % 2), 0, 0.1 + 0.2 * row]),
+        )
+        for row in range(10)
+        for k in range(10)
+    ]
+    verdict = kilter.check(Assembly([TABLE, *wall], friction=0.6))
+    assert verdict.verdict == "stable"
+    assert "second order" not in str(verdict)
+    assert "open" not in verdict.sentence
+
+
+def test_a_shaft_in_its_bore_and_a_roller_on_a_wall_do_not_bend() -> None:
+    ring = [(0.1, 0), (0.5, 0), (0.5, 0.5), (0.1, 0.5), (0.1, 0)]
+    block = turned_part("block", ring)
+    log = Part("log", Cylinder(0.2, 1.0), Pose([3, 0, 0.2], rotation=ALONG_Y))
+    pin = turned_part("pin", [(0, 0), (0.1, 0), (0.1, 0.9), (0, 0.9)])
+    assembly = Assembly([TABLE, block, pin, log])
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    verdict = kilter.check(assembly, contacts=contacts)
+    proof = verdict.judgement.forces
+    assert proof is not None
+    groups = RigidGroups.of(assembly)
+    whole = groups.merged(program, assembly)
+    assert not bending_bodies(contacts, (), whole, proof.forces, curves=True).any()
+    flat = np.ones(len(program.kind), dtype=bool)
+    assert steady_parts(program, proof.forces, flat)[1]
