@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.optimize import linprog, lsq_linear, nnls
+from scipy.optimize import linprog, nnls
 
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
@@ -117,7 +117,7 @@ def _motion(program: Program, scaled: Array) -> Array:
 
 def _levers(program: Program) -> tuple[Array, Array]:
     """Rows of u_n - mu d.u_t >= 0, (R, 6N), and rows of u = 0, over scaled freedoms."""
-    rays, forces, friction = _rays(program)
+    rays, forces, _ = _rays(program)
     if not len(rays):
         return np.zeros((0, 6 * int(program.free.sum()))), np.zeros((0, 0))
     rows = np.stack([_columns(program, wrench) for wrench in rays])
@@ -144,9 +144,7 @@ def _fastest(levers: tuple[Array, Array], gain: Array, allowed: float) -> Array 
     """The motion with the largest power that closes no row by more than `allowed`."""
     rows, size = levers[0], len(gain)
     worth = gain / max(float(np.abs(gain).max()), 1e-300)
-    found = linprog(
-        -worth, A_ub=-rows, b_ub=np.full(len(rows), allowed), bounds=[(-1, 1)] * size
-    )
+    found = linprog(-worth, A_ub=-rows, b_ub=np.full(len(rows), allowed), bounds=[(-1, 1)] * size)
     if found.status != 0:
         return None
     motion = np.asarray(found.x)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -209,7 +208,8 @@ def _sliding_joint(rng: np.random.Generator, beyond: float) -> Assembly:
         block("carriage", [-1, -1, 1], [1, 1, float(rng.uniform(2, 3))], mass=1.0),
     ]
     joint = Joint(("rail", "carriage"), "prismatic", point=[0, 0, 1], axis=[1, 0, 0])
-    return Assembly(parts, joints=[joint], gravity=_leaning(abs(beyond), 0 if beyond > 0 else np.pi / 2))
+    along = 0.0 if beyond > 0 else np.pi / 2
+    return Assembly(parts, joints=[joint], gravity=_leaning(abs(beyond), along))
 
 
 FAMILIES: dict[str, Callable[[np.random.Generator, float], Assembly]] = {

@@ -8,6 +8,7 @@ neither pass: its width and its cases are printed.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -62,7 +63,8 @@ def require_one(seeds: Iterable[int], *, exact: bool) -> None:
         if not (passed.forces or passed.motion):
             band.append(case)
     width = max((abs(case.beyond) for case in band), default=0.0)
-    print(f"neither kind passes: {len(band)} cases, up to {width:.1e} from the limit: {band}")
+    words = f"{len(band)} cases, up to {width:.1e} of the weight from the limit: {band}"
+    sys.stdout.write(f"neither kind passes: {words}\n")
 
 
 @pytest.mark.slow
