@@ -19,9 +19,9 @@ import kilter
 SEEDS: dict[str, int] = {
     "force": 20,
     "motion": 24,
-    "settles": 4,
-    "exclusion": 6,
-    "second order": 6,
+    "settles": 12,
+    "exclusion": 12,
+    "second order": 14,
     "rest": 20,
     "region": 12,
     "margin": 8,
@@ -34,7 +34,7 @@ SEEDS: dict[str, int] = {
     "place": 12,
 }
 """Number of seeds of each kind; together they make about 2,500 attempts."""
-BLOCKS = {"settles": 1, "exclusion": 2, "second order": 2, "force": 2, "margin": 4, "transport": 4}
+BLOCKS = {"settles": 1, "exclusion": 2, "second order": 2, "force": 5, "margin": 2, "transport": 1}
 """Seeds of one test; by default 6."""
 
 
