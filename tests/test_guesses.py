@@ -153,6 +153,18 @@ def test_a_guarded_function_and_class_keep_their_signatures() -> None:
     assert passes_on(mu=1) == {"mu": 1}
 
 
+@pytest.mark.parametrize(
+    "name", [n for n in kilter.__all__ if inspect.isfunction(getattr(kilter, n))]
+)
+def test_the_help_of_a_function_names_the_two_calls_that_are_confused_with_it(name: str) -> None:
+    text = inspect.getdoc(getattr(kilter, name)) or ""
+    section = re.search(r"See Also\n-{8}\n((?:kilter\.\w+ : .+\.\n?)+)", text)
+    assert section is not None
+    named = re.findall(r"kilter\.(\w+) :", section[1])
+    assert len(set(named) - {name}) == len(named) == 2
+    assert set(named) <= set(kilter.__all__)
+
+
 # accepted -------------------------------------------------------------------------------------
 
 

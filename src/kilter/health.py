@@ -146,6 +146,11 @@ def doctor() -> Health:
     served on this machine, temporary files and the terminal. They use no network and take about
     two seconds.
 
+    See Also
+    --------
+    kilter.example : an assembly to try kilter with.
+    kilter.check : the verdict on an assembly.
+
     Examples
     --------
     >>> health = doctor()

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.validate import finite, frozen, in_range
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 __all__ = [
     "Pose",

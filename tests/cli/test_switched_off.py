@@ -63,7 +63,8 @@ def flag(name: str) -> str:
 
 
 def test_every_option_that_is_saved_has_an_off_switch() -> None:
-    assert set(OFF) == {*READING, "material", "open"} - {"off", "release"}
+    question = {"mass", "load", "accelerate"}  # refused by `kilter save`: part of a question
+    assert set(OFF) == {*READING, "material", "open"} - {"off", "release"} - question
     assert set(OFF) == set(SAVED)
 
 

@@ -329,7 +329,9 @@ def test_states_with_wrong_types(options: dict[str, Any]) -> None:
         kilter.states(scene("tower"), **options)
 
 
-@pytest.mark.parametrize("names", [5, None, [5], [["cube-1"]], b"x", [b"x"], object()], ids=str)
+@pytest.mark.parametrize(
+    "names", [5, None, [5], [["cube-1"]], b"x", [b"x"], object()], ids=lambda n: type(n).__name__
+)
 def test_names_of_a_state_with_wrong_types(names: Any) -> None:
     with pytest.raises(InputError, match="is no text; give a name, or a list"):
         kilter.states(scene("tower")).of(names)

@@ -134,6 +134,21 @@ def test_arrows_are_the_accelerations_of_the_answer() -> None:
 
 
 @pytest.mark.slow
+def test_arrows_and_displaced_parts_are_whole() -> None:
+    """The springers of an arch with little friction move out of the picture of the parts alone."""
+    figure = draw_assembly(kilter.check(scene("arch"), friction=0.3))
+    [axes] = [axes for axes in figure.axes if axes.collections]
+    frame = axes.get_window_extent()
+    drawn = [*lines(figure, "FancyArrowPatch"), *lines(figure, "LineCollection")]
+    boxes = [each.get_window_extent() for each in drawn if each.axes is axes]
+    boxes = [box for box in boxes if np.isfinite(box.get_points()).all()]
+    assert len(boxes) > 20
+    for box in boxes:
+        assert (box.min >= frame.min).all()
+        assert (box.max <= frame.max).all()
+
+
+@pytest.mark.slow
 def test_a_stable_assembly_has_forces_and_no_motion() -> None:
     verdict = kilter.check(scene("tower"))
     figure = draw_assembly(verdict)

@@ -115,6 +115,11 @@ def check(
     InputError
         If no part is held, if an argument is invalid, or if the geometry is not usable.
 
+    See Also
+    --------
+    kilter.margin : how much tilt, push or loss of friction it withstands.
+    kilter.scene : a state for each object of a scene.
+
     Examples
     --------
     >>> from kilter.scenes import scene

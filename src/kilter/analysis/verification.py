@@ -178,6 +178,11 @@ def verify(
         If a file cannot be read, if the data do not have the form of a proof, or if the level does
         not exist.
 
+    See Also
+    --------
+    kilter.load_answer : reads an answer, without a proof.
+    kilter.check : the verdict that gives the proof.
+
     Examples
     --------
     >>> from kilter.analysis.check import check

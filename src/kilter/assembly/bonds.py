@@ -11,8 +11,8 @@ import numpy as np
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import frozen, in_range, number
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import BondData

@@ -22,7 +22,7 @@ from kilter.errors import InputError
 from kilter.rigid import Pose, rotation_between, unit
 from kilter.shape.primitives import Box
 from kilter.validate import number
-from kilter.values import Value
+from kilter.values.value import Value
 
 if TYPE_CHECKING:
     from kilter.assembly.geometry import Geometry

@@ -12,7 +12,7 @@ from kilter.assembly.assembly_tolerances import ACROSS
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite
-from kilter.values import Value
+from kilter.values.value import Value
 
 __all__ = ["Feature", "FeatureKind"]
 

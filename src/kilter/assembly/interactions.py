@@ -12,8 +12,8 @@ from kilter.assembly.feature import Feature
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite, frozen, in_range, number
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 

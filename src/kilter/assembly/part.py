@@ -15,8 +15,8 @@ from kilter.rigid import Pose, in_brackets
 from kilter.shape.primitives import Box, Mesh, Shape
 from kilter.units import metres_per_unit
 from kilter.validate import finite, in_range, number
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 __all__ = ["GROUND", "Part"]
 

@@ -27,8 +27,8 @@ from kilter.arrays import Array, cross
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
 from kilter.validate import finite, in_range, number
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 __all__ = ["Strap", "StrapEnd"]
 

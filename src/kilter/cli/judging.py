@@ -217,7 +217,8 @@ def verify(
             "--require",
             metavar="LEVEL",
             help="Level that the proof must reach: equilibrium, settles, proved, strict; by "
-            "default the level that it claims.",
+            "default the level that it claims. Other commands require settles, because they "
+            "compute a level and claim none.",
             show_default=False,
         ),
     ] = None,

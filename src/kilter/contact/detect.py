@@ -79,6 +79,11 @@ def contacts(
     InputError
         If the tolerance is not above zero.
 
+    See Also
+    --------
+    kilter.fastened : joints between the touching parts.
+    kilter.check : the verdict, which detects contacts itself.
+
     Examples
     --------
     >>> from kilter.shape.primitives import Box

@@ -32,8 +32,8 @@ from kilter.errors import InputError, nearest_name
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box
 from kilter.validate import finite, number
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.plan_data import SupportData

@@ -93,6 +93,11 @@ def load_answer(source: str | os.PathLike[str]) -> LoadedAnswer:
     InputError
         If the file cannot be read, the text is no JSON object with the keys "answer" and
         "schema", or a newer version of kilter wrote it.
+
+    See Also
+    --------
+    kilter.load : reads an assembly, not an answer.
+    kilter.verify : verifies a proof, not an answer.
     """
     text, place = source, "the text of an answer"
     if not isinstance(source, str) or not source.lstrip().startswith("{"):

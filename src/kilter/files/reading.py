@@ -401,6 +401,11 @@ def load(
     ------
     InputError
         If the source cannot be read; the message names the fault, its place and the remedy.
+
+    See Also
+    --------
+    kilter.load_answer : reads an answer, not an assembly.
+    kilter.example : a built-in assembly.
     """
     reading = reading_for(
         units=units,

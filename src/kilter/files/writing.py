@@ -37,6 +37,11 @@ def dump(assembly: Assembly, path: str | Path) -> None:
     ------
     InputError
         If the file cannot be written, or a name cannot be encoded.
+
+    See Also
+    --------
+    kilter.save : the options with which a file is read.
+    kilter.load : reads the written file.
     """
     require_assembly(assembly, "dump")
     try:

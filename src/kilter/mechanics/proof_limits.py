@@ -19,7 +19,7 @@ its power P (less the power that bonds and straps take up) exceeds
 with v, v' the largest v_k, v'_k = max(v_k + g_k - max(u_n - mu |u_t|, 0), 0), and the rounding
 g_k = (1 + mu) (rho_a |q_a| + rho_b |q_b|) of the row between the parts a and b.
 
-Theorem: for one assembly at most one of the two kinds passes. Proof: with J^T f + w = r,
+Theorem: no assembly has forces and a motion that both pass. Proof: with J^T f + w = r,
 
     P <= sum |r_i| |q_i| + sum f_k v_k
       <= sum |q_i| eps_i W_i + sum e_i |q_i| + sum (f_k - T_k)+ v_k + sum T_k v_k

@@ -84,6 +84,11 @@ def draw(
         If matplotlib is not installed, the assembly is not valid, or the ending of the file is
         unknown.
 
+    See Also
+    --------
+    kilter.report : an interactive page.
+    kilter.animate : a film.
+
     Examples
     --------
     >>> from kilter.scenes import scene

@@ -43,6 +43,11 @@ def animate(subject: Order | Region | Verdict | Transport, out: str | Path | Non
         If no order was found, no part is known to move, more than 3,000 parts move, or the file
         cannot be written.
 
+    See Also
+    --------
+    kilter.draw : a picture of the motion.
+    kilter.report : a page that plays the steps.
+
     Examples
     --------
     >>> from kilter.analysis.check import check

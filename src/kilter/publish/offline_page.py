@@ -93,6 +93,11 @@ def report(
         If no part is held, the geometry is not usable, there are more than 50,000 parts, or the
         page cannot be written.
 
+    See Also
+    --------
+    kilter.draw : a picture for a document.
+    kilter.view : the workbench, which changes the assembly.
+
     Examples
     --------
     >>> from kilter.scenes import scene

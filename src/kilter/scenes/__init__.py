@@ -68,6 +68,11 @@ def example(
     InputError
         If the name is unknown; the message contains the most similar name.
 
+    See Also
+    --------
+    kilter.load : reads an assembly from a file.
+    kilter.check : the verdict on the assembly.
+
     Examples
     --------
     >>> example("tower")

@@ -22,8 +22,8 @@ from kilter.shape.convex_hull import hull_surface
 from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
 from kilter.shape.solid import Solid
 from kilter.validate import finite, frozen, in_range, number
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 

@@ -15,7 +15,7 @@ from kilter.arrays import TINY, Array, Index, cross
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix, unit
 from kilter.validate import frozen, number
-from kilter.values import Value
+from kilter.values.value import Value
 
 __all__ = [
     "Solid",

@@ -6,6 +6,7 @@ figures compute nothing that the answer does not contain. Gravity points down on
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -27,6 +28,7 @@ from kilter.show.solids import draw_parts
 from kilter.show.sphere import draw_region
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -96,6 +98,7 @@ def draw_assembly(
     if contacts:
         entries += draw_patches(axes, verdict, camera)
     entries += draw_straps(axes, assembly, camera)
+    drawn = set(axes.get_children())
     if verdict.moving:
         entries += draw_motion(axes, verdict, camera, ARROW * size)
     elif verdict.known_forces is not None:
@@ -104,6 +107,7 @@ def draw_assembly(
         entries += draw_forces(axes, verdict, camera, longest)
     if fall is not None:
         entries += draw_fall(axes, verdict, camera, fall)
+    show_whole(figure, axes, [each for each in axes.get_children() if each not in drawn])
     if names:
         draw_names(axes, assembly, faces)
     draw_gravity(axes, camera)
@@ -166,7 +170,28 @@ def picture_limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[
     reach = HELD_IN_VIEW * float((high - low).max())
     low = np.maximum(flat.min(axis=0), low - reach)
     high = np.minimum(flat.max(axis=0), high + reach)
-    middle, half = (low + high) / 2, (high - low) / 2 * (1 + 2 * MARGIN)
+    return _fitting(low, high, figure, 1 + 2 * MARGIN)
+
+
+def _fitting(low: Array, high: Array, figure: Figure, margin: float) -> tuple[Array, Array]:
+    """Corners of the least picture of the shape of the axes around a rectangle with a margin."""
+    middle, half = (low + high) / 2, (high - low) / 2 * margin
     shape = np.array(SPACE) * figure.get_size_inches()
     half = shape * max(float((half / shape).max()), 1e-300)
     return middle - half, middle + half
+
+
+def show_whole(figure: Figure, axes: Axes, artists: Iterable[Artist]) -> None:
+    """Widen the limits of a picture so that arrows and displaced parts are not cut."""
+    limits = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    boxes = np.array([artist.get_window_extent().get_points() for artist in artists])
+    boxes = boxes[np.isfinite(boxes).all(axis=(1, 2))] if len(boxes) else boxes
+    if not len(boxes):
+        return
+    corners = axes.transData.inverted().transform(
+        [boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]
+    )
+    low, high = np.minimum(corners[0], limits[0]), np.maximum(corners[1], limits[1])
+    if (low < limits[0]).any() or (high > limits[1]).any():
+        low, high = _fitting(low, high, figure, 1 + MARGIN / 2)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))

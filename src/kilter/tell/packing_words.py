@@ -41,8 +41,8 @@ def packing_sentence(answer: Answer) -> str:
         (k, item) for k, item in enumerate(items, 1) if not holds(item["level"], answer["require"])
     )
     return (
-        f"After item {k}, {_quoted(item['name'])}, the pile stands only at the level {item['level']}; "
-        f"the level {answer['require']} is required."
+        f"After item {k}, {_quoted(item['name'])}, the pile stands only at the level "
+        f"{item['level']}; the level {answer['require']} is required."
     )
 
 

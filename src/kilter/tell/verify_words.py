@@ -17,9 +17,9 @@ def verify_sentence(answer: Answer) -> str:
     ...                  "level": "equilibrium", "claimed": "settles", "require": None})
     'Equilibrium is proved; settles is claimed by the file.'
     """
-    level, claimed, require = answer["level"], answer["claimed"], answer["require"]
     if answer["reasons"]:
         return "The proof does not hold."
+    level, claimed, require = answer["level"], answer["claimed"], answer["require"]
     if level_rank(level) < level_rank(claimed):
         return f"{str(level).capitalize()} is proved; {claimed} is claimed by the file."
     if answer["holds"]:

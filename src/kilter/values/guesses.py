@@ -78,7 +78,7 @@ RIGHT: dict[str, dict[str, str]] = {
         "read open from_file": READ,
         "write export to_file": WRITE,
         "is_stable stability analyse analyze solve": "kilter.check(assembly)",
-        "plot show render": PICTURE.format("assembly"),
+        "plot render": PICTURE.format("assembly"),
         "simulate step": "kilter.settle(assembly)",
         "Scene Model World": "kilter.Assembly([kilter.Part(...), ...])",
         "Cuboid Block": "kilter.Box(x, y, z)",

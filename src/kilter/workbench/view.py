@@ -60,6 +60,11 @@ def view(
         If the port is not available, the file or the folder does not exist, the file is a link that
         leads out of the opened folder, a host name is invalid, or the function is called in a cell
         of a notebook, which it would block.
+
+    See Also
+    --------
+    kilter.report : a page as a file, without a server.
+    kilter.draw : a picture as a file.
     """
     if in_notebook():
         raise InputError(

@@ -133,6 +133,11 @@ def batch(
     InputError
         If nothing can be read or written, another run is at work in the folder, or it has
         another batch.
+
+    See Also
+    --------
+    kilter.check_many : verdicts on assemblies in memory, without files.
+    kilter.check : the complete answer for one assembly.
     """
     allowed = Tolerance() if tolerance is None else tolerance
     allowed.require_sound()

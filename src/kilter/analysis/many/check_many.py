@@ -88,6 +88,11 @@ def check_many(
         If the tolerance or an option is invalid, a file cannot be read, a name matches no part of
         an assembly, or an element of `assemblies` is neither an assembly nor a path.
 
+    See Also
+    --------
+    kilter.batch : the same for many files, with tables on disk.
+    kilter.check : the complete answer for one assembly.
+
     Examples
     --------
     >>> from kilter.scenes import scene

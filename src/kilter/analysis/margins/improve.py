@@ -181,6 +181,11 @@ def improve(
         If a part is not a brick or not in the cells of the common grid, or if the assembly has
         loads, joints or no bonds.
 
+    See Also
+    --------
+    kilter.margin : limits of any assembly.
+    kilter.check : the verdict on the model.
+
     Examples
     --------
     >>> import kilter

@@ -293,6 +293,11 @@ def margin(
         unknown, also one that a load pulls on; if `about` comes with bonds or loads, or `ranges`
         with bonds.
 
+    See Also
+    --------
+    kilter.check : the verdict on the given direction and friction.
+    kilter.transport : limits of the acceleration of a carrier.
+
     Examples
     --------
     >>> from kilter.scenes import scene

@@ -226,6 +226,11 @@ def check_plan(
     InputError
         If the plan is invalid, two boxes are in the same place, or a box lies beyond the walls.
 
+    See Also
+    --------
+    kilter.place : the places where a next part stands.
+    kilter.plan : a search for an order.
+
     Examples
     --------
     >>> from kilter.files.packing_lists import PackedBox, PackingPlan

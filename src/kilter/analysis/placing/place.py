@@ -216,6 +216,11 @@ def box_to_place(
     ------
     InputError
         If a value is invalid.
+
+    See Also
+    --------
+    kilter.place : the places where the part stands.
+    kilter.Box : the shape alone.
     """
     lengths = finite(size, (3,), "size of the box")
     half = np.radians(number(turn, "turn")) / 2
@@ -281,6 +286,11 @@ def place(
     ------
     InputError
         If gravity does not act along -z, no part is held, or an argument is invalid.
+
+    See Also
+    --------
+    kilter.settle : moves drawn parts until they rest.
+    kilter.check_plan : decides a given sequence of places.
 
     Examples
     --------

@@ -364,6 +364,11 @@ def region(
         If nothing is held, loads are given, the geometry is not usable, or `rests` are requested
         of parts that rub.
 
+    See Also
+    --------
+    kilter.orient : the best direction only.
+    kilter.common_region : the directions for which several assemblies hold.
+
     Examples
     --------
     >>> from kilter.scenes import scene, stacks
@@ -488,6 +493,11 @@ def common_region(
     ------
     InputError
         If the list is empty, or as `region` does.
+
+    See Also
+    --------
+    kilter.region : the directions of a single assembly.
+    kilter.orient : the best direction of a single assembly.
 
     Examples
     --------

@@ -112,6 +112,11 @@ def scene(
     InputError
         If no part is held, if an argument is invalid, or if the geometry is not usable.
 
+    See Also
+    --------
+    kilter.check : a single verdict on the whole assembly.
+    kilter.settle : moves the objects until they rest.
+
     Examples
     --------
     >>> from kilter import Assembly, Box, Part

@@ -264,6 +264,11 @@ def settle(
     InputError
         If no part is held, or an argument is invalid.
 
+    See Also
+    --------
+    kilter.check : the verdict on the drawn pose.
+    kilter.place : the places where a next part stands.
+
     Examples
     --------
     >>> from kilter import Box, Part

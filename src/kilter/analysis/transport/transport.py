@@ -124,6 +124,11 @@ def transport(
         assembly, the rule does not exist, the interval of friction is empty or negative, or the
         confidence factor is below 1.
 
+    See Also
+    --------
+    kilter.margin : limits of tilt and push at rest.
+    kilter.check : the verdict at rest.
+
     Examples
     --------
     >>> from kilter.scenes import stacks

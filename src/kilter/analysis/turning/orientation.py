@@ -220,6 +220,11 @@ def orient(
     InputError
         If nothing is held, loads are given, or the geometry is not usable.
 
+    See Also
+    --------
+    kilter.region : every stable direction of gravity.
+    kilter.check : the verdict on a direction, with ``down``.
+
     Examples
     --------
     >>> from kilter.scenes import scene, stacks

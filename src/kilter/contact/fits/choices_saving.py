@@ -63,6 +63,11 @@ def save(
     ------
     InputError
         If the file cannot be read with the options, or the choices cannot be written.
+
+    See Also
+    --------
+    kilter.dump : writes an assembly.
+    kilter.load : reads a file with its saved options.
     """
     if not isinstance(source, str | Path):
         raise InputError(

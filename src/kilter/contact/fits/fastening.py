@@ -63,6 +63,11 @@ def fastened(
     InputError
         If a glob matches no free part, or no two parts of a pair touch.
 
+    See Also
+    --------
+    kilter.contacts : lists the touching pairs and the suggestions.
+    kilter.hold : the fewest supports from outside.
+
     Examples
     --------
     >>> from kilter.scenes import scene

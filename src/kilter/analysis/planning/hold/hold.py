@@ -88,6 +88,11 @@ def hold(
     InputError
         If no candidate exists, or a candidate does not fit the assembly.
 
+    See Also
+    --------
+    kilter.plan : parts that are held while the assembly is built.
+    kilter.fastened : joints between parts.
+
     Examples
     --------
     >>> from kilter.scenes.arches import arch

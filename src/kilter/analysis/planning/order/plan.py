@@ -101,6 +101,11 @@ def plan(
         the precedence has a cycle, no thread joins the parts of a screw, a part is in
         two groups, or the sequence does not name each part exactly once.
 
+    See Also
+    --------
+    kilter.states : verdicts on subsets of the parts, without an order.
+    kilter.hold : supports of the finished assembly.
+
     Examples
     --------
     >>> from kilter.scenes import scene

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.validate import frozen, number
-from kilter.values import Value
 from kilter.values.guesses import guarded
+from kilter.values.value import Value
 
 __all__ = ["FEWEST", "PlanRules", "turns_alone"]
 

@@ -616,6 +616,11 @@ def states(
     InputError
         If the geometry is not usable, or an acceleration leaves the parts in free fall.
 
+    See Also
+    --------
+    kilter.plan : a search for an order.
+    kilter.check : the complete answer for one state.
+
     Examples
     --------
     >>> from kilter.scenes import scene
