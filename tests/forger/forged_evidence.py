@@ -39,6 +39,11 @@ def forged_forces(program: Program, rng: np.random.Generator) -> Iterator[tuple[
     rows = np.vstack([matrix, rng.uniform(0.5, 2.0, size=len(rays))])
     stress = nnls(rows, np.append(np.zeros(len(load)), 1.0), maxiter=30 * rows.shape[1])[0]
     stress /= max(float(stress.sum()), 1e-300)
+    alike = np.abs(program.normal @ program.normal[int(rng.integers(len(forces[0])))]) > 1 - 1e-9
+    alike &= ~program.two_sided & ~program.angular & np.isinf(program.capacity)
+    for size in SQUEEZES:  # equal forces along one line are an exact self-stress of many parts
+        squeezed = nearest @ forces + size * total * alike
+        yield squeezed, np.einsum("r,rki->ki", nearest, friction)
     for shares in [nearest, *(nearest + size * total * stress for size in SQUEEZES)]:
         yield shares @ forces, np.einsum("r,rki->ki", shares, friction)
 
