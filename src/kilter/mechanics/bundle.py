@@ -168,7 +168,9 @@ def subject_mismatch(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
     given = np.array(vector, dtype=float)
     if "forces" in proof:
         down = np.asarray(proof["down"])
-        distance = min(np.linalg.norm(down - given), np.linalg.norm(down + given))
+        distance = np.linalg.norm(down - given)
+        if about.get("about") == "line":
+            distance = min(distance, np.linalg.norm(down + given))
         return "" if distance <= FOLLOWS else "its forces are for another direction"
     total = np.zeros(3)
     for part in proof["parts"]:

@@ -22,8 +22,10 @@ __all__ = [
     "AGREES",
     "BLUR",
     "COARSE_EXCESS",
+    "COARSE_EXCUSED",
     "CONE_ROUNDING",
     "EXCESS",
+    "EXCUSED",
     "FOLLOWS",
     "LOCKED",
     "MIRROR",
@@ -64,6 +66,12 @@ COARSE_EXCESS = 1.0
 """The same sum over the tolerance, for data coarser than float64. Inclined stacks of 30 cubes need
 up to 0.5, of 100 cubes up to 3.7. A larger value rejects slower motions.
 """
+EXCUSED = 1e-4
+"""Largest such rounding of a part, over its weight, for exact data. Masses of ratios up to 1e12 need
+up to 1e-7. A larger value accepts steeper slides of parts far lighter than their cluster.
+"""
+COARSE_EXCUSED = 1e-2
+"""The same for data coarser than float64."""
 BLUR = 10.0
 """Tolerance of a part over the relative accuracy of its coordinates, for data coarser than float64.
 A larger value accepts more imbalance of coarse data.

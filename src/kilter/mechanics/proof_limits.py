@@ -5,7 +5,7 @@ cluster c touch each other; M_c is their weight. Forces f in their cones leave t
 part i, and S_i is the sum of their sizes on it. T_k is the pull of the bond of row k, so its force
 f_k >= 0 is counted from T_k. Forces are a proof only if
 
-    |r_i| <= eps_i W_i + e_i,   e_i <= rho_i S_i           for every part
+    |r_i| <= eps_i W_i + e_i,   e_i <= rho_i S_i, xi_i W_i for every part
     sum e_i <= delta_c M_c,     sum (f_k - T_k)+ <= L M_c  for every cluster
 
 so e_i is what rounding of the forces explains, and no squeeze excuses more. A motion q, with a
@@ -40,7 +40,9 @@ from kilter.arrays import TINY, Array, Index, Mask
 from kilter.mechanics.clusters import cluster_labels
 from kilter.mechanics.mechanics_tolerances import (
     COARSE_EXCESS,
+    COARSE_EXCUSED,
     EXCESS,
+    EXCUSED,
     RULED_OUT,
     TOLERANCE,
     UNITS_IN_LAST_PLACE,
@@ -74,7 +76,10 @@ def balanced_parts(
     label, free = cluster_labels(program), program.free
     relative = np.where(free, imbalance / np.maximum(weight, TINY), 0.0)
     excess = np.where(free, np.maximum(imbalance - program.tolerance * weight, 0.0), 0.0)
-    balanced = excess <= _roundings(program) * sums
+    coarse = program.tolerance > TOLERANCE
+    # parts far lighter than their cluster: its share is more than their whole weight
+    most = np.where(coarse, COARSE_EXCUSED, EXCUSED) * weight
+    balanced = excess <= np.minimum(_roundings(program) * sums, most)
     # most forces are small: only others need the sums of their cluster
     small = excess.max(initial=0.0) == 0.0 and bool(
         (pressed <= RULED_OUT * weight)[..., free].all()

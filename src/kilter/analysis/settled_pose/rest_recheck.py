@@ -19,6 +19,7 @@ from kilter.assembly import Assembly, GivenContact
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.errors import some_names
 from kilter.mechanics.mechanics_tolerances import AGREES
+from kilter.mechanics.proof_form import NUMBER
 
 __all__ = ["at_closed_points", "is_proof_of_rest", "open_point_objections"]
 
@@ -26,7 +27,7 @@ __all__ = ["at_closed_points", "is_proof_of_rest", "open_point_objections"]
 def is_proof_of_rest(proof: Mapping[str, Any]) -> bool:
     """Whether a proof states that a pose is at rest on closed points."""
     rest = proof.get("rest")
-    return isinstance(rest, Mapping) and isinstance(rest.get("gap"), int | float)
+    return isinstance(rest, Mapping) and not NUMBER(rest.get("gap"), "rest.gap")
 
 
 def at_closed_points(assembly: Assembly, proof: Mapping[str, Any]) -> Assembly:
