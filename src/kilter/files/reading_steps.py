@@ -91,7 +91,7 @@ def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Asse
         return assembly
     given = {name: kg for pattern, kg in masses for name in assembly.matching([pattern])}
     parts = [
-        dataclasses.replace(part, mass=given[part.name], density=None)
+        dataclasses.replace(part, given_mass=given[part.name], density=None)
         if part.name in given
         else part
         for part in assembly.parts

@@ -209,7 +209,7 @@ def _labels(keys: Array) -> Index:
 
 def _rounded(keys: Array) -> Array:
     """Number of each value in the order of its column; close values share it."""
-    numbers = np.empty(keys.shape, dtype=np.int64)
+    numbers: Array = np.empty(keys.shape)
     for k, column in enumerate(keys.T):
         order = np.argsort(column, kind="stable")
         steps = np.diff(column[order], prepend=column[order[:1]]) > SAME_PLACE

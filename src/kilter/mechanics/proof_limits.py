@@ -3,16 +3,16 @@
 Part i has the weight W_i (with the sizes of its loads) and the tolerance eps_i. The free parts of a
 cluster c touch each other; M_c is their weight. Forces f in their cones leave the imbalance r_i on
 part i, and S_i is the sum of their sizes on it. T_k is the pull of the bond of row k, so its force
-f_k >= 0 is counted from T_k. Forces are a proof only if
+f_k >= 0 is counted from T_k, and T_i is the sum of the pulls on part i. Forces are a proof only if
 
-    |r_i| <= eps_i W_i + e_i,   e_i <= rho_i S_i, xi_i W_i for every part
+    |r_i| <= eps_i W_i + rho_i T_i + e_i,   e_i <= rho_i S_i, xi_i W_i   for every part
     sum e_i <= delta_c M_c,     sum (f_k - T_k)+ <= L M_c  for every cluster
 
 so e_i is what rounding of the forces explains, and no squeeze excuses more. A motion q, with a
 fastest part of size |q_i| = 1, closes row k by v_k = max(mu |u_t| - u_n, 0). It is a proof only if
 its power P (less the power that bonds and straps take up) exceeds
 
-    sum |q_i| eps_i W_i + min(A, B),   summed over the clusters that it moves
+    sum |q_i| (eps_i W_i + rho_i T_i) + min(A, B),   summed over the clusters that it moves
     A = sum (delta_c + L v) M_c + sum T_k v_k
     B = sum L v' M_c + sum T_k v'_k + sum of limits times g_k
 
@@ -22,7 +22,7 @@ g_k = (1 + mu) (rho_a |q_a| + rho_b |q_b|) of the row between the parts a and b.
 Theorem: no assembly has forces and a motion that both pass. Proof: with J^T f + w = r,
 
     P <= sum |r_i| |q_i| + sum f_k v_k
-      <= sum |q_i| eps_i W_i + sum e_i |q_i| + sum (f_k - T_k)+ v_k + sum T_k v_k
+      <= sum |q_i| (eps_i W_i + rho_i T_i) + sum e_i |q_i| + sum (f_k - T_k)+ v_k + sum T_k v_k
 
 and sum e_i |q_i| <= sum delta_c M_c gives A. With e_i <= rho_i S_i instead, the same sum is at most
 sum f_k g_k, and rows that open by more than g_k drop out: B. In the band between the limits of
@@ -33,6 +33,7 @@ the motion closes contacts by less than 1e-15, the usual case.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,10 @@ def balanced_parts(
     """
     label, free = cluster_labels(program), program.free
     relative = np.where(free, imbalance / np.maximum(weight, TINY), 0.0)
-    excess = np.where(free, np.maximum(imbalance - program.tolerance * weight, 0.0), 0.0)
+    usual = program.tolerance * weight
+    if program.pull.any():
+        usual = usual + _roundings(program) * program.force_sums(program.pull)
+    excess = np.where(free, np.maximum(imbalance - usual, 0.0), 0.0)
     coarse = program.tolerance > TOLERANCE
     # parts far lighter than their cluster: its share is more than their whole weight
     most = np.where(coarse, COARSE_EXCUSED, EXCUSED) * weight
@@ -115,7 +119,8 @@ def _of_cluster(values: Array, label: Index) -> Array:
     """Sum of the values, shape (..., N), over the free parts of the cluster of each part."""
     free = np.flatnonzero(label >= 0)
     total = np.zeros((*values.shape[:-1], len(label) + 1))
-    np.add.at(total, (..., label[free]), values[..., free])
+    place: tuple[Any, ...] = (..., label[free])
+    np.add.at(total, place, values[..., free])
     summed: Array = total[..., label]
     return summed
 
@@ -192,7 +197,8 @@ def power_limit(
     return PowerLimit(
         np.where(program.free, program.tolerance * sizes, 0.0),
         np.where(moves, shares, 0.0),
-        np.stack([program.pull * closing, program.pull * rounded + limits * rounding]),
+        np.stack([np.zeros(len(limits)), limits * rounding])
+        + program.pull * (np.stack([closing, rounded]) + rounding),
     )
 
 

@@ -321,7 +321,8 @@ def _recheck_friction(
     program: Program, friction: dict[str, Any], assembly: Assembly
 ) -> tuple[list[str], list[str]]:
     """Check the motion that obeys Coulomb's law in a proof; returns objections and notes."""
-    reasons, notes = [], []
+    reasons: list[str] = []
+    notes: list[str] = []
     witness = friction["witness"]
     if witness is not None:
         law = _witness_check(program, witness, assembly)

@@ -116,22 +116,22 @@ def _limits(
     if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
         greatest = factor[1]
         sides = greatest.value, greatest.value
-        pushed = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
-        yield "load factor", sides, _scale_loads(limits), True, greatest.mechanism, pushed
+        more = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
+        yield "load factor", sides, _scale_loads(limits), True, greatest.mechanism, more
     for push in limits.pushes:
         if np.isfinite(push.force):
             weight = float(limits.program.weight[limits.program.free].sum())
             pushed = _push_part(limits.assembly, push.part, push.direction * weight)
             sides = push.force / weight, push.force / weight
-            unit = {"unit": weight}
-            yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism, unit
+            share = {"unit": weight}
+            yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism, share
     for load in limits.loads:
         if 0 < load.load < np.inf:
-            share, beyond = load.load / load.unit, load.beyond / load.unit
-            sides = share, beyond if np.isfinite(beyond) else share
+            within, beyond = load.load / load.unit, load.beyond / load.unit
+            sides = within, beyond if np.isfinite(beyond) else within
             pressed = _push_part(limits.assembly, load.part, down * load.unit)
-            unit = {"unit": load.unit}
-            yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism, unit
+            share = {"unit": load.unit}
+            yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism, share
 
 
 def _turn_gravity(down: Array, toward: Array) -> Change:
