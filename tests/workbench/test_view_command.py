@@ -171,6 +171,7 @@ def test_the_opened_folder_is_that_of_the_file(
 
 @POSIX
 @pytest.mark.slow
+@POSIX
 @pytest.mark.parametrize("every", [False, True])
 def test_all_addresses_are_a_warning(tmp_path: Path, every: bool) -> None:
     words = ["--host", "0.0.0.0"] if every else []
