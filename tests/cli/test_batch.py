@@ -143,7 +143,7 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
         kilter.batch(tmp_path / "empty", tmp_path / "other")
     with pytest.raises(InputError, match="is an assembly, not a list"):
         kilter.batch(piles / "pile-1.kilter.json", tmp_path / "other")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="no such file"):
         kilter.batch(tmp_path / "none", tmp_path / "other")
     with pytest.raises(InputError, match="contains the files to check"):
         kilter.batch(piles, piles)

@@ -16,7 +16,7 @@ import numpy as np
 import kilter
 from kilter import Assembly
 from kilter.cli import main
-from kilter.errors import NO_MEMORY
+from kilter.errors import LONGEST_MESSAGE, NO_MEMORY
 from kilter.scenes.transform import moved
 
 sys.path.append(str(Path(__file__).parents[1] / "scenes"))  # run as a command, without pytest
@@ -29,7 +29,7 @@ STANDS = {"stable", "settles", "potentially-stable"}
 """Verdicts that have forces of equilibrium, of which there are none where it is unstable."""
 APART, ROUGH, THIN = 1e6, 1e3, 1e4
 """Masses, friction and sizes that leave a solver few of its sixteen digits."""
-LONGEST_SENTENCE, LONGEST_ERROR = 2000, 20_000
+LONGEST_SENTENCE, LONGEST_ERROR = LONGEST_MESSAGE + 10, 50_000
 """Largest number of characters of an error, and of an error with warnings."""
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """What moves the cursor of a terminal, colours it, or turns its writing."""

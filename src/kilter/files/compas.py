@@ -202,8 +202,8 @@ def _mesh(name: str, block: dict[str, Any], corners: dict[str, list[float]], acc
         cycle = face if isinstance(face, list) else []
         missing = [corner for corner in cycle if str(corner) not in row]
         if missing or not cycle:
-            what = f"names the unknown vertex {missing[0]!r}" if missing else "is not a list"
-            raise InputError(f"face {key} {what}", part=name, hint=_HINT)
+            what = f"names the unknown vertex {missing[0]!r:.40}" if missing else "is not a list"
+            raise InputError(f"face {key:.40} {what}", part=name, hint=_HINT)
         faces.append([row[str(corner)] for corner in cycle])
     vertices = _rows(corners)
     try:
