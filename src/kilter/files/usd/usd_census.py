@@ -83,7 +83,7 @@ class _Census:
         if layer is None or key in self.counts:
             return self.counts.get(key, SceneCount())
         self.counts[key] = total = SceneCount()  # the count of a loop, which USD reports
-        for prim in layer.rootPrims:
+        for prim in filter(None, layer.rootPrims):  # a damaged layer lists prims without data
             total = total.plus(self.of_prim(place, str(prim.path)))
         for name in layer.subLayerPaths:
             total = total.plus(self.of_layer(layer.ComputeAbsolutePath(name)))
@@ -100,12 +100,13 @@ class _Census:
         self.counts[key] = total = SceneCount()
         if "{" not in path.rpartition("/")[2]:
             total = SceneCount(int(prim.typeName in SHAPES), 1)
-        for child in prim.nameChildren:
+        for child in filter(None, prim.nameChildren):
             total = total.plus(self.of_prim(place, str(child.path)))
         for other, target in self._targets(layer, place, prim):
             total = total.plus(self.of_prim(other, target))
-        for variants in prim.variantSets.values():
-            each = [self.of_prim(place, str(v.primSpec.path)) for v in variants.variants.values()]
+        for variants in filter(None, prim.variantSets.values()):
+            specs = [variant.primSpec for variant in variants.variants.values() if variant]
+            each = [self.of_prim(place, str(spec.path)) for spec in specs if spec]
             total = total.plus(max(each, default=SceneCount()))
         self.counts[key] = total
         return total
