@@ -151,7 +151,7 @@ def test_a_level_below_the_required_level_is_named() -> None:
     answer = check_plan(plan, require="strict").to_dict()
     assert not answer["stands"]
     assert answer["first"] is None
-    assert answer["sentence"].endswith("not strict.")
+    assert answer["sentence"].endswith("the level strict is required.")
 
 
 LEANING = ("a", (1, 1, 1), 1, (0.05, 0.1, 0)), ("b", (1, 1, 1), 1, (0.65, 0.1, 1))
