@@ -49,6 +49,7 @@ WRONG = {
     "check a.kilter.json --floor -o x.glb": "'kilter draw FILE -o x.glb' writes a film",
     "margin a.kilter.json --floor -o x.pdf": "'kilter draw FILE -o x.png' writes a picture",
     "place a.kilter.json --floor --box 1x1x1 -o x.png": "'kilter draw FILE -o x.png'",
+    "scene a.kilter.json --floor -o x.glb": "'kilter draw FILE -o x.glb' writes a film",
     "check-plan p.csv -o x.html": "'kilter report FILE -o x.html' writes a page",
     "draw a.kilter.json --floor -o x.gif": ".svg, .png, .pdf, or in .glb for a film",
 }  # fmt: skip

@@ -9,14 +9,14 @@ from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, SCENE
 from kilter.cli.options import Require, asks
-from kilter.cli.output import Progress, tell_written
+from kilter.cli.output import Progress, require_answer_file, tell_written
 from kilter.cli.resting import require_pose_form, write_pose
 from kilter.tell.levels import REQUIRE
 
 __all__ = ["scene"]
 
 
-@asks(searches=True, writes=(".glb",))
+@asks(searches=True, writes=(".glb", ".svg", ".png", ".pdf"))
 def scene(
     asked: Asked,
     require: Require = REQUIRE,
@@ -41,6 +41,8 @@ def scene(
     from kilter.analysis.scene_states.object_states import scene as find
 
     output = asked.output if settle else None
+    if not settle:
+        require_answer_file(asked.output)
     if output is not None:
         require_pose_form(output, asked)
     with Progress(asked.quiet) as progress:
