@@ -90,12 +90,10 @@ def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Asse
     if not masses:
         return assembly
     given = {name: kg for pattern, kg in masses for name in assembly.matching([pattern])}
-    parts = [
-        dataclasses.replace(part, mass=given[part.name], density=None)
-        if part.name in given
-        else part
-        for part in assembly.parts
-    ]
+    parts = []
+    for part in assembly.parts:
+        changes: dict[str, Any] = {"mass": given.get(part.name), "density": None}
+        parts.append(dataclasses.replace(part, **changes) if part.name in given else part)
     return dataclasses.replace(assembly, parts=parts)
 
 

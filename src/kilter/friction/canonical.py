@@ -199,7 +199,8 @@ def _middles(program: Program) -> Array:
 
 def _order(keys: Array) -> Index:
     """Order of rows by their columns, the first column first; nearly equal numbers are equal."""
-    return np.lexsort(_rounded(keys).T[::-1])
+    order: Index = np.lexsort(_rounded(keys).T[::-1])
+    return order
 
 
 def _labels(keys: Array) -> Index:
@@ -207,7 +208,7 @@ def _labels(keys: Array) -> Index:
     return np.unique(_rounded(keys), axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 
-def _rounded(keys: Array) -> Array:
+def _rounded(keys: Array) -> Index:
     """Number of each value in the order of its column; close values share it."""
     numbers = np.empty(keys.shape, dtype=np.int64)
     for k, column in enumerate(keys.T):
