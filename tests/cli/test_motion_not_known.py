@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter.analysis.verdict.motion import GAINS, NO_MOTION
+from kilter.analysis.verdict.motion import NO_MOTION
 from kilter.cli import main
 from kilter.scenes import scene, stacks
 from kilter.tell.tables import NO_ACCELERATION
+from kilter.tell.words import GAINS
 
 SAID = "no solver finished the program of the impending motion"
 

@@ -11,11 +11,12 @@ from beyond_limits import beyond_limit, thinnest_arch
 from coulomb_oracle import explained
 
 import kilter
-from kilter.analysis.verdict.motion import GAINS, NO_MOTION_BY_LAW, find_motion
+from kilter.analysis.verdict.motion import NO_MOTION_BY_LAW, find_motion
 from kilter.cli import main
 from kilter.scenes.arches import arch_with_held_ends
 from kilter.scenes.stacks import block_on_slope
 from kilter.tell.tables import NO_ACCELERATION
+from kilter.tell.words import GAINS
 from sampled import sampled
 
 

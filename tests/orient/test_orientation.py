@@ -14,10 +14,11 @@ from transformations import as_single
 from transformations import scaled as resized
 from turning import ALL, UNSTABLE, angle_from_down, slot_and_float
 
+import kilter
 from kilter import InputError, Load, check
 from kilter.analysis.turning.orientation import orient
 from kilter.rigid import quaternion_to_matrix
-from kilter.scenes import paper, scene, stacks, wedges
+from kilter.scenes import paper, scene, stacks, walls, wedges
 from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved
 
@@ -202,3 +203,11 @@ def test_wrong_input_is_refused():
         orient(dataclasses.replace(stacks.tower(2), parts=parts))
     with pytest.raises(InputError, match="'newton'"):
         orient(stacks.tower(2), method="newton")
+
+
+@pytest.mark.slow
+def test_the_recommended_direction_has_no_components_from_rounding() -> None:
+    """A wall of symmetric courses is recommended upright, whichever way it leans as given."""
+    for degrees in (3.0, 5.0):
+        leaning = walls.tilted_wall(degrees, courses=3, per_course=3)
+        assert kilter.orient(leaning).down.tolist() == [0.0, 0.0, -1.0]

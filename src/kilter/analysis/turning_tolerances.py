@@ -52,6 +52,7 @@ __all__ = [
     "OPTIMAL_FACE",
     "OUTSIDE_HULL",
     "PARALLEL_PLANES",
+    "PLAIN",
     "POINTED",
     "PROVED_APART",
     "PULLED_IN",
@@ -131,6 +132,9 @@ NO_GAIN = 1e-6
 """A smaller gain counts as zero [deg, or weights]."""
 BALANCED = 1e-8
 """Largest imbalance of forces that follow the masses, over the weight of the part [-]."""
+PLAIN = 1e-5
+"""Component of a recommended direction of gravity that is left out if the answer stays [rad]: it
+comes from the search, and is below what a table can be levelled to."""
 UNLIMITED = 1e5
 """A share of a load, or a push over the weight of all parts, above this is unlimited [-]."""
 NEARLY = 1e-5

@@ -7,8 +7,8 @@ made for a canonical program, and repeated for it:
 1. Parts that a fixed joint connects are a single body; contact points of two bodies that lie in one
    plane, with one coefficient, are a single patch; of points at the same place one remains, and
    none within the seam of two patches, as if the body had been drawn as a single part.
-2. The z axis is the most frequent contact normal, against gravity. The x axis points downhill
-   across it; if no direction is downhill, along another normal or to the farthest contact point.
+2. The z axis is the mean of the most frequent contact normals, against gravity. The x axis points
+   downhill across it; if no direction is downhill, along another normal or to the farthest point.
 3. Bodies are sorted by height and place, rows by their bodies and places, and each normal points
    to the later body.
 
@@ -98,7 +98,7 @@ def _framed(program: Program) -> Program:
 
 
 def _axes(program: Program, arm: Array) -> Array:
-    """Axes of the canonical frame, as rows: the most frequent normal, and the direction downhill.
+    """Axes of the canonical frame, as rows: the mean of the most frequent normals, and downhill.
 
     If gravity is along this normal, the x axis is along another normal, or toward the farthest
     contact point.
@@ -106,10 +106,11 @@ def _axes(program: Program, arm: Array) -> Array:
     down = program.gravity / np.linalg.norm(program.gravity)
     contact = program.kind == CONTACT
     normal = program.normal[contact] if contact.any() else program.normal
-    steep = np.abs(normal @ down)
     upward = np.where((normal @ down > 0)[:, None], -normal, normal)
-    alike = np.abs(normal @ normal.T) > 1.0 - SAME_PLACE
-    z = upward[_order(np.column_stack([-alike.sum(axis=1), -steep]))[0]]
+    count = (np.abs(normal @ normal.T) > 1.0 - SAME_PLACE).sum(axis=1)
+    z = upward[count == count.max()].mean(axis=0)  # of a trough the middle of both sides
+    size = float(np.linalg.norm(z))
+    z = -down if size < SAME_PLACE else z / size
     others = upward - (upward @ z)[:, None] * z
     reach = arm - (arm @ z)[:, None] * z
     farthest = reach[_order(-np.linalg.norm(reach, axis=1)[:, None])[0]]
@@ -199,7 +200,8 @@ def _middles(program: Program) -> Array:
 
 def _order(keys: Array) -> Index:
     """Order of rows by their columns, the first column first; nearly equal numbers are equal."""
-    return np.lexsort(_rounded(keys).T[::-1])
+    order: Index = np.lexsort(_rounded(keys).T[::-1])
+    return order
 
 
 def _labels(keys: Array) -> Index:
@@ -207,7 +209,7 @@ def _labels(keys: Array) -> Index:
     return np.unique(_rounded(keys), axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 
-def _rounded(keys: Array) -> Array:
+def _rounded(keys: Array) -> Index:
     """Number of each value in the order of its column; close values share it."""
     numbers: Array = np.empty(keys.shape)
     for k, column in enumerate(keys.T):

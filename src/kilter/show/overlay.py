@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.analysis.verdict.motion import GAINS
 from kilter.arrays import Array, Index
 from kilter.rigid import quaternion_to_matrix, screwed
 from kilter.show.canvas import INK, PAPER, label
@@ -18,6 +17,7 @@ from kilter.show.painter import Camera
 from kilter.show.shapes import place_shapes
 from kilter.tell.numbers import force
 from kilter.tell.palette import ROLES
+from kilter.tell.words import GAINS
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ from kilter.arrays import Array
 from kilter.tell.numbers import NO_ANGLE, number, vector
 
 __all__ = [
+    "GAINS",
     "NAMED",
     "VERDICTS",
     "found_sentence",
@@ -36,6 +37,8 @@ ALONG = 1e-6
 """A direction within this distance of an axis or of gravity is named after it [rad]."""
 LEVEL = 5e-4
 """A slope below this is described as level, since vectors are shown with three decimals [rad]."""
+GAINS = "in a motion that gains energy"
+"""Words for the motion of a proof, which shows that parts start to move, but not how fast."""
 NAMED = 2
 """Number of parts, the fastest first, that `motion_summary` describes."""
 SENTENCES = {

@@ -35,9 +35,7 @@ from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.analysis.time_limits import given_direction_known
 from kilter.analysis.turning.facet_program import DiamondOptimum, joint
 from kilter.analysis.turning.nearest import Method, Nearest, nearest
-from kilter.analysis.turning_tolerances import (
-    OPPOSITE,
-)
+from kilter.analysis.turning_tolerances import OPPOSITE, PLAIN
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.motion import NO_MOTION
 from kilter.analysis.verdict.verdict import Verdict
@@ -266,10 +264,11 @@ def _orient(
     tell("orientation")
     smooth = program.frictionless
     for turned_program, cone in _sides(program, every):
-        for direction in cone.candidates(program.down):
-            judgement = judge(turned_program.turned(direction))
-            if judgement.stable:
-                return _answer_of_direction(program, every, direction, judgement, method)
+        for candidate in cone.candidates(program.down):
+            for direction in _plain_first(candidate):
+                judgement = judge(turned_program.turned(direction))
+                if judgement.stable:
+                    return _answer_of_direction(program, every, direction, judgement, method)
     best = joint(smooth, every=True)
     judgement = judge(smooth.turned(best.gravity))
     if judgement.stable:
@@ -280,6 +279,13 @@ def _orient(
     answer = _not_found(every, judgement, near, method, why)
     seconds_left(None)  # an answer whose last steps were cut short is no answer
     return answer
+
+
+def _plain_first(direction: Array) -> list[Array]:
+    """The direction without components that come from rounding, if it has any, and itself."""
+    plain = np.where(np.abs(direction) < PLAIN, 0.0, direction)
+    plain = plain / np.linalg.norm(plain)
+    return [direction] if np.array_equal(plain, direction) else [plain, direction]
 
 
 def _require_turnable(assembly: Assembly, method: str) -> None:

@@ -44,7 +44,6 @@ from kilter.units import metres_per_unit
 from kilter.work import Work, units_of
 
 __all__ = [
-    "GAINS",
     "NO_MOTION",
     "NO_MOTION_BY_LAW",
     "UNKNOWN_MOTION",
@@ -73,8 +72,6 @@ NO_MOTION = (
 NO_MOTION_BY_LAW = (
     "no motion that obeys the law of friction was found: accelerations and kappa are left out"
 )
-GAINS = "in a motion that gains energy"
-"""Words for the motion of a proof, which shows that parts start to move, but not how fast."""
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Words for a part if no solver finished, by whether a proof shows that the part moves."""
 

@@ -26,7 +26,6 @@ from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_f
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.motion import (
-    GAINS,
     NO_MOTION,
     NO_MOTION_BY_LAW,
     UNKNOWN_MOTION,
@@ -58,7 +57,7 @@ from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
-from kilter.tell.words import NAMED, motion_summary, motion_words
+from kilter.tell.words import GAINS, NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.values.guesses import GuessedAttribute
