@@ -95,13 +95,15 @@ def round_rows(program: Program, contacts: ContactSet) -> Mask:
     kinds = contacts.patch_kind[program.source[rows]]
     curved = np.append(np.diff(contacts.assembly.geometry.surfaces.start) > 0, False)
     parts = contacts.patch_parts[program.source[rows]]
-    may_curve = curved[parts].any(axis=1) | ~np.isin(kinds, STRAIGHT)
-    rows = rows[may_curve & (kinds != "plane")]  # the rim of a flat face is in its plane
+    of_curved = curved[parts].any(axis=1) | ~np.isin(kinds, (*STRAIGHT, "given"))
+    may_curve = of_curved | (kinds == "given")
+    chosen = may_curve & (kinds != "plane")  # the rim of a flat face is in its plane
+    rows, of_curved = rows[chosen], of_curved[chosen]
     if len(rows):
         features = features_of(program.taking(rows), contacts, recognised=True)
         bent = [features.curvature_a, features.curvature_b]
         rounds[rows] = np.any([np.abs(k).max(axis=(1, 2)) > 0 for k in bent], axis=0)
-        rounds[rows] |= features.open
+        rounds[rows] |= features.open & of_curved
     return rounds
 
 
