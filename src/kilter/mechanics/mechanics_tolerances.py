@@ -67,7 +67,7 @@ COARSE_EXCESS = 1.0
 up to 0.5, of 100 cubes up to 3.7. A larger value rejects slower motions.
 """
 EXCUSED = 1e-4
-"""Largest such rounding of a part, over its weight, for exact data. Masses of ratios up to 1e12 need
+"""Largest such rounding of a part, over its weight, for exact data. Mass ratios up to 1e12 need
 up to 1e-7. A larger value accepts steeper slides of parts far lighter than their cluster.
 """
 COARSE_EXCUSED = 1e-2
