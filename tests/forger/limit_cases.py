@@ -21,7 +21,7 @@ G = 9.81
 MARGIN = 10.0
 """Distance from the limit above which the verdict is certain, over the tolerances of a proof: the
 levers of the forces are a few sizes of a part [-]."""
-ROUNDINGS = 1e3
+ROUNDINGS = 1e4
 """The same, over the rounding of the coordinates [-]."""
 
 
