@@ -21,7 +21,7 @@ import kilter
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import build_program
 
-BLOCK = 20
+BLOCK = 10
 """Cases of one test."""
 
 
