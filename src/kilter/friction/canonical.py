@@ -211,7 +211,7 @@ def _labels(keys: Array) -> Index:
 
 def _rounded(keys: Array) -> Index:
     """Number of each value in the order of its column; close values share it."""
-    numbers: Array = np.empty(keys.shape)
+    numbers: Index = np.empty(keys.shape, dtype=np.int64)
     for k, column in enumerate(keys.T):
         order = np.argsort(column, kind="stable")
         steps = np.diff(column[order], prepend=column[order[:1]]) > SAME_PLACE
