@@ -61,7 +61,8 @@ def test_a_round_edge_on_a_cone_bears_the_tilt_of_its_normals(half_angle, counte
     for share, verdict in ((0.99, "stable"), (1.01, "unstable")):
         angle = share * (np.pi / 2 - half_angle)
         down = [float(np.sin(angle)), 0, -float(np.cos(angle))]
-        assert check(assembly, down=down).verdict == verdict
+        # its normals meet in a point, about which it may rock: a small push is open
+        assert check(assembly, down=down).first_order == verdict
 
 
 @pytest.mark.slow

@@ -310,7 +310,8 @@ class Verdict(InCells, Answer):
             return still(self.program) if witness is None else motion_of(
                 self.program, witness.acceleration, witness.law.residual
             )  # fmt: skip
-        motion = find_motion_with_friction(self.modelled, self.effort)
+        # an unstable answer needs its motion, however little work its guarantee may take
+        motion = find_motion_with_friction(self.modelled, max(self.effort, EFFORT))
         return unknown(self.program) if motion is None else motion
 
     @property

@@ -12,7 +12,7 @@ from kilter.second_order.motions.small_push import SmallPush
 
 __all__ = ["pushed_answer"]
 
-MAY_FALL = "no proof says whether a small push makes them roll, rock or swing on"
+MAY_FALL = "the curvature of the energy was not examined, because the proof needs friction"
 
 
 def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) -> SecondOrder:

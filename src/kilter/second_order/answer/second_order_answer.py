@@ -155,7 +155,8 @@ class SecondOrder:
         if still:
             free = np.any([c.program.free for c in still if c.program is not None], axis=0)
             whys = " and ".join(dict.fromkeys(cluster.why for cluster in still))
-            moving = _listed_names(names, np.flatnonzero(free))
+            chosen = self.bending if len(self.bending) else np.flatnonzero(free)
+            moving = _listed_names(names, chosen)
             return f"whether a small push makes {moving} fall: {whys}"
         if self.rolling is not None and self.rolling.state == "open":
             return (

@@ -9,12 +9,13 @@ with the second derivatives H_k of the gaps, the energy of frictionless forces f
 Round and jointed parts bend along a motion of negative curvature. Along a motion without curvature
 they bend, too, unless it is harmless: each of them moves level, and spins about its centre of mass,
 
-- its spin keeps all its touched surfaces in place: a ball, a shaft in its bore
+- its spin keeps all its touched surfaces in place, or is that of a part of revolution: a ball, a
+  shaft in its bore
 - its level motion against each part that it touches keeps the surface of one of both in place, or
   level lines that cross: an edge over an edge or over a cylinder
 
-Then gaps and energy stay, to all orders. If a motion moves a pair whose curvature is unknown, it
-may bend, unless one part encloses the other. Three rules add rows and leave out unknowns, at any
+Then gaps and energy stay, to all orders. If motions move a pair whose curvature is unknown, and
+neither part encloses the other, E is not used. Three rules add rows and leave out unknowns, at any
 number of parts:
 
 - the wrench of a patch may be spread over its points, which then all press
@@ -41,6 +42,7 @@ from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
 from kilter.second_order.gaps.touched_surfaces import LINE, touched_surfaces
+from kilter.second_order.motions.free_span import spins_unseen
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.motions.steady import spread_over, steady_parts
 from kilter.second_order.second_order_tolerances import BEARS, BENDS
@@ -148,9 +150,8 @@ class _Bending:
             return self.round_parts
         if not motions.shape[1]:
             return bending
-        bending |= self._moved_unknown(motions)
         flat = motions
-        if curves:
+        if curves and not self._moves_unknown(motions):
             values, axes = np.linalg.eigh(self._curvature(motions))
             # motions of length 1 at forces of 1
             falls, level = values < -BENDS, np.abs(values) <= BENDS
@@ -165,25 +166,20 @@ class _Bending:
         moved[self.program.free] = by_part.max(axis=1, initial=0.0) > np.sqrt(BENDS)
         return moved
 
-    def _moved_unknown(self, motions: Array) -> Mask:
-        """Mask of the parts that motions move at pressed contacts of unknown curvature, (N,)."""
+    def _moves_unknown(self, motions: Array) -> bool:
+        """True if motions move a pair at a pressed contact of unknown curvature."""
         rows = np.flatnonzero(self.rounds & self.presses & ~self.enclosed)
         part = self.program.taking(rows)
-        features = features_of(part, self.contacts, recognised=True)
-        rows = rows[~formed(part, features)]
-        moved = np.zeros(len(self.program.names) + 1, dtype=bool)
-        for k in rows.tolist():
+        known = formed(part, features_of(part, self.contacts, recognised=True))
+        for k in rows[~known].tolist():
             ends = [int(self.program.part_a[k]), int(self.program.part_b[k])]
-            both = [self._of_part(end, motions) for end in ends]
-            turn = both[1][3:] - both[0][3:]
-            slips = [
-                six[:3] - skew(self.program.point[k] - self._center(end)) @ six[3:]
-                for six, end in zip(both, ends, strict=True)
-            ]
-            size = self._size(ends)
-            slip = np.abs(slips[1] - slips[0]).max(initial=0.0)
-            moved[ends] |= max(slip, np.abs(turn).max(initial=0.0) * size) > BENDS
-        return moved[:-1] & self.program.free
+            six = [self._of_part(end, motions) for end in ends]
+            arms = [self.program.point[k] - self._center(end) for end in ends]
+            moved = [v[:3] - skew(arm) @ v[3:] for v, arm in zip(six, arms, strict=True)]
+            slip, turn = np.abs(moved[1] - moved[0]), np.abs(six[1][3:] - six[0][3:])
+            if max(slip.max(initial=0.0), turn.max(initial=0.0) * self._size(ends)) > BENDS:
+                return True
+        return False
 
     def _size(self, ends: list[int]) -> float:
         """Radius of the smaller of two parts, without the ground."""
@@ -242,6 +238,7 @@ class _Bending:
             arm = program.center[k] - origin
             stays = np.hstack([np.eye(3), -skew(arm)])
             spins = null_space(np.vstack([stays, *mine]), 1e-9)
+            spins = np.hstack([spins, self._own_spins(k, arm)])
             blocks.append((k, level.shape[1], np.hstack([level, spins]), arm))
             columns += level.shape[1] + spins.shape[1]
         spanned = np.zeros((len(motions), columns))
@@ -269,6 +266,24 @@ class _Bending:
         found = np.linalg.lstsq(whole, right, rcond=1e-9)[0]
         off = np.abs(whole @ found - right).max(axis=0, initial=0.0) > BENDS
         return np.asarray(wanted[:, off])
+
+    def _own_spins(self, part: int, arm: Array) -> Array:
+        """Spins of a part of revolution about its axis, as screws (v, omega), shape (6, s).
+
+        `arm`: vector from the origin of the screws to its centre of mass.
+        """
+        assembly = self.contacts.assembly
+        names = {name for joint in self.joints if joint.kind == "fixed" for name in joint.parts}
+        surfaces = assembly.geometry.surfaces
+        if self.program.planar or assembly.names[part] in names:
+            return np.zeros((6, 0))
+        axes = surfaces.axis[surfaces.start[part] : surfaces.start[part + 1]]
+        spins = [
+            np.append(np.cross(arm, axis), axis)
+            for axis in np.unique(axes.round(12), axis=0)
+            if axis.any() and spins_unseen(assembly, part, np.append(np.zeros(3), axis))
+        ]
+        return np.array(spins).reshape(-1, 6).T
 
     def _level_screws(self) -> Array:
         """Screws (v, omega) that move level, shape (6, 3), or (6, 1) in the plane."""

@@ -15,7 +15,7 @@ from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.shape.primitives import Cylinder, Sphere
 
-__all__ = ["free_span", "moving_free", "scaled_columns"]
+__all__ = ["free_span", "moving_free", "scaled_columns", "spins_unseen"]
 
 
 def free_span(program: Program, problem: Stationary, free: FreeMotions) -> Array:
@@ -48,11 +48,11 @@ def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
     groups, moving = RigidGroups.of(assembly), np.zeros(len(assembly.parts), dtype=bool)
     for motion in groups.spread(free.motions):
         for k in np.flatnonzero(np.abs(motion).max(axis=1) > 0):
-            moving[k] |= not _spins_unseen(assembly, int(k), motion[k])
+            moving[k] |= not spins_unseen(assembly, int(k), motion[k])
     return np.unique(groups.first[moving])
 
 
-def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
+def spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
     """True if a motion, shape (6,), only spins a round part about its own axis."""
     turn, center = motion[3:], assembly.geometry.center[part]
     radius = float(assembly.geometry.radius[part])

@@ -11,7 +11,7 @@ from kilter.second_order.second_order_tolerances import BENDS, SPREAD
 
 __all__ = ["spread_over", "steady_parts"]
 
-SHARE, ROUNDS = 0.02, 50
+SHARE, ROUNDS = 1e-3, 60
 """Least force of a point of a patch, over the mean force [-], and number of rounds to reach it."""
 
 
