@@ -140,14 +140,18 @@ def part(name: str, mass: float, *, grounded: bool = False) -> dict[str, Any]:
     return {"name": name, "mass": mass, "grounded": grounded}
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-def test_forces_are_along_the_ray_of_either_sense(sign: int) -> None:
-    about = {"about": "ray", "vector": [0, 0, sign]}
+@pytest.mark.parametrize(("subject", "sign"), [("ray", -1), ("line", -1), ("line", 1)])
+def test_forces_are_along_the_ray_or_along_the_line_of_either_sense(
+    subject: str, sign: int
+) -> None:
+    about = {"about": subject, "vector": [0, 0, sign]}
     assert subject_mismatch(about, {"forces": [], "down": DOWN}) == ""
     for off, why in ((0.9, ""), (1.0, ""), (1.1, "its forces are for another direction")):
         proof = {"forces": [], "down": [off * FOLLOWS, 0, -1]}
         assert subject_mismatch(about, proof) == why
     assert subject_mismatch({"about": "ray"}, {"forces": [], "down": [1, 0, 0]}) == ""
+    against = {"about": "ray", "vector": [0, 0, 1]}
+    assert subject_mismatch(against, {"forces": [], "down": DOWN}) != ""
 
 
 def falling(*steps: tuple[float, float, float]) -> dict[str, Any]:
