@@ -97,7 +97,7 @@ def round_rows(program: Program, contacts: ContactSet) -> Mask:
     kinds = contacts.patch_kind[program.source[rows]]
     curved = np.append(np.diff(contacts.assembly.geometry.surfaces.start) > 0, False)
     parts = contacts.patch_parts[program.source[rows]]
-    of_curved = curved[parts].any(axis=1) | ~np.isin(kinds, (*STRAIGHT, "given"))
+    of_curved = curved[parts].any(axis=1) | ~np.isin(kinds, (*STRAIGHT, "given", "bond"))
     may_curve = of_curved | (kinds == "given")
     chosen = may_curve & (kinds != "plane")  # the rim of a flat face is in its plane
     rows, of_curved = rows[chosen], of_curved[chosen]
