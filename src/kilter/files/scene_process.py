@@ -202,7 +202,7 @@ def _read(
     place: tuple[str, str, tuple[int, int]],
     units: str | None,
     keyframe: str | None,
-    start: str | None,
+    start: tuple[str, str] | None,
 ) -> Any:
     """Read a scene in this process.
 
@@ -210,7 +210,7 @@ def _read(
     absolute path, the path for messages, and the state of the file.
     """
     path, shown, _ = place
-    with only_below(start) if start else nullcontext(), reader_guard(shown, RAISES[kind]):
+    with only_below(*start) if start else nullcontext(), reader_guard(shown, RAISES[kind]):
         if kind == "mjcf":
             from kilter.files.objects.mjcf_scenes import read_mjcf
 

@@ -46,10 +46,9 @@ def only_below(folder: str | Path, remedy: str = "") -> Iterator[None]:
         _START.reset(token)
 
 
-def start_folder() -> str | None:
-    """The folder to which reading is restricted; None without a restriction."""
-    start = _START.get()
-    return None if start is None else start[0]
+def start_folder() -> tuple[str, str] | None:
+    """The folder to which reading is restricted, and the remedy; None without a restriction."""
+    return _START.get()
 
 
 def is_restricted() -> bool:
