@@ -41,7 +41,6 @@ from kilter.errors import InputError
 from kilter.files.choices import digest, find_choices
 from kilter.files.file_content import read_json
 from kilter.files.reading import Reading
-from kilter.friction.answer import ask_friction
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
 from kilter.mechanics.program import Program, build_program
@@ -484,6 +483,9 @@ CLAIMED = "settles is claimed by the file: its tries are not repeated at the req
 
 def _settles_again(program: Program) -> tuple[str, str]:
     """Repeat the tries and the search of the level settles; return the level and a note."""
+    # imported late: only the search needs a solver
+    from kilter.friction.answer import ask_friction
+
     answer = ask_friction(program, enough="settles")
     tries = f"{len(answer.tries)} of {answer.settling.of} tries come to rest when repeated"
     if answer.guarantee == "refuted":
