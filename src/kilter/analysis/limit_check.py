@@ -107,18 +107,17 @@ def _value_words(kind: str, entry: Entry) -> str:
     """The value of a limit with its unit, and the direction or motion for which it is proved."""
     name, value, change = entry["about"], entry["value"], entry["change"]
     if name in ("tilt", "nearest held"):
-        return (
-            f"{number(float(np.degrees(value)), 8)} deg with gravity along {_along(change['down'])}"
-        )
+        degrees = number(float(np.degrees(value)), 10)
+        return f"{degrees} deg with gravity along {_along(change['down'])}"
     if name.startswith("push of "):
-        return f"{number(value, 8)} N along {_along(change['loads'][-1]['force'])}"
+        return f"{number(value, 10)} N along {_along(change['loads'][-1]['force'])}"
     if name.startswith("load on "):
-        return f"{number(value, 8)} N"
+        return f"{number(value, 10)} N"
     if kind != "transport":
-        return number(value, 8)
+        return number(value, 10)
     moves = [key for key in CARRIER[:-1] if any(entry["motion"][key])]
     parts = [f"{key.replace('_', ' ')} {entry['motion'][key]}" for key in moves]
-    words = f"{number(value, 8)} of the motion ({', '.join(parts)})"
+    words = f"{number(value, 10)} of the motion ({', '.join(parts)})"
     share = change.get("mu_share")
     return words if share is None else f"{words} with {number(share, 8)} times the friction"
 

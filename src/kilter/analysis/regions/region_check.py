@@ -47,6 +47,8 @@ FORM = keys(gap_deg=NUMBER, proofs=list_of(_statement))
 """Statements of a region."""
 ON_BOUNDARY = 1e-7
 """A direction counts as within a facet if it lies at most so far beyond it [-]."""
+BEYOND_FACET = 0.5
+"""Largest angle beyond a facet up to which its motion may have less power than it needs [deg]."""
 GAP_ROUNDING = 1e-4
 """Rounding of the angle between both cones [deg]: facets meet at small angles."""
 
@@ -82,7 +84,9 @@ def wrong_region(
             yield f"{entry['about']} {entry['vector']}: its proof is {verdict}"
         if set(entry["change"]) != {"down"}:
             yield f"{entry['about']} {entry['vector']}: more than the direction of gravity differs"
-    gap = _gap_deg(assembly, contacts, bundle)
+    gap, beyond = _gaps_deg(assembly, contacts, bundle)
+    if beyond > BEYOND_FACET:
+        yield f"its motions fall only {number(beyond, 3)} deg beyond its facets"
     if gap > float(bundle["gap_deg"]) + GAP_ROUNDING:
         yield (
             f"its rays and facets differ by {number(gap, 3)} deg, and it states at most "
@@ -92,16 +96,16 @@ def wrong_region(
 
 def region_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iterator[str]:
     """Yield the largest angle between the directions that are held and those that fall."""
-    gap = number(_gap_deg(assembly, contacts, bundle), 3)
+    gap = number(sum(_gaps_deg(assembly, contacts, bundle)), 3)
     yield f"a direction without a proof lies at most {gap} deg from the held directions"
 
 
-def _gap_deg(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> float:
+def _gaps_deg(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> tuple[float, float]:
     """Largest angle from the cone of the facets and equations to that of the rays and lines [deg].
 
     It is attained at a generator of the outer cone, since the distance is convex. A motion excludes
-    the directions in which its power exceeds the power that a proof needs: the angle by which these
-    lie beyond the facet is added.
+    the directions in which its power exceeds the power that a proof needs: the second angle is the
+    largest by which these lie beyond their facet.
     """
     from scipy.optimize import nnls
 
@@ -111,7 +115,7 @@ def _gap_deg(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> float:
     for direction in _generators(assembly, normals):
         distance = nnls(held.T, direction)[1] if len(held) else 1.0
         worst = max(worst, float(np.arcsin(min(distance, 1.0))))
-    return float(np.degrees(worst + beyond))
+    return float(np.degrees(worst)), float(np.degrees(beyond))
 
 
 def _directions(bundle: Entry, subjects: Sequence[str]) -> Array:
@@ -136,7 +140,8 @@ def _excluded_sides(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> 
             continue
         motion = np.zeros((len(index), 6))
         for name, six in entry["proof"]["motion"].items():
-            motion[index[name]] = six
+            if name in index:  # the motion of an unknown part is an objection to its own proof
+                motion[index[name]] = six
         proof = check_motion(program.turned(np.asarray(entry["change"]["down"])), motion)
         gain = program.mass @ proof.motion[:, :3]
         size = max(float(np.linalg.norm(gain)), TINY)
