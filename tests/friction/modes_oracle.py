@@ -37,7 +37,8 @@ def standing(seed, *, planar, parts=1, points=3, spread=0.9):
     a, b, x, n, mu, source = (np.array(column) for column in zip(*rows, strict=True))
     return program.with_rows(
         center=center, part_a=a, part_b=b, point=x, normal=n, mu=mu, source=source,
-        doubt=np.zeros(len(mu)),
+        doubt=np.zeros(len(mu)), pull=np.zeros(len(mu)), tied=np.zeros(len(mu), dtype=bool),
+        shear=np.full(len(mu), np.nan), capacity=np.full(len(mu), np.inf),
         kind=np.full(points, CONTACT), two_sided=np.zeros(points, dtype=bool),
         angular=np.zeros(points, dtype=bool),
     )  # fmt: skip

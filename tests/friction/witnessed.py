@@ -97,6 +97,8 @@ def contacts(rng, program, patches, *, planar, corners):
         doubt=np.zeros(len(mu)),
         kind=np.full(size, CONTACT), two_sided=np.zeros(size, dtype=bool),
         angular=np.zeros(size, dtype=bool),
+        pull=np.zeros(size), tied=np.zeros(size, dtype=bool),
+        shear=np.full(size, np.nan), capacity=np.full(size, np.inf),
     )  # fmt: skip
 
 
@@ -179,4 +181,7 @@ def jointed(program, a, b, at):
         angular=more(program.angular, np.arange(6) >= 3),
         mu=more(program.mu, np.zeros(6)), doubt=more(program.doubt, np.zeros(6)),
         source=more(program.source, np.zeros(6, dtype=int)),
+        pull=more(program.pull, np.zeros(6)), tied=more(program.tied, np.zeros(6, dtype=bool)),
+        shear=more(program.shear, np.full(6, np.nan)),
+        capacity=more(program.capacity, np.full(6, np.inf)),
     )  # fmt: skip
