@@ -5,8 +5,9 @@ frame, so a limit of work would let a copy of an assembly lose its proof. The pr
 made for a canonical program, and repeated for it:
 
 1. Parts that a fixed joint connects are a single body; contact points of two bodies that lie in one
-   plane, with one coefficient, are a single patch; of points at the same place one remains, and
-   none within the seam of two patches, as if the body had been drawn as a single part.
+   plane, with one coefficient, are a single patch; of points at the same place one remains, since
+   their forces add. Points of a seam within a patch stay: they may carry the weight with a smaller
+   arm than the corners, so that a spin meets less friction.
 2. The z axis is the mean of the most frequent contact normals, against gravity. The x axis points
    downhill across it; if no direction is downhill, along another normal or to the farthest point.
 3. Bodies are sorted by height and place, rows by their bodies and places, and each normal points
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, across, cross
+from kilter.arrays import TINY, Array, Index, Mask, cross
 from kilter.friction.friction_tolerances import SAME_PLACE
 from kilter.mechanics.mechanics_tolerances import RIGID
 from kilter.mechanics.merged_parts import merge_parts
@@ -133,7 +134,7 @@ def _united(program: Program) -> Program:
     own = np.where(program.kind == CONTACT, -1, program.source)
     ends = [program.kind, program.part_a, program.part_b, own, program.mu]
     source = _labels(np.column_stack([*ends, program.normal, offset]))
-    corner = _corners(source, arm / size, program.normal) | (program.kind != CONTACT)
+    corner = _corners(source, arm / size) | (program.kind != CONTACT)
     return program.with_rows(source=source).taking(corner)
 
 
@@ -169,22 +170,15 @@ def _sorted(program: Program) -> Program:
     return program.taking(rows).with_rows(names=names, source=number, **parts)
 
 
-def _corners(source: Index, place: Array, normal: Array) -> Mask:
-    """Mask of the points that count: of points at one place the first, and no point of a seam.
+def _corners(source: Index, place: Array) -> Mask:
+    """Mask of the points that count: of several points of a patch at the same place the first.
 
-    A point of a seam belongs to two patches that lie side by side, and the other points of the
-    united patch surround it by at least half a turn: it is no corner.
+    Their slips are equal, so their forces add. A point of a seam inside the united patch counts:
+    it may carry the weight with a smaller arm than the corners, against a spin.
     """
     spot = _labels(np.column_stack([source, place]))
-    count = np.bincount(spot)[spot]
     counts = np.zeros(len(spot), dtype=bool)
     counts[np.unique(spot, return_index=True)[1]] = True
-    for k in np.flatnonzero(counts & (count > 1)):
-        u, v = across(normal[k : k + 1])
-        arm = place[(source == source[k]) & (spot != spot[k])] - place[k]
-        angle = np.sort(np.arctan2(arm @ v[0], arm @ u[0]))
-        gaps = np.diff(angle, append=angle[:1] + 2 * np.pi)
-        counts[k] = len(angle) == 0 or float(gaps.max()) > np.pi + SAME_PLACE
     return counts
 
 

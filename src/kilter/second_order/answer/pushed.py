@@ -33,4 +33,6 @@ def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) 
     if push.state != "falls":
         return replace(answer, bending=parts, why=answer.why or why or MAY_FALL)
     motion = push.rolling.motion if push.rolling is not None else None
+    if answer.state == "open":  # its path, if any, is no proof
+        answer = replace(answer, decision=None)
     return replace(answer, state="balanced", rolling=push.rolling, motion=motion, moving=parts)

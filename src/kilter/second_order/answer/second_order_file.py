@@ -32,7 +32,7 @@ def second_order_data(answer: SecondOrder) -> dict[str, Any] | None:
         return {"state": state, **counts(entries), "clusters": entries} | rolls
     problem, decision, program = answer.problem, answer.decision, answer.program
     proof = answer.proof
-    if decision is None or program is None or proof is None:
+    if decision is None or program is None or proof is None or answer.state == "open":
         return None
     data: dict[str, Any] = {"state": answer.state}
     if answer.state != "balanced":  # a path proves that parts fall, not how much may move

@@ -98,6 +98,8 @@ def round_rows(program: Program, contacts: ContactSet) -> Mask:
     curved = np.append(np.diff(contacts.assembly.geometry.surfaces.start) > 0, False)
     parts = contacts.patch_parts[program.source[rows]]
     of_curved = curved[parts].any(axis=1) | ~np.isin(kinds, (*STRAIGHT, "given", "bond"))
+    sharp = np.isin(kinds, STRAIGHT[1:])
+    rounds[rows[sharp]] = True
     may_curve = of_curved | (kinds == "given")
     chosen = may_curve & (kinds != "plane")  # the rim of a flat face is in its plane
     rows, of_curved = rows[chosen], of_curved[chosen]
@@ -241,6 +243,9 @@ class _Bending:
             spins = np.hstack([spins, self._own_spins(k, arm)])
             blocks.append((k, level.shape[1], np.hstack([level, spins]), arm))
             columns += level.shape[1] + spins.shape[1]
+        for k in np.flatnonzero(program.free & ~self.round_parts).tolist():
+            blocks.append((k, -1, level, program.center[k] - origin))
+            columns += level.shape[1]
         spanned = np.zeros((len(motions), columns))
         place: dict[int, slice] = {}
         column = 0
@@ -249,7 +254,8 @@ class _Bending:
             at = per * int(program.free[:k].sum())
             here = slice(column, column + screws.shape[1])
             spanned[at : at + per, here] = six / self.scale[at : at + per, None]
-            place[k] = slice(column, column + count)
+            if count >= 0:
+                place[k] = slice(column, column + count)
             column += screws.shape[1]
         # level motions keep the distance of level lines that cross
         upright = np.linalg.norm(np.cross(part.normal, program.down), axis=1) < BENDS
@@ -260,12 +266,14 @@ class _Bending:
             for row in np.flatnonzero(~crossing).tolist()
         ]
         kept = np.repeat(self.round_parts[program.free], per)
-        wanted = np.where(kept[:, None], motions, 0.0)
-        whole = np.vstack([spanned, *rules])
+        wanted = motions
+        alone = motions @ null_space(motions[kept], 1e-9)  # no round part moves
+        pad = np.zeros((sum(len(rule) for rule in rules), alone.shape[1]))
+        whole = np.hstack([np.vstack([spanned, *rules]), np.vstack([alone, pad])])
         right = np.vstack([wanted, np.zeros((len(whole) - len(wanted), motions.shape[1]))])
         found = np.linalg.lstsq(whole, right, rcond=1e-9)[0]
         off = np.abs(whole @ found - right).max(axis=0, initial=0.0) > BENDS
-        return np.asarray(wanted[:, off])
+        return np.where(kept[:, None], wanted, 0.0)[:, off]
 
     def _own_spins(self, part: int, arm: Array) -> Array:
         """Spins of a part of revolution about its axis, as screws (v, omega), shape (6, s).
