@@ -1,14 +1,14 @@
 """The verdict on the pile of a packing plan after each item.
 
 Boxes that lie on each other by level faces form a stack. Forces on level faces act only within a
-stack, and other contacts only forbid motions. So a pile is stable, whatever its friction, if each of
-its stacks has
+stack, and other contacts only forbid motions. So a pile is stable, whatever its friction, if each
+of its stacks has
 
     forces of equilibrium without friction, which fix the height and tilts of each box
 
-(`kilter.second_order.proofs.level_rest`). An item changes only the stacks that it touches: they
-become one stack, and only its forces are computed and verified again. `kilter.check` decides on the
-whole pile if no such forces of a stack are known.
+(`kilter.second_order.proofs.level_rest`). An item changes only the stacks on which it lies: with it
+they are a single stack, and only the forces of this stack are computed and verified again. If no
+such forces of a stack are found, `kilter.check` decides on the whole pile.
 """
 
 from __future__ import annotations
@@ -72,7 +72,9 @@ def plan_states(
     require, effort
         As in `kilter.check`.
     """
-    stacks = _Stacks(whole, contacts, count) if _has_stacks(whole, contacts, count, require) else None
+    stacks = (
+        _Stacks(whole, contacts, count) if _has_stacks(whole, contacts, count, require) else None
+    )
     for k in range(count):
         if stacks is not None and stacks.put(k):
             yield PlanState("stable", level_of("stable"), partial(stacks.program_after, k))
