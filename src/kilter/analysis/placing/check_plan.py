@@ -9,22 +9,20 @@ item with a limit is overloaded if all forces that balance the pile load its top
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from kilter.analysis.check import check
 from kilter.analysis.placing.item_support import fall_reason, item_support
+from kilter.analysis.placing.plan_states import PlanState, plan_states
 from kilter.analysis.placing.plan_walls import THICK, given_walls, walls_around
 from kilter.analysis.placing.top_loads import least_top_load
 from kilter.analysis.transport.transport import transport
-from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
 from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
 from kilter.rigid import Pose
@@ -258,17 +256,16 @@ def check_plan(
     loads: dict[str, float | None] = {}
     first: int | None = None
     why = ""
-    states = _states(whole, contacts, plan)
-    for k, (box, (state, touching)) in enumerate(zip(plan.boxes, states, strict=True), 1):
-        tell(f"item {k} of {len(plan.boxes)}")
-        verdict = check(state, contacts=touching, require=require, effort=effort)
-        if first is None and verdict.verdict == "unstable":
+    count = len(plan.boxes)
+    states = plan_states(whole, contacts, count, require=require, effort=effort)
+    for k, (box, state) in enumerate(zip(plan.boxes, states, strict=True), 1):
+        tell(f"item {k} of {count}")
+        if first is None and state.verdict is not None and state.word == "unstable":
             # only this verdict is kept: a verdict holds the contacts of its whole pile
-            first, why = k - 1, fall_reason(plan, k - 1, verdict)
-        items.append(
-            CheckedItem(box, str(verdict.verdict), verdict.level, item_support(box, verdict))
-        )
-        loads = _top_loads(plan.boxes[:k], verdict)
+            first, why = k - 1, fall_reason(plan, k - 1, state.verdict)
+        support = item_support(contacts, box, np.arange(k, count))
+        items.append(CheckedItem(box, state.word, state.level, support))
+        loads = _top_loads(plan.boxes[:k], state)
         overload = overload or _overload(plan.boxes[:k], loads)
     items = [replace(item, top_load=loads.get(item.box.name)) for item in items]
     tell("reason")
@@ -289,12 +286,12 @@ def check_plan(
     )
 
 
-def _top_loads(boxes: Sequence[PackedBox], verdict: Verdict) -> dict[str, float | None]:
+def _top_loads(boxes: Sequence[PackedBox], state: PlanState) -> dict[str, float | None]:
     """Least mass on the top of each item with a limit [kg]; None if it is not known."""
     limited = [box.name for box in boxes if box.max_load is not None]
-    if not limited or verdict.level is None:
+    if not limited or state.level is None:
         return dict.fromkeys(limited)
-    program = verdict.program
+    program = state.program()
     forces = {name: least_top_load(program, name) for name in limited}
     return {name: None if force is None else force / program.g for name, force in forces.items()}
 
@@ -344,16 +341,6 @@ def _with_base(pile: Assembly, plan: PackingPlan, pallet: Sequence[float] | None
     return pile.with_parts([base])
 
 
-def _states(
-    whole: Assembly, contacts: ContactSet, plan: PackingPlan
-) -> Iterator[tuple[Assembly, ContactSet]]:
-    """The pile after each item, and its contacts."""
-    for k in range(1, len(plan.boxes)):
-        state = whole.without(box.name for box in plan.boxes[k:])
-        yield state, contacts_among(contacts, state)
-    yield whole, contacts
-
-
 def _walled(
     pile: Assembly,
     plan: PackingPlan,
@@ -367,9 +354,9 @@ def _walled(
     whole = _with_base(pile, plan, pallet).with_parts(walls)
     contacts = detect.contacts(whole)
     first = None
-    for k, (state, touching) in enumerate(_states(whole, contacts, plan), 1):
-        verdict = check(state, contacts=touching, require=require, effort=effort)
-        if not holds(verdict.level, require):
+    states = plan_states(whole, contacts, len(plan.boxes), require=require, effort=effort)
+    for k, state in enumerate(states, 1):
+        if not holds(state.level, require):
             first = k
             break
     size = (high - low).tolist()

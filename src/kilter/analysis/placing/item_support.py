@@ -7,26 +7,41 @@ import shapely
 
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Index
+from kilter.contact import ContactSet
 from kilter.files.packing_lists import PackedBox, PackingPlan
 
 __all__ = ["fall_reason", "item_support"]
 
 
-def item_support(box: PackedBox, verdict: Verdict) -> tuple[tuple[str, float], ...]:
-    """Parts below an item, and the share of its underside on each."""
-    patches, below = _patches_under(verdict, box.name)
-    area = np.bincount(
-        below, verdict.contacts.patch_area[patches], minlength=len(verdict.assembly.names)
-    )
+def item_support(contacts: ContactSet, box: PackedBox, later: Index) -> SupportShares:
+    """Parts below an item, and the share of its underside on each.
+
+    Parameters
+    ----------
+    contacts : ContactSet
+        Contacts of the finished pile.
+    box : PackedBox
+    later : ndarray of int
+        Parts that are put down after the item.
+    """
+    patches, below = _patches_under(contacts, box.name)
+    before = ~np.isin(below, later)
+    patches, below = patches[before], below[before]
+    names = contacts.assembly.names
+    area = np.bincount(below, contacts.patch_area[patches], minlength=len(names))
     share = area / (box.size[0] * box.size[1])
     parts = np.unique(below)
     order = parts[np.argsort(-share[parts], kind="stable")]
-    return tuple((verdict.assembly.names[k], float(share[k])) for k in order.tolist())
+    return tuple((names[k], float(share[k])) for k in order.tolist())
 
 
-def _patches_under(verdict: Verdict, name: str) -> tuple[Index, Index]:
+SupportShares = tuple[tuple[str, float], ...]
+"""Names of the parts below an item, and the share of its underside on each [-]."""
+
+
+def _patches_under(contacts: ContactSet, name: str) -> tuple[Index, Index]:
     """Contact patches under a part, and the part below at each; both of shape (n,)."""
-    k, contacts = verdict.assembly.index_of(name), verdict.contacts
+    k = contacts.assembly.index_of(name)
     upward = contacts.patch_normal[:, 2]
     is_above = (contacts.patch_parts[:, 1] == k) & (upward > FLAT)
     is_above_reversed = (contacts.patch_parts[:, 0] == k) & (-upward > FLAT)
@@ -41,7 +56,7 @@ FLAT = 0.999
 def fall_reason(plan: PackingPlan, first: int, verdict: Verdict) -> str:
     """The reason why the pile falls when an item is put down, as a clause."""
     box = plan.boxes[first]
-    patches, _ = _patches_under(verdict, box.name)
+    patches, _ = _patches_under(verdict.contacts, box.name)
     points = verdict.contacts.points[np.isin(verdict.contacts.point_patch, patches), :2]
     center = np.array(box.corner[:2]) + np.array(box.size[:2]) / 2
     if not len(points):

@@ -29,7 +29,7 @@ from kilter.second_order.searches.opening_contacts import enough_to_open, openin
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
 from kilter.work import Work
 
-__all__ = ["find_level_rest", "find_parting", "rests_level"]
+__all__ = ["find_level_rest", "find_parting", "resting_forces", "rests_level"]
 
 MOST_ASKED = 100
 """Largest number of free parts for which a linear program distributes the load."""
@@ -70,10 +70,8 @@ def find_level_rest(
     motion = find_parting(program, level, sharp, work)
     if motion is None:
         return None
-    for candidate in _candidate_forces(program, level, forces, work):
-        if not wrong_forces(program, level, candidate):
-            return LevelRest(candidate, motion)
-    return None
+    resting = resting_forces(program, level, forces, work)
+    return None if resting is None else LevelRest(resting, motion)
 
 
 def rests_level(program: Program, level: Mask, forces: Array) -> bool:
@@ -90,8 +88,30 @@ def rests_level(program: Program, level: Mask, forces: Array) -> bool:
     forces : ndarray, shape (K,)
         Forces of some equilibrium [N], which are tried if the load cannot be spread from above.
     """
-    candidates = _candidate_forces(program, level, forces, None, programs=False)
-    return any(not wrong_forces(program, level, candidate) for candidate in candidates)
+    return resting_forces(program, level, forces, programs=False) is not None
+
+
+def resting_forces(
+    program: Program,
+    level: Mask,
+    forces: Array | None = None,
+    work: Work | None = None,
+    *,
+    programs: bool = True,
+) -> Array | None:
+    """Forces [N] on horizontal faces that fix the height and tilts of every part; or None.
+
+    Parameters
+    ----------
+    program, level, forces, work
+        As in `find_level_rest`.
+    programs : bool
+        Whether a linear program is the last try.
+    """
+    for candidate in _candidate_forces(program, level, forces, work, programs=programs):
+        if not wrong_forces(program, level, candidate):
+            return candidate
+    return None
 
 
 def _candidate_forces(
@@ -100,12 +120,9 @@ def _candidate_forces(
     forces: Array | None,
     work: Work | None,
     *,
-    programs: bool = True,
+    programs: bool,
 ) -> Iterator[Array]:
-    """Yield equilibrium forces [N] on horizontal faces, from the cheapest method first.
-
-    `programs`: whether a linear program is the last candidate.
-    """
+    """Yield equilibrium forces [N] on horizontal faces, from the cheapest method first."""
     bearing = bearing_of(program, level)
     if bearing is None:
         return
