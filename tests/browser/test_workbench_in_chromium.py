@@ -20,7 +20,7 @@ from kilter import Assembly, Box, Part, Pose
 from kilter.cli import main
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
-from kilter.workbench import server
+from kilter.workbench import uploads
 from kilter.workbench.server import Workbench
 
 pytestmark = pytest.mark.browser
@@ -492,7 +492,7 @@ def test_wrong_huge_changed_and_removed_files_are_sentences(
     page.until("!document.getElementById('trouble').hidden")
     assert "text.stp" in page.text("trouble-words") or "STEP" in page.text("trouble-words")
     page.page.click("#end-trouble")
-    monkeypatch.setattr(server, "MOST_BYTES", 3)
+    monkeypatch.setattr(uploads, "MOST_BYTES", 3)
     page.page.set_input_files("#files", files=files)
     page.until("!document.getElementById('trouble').hidden")
     assert "larger than" in page.text("trouble-words")
