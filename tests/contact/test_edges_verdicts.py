@@ -20,14 +20,17 @@ from kilter.scenes.pieces import block, floor, prism, turn
 FLOOR = floor([-9, -9], [9, 9])
 
 
-def judged(assembly: Assembly) -> str:
-    """The verdict, with its proof verified on recomputed contacts."""
+def judged(assembly: Assembly, *, pushed: bool = True) -> str:
+    """The verdict, with its proof verified on recomputed contacts.
+
+    Without `pushed`, the verdict to first order, without regard to small pushes.
+    """
     verdict = check(assembly)
     if verdict.verdict != "undecided":
         answer = verify_proof(assembly, detect.contacts(assembly), verdict.proof())
         assert answer.holds, answer.reasons
         assert answer.verdict == verdict.verdict
-    return verdict.verdict
+    return verdict.verdict if pushed else verdict.first_order
 
 
 # the paper's Figure 2 --------------------------------------------------------------------
@@ -76,7 +79,8 @@ def test_a_ladder_without_friction_needs_one_push_exactly(degrees, share, word):
     assembly = Assembly(parts, loads=[load])
     kinds = detect.contacts(assembly).patch_kind.tolist()
     assert kinds == ["edge-face", "edge-face"]
-    assert judged(assembly) == word
+    # it may slide on: a small push is open
+    assert judged(assembly, pushed=False) == word
 
 
 # cubes on edges and corners ---------------------------------------------------------------
@@ -119,7 +123,7 @@ def test_a_corner_in_a_corner_has_one_normal_a_wall():
     center = tetra.mean(axis=0)
     toward = -center / np.linalg.norm(center) * 9.81
     base = [Part("corner", corner, grounded=True), tetra_part]
-    assert judged(Assembly(base, gravity=toward)) == "stable"
+    assert judged(Assembly(base, gravity=toward), pushed=False) == "stable"  # it may tip
     aside = toward + 1e-5 * np.array([1.0, -1.0, 0.0])
     assert judged(Assembly(base, gravity=aside)) == "unstable"  # it tips about its corner
 
