@@ -83,7 +83,7 @@ def test_loads_along_what_is_held_are_carried_both_ways_and_others_are_not(kind)
         held = load - basis.T @ (basis @ (load + weight))
         case = Load("box", held[:3], held[3:])
         verdict = judged(dataclasses.replace(assembly, loads=[case]))
-        assert verdict.verdict == "stable"
+        assert verdict.first_order == "stable"
         wrench = np.array(verdict.proof()["joints"][0]["wrench"])
         about = np.array(verdict.proof()["joints"][0]["point"])
         total = held + weight
@@ -109,7 +109,8 @@ def pendulum(kind="revolute", **options):
 def test_pendulum_hangs_and_falls_sideways_as_a_compound_pendulum(kind, planar):
     hanging = pendulum(kind, planar=planar)
     assert judged(hanging).verdict == "stable"
-    assert judged(tilted(hanging, Y, 180)).verdict == "stable"  # first order: upright too
+    upright = judged(tilted(hanging, Y, 180))
+    assert (upright.verdict, upright.first_order) == ("balanced", "stable")
     for degrees in (OFF, -OFF, 90.0):
         off = judged(tilted(hanging, Y, degrees))
         assert off.verdict == "unstable"
@@ -176,8 +177,9 @@ def test_door_on_two_hinges_pulls_above_and_pushes_below():
 def test_door_swings_when_its_axis_leans_and_only_then(kinds):
     assert judged(door(kinds)).verdict == "stable"
     for degrees in (1e-4, -1e-4, 5.0):
-        # leaning in its own plane does not swing it
-        assert judged(tilted(door(kinds), Y, degrees)).verdict == "stable"
+        # leaning in its own plane does not swing it; to one side a small push does
+        leaning = judged(tilted(door(kinds), Y, degrees))
+        assert leaning.first_order == "stable"
         verdict = judged(tilted(door(kinds), [1, 0, 0], degrees))
         assert verdict.verdict == "unstable"
     inertia = 0.9**2 / 3 + 0.04**2 / 12
@@ -333,8 +335,8 @@ def test_regions_of_joints():
     assert np.allclose(np.abs(rail.equations), [[0, 1, 0]], atol=1e-9)
     assert kilter.region(pendulum("fixed")).kind == "all"
     for region in (hanging, ball, rail):
-        for proof in region.proofs():
-            assert verified(reloaded(proof.assembly), proof.data).holds
+        for proof in region.proofs():  # of forces: upright it also falls by a small push
+            assert verified(reloaded(proof.assembly), proof.data).reasons == ()
 
 
 def test_orientation_of_a_pendulum_is_found_hanging_or_along_its_axis():
