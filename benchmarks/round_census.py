@@ -411,7 +411,7 @@ def judged(scene: Scene) -> list[str]:
     verdict = check(scene.assembly, tolerance=tolerance)
     contacts = verdict.contacts
     if abs(scene.off) < 1:
-        wrong += _differs(verdict.verdict, scene.expected)
+        wrong += _differs(verdict.first_order, scene.expected)
         wrong += ["overlap"] * len(contacts.overlaps) + ["not modelled"] * len(contacts.unsupported)
         return wrong
     if len(contacts):
@@ -425,7 +425,7 @@ def judged(scene: Scene) -> list[str]:
     if scene.off > 0:
         closing = Tolerance(gap=TAU, clearance=1.01 * scene.off * TAU)
         closed = check(scene.assembly, tolerance=closing)
-        wrong += [f"closed: {word}" for word in _differs(closed.verdict, scene.expected)]
+        wrong += [f"closed: {word}" for word in _differs(closed.first_order, scene.expected)]
     return wrong
 
 
@@ -444,7 +444,7 @@ def asked(seed: int) -> tuple[str, str, list[str]]:
         return f"{scene.family}, {way}", f"off {scene.off:+g}: {scene.expected}", judged(scene)
     family, assembly, expected = on_table(rng, way)
     verdict = check(assembly)
-    return f"{family}, {way}", expected, _differs(verdict.verdict, expected)
+    return f"{family}, {way}", expected, _differs(verdict.first_order, expected)
 
 
 def main() -> int:

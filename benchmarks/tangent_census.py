@@ -306,8 +306,8 @@ def judged(scene: Scene) -> list[str]:
 def _judged_verdicts(scene: Scene, point: Array, normal: Array) -> list[str]:
     """Contradictions of the verdicts of a body above and beside its only contact point."""
     tolerance, wrong = Tolerance(gap=TAU), []
-    above = check(assembly_of(scene, normal, point + normal), tolerance=tolerance).verdict
-    wrong += [f"{above} above its contact"] * (above not in ("stable", "balanced"))
+    above = check(assembly_of(scene, normal, point + normal), tolerance=tolerance).first_order
+    wrong += [f"{above} above its contact"] * (above != "stable")
     aside = np.cross(normal, [0.3, 0.5, 0.7])
     beside = check(assembly_of(scene, normal, point + normal + aside), tolerance=tolerance).verdict
     return wrong + [f"{beside} beside its contact"] * (beside != "unstable")

@@ -260,7 +260,9 @@ class Region(InCells, AnswerInWords):
             proofs.append((about | {"change": {"down": entry.data["down"]}}, entry.data))
         slack = max(self.cone.blur, *(part.slack for part in self.found))
         gap = slack + max(part.gap for part in self.found)
-        return make_bundle("region", proofs, gap_deg=float(np.degrees(gap)))
+        # contacts of uncertain normals permit no motion as a proof: then only rays are proved
+        closed = self.kind == "all" or any("motion" in data for _, data in proofs)
+        return make_bundle("region", proofs, gap_deg=float(np.degrees(gap)) if closed else None)
 
     def to_dict(self) -> RegionData:
         """The region as JSON data, as ``kilter region --json`` prints it.

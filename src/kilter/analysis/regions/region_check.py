@@ -2,7 +2,8 @@
 
 Forces at rays and lines hold every direction of the cone that these generate. Motions exclude every
 direction beyond facets and equations. The file proves a region if the cone of the facets and
-equations reaches at most the stated angle beyond the cone of the rays and lines.
+equations reaches at most the stated angle beyond the cone of the rays and lines. Without such an
+angle, the file proves only the directions between its rays, and the answer says so.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from kilter.mechanics.proof_form import (
     keys,
     list_of,
     named,
+    nullable,
     one_of,
 )
 from kilter.tell.numbers import number
@@ -43,7 +45,7 @@ def _statement(entry: Any, place: str) -> str:
     return fault if fault or STAYS[entry["about"]] else FALLS(entry, place)
 
 
-FORM = keys(gap_deg=NUMBER, proofs=list_of(_statement))
+FORM = keys(gap_deg=nullable(NUMBER), proofs=list_of(_statement))
 """Statements of a region."""
 ON_BOUNDARY = 1e-7
 """A direction counts as within a facet if it lies at most so far beyond it [-]."""
@@ -84,6 +86,8 @@ def wrong_region(
             yield f"{entry['about']} {entry['vector']}: its proof is {verdict}"
         if set(entry["change"]) != {"down"}:
             yield f"{entry['about']} {entry['vector']}: more than the direction of gravity differs"
+    if bundle["gap_deg"] is None:
+        return
     gap, beyond = _gaps_deg(assembly, contacts, bundle)
     if beyond > BEYOND_FACET:
         yield f"its motions fall only {number(beyond, 3)} deg beyond its facets"
@@ -96,6 +100,9 @@ def wrong_region(
 
 def region_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iterator[str]:
     """Yield the largest angle between the directions that are held and those that fall."""
+    if bundle["gap_deg"] is None:
+        yield "only the directions between the rays are proved: no other direction is excluded"
+        return
     gap = number(sum(_gaps_deg(assembly, contacts, bundle)), 3)
     yield f"a direction without a proof lies at most {gap} deg from the held directions"
 

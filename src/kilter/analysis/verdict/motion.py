@@ -215,7 +215,10 @@ def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
     from kilter.solvers.clarabel import solve_quadratic
 
     problem = scaled_problem(program)
-    whole = least_constraint(problem)
+    try:
+        whole = least_constraint(problem)
+    except np.linalg.LinAlgError:  # the inertia of a damaged body is not positive
+        return None
     solutions: list[tuple[Array, float]] = []
 
     def add(form: LeastConstraint, unknowns: Array, multipliers: Array) -> float:
