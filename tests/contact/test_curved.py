@@ -232,7 +232,7 @@ def test_ball_in_a_cone_touches_around_a_circle(exact):
     for side in (-1, 1):
         angle = lean * (1 + side * 2e-3)
         gravity = [G * np.sin(angle), 0, -G * np.cos(angle)]
-        word = check(Assembly(parts, gravity=gravity)).verdict
+        word = check(Assembly(parts, gravity=gravity)).first_order
         assert word == ("stable" if side < 0 else "unstable")
 
 
@@ -252,7 +252,7 @@ def test_verdict_between_the_inner_and_the_outer_cone_is_not_given(step):
         for turned in np.linspace(0, 2 * np.pi, 2 * AROUND, endpoint=False)[::step]:
             away = np.array([np.cos(turned), np.sin(turned), 0])
             gravity = G * (np.sin(angle) * away - [0, 0, np.cos(angle)])
-            worst.add(check(Assembly(parts, gravity=gravity)).verdict)
+            worst.add(check(Assembly(parts, gravity=gravity)).first_order)
         words.append(worst)
     assert words[0] == {"stable"}
     assert "unstable" not in words[1]

@@ -25,7 +25,7 @@ from kilter.analysis.margins.tilt import (
     tilt_about,
 )
 from kilter.assembly import Load
-from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.scenes import arches, friction, rounds, scene, stacks, walls
 from kilter.tell.facts import facts
 from sampled import sampled
@@ -220,7 +220,8 @@ def test_least_friction_of_a_squeezed_block_is_any_above_zero():
 def test_least_friction_between_leaning_plates(degrees):
     least = np.tan(np.radians(degrees))
     found = find_least_friction(program_of(friction.a_block(degrees, planar=True)))
-    assert found.value == pytest.approx(least, abs=1e-6)
+    assert least <= found.value * (1 + 1e-12)
+    assert found.value < least + 2 / RULED_OUT  # forces up to this many weights count
     for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
         block = friction.a_block(degrees, friction=share * least)
         assert judged(block, effort=0.5).verdict in verdicts

@@ -130,7 +130,7 @@ def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     kilter.dump(scene("squeezed-block"), "a.kilter.json")
-    assert main(["margin", "a.kilter.json", "--require", "settles", "--json", "--quiet"]) == 0
+    assert main(["margin", "a.kilter.json", "--require", "settles", "--json", "--quiet"]) == 3
     answer = json.loads(capsys.readouterr().out)
     assert answer["level"] == "equilibrium"
     pushes = answer["at_level"]["pushes"]

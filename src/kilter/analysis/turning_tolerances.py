@@ -26,6 +26,7 @@ __all__ = [
     "ENTRY_ROUNDING",
     "FOLLOWING_AGREES",
     "GAP_DEG",
+    "HARDEST_PUSH",
     "HULL_FINER",
     "HULL_ROUNDING",
     "KAPPA_GAP",
@@ -135,8 +136,10 @@ BALANCED = 1e-8
 PLAIN = 1e-5
 """Component of a recommended direction of gravity that is left out if the answer stays [rad]: it
 comes from the search, and is below what a table can be levelled to."""
-UNLIMITED = 1e5
-"""A share of a load, or a push over the weight of all parts, above this is unlimited [-]."""
+UNLIMITED = 1e6
+"""A share of a load above this is unlimited [-]."""
+HARDEST_PUSH = 1e5
+"""A push over the weight of all parts above this is unlimited [-]."""
 NEARLY = 1e-5
 """A share counts as the largest share of the search if it is closer to it; relative [-]."""
 STEEPEST = 1e6

@@ -18,8 +18,8 @@ from kilter.analysis.margins.load_limit import Limit, NoLimit, finite
 from kilter.analysis.margins.tilt import held_limit
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (
+    HARDEST_PUSH,
     PUSH_AGREES,
-    UNLIMITED,
 )
 from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import cone_problem
@@ -94,7 +94,7 @@ def find_push(
     weight = float(program.weight[program.free].sum())
     wrench[part, :3] = weight * direction
     limit = held_limit(
-        program, wrench, opening=opening or Opening(cone_problem(program)), most=UNLIMITED
+        program, wrench, opening=opening or Opening(cone_problem(program)), most=HARDEST_PUSH
     )
     if isinstance(limit, NoLimit):
         return limit
@@ -118,7 +118,7 @@ def find_weakest_push(
     0.2873
     """
     opening = opening or Opening(cone_problem(program))
-    cap = UNLIMITED * float(program.weight[program.free].sum())
+    cap = HARDEST_PUSH * float(program.weight[program.free].sum())
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     pushes: list[Push | NoLimit] = []
 
