@@ -41,6 +41,8 @@ MESSAGES: tuple[dict[str, Any], ...] = (
 """Messages of a page, without their number."""
 MOST_MESSAGES = 6
 """Largest number of damaged messages of a case."""
+TOO_LARGE = 1009
+"""Code with which a connection is closed after a message of more than a megabyte."""
 PATIENCE = 20.0
 """Time in which a message is answered [s]."""
 CALLS: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -78,6 +80,8 @@ def faults_of_messages(rng: Random) -> Outcome:
                     answered += 1
                     found += _wrong_reply(message)
         except (TimeoutError, ConnectionClosed) as error:
+            if getattr(getattr(error, "rcvd", None), "code", None) == TOO_LARGE:
+                return "too large a message", found
             found.append(f"no answer ({type(error).__name__}) after {[t[:200] for t in texts]}")
     return f"{answered} answers", found
 
