@@ -153,7 +153,8 @@ def _excluded_sides(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> 
         gain = program.mass @ proof.motion[:, :3]
         size = max(float(np.linalg.norm(gain)), TINY)
         normals.append(-gain / size)
-        needed = proof.power / max(proof.ratio, TINY) / (size * program.g)
+        # a motion without power excludes nothing
+        needed = proof.power / proof.ratio / (size * program.g) if proof.ratio > 0 else 1.0
         beyond = max(beyond, float(np.arcsin(min(needed, 1.0))))
     return np.asarray(normals).reshape(-1, 3), beyond
 
