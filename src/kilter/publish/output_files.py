@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 from kilter.errors import InputError
+from kilter.validate import LARGEST
 
 __all__ = [
     "FILMS",
@@ -45,9 +45,10 @@ def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> 
 
     if out is not None:
         require_ending(out, SUFFIXES, "figure", f", or in {', '.join(FILMS)} for a film")
-    if view is not None and not all(math.isfinite(angle) for angle in view):
+    # not `isfinite`: it fails for an integer of hundreds of digits
+    if view is not None and not all(abs(angle) < LARGEST for angle in view):
         raise InputError(
-            f"the view is {view[0]} {view[1]}",
+            f"the view is {view[0]!s:.20} {view[1]!s:.20}",
             hint="give two angles in degrees",
             option="give two angles in degrees: --view -32 22",
         )
