@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
+from kilter.analysis.decision.refined_proofs import balanced_proof
 from kilter.analysis.decision.strength import find_strength
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
 from kilter.analysis.turning_tolerances import BEYOND_LIMIT, SIDES_NEAR
@@ -160,10 +161,14 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
         loose = not contacts.assembly.straps
         hopeless = strength is not None or (loose and judge(unbreakable(program)).stable is False)
         return NoLimit("none" if hopeless else "failed")
-    balance = check_forces(
-        program.with_strength(strength.share), strength.forces, strength.friction
-    )
-    limit, share = Limit(strength.share, balance, None, np.inf), strength.share
+    # at the limit itself rounding may leave no balanced forces: a little more strength does
+    for step in (0.0, *BEYOND_LIMIT[:3]):
+        share = strength.share + step * max(strength.share, 1.0)
+        held = program.with_strength(share)
+        balance = balanced_proof(held, check_forces(held, strength.forces, strength.friction))
+        if balance.holds:
+            break
+    limit = Limit(share, balance, None, np.inf)
     used = share * program.strength
     if balance.holds and used <= NEEDLESS * float(program.weight[program.free].sum()):
         return BondFactor(0.0, limit, ())
