@@ -133,7 +133,7 @@ def answer_of(assembly: Assembly, push: Array) -> dict[str, Any]:
 
 
 def differences(one: dict[str, Any], other: dict[str, Any]) -> list[str]:
-    """What differs between two answers, in words."""
+    """Differences between two answers, in words."""
     return [
         f"{key} {old} became {other[key]}"
         for key, old in one.items()

@@ -9,7 +9,7 @@ __all__ = ["verify_sentence"]
 
 
 def verify_sentence(answer: Answer) -> str:
-    """Return the result of a verification: the level that was recomputed, and what is only claimed.
+    """Return the result of a verification: the recomputed level, and the claimed level.
 
     Examples
     --------
