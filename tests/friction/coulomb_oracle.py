@@ -1,7 +1,7 @@
 """Whether contact forces by Coulomb's law explain given accelerations from rest.
 
 The mode of each contact point follows from the accelerations alone: it opens, slides or sticks.
-Then the search finds forces that act only at points that stay closed, inside Coulomb's cones, and at
+Then the search finds forces that act only at points that stay closed, in Coulomb cones, and at
 sliding points at their limit against the sliding:
 
     min |M a - w - J^T f|_M^-1     f_n >= 0,  |f_t| <= mu f_n;   f = f_n (n - mu u_t / |u_t|)
