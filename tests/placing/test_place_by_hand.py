@@ -60,6 +60,7 @@ def test_the_heaviest_load_at_a_place_on_the_plank(x: float) -> None:
 HEADER = "name,length/mm,width/mm,height/mm,mass/kg,x/mm,y/mm,z/mm,max_load/kg\n"
 
 
+@pytest.mark.slow
 def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path: Path) -> None:
     """Boxes of 400 mm: b on the half of a, c on a tenth of b and on nothing else."""
     plan = tmp_path / "plan.csv"
