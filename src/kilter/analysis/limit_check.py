@@ -229,7 +229,8 @@ def _fits_multiplier(assembly: Assembly, entry: Entry) -> bool:
     if stated is None:
         return True
     moves = entry["proof"].get("motion") or {}
-    return abs(participating_mass(assembly, acceleration, moves) - stated) <= AGREES * abs(stated)
+    mass = participating_mass(assembly, acceleration, moves)
+    return bool(abs(mass - stated) <= AGREES * abs(stated))
 
 
 def _angle(first: Array, second: Any) -> float:

@@ -190,19 +190,22 @@ class CarriedSet:
         if face is None or whys:
             return NoLimit("none" if "none" in whys else "failed")
         outer, normal = face.outer, face.normal
-        for asked in range(face.asked, face.asked + NEARER):
-            limit = self.along(normal @ basis)
-            if isinstance(limit, NoLimit):
-                return limit
-            if outer >= self.most * (1 - TILT_AGREES):
-                return LeastAcceleration(np.inf, self.most, np.zeros(3), limit, asked + 1)
+        limit = self.along(normal @ basis)
+        steps = 1
+        while isinstance(limit, Limit) and np.isfinite(limit.value) and steps < NEARER:
             support = self._support(basis, normal, limit)
             if support.reach >= outer * (1 - TILT_AGREES) - TOLERANCE:
                 break
-            outer, normal = support.reach, support.normal
+            outer, normal, steps = support.reach, support.normal, steps + 1
+            limit = self.along(normal @ basis)
+        if isinstance(limit, NoLimit):
+            return limit
+        programs = face.asked + steps
+        if outer >= self.most * (1 - TILT_AGREES):
+            return LeastAcceleration(np.inf, self.most, np.zeros(3), limit, programs)
         value = min(outer, limit.value)
         lower = max(min(face.inner, value) - TOLERANCE, 0.0)
-        return LeastAcceleration(value, lower, normal @ basis, limit, asked + 1)
+        return LeastAcceleration(value, lower, normal @ basis, limit, programs)
 
     def slice(self, axes: Array, *, accuracy: float = ACCURACY) -> Slice | NoLimit:
         """Boundary of the carried accelerations in a plane, as a polygon with lines around it.
