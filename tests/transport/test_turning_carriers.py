@@ -9,14 +9,11 @@ the weight may rest on the points of the contact that are farthest from the axis
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import kilter
 from kilter import Box, CarrierMotion, Cylinder, Part
-from kilter.cli import main
 
 G = 9.81
 ROUND = 0.02
@@ -24,7 +21,7 @@ ROUND = 0.02
 
 
 def carrier(seed: int) -> tuple[kilter.Assembly, float]:
-    """A part at rest on a deck, at random, and the least of alpha that it does not bear [rad/s^2]."""
+    """A part at rest on a deck, at random, and its largest angular acceleration [rad/s^2]."""
     rng = np.random.default_rng(seed)
     metres = {"m": 1.0, "mm": 1e-3}[units := ("m", "mm")[seed % 2]]
     m, mu = rng.uniform(0.5, 50), rng.uniform(0.1, 1.2)
