@@ -45,6 +45,7 @@ from kilter.work import Work, units_of
 
 __all__ = [
     "NO_MOTION",
+    "NO_MOTION_BEYOND",
     "NO_MOTION_BY_LAW",
     "UNKNOWN_MOTION",
     "ImpendingMotion",
@@ -71,6 +72,10 @@ NO_MOTION = (
 )
 NO_MOTION_BY_LAW = (
     "no motion that obeys the law of friction was found: accelerations and kappa are left out"
+)
+NO_MOTION_BEYOND = (
+    "the motion in which straps or the friction of joints give way is not computed: accelerations "
+    "and kappa are left out"
 )
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Words for a part if no solver finished, by whether a proof shows that the part moves."""

@@ -27,6 +27,7 @@ from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.motion import (
     NO_MOTION,
+    NO_MOTION_BEYOND,
     NO_MOTION_BY_LAW,
     UNKNOWN_MOTION,
     ImpendingMotion,
@@ -299,7 +300,7 @@ class Verdict(InCells, Answer):
         if self.verdict in ("stable", "settles", "balanced") or self.why == "push-open":
             return still(self.program)
         if len(self.modelled.bounded):
-            return unknown(self.program)  # no method for straps that give way
+            return unknown(self.program)  # no method for straps and friction that give way
         if self.modelled.cohesion.any():
             rubs = self.modelled.mu.any()  # no method for slipping bonds together with friction
             return unknown(self.program) if rubs else find_slipping_motion(self.modelled)
@@ -590,6 +591,7 @@ class Verdict(InCells, Answer):
         failed = self.measured and self.displacement.z is None
         unfinished = "no solver finished the displacement program: z and displacements are left out"
         unknown_motion = NO_MOTION_BY_LAW if self._rubs else NO_MOTION
+        unknown_motion = NO_MOTION_BEYOND if len(self.modelled.bounded) else unknown_motion
         open_motion = [] if self.motion.known else [unknown_motion]
         return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 
