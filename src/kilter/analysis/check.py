@@ -335,6 +335,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
             counted=counted,
             bonded=bonded,
             has_open_pairs=has_open_pairs,
+            rubbing_joints=any(joint.friction for joint in assembly.joints),
         )
     settling = friction.settling
     return verdict_sentence(

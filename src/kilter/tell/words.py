@@ -141,6 +141,7 @@ def verdict_sentence(
     counted: str = "",
     bonded: bool = False,
     has_open_pairs: bool = False,
+    rubbing_joints: bool = False,
 ) -> str:
     """Return the sentence of a verdict other than undecided.
 
@@ -167,6 +168,8 @@ def verdict_sentence(
         Whether the assembly has bonds.
     has_open_pairs : bool
         Whether the assembly has open pairs. An unstable verdict is proved for all their contacts.
+    rubbing_joints : bool
+        Whether a joint has friction.
 
     Examples
     --------
@@ -186,7 +189,7 @@ to move.'
     counting += ", if no bond breaks below its capacity" if bonded else ""
     return SENTENCES[verdict, key].format(
         within=(", up to the accuracy of its coordinates" if coarse else "") + counting,
-        slippery="" if counted else ", even without friction",
+        slippery="" if counted else f", even without friction{' of contacts' * rubbing_joints}",
         smooth="without friction " if frictionless else "",
         assumed=f" ({assumed})" if assumed else "",
         beyond=", by more than the accuracy of its coordinates" if coarse else "",
