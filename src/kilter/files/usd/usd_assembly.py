@@ -18,12 +18,12 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.limits import Tally
 from kilter.files.one_body import compose, one_body
+from kilter.files.usd.usd_masses import mass_of_object
 from kilter.files.usd.usd_objects import UsdObject, find_objects
 from kilter.files.usd.usd_physics import (
     filtered_pairs,
     find_joints,
     friction_of_parts,
-    mass_of_object,
     static_friction,
 )
 from kilter.files.usd.usd_shapes import AXES, rigid_part, shape_of_prim
@@ -139,9 +139,10 @@ def _part(scene: UsdScene, entry: UsdObject, notes: list[str], tally: Tally) -> 
             shapes.append(shape_of_prim(each.prim, matrix, entry.name, notes))
             shape = shapes[-1][0]
             tally.add(len(shape.triangles) if isinstance(shape, Mesh) else 1)
+        in_world = [(shape, compose(pose, place)) for shape, place in shapes]
         shape, inner = one_body(shapes, entry.name, notes)
         placed = compose(pose, inner)
-        stated = mass_of_object(scene, entry, placed)
+        stated = mass_of_object(scene, entry, placed, in_world, notes)
         return Part(
             entry.name, shape, placed, grounded=entry.held, geometry=entry.geometry, **stated
         )

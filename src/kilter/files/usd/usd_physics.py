@@ -1,7 +1,6 @@
-"""Physics of USD objects: mass, friction and joints, by the schemas of UsdPhysics.
+"""Friction and joints of USD objects, by the schemas of UsdPhysics.
 
-The mass of an object is that of its body, else its density times volume, else that of its shapes,
-else the density of its material. USD does not state how the friction of two materials combines. The
+USD does not state how the friction of two materials combines. The
 coefficient of a pair is here the mean of the static coefficients, as in PhysX without a combine
 mode. A pair with a single material has its coefficient. Drives and limits of joints are ignored.
 """
@@ -21,6 +20,7 @@ from kilter.assembly import Part
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError, visible
+from kilter.files.usd.usd_masses import bound_material
 from kilter.files.usd.usd_objects import UsdObject, matrix_of
 from kilter.files.usd.usd_shapes import AXES, rigid_part
 from kilter.files.usd.usd_stage import UsdScene
@@ -32,14 +32,11 @@ __all__ = [
     "filtered_pairs",
     "find_joints",
     "friction_of_parts",
-    "mass_of_object",
     "static_friction",
 ]
 
 REACH = 1.0
 """Distance of two parts up to which their friction is read [sizes of the smaller box]."""
-NOT_STATED = (-math.inf, -math.inf, -math.inf)
-"""Centre of mass in USD for "not stated"."""
 KINDS = {
     "PhysicsFixedJoint": "fixed",
     "PhysicsRevoluteJoint": "revolute",
@@ -49,66 +46,6 @@ KINDS = {
 """Kind of `Joint` for each type of joint in USD."""
 
 
-def mass_of_object(scene: UsdScene, entry: UsdObject, pose: Pose) -> dict[str, Any]:
-    """Mass, density and centre of mass that the stage states for an object, as fields of a part.
-
-    Parameters
-    ----------
-    scene : UsdScene
-    entry : UsdObject
-    pose : Pose
-        Frame of the part [length unit].
-    """
-    from pxr import UsdPhysics
-
-    per_volume = scene.kilograms / scene.metres**3
-    stated: dict[str, Any] = {}
-    owners = [entry.body] if entry.body is not None else []
-    for prim in owners:
-        if not prim.HasAPI(UsdPhysics.MassAPI):
-            continue
-        values = UsdPhysics.MassAPI(prim)
-        mass, density = number_of(values.GetMassAttr(), 0), number_of(values.GetDensityAttr(), 0)
-        if mass:
-            stated["mass"] = mass * scene.kilograms
-        elif density:
-            stated["density"] = density * per_volume
-        center = vector_of(values.GetCenterOfMassAttr(), 3, NOT_STATED)
-        if np.isfinite(center).all():
-            place = entry.matrix @ np.append(center, 1.0)
-            world = place[:3] * scene.scale
-            stated["center_of_mass"] = pose.matrix.T @ (world - pose.position)
-    if "mass" in stated or "density" in stated:
-        return stated
-    masses = [_own_mass(shape.prim) for shape in entry.chosen]
-    if all(masses):
-        return {**stated, "mass": sum(masses) * scene.kilograms}
-    material = _material(entry.chosen[0].prim)
-    density = 0.0 if material is None else number_of(material.GetDensityAttr(), 0)
-    if density:
-        stated["density"] = density * per_volume
-    return stated
-
-
-def _own_mass(prim: Any) -> float:
-    """Mass that a shape states, in the unit of the stage; 0 without any."""
-    from pxr import UsdPhysics
-
-    if not prim.HasAPI(UsdPhysics.MassAPI):
-        return 0.0
-    return number_of(UsdPhysics.MassAPI(prim).GetMassAttr(), 0)
-
-
-def _material(prim: Any) -> Any:
-    """The physics material that is bound to a shape; None without any."""
-    from pxr import UsdPhysics, UsdShade
-
-    found, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
-    if not found or not found.GetPrim().HasAPI(UsdPhysics.MaterialAPI):
-        return None
-    return UsdPhysics.MaterialAPI(found.GetPrim())
-
-
 def static_friction(entry: UsdObject) -> float | None:
     """Least static friction coefficient of the shapes of an object [-]; None without a material.
 
@@ -116,7 +53,7 @@ def static_friction(entry: UsdObject) -> float | None:
     """
     found = []
     for shape in entry.chosen:
-        material = _material(shape.prim)
+        material = bound_material(shape.prim)
         if material is not None:
             static, dynamic = material.GetStaticFrictionAttr(), material.GetDynamicFrictionAttr()
             chosen = static if static.HasAuthoredValue() else dynamic
