@@ -1,42 +1,29 @@
-"""Friction and joints of USD objects, by the schemas of UsdPhysics.
+"""Joints of USD objects and pairs that do not touch, by the schemas of UsdPhysics.
 
-USD does not state how the friction of two materials combines. The
-coefficient of a pair is here the mean of the static coefficients, as in PhysX without a combine
-mode. A pair with a single material has its coefficient. Drives and limits of joints are ignored.
+Drives and limits of joints are ignored.
 """
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import shapely
 
-from kilter.arrays import Index
-from kilter.assembly import Part
-from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
+from kilter.assembly.interactions import GivenContact, Joint
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError, visible
-from kilter.files.usd.usd_masses import bound_material
 from kilter.files.usd.usd_objects import UsdObject, matrix_of
 from kilter.files.usd.usd_shapes import AXES, rigid_part
 from kilter.files.usd.usd_stage import UsdScene
-from kilter.files.usd.usd_values import number_of, place_of, quaternion_of, token_of, vector_of
+from kilter.files.usd.usd_values import place_of, quaternion_of, token_of, vector_of
 from kilter.rigid import Pose
-from kilter.shape.primitives import surface
 
 __all__ = [
     "filtered_pairs",
     "find_joints",
-    "friction_of_parts",
-    "static_friction",
 ]
 
-REACH = 1.0
-"""Distance of two parts up to which their friction is read [sizes of the smaller box]."""
 KINDS = {
     "PhysicsFixedJoint": "fixed",
     "PhysicsRevoluteJoint": "revolute",
@@ -44,70 +31,6 @@ KINDS = {
     "PhysicsSphericalJoint": "spherical",
 }
 """Kind of `Joint` for each type of joint in USD."""
-
-
-def static_friction(entry: UsdObject) -> float | None:
-    """Least static friction coefficient of the shapes of an object [-]; None without a material.
-
-    The dynamic coefficient replaces a static coefficient that is not stated.
-    """
-    found = []
-    for shape in entry.chosen:
-        material = bound_material(shape.prim)
-        if material is not None:
-            static, dynamic = material.GetStaticFrictionAttr(), material.GetDynamicFrictionAttr()
-            chosen = static if static.HasAuthoredValue() else dynamic
-            found.append(number_of(chosen, 0))
-    return min(found) if found else None
-
-
-def friction_of_parts(
-    parts: Sequence[Part], own: Sequence[float | None]
-) -> tuple[float, list[FrictionPair]]:
-    """The most frequent friction coefficient, and the near pairs with another coefficient.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-    own : sequence of float or None
-        Static friction coefficient of each part [-].
-    """
-    value = np.array([math.nan if mu is None else mu for mu in own])
-    if np.isnan(value).all():
-        return 0.0, []
-    if not np.isnan(value).any() and np.ptp(value) == 0.0:
-        return float(value[0]), []
-    first, second = _near_pairs(parts).T
-    free = np.array([not part.grounded for part in parts])
-    counts = free[first] | free[second]
-    first, second = first[counts], second[counts]
-    a, b = value[first], value[second]
-    mu = np.where(np.isnan(a), b, np.where(np.isnan(b), a, (a + b) / 2))
-    known = ~np.isnan(mu)
-    first, second, mu = first[known], second[known], mu[known]
-    bare = not known.all()  # pairs without any material have the friction of the assembly
-    usual = 0.0 if bare or not len(mu) else Counter(mu.tolist()).most_common(1)[0][0]
-    return usual, [
-        FrictionPair((parts[i].name, parts[k].name), mu)
-        for i, k, mu in zip(first.tolist(), second.tolist(), mu.tolist(), strict=True)
-        if mu != usual
-    ]
-
-
-def _near_pairs(parts: Sequence[Part]) -> Index:
-    """Pairs of parts whose boxes are nearer than `REACH` sizes of the smaller box, (n, 2)."""
-    corners = [part.pose.apply(surface(part.shape)[0]) for part in parts]
-    low = np.array([points.min(axis=0) for points in corners])
-    high = np.array([points.max(axis=0) for points in corners])
-    reach = REACH * np.linalg.norm(high - low, axis=1)
-    flat = shapely.box(*low[:, :2].T, *high[:, :2].T)
-    wide = shapely.box(*(low[:, :2] - reach[:, None]).T, *(high[:, :2] + reach[:, None]).T)
-    a, b = shapely.STRtree(flat).query(wide, predicate="intersects")
-    near = (a != b) & (reach[a] <= reach[b])
-    a, b = a[near], b[near]
-    near = (low[a, 2] - reach[a] <= high[b, 2]) & (high[a, 2] + reach[a] >= low[b, 2])
-    pairs: Index = np.unique(np.sort(np.column_stack([a[near], b[near]]), axis=1), axis=0)
-    return pairs
 
 
 def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[str]) -> list[Joint]:
