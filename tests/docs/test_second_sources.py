@@ -8,7 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
 
 import pytest
-from build_second_sources import PAGE, ROOT, entries, matches, numeric_keys, page, tests_of
+from build_second_sources import PAGE, ROOT, entries, matches, numeric_keys, page, names_in
 
 KEYS = numeric_keys()
 ROWS = entries()
@@ -32,7 +32,7 @@ def test_each_entry_names_a_test_that_exists_or_the_reason_of_a_convention() -> 
         if "test" in row:
             path, _, name = row["test"].partition("::")
             assert name.startswith("test_")
-            assert name in tests_of(path), row["test"]
+            assert name in names_in(path), row["test"]
 
 
 def test_the_page_is_built_from_the_table() -> None:
