@@ -326,7 +326,7 @@ def _bundle(kind: str) -> tuple[Assembly, str]:
     made: dict[str, Callable[[], tuple[Assembly, Any]]] = {
         "region": lambda: (corner, kilter.region(corner)),
         "margin": lambda: (rough, kilter.margin(rough)),
-        "transport": lambda: (rough, kilter.transport(rough)),
+        "transport": lambda: (rough, kilter.transport(rough, collapse=True)),
         "plan": lambda: (smooth, kilter.plan(smooth)),
         "no plan": lambda: (lever, kilter.plan(lever, PlanRules(hold=0))),
         "held plan": lambda: (lever, kilter.plan(lever, PlanRules(hold=1))),
@@ -380,6 +380,23 @@ def _flip(proof: Data, rng: Random) -> None:
 def _value(proof: Data, rng: Random) -> None:
     entry = _any(rng, proof["proofs"])
     entry["value"] *= _shares(rng)
+
+
+def _another_mass(proof: Data, rng: Random) -> None:
+    entry = _any(rng, [e for e in proof["proofs"] if "participating_mass" in e])
+    entry["participating_mass"] *= _shares(rng)
+
+
+def _as_multiplier(proof: Data, rng: Random) -> None:
+    """A vertical limit, one of half the weights, or one of the opposite forces."""
+    entry = _any(rng, [e for e in proof["proofs"] if e["about"][0] in "+-"])
+    if entry["about"][1] != "z":
+        if rng.random() < 0.5:
+            entry["value"] *= 2
+            entry["motion"]["acceleration"] = [x / 2 for x in entry["motion"]["acceleration"]]
+        else:
+            entry["about"] = entry["about"].translate(str.maketrans("+-", "-+"))
+    entry["about"] = "alpha " + entry["about"].translate(str.maketrans("+-", "-+"))
 
 
 def _more_loads(proof: Data, rng: Random) -> None:
@@ -518,7 +535,8 @@ KINDS: dict[str, Forger] = {
     "transport": _lies("transport", [
         ("held flipped", _flip), ("another value", _value), ("more changes", _more_loads),
         ("values exchanged", _exchange("value")), ("evidence exchanged", _exchange_evidence),
-        ("changes exchanged", _exchange("change")),
+        ("changes exchanged", _exchange("change")), ("another mass", _another_mass),
+        ("an acceleration as a multiplier", _as_multiplier),
     ]),
     "plan": _lies("plan", [
         ("a step left out", _no_step), ("steps exchanged", _steps_exchanged),
