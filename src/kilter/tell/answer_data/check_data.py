@@ -146,7 +146,9 @@ class CertificateData(TypedDict):
 
     kind: Literal["forces", "motion"] | None
     residual: float | None
-    power: float | None
+    power: Annotated[
+        float | None, Field(description="of the motion if its fastest part moves at 1 m/s [W]")
+    ]
     violation: float | None
 
 
