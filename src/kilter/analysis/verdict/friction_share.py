@@ -1,6 +1,7 @@
 """The share of the friction that the force and the moment of each contact patch need at least.
 
-A patch presses with n_i at its points x_i, and p_i contains the strength of its bonds. The friction t_i transmits, together with n_i, the force F and the moment M of the patch:
+A patch presses with n_i at its points x_i, and p_i contains the strength of its bonds. The friction
+t_i transmits, together with n_i, the force F and the moment M of the patch:
 
     s = min max_i |t_i| / (mu p_i):   sum f_i = F,   sum x_i x f_i = M,   n_i >= -pull_i
 
