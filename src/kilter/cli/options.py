@@ -15,6 +15,7 @@ from typing import Annotated, Any, get_type_hints
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.output import require_answer_file
+from kilter.cli.quantities import density_of, friction_of
 from kilter.errors import TimeLimitReached
 from kilter.work import EFFORT
 
@@ -163,6 +164,7 @@ Friction = Annotated[
     Option(
         "--friction",
         metavar="MU",
+        reads=friction_of,
         help="Friction coefficient of contacts without a coefficient of their own; it replaces the "
         "default of the file. 30% and 17deg are 0.3 and tan 17 deg.",
         rich_help_panel=HELD,
@@ -184,6 +186,7 @@ Density = Annotated[
     Option(
         "--density",
         metavar="KG/M3",
+        reads=density_of,
         help="Density of the parts without a density in the file, or of all parts of a STEP file "
         "[kg/m^3]; 1000 by default. Names such as steel or oak are known.",
         rich_help_panel=HELD,
@@ -265,7 +268,7 @@ Clearance = Annotated[
     ),
 ]
 Fasten = Annotated[
-    list[str] | None,
+    list[tuple[str, str]] | None,
     Option(
         "--fasten",
         metavar="NAME NAME",
@@ -293,7 +296,7 @@ FastenOverlaps = Annotated[
     ),
 ]
 Bonded = Annotated[
-    list[str] | None,
+    list[tuple[str, str, float]] | None,
     Option(
         "--bond",
         metavar="NAME NAME T",

@@ -25,6 +25,7 @@ Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Curvatures = Annotated[list[Number], Field(min_length=2, max_length=2)]
 PlanePoint = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Size = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+SixNumbers = Annotated[list[Number], Field(min_length=6, max_length=6)]
 Quaternion = Annotated[list[Number], Field(min_length=4, max_length=4)]
 Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 
@@ -188,6 +189,11 @@ class PartEntry(Entry):
     density: Positive | None = Field(None, description="[kg/m^3]; default 1000 if no mass is given")
     mass: Positive | None = Field(None, description="[kg]")
     center_of_mass: Vector | None = Field(None, description="in the part's own frame")
+    inertia: SixNumbers | None = Field(
+        None,
+        description="xx, yy, zz, xy, xz, yz about the centre of mass, in the part's own frame "
+        "[kg x length unit^2]; default: that of the shape, in proportion to the mass",
+    )
     brick: BrickEntry | None = None
     color: str | None = Field(
         None, pattern="^#[0-9a-f]{6}$", description='colour in drawings, as "#rrggbb"'

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from kilter.assembly import Assembly, Load, Part
+from kilter.assembly.masses import reweighed
 from kilter.errors import InputError
 
 __all__ = [
@@ -69,7 +70,7 @@ def with_density(assembly: Assembly, density: float, *, replaces: bool = False) 
         stated = part.density is not None and not replaces
         if stated or part.given_mass is not None:
             return part
-        return dataclasses.replace(part, density=density)
+        return reweighed(part, density=density)
 
     try:
         return dataclasses.replace(assembly, parts=[with_default(part) for part in assembly.parts])
@@ -91,9 +92,7 @@ def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Asse
         return assembly
     given = {name: kg for pattern, kg in masses for name in assembly.matching([pattern])}
     parts = [
-        dataclasses.replace(part, given_mass=given[part.name], density=None)
-        if part.name in given
-        else part
+        reweighed(part, given_mass=given[part.name], density=None) if part.name in given else part
         for part in assembly.parts
     ]
     return dataclasses.replace(assembly, parts=parts)

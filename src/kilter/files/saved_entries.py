@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from kilter.assembly import Assembly, Bond, FrictionPair, Joint, Load, Part, Strap
+from kilter.assembly.masses import reweighed
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
 from kilter.files.choices import OPTIONS, Choices
@@ -96,7 +97,7 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
         if part.name in chosen:
             density, name = chosen[part.name]
             changes |= {"density": density, "mass": None, "material": name or part.material}
-        return dataclasses.replace(part, **changes) if changes else part
+        return reweighed(part, **changes) if changes else part
 
     return dataclasses.replace(assembly, parts=[changed(part) for part in assembly.parts])
 
