@@ -28,6 +28,19 @@ GUIDED = ("revolute", "prismatic")
 """Kinds of joints with a single free motion, which may have limits, friction and a spring."""
 
 
+def _piece_pair(pieces: Any, what: str) -> tuple[int, int] | None:
+    """A pair of piece numbers, or None; `what` names the entry in the message of an error."""
+    if pieces is None:
+        return None
+    pair = tuple(pieces) if isinstance(pieces, tuple | list) else ()
+    if len(pair) != 2 or not all(type(piece) is int and piece >= 0 for piece in pair):
+        raise InputError(
+            f"pieces of a {what} are {pieces!r:.60}",
+            hint="give the number of the piece of each part, such as [0, 1]",
+        )
+    return pair
+
+
 def _names(parts: Any) -> tuple[str, ...]:
     """Convert names of parts to a tuple; the assembly checks how many there are."""
     names = tuple(parts) if isinstance(parts, tuple | list) else ()
@@ -39,7 +52,7 @@ def _names(parts: Any) -> tuple[str, ...]:
 @guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionPair(Value):
-    """Friction coefficient of all contacts between two parts.
+    """Friction coefficient of all contacts between two parts, or between a piece of each.
 
     Parameters
     ----------
@@ -47,19 +60,31 @@ class FrictionPair(Value):
         Names of the two parts.
     mu : float
         Friction coefficient [-].
+    pieces : pair of int, optional
+        Numbers of the pieces of both parts that the coefficient is for (`Mesh.pieces`; 0 for other
+        shapes). It counts before the coefficient of the whole parts.
 
     Raises
     ------
     InputError
-        If `mu` is negative or not a number.
+        If `mu` is negative or not a number, or `pieces` are not two numbers.
     """
 
     parts: tuple[str, str]
     mu: float
+    pieces: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
         object.__setattr__(self, "mu", number(self.mu, "friction coefficient", lowest=0))
+        object.__setattr__(self, "pieces", _piece_pair(self.pieces, "friction pair"))
+
+    @property
+    def subject(self) -> frozenset[Any]:
+        """The parts, or the pieces of parts, that the coefficient is for, in either order."""
+        if self.pieces is None:
+            return frozenset(self.parts)
+        return frozenset(zip(self.parts, self.pieces, strict=True))
 
 
 @guarded
@@ -128,12 +153,15 @@ class GivenContact(Value):
     feature : pair of Feature, optional
         Features of the first and of the second part at the contact; without them the
         second-order test is undecided.
+    pieces : pair of int, optional
+        Numbers of the pieces of both parts that do not touch, for a contact without points; the
+        contacts of other pieces are detected.
 
     Raises
     ------
     InputError
-        If a number is not finite, the normal is zero, or a feature is
-        along the normal.
+        If a number is not finite, the normal is zero, a feature is along the normal, or a contact
+        with points has pieces.
     """
 
     parts: tuple[str, str]
@@ -141,9 +169,16 @@ class GivenContact(Value):
     normal: Any
     mu: float | None = None
     feature: tuple[Feature, Feature] | None = None
+    pieces: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
+        object.__setattr__(self, "pieces", _piece_pair(self.pieces, "contact"))
+        if self.pieces is not None and len(self.points):
+            raise InputError(
+                f"contact of {self.parts[0]!r} and {self.parts[1]!r} has points and pieces",
+                hint="give pieces only to a contact without points: they do not touch",
+            )
         points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
         if not np.isfinite(points).all():
             raise InputError(

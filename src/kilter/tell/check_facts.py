@@ -181,7 +181,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
 
 
 def forces_phrase(forces: Answer | None) -> str | None:
-    """Return the largest contact force, and the largest share of the friction limit in use."""
+    """Return the largest contact force, and the largest share of the friction that is needed."""
     patches = [] if forces is None else forces["patches"]
     if not patches:
         return None
@@ -190,7 +190,7 @@ def forces_phrase(forces: Answer | None) -> str | None:
     rubs = [patch for patch in patches if patch["utilisation"]]
     if rubs:
         most = max(rubs, key=lambda patch: float(patch["utilisation"]))
-        words += f"; friction used up to {percent(most['utilisation'])} ({_pair(most)})"
+        words += f"; needs up to {percent(most['utilisation'])} of the friction ({_pair(most)})"
     return words
 
 

@@ -348,7 +348,7 @@ def _falling(
     )
     return replace(
         answer_of(program, problem, replace(decision, proof=path)),
-        rate=growth_rate(program, problem, path),
+        rate=growth_rate(program, problem, path, find_critical(problem, work=work)),
         motion=motion / sizes.max(),
         moving=np.flatnonzero(sizes > 1e-6 * sizes.max(initial=TINY)),
         configuration=configuration,

@@ -146,7 +146,9 @@ class CertificateData(TypedDict):
 
     kind: Literal["forces", "motion"] | None
     residual: float | None
-    power: float | None
+    power: Annotated[
+        float | None, Field(description="of the motion if its fastest part moves at 1 m/s [W]")
+    ]
     violation: float | None
 
 
@@ -202,7 +204,9 @@ class PatchForceData(TypedDict):
     resultant: Vector
     normal_force: float
     center: Annotated[Vector | None, Field(description="centre of pressure [length unit]")]
-    utilisation: Annotated[float | None, Field(description="share of the friction [-]")]
+    utilisation: Annotated[
+        float | None, Field(description="least share of the friction that its points need [-]")
+    ]
     bond_utilisation: Annotated[float | None, Field(description="share of the bond [-]")]
     points: Annotated[Lines, Field(description="[length unit], world frame")]
     forces: Annotated[Lines, Field(description="[N], world frame")]
