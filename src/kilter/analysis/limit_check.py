@@ -13,7 +13,13 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.transport.carrier import CarrierMotion
-from kilter.analysis.transport.transport_proofs import CARRIER, carried_change
+from kilter.analysis.transport.transport_proofs import (
+    ALPHA,
+    CARRIER,
+    carried_change,
+    participating_mass,
+)
+from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -38,7 +44,11 @@ FORM = keys(
     proofs=list_of(
         every(
             keys(value=NUMBER, held=FLAG),
-            optional_keys(push=VECTOR, motion=keys(**dict.fromkeys(CARRIER, VECTOR))),
+            optional_keys(
+                push=VECTOR,
+                motion=keys(**dict.fromkeys(CARRIER, VECTOR)),
+                participating_mass=NUMBER,
+            ),
         )
     )
 )
@@ -81,6 +91,8 @@ def wrong_limits(
             yield f"{name} {value:.6g}: it states held {entry['held']}, its proof is {verdict}"
         if not _fits(assembly, bundle["kind"], entry):
             yield f"{name} {value:.6g}: the value differs from the changed gravity or loads"
+        if not _fits_multiplier(assembly, entry):
+            yield f"{name} {value:.6g}: the direction or participating mass is not of its motion"
         held, falls = sides.setdefault(name, ([], []))
         (held if entry["held"] else falls).append(value)
     if bundle["kind"] == "transport" and any(share != weaker[0] for share in weaker):
@@ -118,6 +130,8 @@ def _value_words(kind: str, entry: Entry) -> str:
     moves = [key for key in CARRIER[:-1] if any(entry["motion"][key])]
     parts = [f"{key.replace('_', ' ')} {entry['motion'][key]}" for key in moves]
     words = f"{number(value, 10)} of the motion ({', '.join(parts)})"
+    mass = entry.get("participating_mass")
+    words += "" if mass is None else f", participating mass {number(mass, 8)} kg"
     share = change.get("mu_share")
     return words if share is None else f"{words} with {number(share, 8)} times the friction"
 
@@ -193,6 +207,30 @@ def _fits_motion(assembly: Assembly, entry: Entry) -> bool:
     size = float(np.abs(change["gravity"]).max())
     near = np.abs(np.subtract(given["gravity"], change["gravity"])) <= AGREES * size
     return bool(near.all()) and _same_loads(given.get("loads", []), change.get("loads", []))
+
+
+def _fits_multiplier(assembly: Assembly, entry: Entry) -> bool:
+    """Whether a collapse multiplier is of horizontal weights, with the mass of its mechanism."""
+    stated = entry.get("participating_mass")
+    if not entry["about"].startswith(ALPHA):
+        return stated is None
+    motion, g = entry.get("motion"), float(np.linalg.norm(assembly.gravity))
+    if motion is None or any(np.any(motion[key]) for key in CARRIER[1:]):
+        return False
+    acceleration = np.asarray(motion["acceleration"], dtype=float)
+    level = abs(float(acceleration @ assembly.down)) <= ACROSS_GRAVITY * g
+    if not level or abs(float(np.linalg.norm(acceleration)) - g) > AGREES * g:
+        return False
+    name = entry["about"].removeprefix(ALPHA)
+    axes = {f"{sign}{axis}": way * np.eye(3)[k]
+            for k, axis in enumerate("xyz") for sign, way in (("+", -g), ("-", g))}  # fmt: skip
+    if name != "least" and np.abs(acceleration - axes.get(name, np.inf)).max() > AGREES * g:
+        return False
+    if stated is None:
+        return True
+    moves = entry["proof"].get("motion") or {}
+    mass = participating_mass(assembly, acceleration, moves)
+    return bool(abs(mass - stated) <= AGREES * abs(stated))
 
 
 def _angle(first: Array, second: Any) -> float:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.assembly.assembly import Assembly, require_assembly
+from kilter.assembly.plain_joints import plain_joints
 from kilter.errors import InputError
 from kilter.hooks import hook
 from kilter.rigid import in_brackets
@@ -129,14 +130,14 @@ def asked_assembly(
         read: Assembly = hook("load")(
             assembly, friction=friction, down=down, ground=ground, floor=floor
         )
-        return read
+        return plain_joints(read, verb)
     require_assembly(assembly, verb)
     if friction is not None:
         assembly = assembly.with_friction(friction)
     names = name_list(ground, "ground")
     if names:
         assembly = assembly.with_grounded(names)
-    return on_floor(assembly, floor, down)
+    return plain_joints(on_floor(assembly, floor, down), verb)
 
 
 def on_floor(assembly: Assembly, floor: bool | float | None, down: ArrayLike | None) -> Assembly:

@@ -69,7 +69,7 @@ class FitData(TypedDict):
 
 
 class HistogramData(TypedDict):
-    """Numbers of gaps between edges [length unit]; null for an infinite edge."""
+    """Numbers of gaps between edges, divided by the size of the smaller part [-]; null: infinite."""
 
     edges: list[float | None]
     counts: list[int]

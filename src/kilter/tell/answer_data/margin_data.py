@@ -137,7 +137,10 @@ class HelpData(TypedDict):
     of: Literal["tilt", "load factor"]
     what: Literal["hold", "friction", "mass"]
     parts: list[str]
-    gain: float | None
+    by: Annotated[
+        float | None, Field(description="more mu, or share of the mass; null: a part is held")
+    ]
+    gain: Annotated[float | None, Field(description="of a second margin; null: unlimited")]
     sentence: str
 
 
