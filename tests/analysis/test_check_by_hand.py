@@ -40,9 +40,10 @@ def test_a_cube_past_the_edge_turns_about_it() -> None:
     # a shift of the centre by 1 mm downwards is the greatest that (9) admits
     assert answer["z"] == pytest.approx(-500)
     assert past["displacement"] == pytest.approx([0, 0, -1, 0, 1 / 100, 0], abs=1e-9)
-    # two cubes on level faces: three level motions each, and the one past the edge tips and rises
+    # two cubes on level faces: three level motions each; one gains what lifts the other, so the
+    # motions without power span all but one of 12 dimensions
     assert answer["contacts"] == {"pairs": 2, "patches": 2, "points": 8}
-    assert answer["neutral"]["two_sided"] == 3 + 3
+    assert answer["neutral"] == {"two_sided": 3 + 3, "one_sided": 12 - 1 - 6}
     proof = json.loads(json.dumps(verdict.proof()))
     opening, in_millimetres = stranger.opening_and_power(proof)
     assert opening >= -answer["certificate"]["violation"] - 1e-15
@@ -75,3 +76,28 @@ def test_a_beam_on_two_ridges_presses_on_each_by_its_lever(at: float) -> None:
             np.tile([x, 0], (len(patch["points"]), 1)), abs=1e-9
         )
         assert np.abs(np.array(patch["points"])[:, 1]).max() == pytest.approx(100)
+
+
+def test_a_block_that_only_a_squeeze_holds_falls_freely() -> None:
+    """Between vertical walls nothing presses it against them: its motion has all of the power."""
+    friction = kilter.check(kilter.example("squeezed-block"), require="proved").to_dict()["friction"]
+    assert friction["witness"]["power"] == pytest.approx(1)
+    assert friction["witness"]["residual"] <= 1e-9
+    seating = friction["seating"]
+    # as the springs of the contacts give way, none of the weight is borne, up to a hundredth
+    assert seating["residual"] == pytest.approx(1, abs=1e-2)
+    assert seating["direction"][-1][2] == pytest.approx(-G, rel=1e-2)
+    rests = kilter.check(Assembly([TABLE, SHELF], units="mm"), down=[0.3, 0, -1], friction=0.5)
+    assert rests.to_dict()["friction"]["seating"]["residual"] <= 1e-9
+
+
+def test_the_motion_of_a_balanced_ball_is_a_fall_along_the_ball_below() -> None:
+    """A pendulum upside down: u^2 / (R + r) is what the centre sinks by to second order."""
+    below = Part("below", kilter.Sphere(300.0), Pose([0, 0, 0]), grounded=True)
+    above = Part("above", kilter.Sphere(100.0), Pose([0, 0, 400]))
+    second = kilter.check(Assembly([below, above], units="mm")).to_dict()["second_order"]
+    motion = np.array(second["motion"]["above"])
+    assert motion[2] == pytest.approx(0, abs=1e-9)
+    assert np.linalg.norm(motion[:2]) > 0.5 * np.linalg.norm(motion) / 100  # it does not only spin
+    # two level shifts of the centre, and three turns about it, cost nothing to first order
+    assert second["neutral"] == 5

@@ -74,6 +74,10 @@ def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path: Path)
     assert [one["share"] for one in c["support"]] == [pytest.approx(0.1)]
     assert (a["max_load"], answer["first"], answer["friction"]) == (9, 3, 0.4)
     assert answer["walls"]["inner_size"] == [560 + 400, 400]
+    # d keeps the walls away from c, which falls between them
+    plan.write_text(HEADER + "\n".join([*rows, "d,400,400,400,9,1600,0,0,"]))
+    walls = kilter.check_plan(plan, friction=0.4).to_dict()["walls"]
+    assert (walls["inner_size"], walls["first"]) == ([2000, 400], 3)
 
 
 def test_a_pile_of_two_boxes_tips_about_the_foot_of_the_lower_one(tmp_path: Path) -> None:

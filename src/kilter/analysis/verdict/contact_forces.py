@@ -72,6 +72,8 @@ class ContactForces(Guessable):
         Contact points [length unit].
     pressures : ndarray, shape (C,)
         Component of each force along the normal [N]; negative for a pull.
+    row_forces : ndarray, shape (K,)
+        Force or torque of each row of the program, also of joints [N], [N x length unit].
 
     Examples
     --------
@@ -100,6 +102,7 @@ class ContactForces(Guessable):
     pairs: Index
     points: Array
     pressures: Array
+    row_forces: Array
 
     def _position(self, name: str) -> int:
         """Index of a part, given its name."""
@@ -196,6 +199,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
         pairs=np.column_stack([program.part_a[rows], program.part_b[rows]]),
         points=program.point[rows],
         pressures=along,
+        row_forces=used.forces,
     )
 
 

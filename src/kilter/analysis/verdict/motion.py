@@ -75,8 +75,8 @@ NO_MOTION_BY_LAW = (
     "no motion that obeys the law of friction was found: accelerations and kappa are left out"
 )
 NO_MOTION_OF_LIMITS = (
-    "the motion of straps that give way, or of bonds that slip with friction, is not modelled: "
-    "accelerations and kappa are left out"
+    "the motion in which straps or the friction of joints give way, or bonds slip, is "
+    "not modelled: accelerations and kappa are left out"
 )
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Words for a part if no solver finished, by whether a proof shows that the part moves."""

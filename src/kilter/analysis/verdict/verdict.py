@@ -318,7 +318,7 @@ class Verdict(InCells, Answer):
 
     @property
     def _not_modelled(self) -> bool:
-        """Whether there is no method for the motion: straps that give way, or bonds that slip."""
+        """Whether no method finds the motion: straps or joints give way, or bonds slip."""
         return bool(len(self.modelled.bounded) or (self.modelled.cohesion.any() and self._rubs))
 
     @property

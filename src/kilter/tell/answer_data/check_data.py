@@ -146,7 +146,9 @@ class CertificateData(TypedDict):
 
     kind: Literal["forces", "motion"] | None
     residual: float | None
-    power: float | None
+    power: Annotated[
+        float | None, Field(description="of the motion if its fastest part moves at 1 m/s [W]")
+    ]
     violation: float | None
 
 
@@ -210,12 +212,26 @@ class PatchForceData(TypedDict):
     forces: Annotated[Lines, Field(description="[N], world frame")]
 
 
+class JointForceData(TypedDict):
+    """Forces along the axis of a prismatic joint on its first part [N].
+
+    Of a revolute joint, torques about the axis [N x length unit].
+    """
+
+    parts: PairNames
+    kind: Literal["revolute", "prismatic"]
+    stop: Annotated[float, Field(description="of the limit at which the joint stands, else 0")]
+    friction: float
+    spring: float
+
+
 class ForcesData(TypedDict):
-    """Contact forces that balance every part."""
+    """Contact forces that balance every part, and forces of joints with limits and the like."""
 
     least: bool
     residual: float
     patches: list[PatchForceData]
+    joints: NotRequired[list[JointForceData]]
 
 
 class CheckToleranceData(ToleranceData):
