@@ -62,7 +62,9 @@ def test_a_beam_on_two_ridges_presses_on_each_by_its_lever(at: float) -> None:
         for name, x in (("left", -1000), ("right", 2000))
     )
     beam = Part("beam", Box([5000, 200, 200]), [at, 0, 100], density=500.0)
-    forces = kilter.check(Assembly([left, right, beam], units="mm", friction=0.5)).to_dict()["forces"]
+    forces = kilter.check(Assembly([left, right, beam], units="mm", friction=0.5)).to_dict()[
+        "forces"
+    ]
     weight = 100 * G
     for patch, x, share in zip(
         forces["patches"], (-1000, 2000), ((2000 - at) / 3000, (at + 1000) / 3000), strict=True
@@ -80,7 +82,9 @@ def test_a_beam_on_two_ridges_presses_on_each_by_its_lever(at: float) -> None:
 
 def test_a_block_that_only_a_squeeze_holds_falls_freely() -> None:
     """Between vertical walls nothing presses it against them: its motion has all of the power."""
-    friction = kilter.check(kilter.example("squeezed-block"), require="proved").to_dict()["friction"]
+    friction = kilter.check(kilter.example("squeezed-block"), require="proved").to_dict()[
+        "friction"
+    ]
     assert friction["witness"]["power"] == pytest.approx(1)
     assert friction["witness"]["residual"] <= 1e-9
     seating = friction["seating"]

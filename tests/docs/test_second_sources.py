@@ -15,7 +15,9 @@ ROWS = entries()
 
 
 def test_each_number_has_one_entry() -> None:
-    named = {key: [row for row in ROWS if any(matches(p, key) for p in row["keys"])] for key in KEYS}
+    named = {
+        key: [row for row in ROWS if any(matches(p, key) for p in row["keys"])] for key in KEYS
+    }
     assert [key for key, rows in named.items() if not rows] == []
     assert [key for key, rows in named.items() if len(rows) > 1] == []
 
