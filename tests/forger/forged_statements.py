@@ -323,6 +323,11 @@ def _bundle(kind: str) -> tuple[Assembly, str]:
     )
     load = direct(45, 2000.0)
     bare = dataclasses.replace(load, straps=())
+    level = Assembly(parts[:2], friction=0.3)
+    around = [
+        kilter.Strap([("ground", [4 * x, 4 * y, 0.3]), ("box", [x, y, 0.3])], capacity=3.0)
+        for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))
+    ]
     made: dict[str, Callable[[], tuple[Assembly, Any]]] = {
         "region": lambda: (corner, kilter.region(corner)),
         "margin": lambda: (rough, kilter.margin(rough)),
@@ -334,6 +339,10 @@ def _bundle(kind: str) -> tuple[Assembly, str]:
         "lashing": lambda: (
             bare,
             kilter.hold(bare, straps=[load.straps[0]] * 2, require="equilibrium"),
+        ),
+        "lashing of a code": lambda: (
+            level,
+            kilter.hold(level, straps=around, code="eumos:0.5", require="equilibrium"),
         ),
         "place": lambda: (
             smooth,
@@ -559,6 +568,13 @@ KINDS: dict[str, Forger] = {
     "lashing": _lies("lashing", [
         ("no motion", _no_motion), ("fewer straps", _fewer("chosen")),
         ("more are needed", _rules(least=3)), ("fewer are needed", _rules(least=1)),
+    ]),
+    "lashing of a code": _lies("lashing of a code", [
+        ("no motion", _no_motion), ("fewer straps", _fewer("chosen")),
+        ("more are needed", _rules(least=5)), ("fewer are needed", _rules(least=3)),
+        ("a direction left out", lambda proof, rng: _drop(proof, "held", rng)),
+        ("a harder code", _rules(code={"name": "en12195", "forward": [1.0, 0.0, 0.0]})),
+        ("no code", _rules(code=None)),
     ]),
     "place": _lies("place", [
         ("stands everywhere", _wider("stands")), ("falls everywhere", _wider("falls")),

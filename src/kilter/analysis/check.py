@@ -358,8 +358,10 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> l
         warnings += gaps_under_straps(assembly, contacts)
     friction, program = decision.friction, decision.program
     if friction is not None and program.has_limits:
+        pieces = len(program.strap_pieces)
         limits = {"bonds with limited shear": program.cohesion.any(),
-                  "straps with a capacity": len(program.bounded)}  # fmt: skip
+                  "straps with a capacity": pieces,
+                  "joints with friction": len(program.bounded) > pieces}  # fmt: skip
         warnings.append(
             f"for {' and '.join(name for name, there in limits.items() if there)}, kilter proves "
             "only that equilibrium forces exist, not that friction excludes every motion"

@@ -249,6 +249,7 @@ def _geometry(
         is_box=is_box,
         surfaces=surfaces,
         triangle_surface=label,
+        triangle_piece=np.zeros(len(label), dtype=np.int64),
         slack=np.zeros(count),
         warnings=(),
         unknown=UnknownSurfaces.none(),

@@ -15,6 +15,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from kilter.assembly.assembly import Assembly, require_assembly
+from kilter.assembly.plain_joints import plain_joints
 from kilter.errors import InputError
 from kilter.hooks import hook
 from kilter.tell.levels import REQUIRE
@@ -123,7 +124,7 @@ def asked_assembly(
         read: Assembly = hook("load")(
             assembly, friction=friction, down=down, ground=ground, floor=floor
         )
-        return read
+        return plain_joints(read, verb)
     require_assembly(assembly, verb)
     if friction is not None:
         assembly = assembly.with_friction(friction)
@@ -134,7 +135,7 @@ def asked_assembly(
         assembly = assembly.with_grounded(names)
     if floor is not None and floor is not False:
         assembly = assembly.with_floor(None if floor is True else floor)
-    return assembly
+    return plain_joints(assembly, verb)
 
 
 def require_unchanged(

@@ -26,6 +26,7 @@ from kilter.files.reading_steps import (
     on_carrier,
     with_contacts_of,
     with_density,
+    with_friction,
     with_loads,
     with_masses,
 )
@@ -302,7 +303,7 @@ class Reading:
         assembly = with_masses(assembly, self.mass)
         here, _ = self.for_parts(assembly.names)  # choices about parts that are left out
         if self.friction is not None:
-            assembly = assembly.with_friction(self.friction)
+            assembly = with_friction(assembly, self.friction)
         if "gravity" in self.entries:
             assembly = dataclasses.replace(assembly, gravity=self.entries["gravity"])
         elif self.up is not None:

@@ -103,7 +103,7 @@ def _tilt(answer: Answer) -> str:
     if tilt is None:
         why = answer["missing"].get("tilt")
         if why is None:
-            return "not defined: given loads, bonds and straps do not turn with gravity"
+            return "not defined: loads, bonds, straps, joint friction or springs do not turn"
         none = "none: not held as given, nor with gravity in any direction within 90 deg of it"
         return UNKNOWN.get(why, none + _as_drawn(answer))
     if answer["tilt_down"] is None:

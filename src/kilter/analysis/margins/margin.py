@@ -357,7 +357,11 @@ def _limits(
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = steps.friction()
     bonded = (find_bond_factor, program, verdict.contacts)
-    bond = steps.limit("bond", *bonded) if assembly.bonds or assembly.straps else None
+    strong = bool(assembly.bonds or assembly.straps)
+    if strong and any({"friction", "stiffness"} & set(joint.guide) for joint in assembly.joints):
+        strong = False
+        warnings.append("no bond margin: friction and springs of joints are no bonds")
+    bond = steps.limit("bond", *bonded) if strong else None
     tell(f"{'' if friction is None else f'friction {friction.value:.6g}; '}load factor")
     factor = steps.load_factor("load_factor", program)
     sure = steps.load_factor("bracket", program.frictionless) if question.bracket else None

@@ -155,6 +155,7 @@ class TransportData(TypedDict):
     alpha: list[CollapseData]
     fc: Annotated[float | None, Field(description="confidence factor FC [-]")]
     code: str | None
+    forward: Annotated[Vector | None, Field(description="direction of travel of the code")]
     cases: list[CaseData]
     straps: list[StrapUseData]
     speed: Annotated[PathData | None, Field(description="of a path")]
