@@ -132,7 +132,7 @@ def _sample_of(path: CarrierPath, k: int) -> CarrierPath:
                        path.about, False)  # fmt: skip
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("turns", [False, True])
 def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed: int, turns: bool) -> None:
