@@ -99,10 +99,7 @@ def test_the_region_of_an_assembly_with_open_pairs_names_them(run) -> None:
 def test_the_margin_of_an_assembly_with_open_pairs_is_that_of_the_drawing(run) -> None:
     _, margin = run("margin", sunk())
     text = text_of(margin)
-    assert (
-        "no friction coefficient is enough to hold it if its open pairs carry no force"
-        in text
-    )
+    assert "no friction coefficient is enough to hold it if its open pairs carry no force" in text
     assert [pair["parts"] for pair in margin["open_pairs"]] == [["table", "cube"]]
 
 

@@ -99,7 +99,7 @@ def test_names_that_begin_like_numbers_and_a_name_that_is_missing(
     ]
     assert with_several_names(["--ground"]) == ["--ground"]
     assert main(["check", "a.json", "--ground"]) == 2
-    assert "Option '--ground' requires an argument" in capsys.readouterr().err
+    assert "--ground needs a value; see 'kilter check --help'" in capsys.readouterr().err
 
 
 def test_a_written_answer_is_reported_with_its_path(capsys: pytest.CaptureFixture[str]) -> None:

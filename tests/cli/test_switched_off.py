@@ -176,7 +176,7 @@ WRONG = {
     "held off": ("--no-ground --release a", "release and no-ground are both given"),
     "not held": ("--release b", "the choices do not hold 'b'; they hold 'a', 'c*'"),
     "no part": ("--release c9", "'c9' names no held part, so it cannot be released"),
-    "no name": ("--release", "requires an argument"),
+    "no name": ("--release", "needs a value"),
 }
 
 

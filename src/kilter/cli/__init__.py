@@ -158,7 +158,7 @@ def _run(words: list[str]) -> int:
         return USAGE
     except Exception as error:
         if hasattr(error, "format_message"):  # usage errors of the option parser have no base class
-            _print_error(usage_words(error))
+            _print_error(usage_words(error, words))
             return USAGE
         raise
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from kilter.values.guesses import meant_word, remedy_of
@@ -10,10 +11,15 @@ from kilter.values.guesses import meant_word, remedy_of
 __all__ = ["usage_words"]
 
 
-def usage_words(error: Any) -> str:
-    """Message for a usage error of the option parser, with a reference to the help."""
+def usage_words(error: Any, words: Sequence[str]) -> str:
+    """Message for a usage error of the option parser, with a reference to the help.
+
+    `words` are those of the command line, of which the first may name the command.
+    """
     context = getattr(error, "ctx", None)
-    path = context.command_path if context is not None else "kilter"
+    path = "kilter" if words[0].startswith("-") else f"kilter {words[0]}"
+    if context is not None:
+        path = context.command_path
     message = " ".join(error.format_message().split()).rstrip(".")
     unknown = getattr(error, "option_name", None)
     if unknown is not None and context is not None and not hasattr(error, "param_hint"):
@@ -29,4 +35,12 @@ def usage_words(error: Any) -> str:
     if named:
         wanted = {"number": "a number", "integer": "a whole number"}.get(named[2], f"a {named[2]}")
         message = f"the value of {named[1]} is not {wanted}"
+    missing = re.match(r"Option '(.+)' requires (\S+) argument", message)
+    if missing:
+        message = (
+            f"{missing[1]} needs {'a value' if missing[2] == 'an' else missing[2] + ' values'}"
+        )
+    extra = re.match(r"Got unexpected extra \S+ \((.+)\)", message)
+    if extra:
+        message = f"this command has no use for the words {extra[1]!r}"
     return f"{message}; see '{path} --help'"

@@ -92,7 +92,9 @@ grows by a factor of 2.7 in 2 s'
         return f"{words} ({'; '.join(more)})" if more else words
     if state == "free":
         names = _names(list(answer["motion"]))
-        return f"neutral: without friction a push can move {names}, and no weight or load resists it"
+        return (
+            f"neutral: without friction a push can move {names}, and no weight or load resists it"
+        )
     if state == "balanced":
         rate = answer["rate"]
         grows = f"; a deviation grows by a factor of 2.7 in {number(1 / rate, 3)} s" if rate else ""
