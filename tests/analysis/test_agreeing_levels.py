@@ -114,6 +114,7 @@ def test_the_word_outside_a_limit_is_the_verdict_of_check_there(name: str) -> No
     assert margin.outside == kilter.check(assembly.with_down(down)).first_order
 
 
+@pytest.mark.slow
 def test_a_limit_beyond_which_an_open_pair_decides_has_the_verdict_of_check_outside() -> None:
     """A cube that a held pin enters: what happens beyond the friction angle depends on the pin."""
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)

@@ -271,7 +271,7 @@ def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
             assert judge(data | {"motion": {"ball": way}}) == []
 
 
-@pytest.mark.quick(7)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("other", "holds"),
     [

@@ -100,6 +100,7 @@ def test_a_slab_tips_about_a_free_roller_whatever_its_thickness(
     assert (verdict.verdict, verdict.level) == ("balanced", "equilibrium")
 
 
+@pytest.mark.quick("0.25-open", "0.24999-falls", "0.25001-holds")
 @pytest.mark.parametrize(
     ("radius", "state"),
     [
