@@ -147,8 +147,8 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
     sizes = part_sizes(program, motion, per_radius=False)
     largest = float(sizes.max(initial=0.0))
-    if largest == 0.0:
-        return MotionProof(motion, 0.0, 0.0, 0.0, False)
+    if largest == 0.0 or not np.isfinite(largest):
+        return MotionProof(np.zeros_like(motion), 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = program.power(motion)
     opening = row_openings(program, motion)
