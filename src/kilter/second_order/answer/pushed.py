@@ -35,4 +35,5 @@ def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) 
     motion = push.rolling.motion if push.rolling is not None else None
     if answer.state == "open":  # its path, if any, is no proof
         answer = replace(answer, decision=None)
-    return replace(answer, state="balanced", rolling=push.rolling, motion=motion, moving=parts)
+    rolling = push.rolling if push.rough else None
+    return replace(answer, state="balanced", rolling=rolling, motion=motion, moving=parts)

@@ -168,7 +168,7 @@ def with_rolling(
         return second_order
     features = features_of(program, contacts)
     answers = tuple(
-        replace(answer, rolling=rolling_of(cluster, features, answer.names_alone, assembly.joints))
+        replace(answer, rolling=rolling_of(cluster, features, assembly, answer.names_alone))
         if answer.state == "balanced"
         else answer
         for answer, cluster in zip(answers, parted, strict=True)
@@ -236,8 +236,8 @@ class _ClusterSearch:
             return None
         forces = self.forces[cluster.rows][certain]
         bending = bending_bodies(
-            self.contacts, self.assembly.joints, program.taking(certain), forces, curves=True
-        )
+            self.assembly, self.contacts, program.taking(certain), forces, curves=True
+        ).bending
         if bending[program.free].all() or not bending.any():
             return None
         # imported late: level faces and held parts do not need these modules

@@ -35,12 +35,15 @@ class SmallPush:
     parts : ndarray of bool, shape (N,)
         Parts that fall, or about which nothing is proved; rigid groups count as their first part.
     rolling : Rolling or None
-        Rolling of the first cluster with this state; None without friction there.
+        Rolling of the first cluster with this state; None if no part may fall.
+    rough : bool
+        Whether the parts touch with friction.
     """
 
     state: Rolls
     parts: Mask
     rolling: Rolling | None
+    rough: bool = False
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -76,37 +79,43 @@ def small_push(
         forces = forces[groups.between(program, assembly)]
     certain = np.isin(whole.kind, (CONTACT, JOINT))
     whole, forces = whole.taking(certain), forces[certain]
-    bending = bending_bodies(contacts, assembly.joints, whole, forces, curves=curves)
+    bends = bending_bodies(assembly, contacts, whole, forces, curves=curves)
+    bending = bends.bending.copy()
     if among is not None:
         bending &= among
-    results: list[tuple[Rolls, Rolling | None, Mask]] = []
+    results: list[tuple[Rolls, Rolling, Mask]] = []
     for cluster in clusters(whole) if bending.any() else []:
         mine = bending & cluster.program.free
-        if not mine.any():
-            continue
-        rolling = _rolling(assembly, contacts, cluster, mine)
-        results.append(("open" if rolling is None else rolling.state, rolling, mine))
+        if mine.any():
+            isolated = not (bends.moved & cluster.program.free & ~mine).any()
+            rolling = _rolling(assembly, contacts, cluster, mine, isolated=isolated)
+            results.append((rolling.state, rolling, mine))
     if not results:
         return SmallPush("holds", np.zeros_like(bending), None)
     state = worst_rolling(result[0] for result in results)
     same = [result for result in results if result[0] == state]
     parts = np.any([mine for _, _, mine in same], axis=0)
-    return SmallPush(state, parts & (state != "holds"), same[0][1])
+    rough = whole.mu > 0
+    ends = np.concatenate([whole.part_a[rough], whole.part_b[rough]])
+    touched = bool(parts[ends[ends >= 0]].any())
+    return SmallPush(state, parts & (state != "holds"), same[0][1], rough=touched)
 
 
 def _rolling(
-    assembly: Assembly, contacts: ContactSet, cluster: Cluster, bending: Mask
-) -> Rolling | None:
+    assembly: Assembly, contacts: ContactSet, cluster: Cluster, bending: Mask, *, isolated: bool
+) -> Rolling:
     """Rolling of the bending parts of a cluster while its other parts are held, else of all of it.
 
-    Held parts only take motions away, so the first counts if it falls. None without friction.
+    Held parts only take motions away, so the first counts if it falls. If the other parts do not
+    move along any neutral motion (`isolated`), it also counts if it holds.
     """
     program = cluster.program
-    if not program.mu.any():
-        return None
     features = features_of(program, contacts, recognised=True)
+    alone = []
     for part in clusters(replace(program, free=bending)):
-        found = find_rolling(part.program, features.take(part.rows), assembly.joints)
-        if found.state == "falls":
-            return found
-    return find_rolling(program, features, assembly.joints)
+        alone.append(find_rolling(part.program, features.take(part.rows), assembly))
+        if alone[-1].state == "falls":
+            return alone[-1]
+    if isolated:
+        return next((found for found in alone if found.state == "open"), alone[0])
+    return find_rolling(program, features, assembly)
