@@ -81,8 +81,18 @@ class Fits:
         )
 
 
-def find_fits(program: Program, curved: Index) -> Fits:
-    """Find the bodies that enclose each other, among the given rows of curved contacts."""
+def find_fits(program: Program, curved: Index, play: Index | None = None) -> Fits:
+    """Find the bodies that enclose each other, and fits with play that count as closed.
+
+    Parameters
+    ----------
+    program : Program
+    curved : ndarray of int
+        Rows of contacts at curved surfaces.
+    play : ndarray of int, optional
+        Rows among these of cylinders and spheres with play: they fit even if they do not enclose
+        each other, as a bar in half a bore.
+    """
     count = len(program.kind)
     enclosed, kind = np.zeros(count, dtype=bool), np.full(count, UNKNOWN)
     point, direction = np.zeros((2, count, 3))
@@ -91,7 +101,7 @@ def find_fits(program: Program, curved: Index) -> Fits:
     for number in np.unique(pair):
         rows = curved[pair == number]
         enclosed[rows] = stressed(wrenches(program, rows))
-        if enclosed[rows[0]]:
+        if enclosed[rows[0]] or (play is not None and np.isin(rows, play).all()):
             found = _common_surface(program.point[rows], program.normal[rows])
             if found is not None:
                 kind[rows], point[rows], direction[rows], curvature[rows] = found

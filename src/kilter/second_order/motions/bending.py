@@ -120,6 +120,13 @@ def round_rows(program: Program, contacts: ContactSet) -> Mask:
     return rounds
 
 
+def _with_play(program: Program, contacts: ContactSet, curved: Index) -> Index:
+    """Rows of cylinders and spheres whose play counts as closed, among the given rows."""
+    patch = program.source[curved]
+    wide = np.abs(contacts.patch_gap[patch]).max(axis=1, initial=0.0) > contacts.gap
+    return curved[wide & np.isin(contacts.patch_kind[patch], ("cylinder", "sphere"))]
+
+
 class _Bending:
     """Neutral motions of a cluster, and the round or jointed parts that they bend."""
 
@@ -139,8 +146,8 @@ class _Bending:
         size = max(float(np.abs(self.forces).max(initial=0.0)), TINY)
         self.presses = ~self.joined & (self._spread_out() > BEARS * self.blur * size)
         curved = np.flatnonzero(~self.joined & rounds)
-        kinds = contacts.patch_kind[program.source[curved]]
-        self.fits = find_fits(program, curved[~np.isin(kinds, STRAIGHT)])
+        curved = curved[~np.isin(contacts.patch_kind[program.source[curved]], STRAIGHT)]
+        self.fits = find_fits(program, curved, _with_play(program, contacts, curved))
         self.enclosed = self.fits.enclosed
         self.presses &= ~self._may_be_idle()
         self.closed = self.joined | self.presses | self.enclosed

@@ -123,6 +123,8 @@ def rolling_of(
     alone : iterable of str, optional
         Names of the parts that fall alone.
     """
+    if not (cluster.program.mu > 0).any():
+        return open_rolling(cluster.program, "no contact has friction")
     mine = features.take(cluster.rows)
     part = None if alone is None else falling_alone(cluster.program, alone)
     if part is not None:
@@ -145,7 +147,7 @@ def find_rolling(program: Program, features: Features, assembly: Assembly) -> Ro
     assembly : Assembly
     """
     why = _unmodelled_reason(program)
-    return _open(program, why) if why else _RollingForces(program, features, assembly).result()
+    return open_rolling(program, why) if why else _RollingForces(program, features, assembly).result()
 
 
 class _RollingForces:
@@ -179,16 +181,16 @@ class _RollingForces:
         rank = int((sizes > BALANCED * sizes.max(initial=TINY)).sum())
         components = np.linalg.lstsq(rows.T, -load, rcond=None)[0]
         if np.abs(rows.T @ components + load).max() > BALANCED * np.abs(load).max():
-            return _open(program, "no forces balance it")
+            return open_rolling(program, "no forces balance it")
         basis = null_space(rows, BALANCED) * self.scale[:, None]
         still = self._still(basis)
         if self.swings.torques[program.free].any():
-            return _open(program, "rolling is not modelled with torques")
+            return open_rolling(program, "rolling is not modelled with torques")
         if not self._modelled(still):
-            return _open(program, "the curvature of its surfaces at a contact is not known")
+            return open_rolling(program, "the curvature of its surfaces at a contact is not known")
         faces = self._faces(still)
         if not self._presses(components, faces):
-            return _open(program, "its forces are not within the cones of friction")
+            return open_rolling(program, "its forces are not within the cones of friction")
         each = self._stiffness_of_each(basis)
         stiffness = np.tensordot(components, each, axes=1) + self._swinging(basis)
         stressed = np.tensordot(left[:, rank:].T, each, axes=1)
@@ -361,7 +363,8 @@ def _grows(program: Program, basis: Array, curved: Array) -> bool:
     return bool((values.real < -SLIPS * size).any() or (np.abs(values.imag) > SLIPS * size).any())
 
 
-def _open(program: Program, why: str) -> Rolling:
+def open_rolling(program: Program, why: str) -> Rolling:
+    """Make an open result with its reason."""
     none = np.zeros((len(program.part_a), 3)), np.zeros((len(program.names), 6))
     return Rolling("open", 0, 0.0, why, *none)
 
@@ -369,7 +372,7 @@ def _open(program: Program, why: str) -> Rolling:
 def _unmodelled_reason(program: Program) -> str:
     """Reason why rolling of a cluster cannot be modelled; empty if it can."""
     known = on_joints(program) | (program.kind == CONTACT)
-    if not known.all() or program.pull.any() or program.tied.any():
+    if not known.all() or program.has_strength or program.tied.any() or program.cohesion.any():
         return "rolling is not modelled with bonds"
     if 3 * len(program.kind) > MOST:
         return "its contacts are too many to decide whether it rolls"
