@@ -138,8 +138,8 @@ def _set_conformal(
     """Mark contact points of faces that fit each other (shaft in hole) as conformal.
 
     These are corners of a flat patch on an edge of both parts or within a rim, and points of round
-    patches along which the surfaces touch everywhere. If they touch along a curve only, as a ball in a
-    cone, the curve is a line of contact. Straight lines of contact that end within both faces,
+    patches along which the surfaces touch everywhere. If they touch along a curve only, as a ball
+    in a cone, the curve is a line of contact. Straight lines of contact that end within both faces,
     or on both parts at once, get the feature of their inner points at the ends.
     """
     left = rows[~formed(program, Features(**columns))[rows]]

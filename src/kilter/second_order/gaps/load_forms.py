@@ -51,7 +51,7 @@ class Swings:
         if self.torques[part]:
             return np.eye(3)
         size = float(np.abs(self.arms[part]).max())
-        return self.arms[part] / size if size > 0 else self.arms[part]
+        return np.asarray(self.arms[part] / (size if size > 0 else 1.0))
 
 
 def swings_of(assembly: Assembly, program: Program) -> Swings:

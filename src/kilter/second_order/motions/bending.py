@@ -124,7 +124,7 @@ def _with_play(program: Program, contacts: ContactSet, curved: Index) -> Index:
     """Rows of cylinders and spheres whose play counts as closed, among the given rows."""
     patch = program.source[curved]
     wide = np.abs(contacts.patch_gap[patch]).max(axis=1, initial=0.0) > contacts.gap
-    return curved[wide & np.isin(contacts.patch_kind[patch], ("cylinder", "sphere"))]
+    return np.asarray(curved[wide & np.isin(contacts.patch_kind[patch], ("cylinder", "sphere"))])
 
 
 class _Bending:

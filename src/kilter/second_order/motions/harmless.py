@@ -18,8 +18,6 @@ turn moves the centres along arcs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from kilter.arrays import Array, Mask, across
@@ -27,8 +25,8 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.rigid import skew
-from kilter.second_order.gaps.gap_form import formed
 from kilter.second_order.gaps.features import Features
+from kilter.second_order.gaps.gap_form import formed
 from kilter.second_order.gaps.load_forms import Swings
 from kilter.second_order.gaps.touched_surfaces import LINE, Touched
 from kilter.second_order.motions.free_span import spins_unseen
@@ -173,7 +171,6 @@ class Harmless:
             if end in place:
                 rule[:, place[end]] += sense * outside
         return rule
-
 
     def _level_kept(self, conditions: Array) -> Array:
         """Level motions that keep a surface, as columns of coefficients, (l, k)."""

@@ -30,33 +30,41 @@ the resultant of the normal forces of every face on which parts stick, as it is.
 equilibrium with which a motion z slips, and f those of an equilibrium without friction. By the
 first, friction takes power from z: w.z = sum of mu f*_n |slip| >= 0. By the second, w.z = -(sum of
 f_n times opening) <= 0. So z opens no contact with f_n > 0, and slips only where f*_n = 0. A single
-contact has f*_n = f_n > 0. A face that slips has at most one point without slip, and f*_n cannot act
-there alone, because its resultant is strictly within the face. Thus z slips nowhere. For example, a
+contact has f*_n = f_n > 0. A face that slips has at most one point without slip, where f*_n cannot
+act alone, because its resultant is strictly within the face. Thus z slips nowhere. For example, a
 body on two points has f up to a squeeze along their line, and a box on a plank on a roller has f up
 to the distribution over its corners.
 
-`guarantee` decides whether another motion starts from rest, if friction is needed to hold the parts.
+If friction is needed to hold the parts, `guarantee` decides whether another motion can start.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, cross, read_only
+from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.assembly import Assembly
 from kilter.mechanics.clusters import Cluster
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-from kilter.second_order.gaps.features import EDGE, FACE, Features
+from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.fits import find_fits
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
 from kilter.second_order.gaps.load_forms import swings_of
 from kilter.second_order.motions.null_space import null_space
+from kilter.second_order.motions.slips import (
+    contact_shifts,
+    contact_slips,
+    rolling_shifts,
+    slip_axes,
+    slip_changes,
+    slip_rows,
+)
 from kilter.second_order.motions.steady import spread_wrench
 from kilter.second_order.parts.cluster_states import falling_alone
 from kilter.second_order.second_order_tolerances import BALANCED, CURVED, SLIPS
@@ -147,7 +155,9 @@ def find_rolling(program: Program, features: Features, assembly: Assembly) -> Ro
     assembly : Assembly
     """
     why = _unmodelled_reason(program)
-    return open_rolling(program, why) if why else _RollingForces(program, features, assembly).result()
+    return (
+        open_rolling(program, why) if why else _RollingForces(program, features, assembly).result()
+    )
 
 
 class _RollingForces:
@@ -167,9 +177,9 @@ class _RollingForces:
         self.other = np.flatnonzero(program.mu == 0)
         self.forms = np.nan_to_num(gap_forms(program, self.features))[self.other]
         self.forms += joint_forms(program, assembly.joints)[self.other]
-        self.inverse = _rolls_over(program, self.features)[self.rough]
+        self.inverse = rolling_shifts(program, self.features)[self.rough]
         self.scale = _scale(program)
-        slips = _grip(program.taking(self.rough)) if len(self.rough) else None
+        slips = slip_rows(program.taking(self.rough)) if len(self.rough) else None
         gaps = program.taking(self.other).jacobian().toarray() * program.arm[self.other, None]
         self.rows = (gaps if slips is None else np.vstack([slips, gaps])) * self.scale
 
@@ -208,7 +218,7 @@ class _RollingForces:
             turns = np.vstack([motion, np.zeros((1, 6))])[:, 3:]
             turn = turns[program.part_b] - turns[program.part_a]
             size = float(np.abs(motion[:, :3]).max() + np.abs(motion[:, 3:]).max() * self._length)
-            moved = np.abs(_slip(program, motion)) + np.abs(turn) * self._length
+            moved = np.abs(contact_slips(program, motion)) + np.abs(turn) * self._length
             still &= moved.max(axis=1) <= SLIPS * size
         return still
 
@@ -285,7 +295,7 @@ class _RollingForces:
         """Forces on part b at the rows of the program, shape (K, 3); 0 at torques of joints."""
         program = self.program
         forces = np.zeros((len(program.kind), 3))
-        axes = _directions(program)
+        axes = slip_axes(program)
         split = len(self.rough) * len(axes)
         forces[self.rough] = components[:split].reshape(-1, len(axes)) @ axes
         forces[self.other] = components[split:, None] * program.normal[self.other]
@@ -300,10 +310,10 @@ class _RollingForces:
         rough = program.taking(self.rough)
         turned = np.zeros((dimension, dimension, len(self.rough), 3))
         for j, along in enumerate(motions):
-            moved = _contact_shifts(rough, self.inverse, along)
+            moved = contact_shifts(rough, self.inverse, along)
             for i, virtual in enumerate(motions):
-                turned[i, j] = _turning(rough, moved, virtual)
-        axes = _directions(program)
+                turned[i, j] = slip_changes(rough, moved, virtual)
+        axes = slip_axes(program)
         slips = (turned @ axes.T).reshape(dimension, dimension, len(self.rough) * len(axes))
         six = np.concatenate([motions, np.zeros((dimension, 1, 6))], axis=1)
         ends = [six[:, end[self.other]] for end in (program.part_a, program.part_b)]
@@ -383,78 +393,3 @@ def _scale(program: Program) -> Array:
     """Displacement for one unit of each unknown, shape (n,): 1 for shifts, 1 / radius for turns."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     return np.asarray(units[:, program.freedoms].reshape(-1))
-
-
-def _directions(program: Program) -> Array:
-    """Unit directions in which contact points must not slip, as rows: three, or two planar."""
-    return np.eye(3)[[0, 2]] if program.planar else np.eye(3)
-
-
-def _grip(program: Program) -> Array:
-    """Matrix G from motions of the free parts to slips at all contacts."""
-    columns = np.eye(len(program.columns))
-    slips = [_slip(program, program.full(column)) for column in columns]
-    return np.array([(slip @ _directions(program).T).reshape(-1) for slip in slips]).T
-
-
-def _velocity(program: Program, motion: Array, part: Index) -> Array:
-    """Velocities at the contact points of the material of the given parts, shape (K, 3).
-
-    Points of the ground have the velocity 0.
-    """
-    padded = np.vstack([motion, np.zeros((1, 6))])[part]
-    center = np.vstack([program.center, np.zeros((1, 3))])[part]
-    return padded[:, :3] + cross(padded[:, 3:], program.point - center)
-
-
-def _slip(program: Program, motion: Array) -> Array:
-    """Velocity of part b relative to part a at each contact point, shape (K, 3)."""
-    over = _velocity(program, motion, program.part_b)
-    return over - _velocity(program, motion, program.part_a)
-
-
-def _contact_shifts(program: Program, inverse: Array, motion: Array) -> tuple[Array, Array]:
-    """Velocity of each contact point past the centres of parts a and b along a rolling, (K, 3)."""
-    padded = np.vstack([motion, np.zeros((1, 6))])
-    a, b = padded[program.part_a], padded[program.part_b]
-    turn = cross(program.normal, b[:, 3:] - a[:, 3:])
-    at = _velocity(program, motion, program.part_a) - np.einsum("kij,kj->ki", inverse, turn)
-    return at - a[:, :3], at - b[:, :3]
-
-
-def _turning(program: Program, shifts: tuple[Array, Array], motion: Array) -> Array:
-    """Change of the slip of a motion at each contact by shifts of the contact point, (K, 3)."""
-    padded = np.vstack([motion, np.zeros((1, 6))])[:, 3:]
-    over_a, over_b = shifts
-    return np.asarray(cross(padded[program.part_b], over_b) - cross(padded[program.part_a], over_a))
-
-
-def _rolls_over(program: Program, features: Features) -> Array:
-    """Inverse of the sum of both curvatures, within their common directions, (K, 3, 3)."""
-    total = features.curvature_a + features.curvature_b
-    inverse = np.zeros_like(total)
-    for k in range(len(total)):
-        axes = _common(program, features, k)
-        if axes.size:
-            inverse[k] = axes.T @ np.linalg.inv(axes @ total[k] @ axes.T) @ axes
-    return inverse
-
-
-def _common(program: Program, features: Features, k: int) -> Array:
-    """Unit tangents along which both features of contact k extend, as rows."""
-    away = [program.normal[k]]
-    if features.conformal[k]:
-        return np.zeros((0, 3))
-    for kind, edge in (
-        (features.kind_a[k], features.edge_a[k]),
-        (features.kind_b[k], features.edge_b[k]),
-    ):
-        if kind == EDGE:
-            away.append(np.cross(program.normal[k], edge))
-        elif kind != FACE:
-            return np.zeros((0, 3))
-    if features.fibre[k].any():
-        away.append(features.fibre[k])
-    if program.planar:
-        away.append(np.array([0.0, 1.0, 0.0]))
-    return null_space(np.array(away), BALANCED).T
