@@ -19,7 +19,7 @@ from kilter.analysis.transport.collapse import (
 from kilter.analysis.transport.first_motion import first_motions, kind_of_motion
 from kilter.analysis.transport.path import PathLimit
 from kilter.analysis.transport.path_rows import path_rows
-from kilter.analysis.transport.transport_proofs import transport_proofs
+from kilter.analysis.transport.transport_proofs import ALPHA, transport_proofs
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
@@ -147,6 +147,8 @@ class Transport(AnswerInWords):
         The motions of the question.
     code : str or None
         Name of the rule whose accelerations are the cases.
+    forward : list of float or None
+        Direction of travel of the rule.
     path : PathLimit or None
         Speed factor of a path.
     collapse : tuple of CollapseMultiplier
@@ -175,6 +177,7 @@ class Transport(AnswerInWords):
     polar: Slice | None
     cases: tuple[CarriedCase, ...]
     code: str | None
+    forward: list[float] | None
     path: PathLimit | None
     collapse: tuple[CollapseMultiplier, ...]
     fc: float | None
@@ -233,6 +236,7 @@ class Transport(AnswerInWords):
             "alpha": [entry.to_dict(program, self.fc or 1.0) for entry in self.collapse],
             "fc": self.fc,
             "code": self.code,
+            "forward": self.forward,
             "cases": [case.to_dict(program, self.require) for case in self.cases],
             "straps": strap_uses(self.assembly, self.program, self._verdicts()),
             "speed": None if self.path is None else self.path.to_dict(program),
@@ -249,9 +253,9 @@ class Transport(AnswerInWords):
 
         With collapse multipliers, the motion of the least multiplier; None without a known motion.
         """
-        multipliers = [entry for entry in self.collapse if entry.mechanism is not None]
-        if multipliers:
-            return min(multipliers, key=lambda entry: entry.alpha0).mechanism
+        limits = [entry.limit for entry in self.collapse if entry.limit.mechanism is not None]
+        if limits:
+            return min(limits, key=lambda limit: limit.value).mechanism
         limits = [case.factor for case in self.cases if case.factor is not None]
         if self.path is not None and self.path.limit is not None:
             limits.append(self.path.limit)
@@ -314,19 +318,30 @@ class Transport(AnswerInWords):
         return inner_rows(known) if inner else outer_rows(known)
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Proofs on both sides of each acceleration limit, as JSON data for `kilter.verify`.
+        """Proofs on both sides of each limit and multiplier, as JSON data for `kilter.verify`.
 
         Raises
         ------
         InputError
             If no limit is known.
         """
-        motions = [
-            (limit.name, CarrierMotion(self.program.g * limit.direction), limit.limit)
+        motions: list[tuple[str, CarrierMotion, Limit, float | None]] = [
+            (limit.name, CarrierMotion(self.program.g * limit.direction), limit.limit, None)
             for limit in (*self.limits, *([self.least] if self.least is not None else []))
         ]
         motions += [
-            (case.name, case.motion, case.factor) for case in self.cases if case.factor is not None
+            (case.name, case.motion, case.factor, None)
+            for case in self.cases
+            if case.factor is not None
+        ]
+        motions += [
+            (
+                ALPHA + entry.name,
+                CarrierMotion(-self.program.g * entry.direction),
+                entry.limit,
+                None if entry.limit.mechanism is None else entry.participating_mass,
+            )
+            for entry in self.collapse
         ]
         weaker = {} if self.mu_range is None else {"mu_share": self.mu_range[0]}
         proofs = transport_proofs(

@@ -42,6 +42,7 @@ from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.fits import body_pairs, find_fits, stressed, wrenches
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
+from kilter.second_order.gaps.joint_springs import spring_form
 from kilter.second_order.gaps.load_forms import swings_of
 from kilter.second_order.gaps.touched_surfaces import touched_surfaces
 from kilter.second_order.motions.harmless import Harmless, level_screws
@@ -247,6 +248,10 @@ class _Bending:
         for k in np.flatnonzero(self.program.free & self.swings.forms.any(axis=(1, 2))).tolist():
             turn = self._of_part(k, motions)[3:]
             total += turn.T @ self.swings.forms[k] @ turn
+        springs = spring_form(self.program, self.assembly.joints)
+        if springs is not None:
+            moved = self.scale[:, None] * motions
+            total += moved.T @ springs @ moved
         length = float(self.program.radius[self.round_parts].max(initial=0.0))
         most = float(np.abs(self.forces[self.rounds]).max(initial=0.0))
         return np.asarray((total + total.T) / 2 * length / max(most, TINY))

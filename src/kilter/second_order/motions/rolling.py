@@ -50,11 +50,12 @@ from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.assembly import Assembly
 from kilter.mechanics.clusters import Cluster
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import CONTACT, JOINT
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.fits import find_fits
 from kilter.second_order.gaps.gap_form import formed, gap_forms
-from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
+from kilter.second_order.gaps.joint_forms import joint_forms
+from kilter.second_order.gaps.joint_springs import sprung_rows
 from kilter.second_order.gaps.load_forms import swings_of
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.motions.slips import (
@@ -154,10 +155,10 @@ def find_rolling(program: Program, features: Features, assembly: Assembly) -> Ro
         Features of its rows.
     assembly : Assembly
     """
-    why = _unmodelled_reason(program)
-    return (
-        open_rolling(program, why) if why else _RollingForces(program, features, assembly).result()
-    )
+    why = _unmodelled_reason(program, assembly)
+    if why:
+        return open_rolling(program, why)
+    return _RollingForces(program, features, assembly).result()
 
 
 class _RollingForces:
@@ -379,11 +380,13 @@ def open_rolling(program: Program, why: str) -> Rolling:
     return Rolling("open", 0, 0.0, why, *none)
 
 
-def _unmodelled_reason(program: Program) -> str:
+def _unmodelled_reason(program: Program, assembly: Assembly) -> str:
     """Reason why rolling of a cluster cannot be modelled; empty if it can."""
-    known = on_joints(program) | (program.kind == CONTACT)
-    if not known.all() or program.has_strength or program.tied.any() or program.cohesion.any():
+    if program.has_strength or program.tied.any() or program.cohesion.any():
         return "rolling is not modelled with bonds"
+    known = np.isin(program.kind, (CONTACT, JOINT)).all()
+    if not known or len(sprung_rows(program, assembly.joints)):
+        return "rolling is not modelled with stops, friction and springs of joints"
     if 3 * len(program.kind) > MOST:
         return "its contacts are too many to decide whether it rolls"
     return ""

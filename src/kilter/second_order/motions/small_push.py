@@ -21,8 +21,9 @@ from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import check_forces
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT, JOINT
+from kilter.mechanics.rows import CONTACT, OF_JOINTS
 from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.joint_forms import slipping
 from kilter.second_order.motions.bending import bending_bodies
 from kilter.second_order.motions.rolling import (
     Rolling,
@@ -88,7 +89,7 @@ def small_push(
     whole = groups.merged(program, assembly)
     if groups.tied:
         forces = forces[groups.between(program, assembly)]
-    certain = np.isin(whole.kind, (CONTACT, JOINT))
+    certain = np.isin(whole.kind, (CONTACT, *OF_JOINTS)) & ~slipping(whole, forces)
     bonded = np.zeros(len(whole.names) + 1, dtype=bool)
     bonded[np.concatenate([whole.part_a[~certain], whole.part_b[~certain]])] = True
     whole, forces = whole.taking(certain), forces[certain]
