@@ -182,8 +182,9 @@ class _Bending:
         flat = motions
         if curves and not self._moves_unknown(motions):
             values, axes = np.linalg.eigh(self._curvature(motions))
-            # motions of length 1 at forces of 1
-            falls, level = values < -BENDS, np.abs(values) <= BENDS
+            # motions of length 1 at forces of 1, up to the accuracy of the coordinates
+            least = max(BENDS, self.blur)
+            falls, level = values < -least, np.abs(values) <= least
             bending |= self.round_parts & self._moved(motions @ axes[:, falls])
             flat = motions @ axes[:, level]
         bending |= self.round_parts & self._moved(self._harmful(flat))
@@ -266,7 +267,7 @@ class _Bending:
         first, second = (self.fits.of_touched(side, rows) for side in sides)
         harmless = Harmless(
             self.assembly, self.contacts, part, features, (first, second), self.round_parts,
-            self.swings,
+            self.swings, self.blur,
         )  # fmt: skip
         return harmless.rest_of(motions, self.scale)
 

@@ -56,6 +56,8 @@ class Harmless:
         Round and jointed free parts.
     swings : Swings
         Loads off the centres of mass.
+    blur : float
+        Relative accuracy of the coordinates [-].
     """
 
     def __init__(
@@ -67,9 +69,10 @@ class Harmless:
         touched: tuple[Touched, Touched],
         rounds: Mask,
         swings: Swings,
+        blur: float,
     ) -> None:
         self.assembly, self.contacts, self.program = assembly, contacts, part
-        self.rounds, self.swings = rounds, swings
+        self.rounds, self.swings, self.blur = rounds, swings, blur
         self.touched = touched
         self.origin = part.center[rounds].mean(axis=0)
         self.keeps = [side.conditions(self.origin, 1.0) for side in touched]
@@ -98,7 +101,8 @@ class Harmless:
         whole = np.hstack([np.vstack([spanned, *rules]), np.vstack([alone, pad])])
         right = np.vstack([motions, np.zeros((len(whole) - len(motions), motions.shape[1]))])
         found = np.linalg.lstsq(whole, right, rcond=1e-9)[0]
-        off = np.abs(whole @ found - right).max(axis=0, initial=0.0) > BENDS
+        rest = np.abs(whole @ found - right).max(axis=0, initial=0.0)
+        off = rest > max(BENDS, self.blur)
         return np.where(kept[:, None], motions, 0.0)[:, off]
 
     def _spanned(self, scale: Array) -> tuple[Array, dict[int, slice]]:
@@ -132,7 +136,7 @@ class Harmless:
         mine += [self.keeps[1][i] for i in np.flatnonzero(part.part_b == k)]
         stays = np.hstack([np.eye(3), -skew(arm)])
         loaded = np.hstack([np.zeros_like(still), still])
-        spins = null_space(np.vstack([stays, loaded, *mine]), 1e-9)
+        spins = null_space(np.vstack([stays, loaded, *mine]), self.blur)
         own = self._own_spins(k, arm)
         return np.hstack([spins, own[:, np.abs(still @ own[3:]).max(axis=0, initial=0.0) < BENDS]])
 
