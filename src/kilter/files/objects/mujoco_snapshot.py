@@ -15,24 +15,31 @@ from kilter.errors import InputError, nearest_name, some_names
 
 __all__ = ["Snapshot", "take_snapshot"]
 
-COUNTS = ("nbody", "nu", "ntendon")
+COUNTS = ("nbody", "nflex", "nu", "ntendon")
 ARRAYS = (
-    "body_geomadr", "body_geomnum", "body_ipos", "body_jntadr", "body_jntnum", "body_mass",
-    "body_parentid", "body_weldid", "dof_frictionloss", "eq_active0", "eq_data", "eq_obj1id",
-    "eq_obj2id", "eq_objtype", "eq_type", "exclude_signature", "geom_bodyid", "geom_conaffinity",
-    "geom_condim", "geom_contype", "geom_dataid", "geom_friction", "geom_pos", "geom_quat",
-    "geom_size", "geom_type", "jnt_limited", "jnt_stiffness", "jnt_type", "mesh_face",
-    "mesh_faceadr", "mesh_facenum", "mesh_vert", "mesh_vertadr", "mesh_vertnum",
+    "body_geomnum", "body_gravcomp", "body_inertia", "body_jntadr", "body_jntnum", "body_mass",
+    "body_mocapid", "body_parentid", "body_weldid", "dof_frictionloss", "eq_active0", "eq_data",
+    "eq_obj1id", "eq_obj2id", "eq_objtype", "eq_type", "exclude_signature", "geom_bodyid",
+    "geom_conaffinity", "geom_condim", "geom_contype", "geom_dataid", "geom_friction",
+    "geom_margin", "geom_pos", "geom_priority", "geom_quat", "geom_size", "geom_type",
+    "jnt_limited", "jnt_stiffness", "jnt_type", "mesh_face", "mesh_faceadr", "mesh_facenum",
+    "mesh_vert", "mesh_vertadr", "mesh_vertnum", "pair_dim", "pair_friction", "pair_geom1",
+    "pair_geom2", "pair_margin",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
-PLACES = ("xpos", "xquat", "xanchor", "xaxis")
-"""Fields of the data: poses of bodies, and anchors and axes of joints, in the world."""
+PLACES = ("xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")
+"""Fields of the data: poses and principal axes of bodies, and joints, in the world."""
+NEWER = ("geom_adhesion", "geom_surfacevel", "pair_adhesion")
+"""Fields that older versions of MuJoCo do not have."""
+FLAGS = ("constraint", "contact", "equality", "filterparent", "gravity")
+"""Flags of a model that kilter obeys if they are disabled."""
 
 
 class Snapshot(SimpleNamespace):
     """Fields of a MuJoCo model and of its data, by the names that they have in MuJoCo.
 
-    In addition: names of bodies and geoms, `gravity`, `disableflags`, and notes about the pose.
+    In addition: names of bodies and geoms, `gravity`, the disabled `FLAGS`, the friction that
+    overrides that of all contacts, and notes about the pose.
     """
 
 
@@ -58,14 +65,20 @@ def take_snapshot(mujoco: Any, model: Any, data: Any, keyframe: str | None) -> S
     if data is None or keyframe is not None:
         _set_pose(mujoco, model, placed, keyframe, notes)
     mujoco.mj_kinematics(model, placed)
+    mujoco.mj_comPos(model, placed)
+    bits, overrides = mujoco.mjtDisableBit, int(mujoco.mjtEnableBit.mjENBL_OVERRIDE)
+    flags = {name: int(getattr(bits, f"mjDSBL_{name.upper()}")) for name in FLAGS}
+    common = float(np.min(model.opt.o_friction[:2]))
     return Snapshot(
         **{name: int(getattr(model, name)) for name in COUNTS},
         **{name: np.array(getattr(model, name)) for name in ARRAYS},
         **{name: np.array(getattr(placed, name)) for name in PLACES},
         body_names=[model.body(k).name for k in range(model.nbody)],
         geom_names=[model.geom(k).name for k in range(model.ngeom)],
+        **{name: np.array(getattr(model, name, ())) for name in NEWER},
         gravity=np.array(model.opt.gravity),
-        filters_parents=not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT),
+        disabled={name for name, bit in flags.items() if model.opt.disableflags & bit},
+        common_friction=common if model.opt.enableflags & overrides else None,
         notes=notes,
     )
 
