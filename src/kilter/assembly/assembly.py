@@ -284,9 +284,11 @@ class Assembly(ChangedCopies):
         """The joints as JSON data; joints that an option added have the key "why"."""
         entries: list[JointData] = []
         for joint in self.joints:
-            entries.append({"parts": list(joint.parts), "kind": joint.kind})
+            data: JointData = {"parts": list(joint.parts), "kind": joint.kind}
             if joint.why:
-                entries[-1]["why"] = joint.why
+                data["why"] = joint.why
+            data.update(joint.guide)  # type: ignore[typeddict-item]
+            entries.append(data)
         return entries
 
     def bonds_data(self) -> list[BondData]:

@@ -26,6 +26,7 @@ from kilter.contact.fits.coaxial import Fit
 from kilter.contact.fits.copies import odd_copies
 from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.gaps import RejectedPair, Tolerance, nearest_gap
+from kilter.contact.joint_stops import joints_beyond
 from kilter.contact.left_out import (
     INTERFERE,
     SAME_BODY,
@@ -419,6 +420,7 @@ class ContactSet(AnswerInWords):
             *self.warnings,
             *overlap_warnings([self._overlap(overlap) for overlap in over], assembly.units),
             *copy_warnings(odd),
+            *joints_beyond(assembly, self.tolerance),
         ]
 
     def _overlap(self, overlap: Overlap) -> OverlapData:

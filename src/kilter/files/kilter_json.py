@@ -263,7 +263,16 @@ def _feature(entry: Any) -> Feature:
 
 def _joint(entry: Any) -> Joint:
     """Build the joint of a file entry."""
-    joint = Joint(_pair(entry.parts), entry.kind, entry.point, entry.axis)
+    joint = Joint(
+        _pair(entry.parts),
+        entry.kind,
+        entry.point,
+        entry.axis,
+        limits=entry.limits,
+        friction=entry.friction,
+        stiffness=entry.stiffness,
+        rest=entry.rest,
+    )
     if entry.axis is not None:
         _keep(joint, "axis", entry.axis)
     return joint
@@ -346,7 +355,7 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
             for c in assembly.contacts
         ],
         "joints": [
-            _without_none(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis)
+            _without_none(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis, **j.guide)
             for j in assembly.joints
         ],
         "bonds": [

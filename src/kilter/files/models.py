@@ -283,6 +283,18 @@ class JointEntry(Entry):
     axis: Vector | None = Field(
         None, description="direction of the axis; required for revolute, prismatic, cylindrical"
     )
+    limits: Annotated[list[Number], Field(min_length=2, max_length=2)] | None = Field(
+        None,
+        description="least and largest position of the first part relative to the second, about "
+        "the axis [rad] or along it [length unit]; 0 is the drawn pose",
+    )
+    friction: NotNegative = Field(0.0, description="largest friction [N x length unit] or [N]")
+    stiffness: NotNegative = Field(
+        0.0, description="of a spring [N x length unit / rad] or [N / length unit]"
+    )
+    rest: Number = Field(
+        0.0, description="position without a force of the spring [rad] or [length unit]"
+    )
 
 
 class BondEntry(Entry):

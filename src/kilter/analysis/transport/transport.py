@@ -25,7 +25,7 @@ from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration, Slice
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
-from kilter.analysis.transport.codes import code_cases, travel_direction
+from kilter.analysis.transport.codes import code_accelerations
 from kilter.analysis.transport.collapse import (
     CONFIDENCE_FACTOR,
     CollapseMultiplier,
@@ -234,6 +234,7 @@ def transport(
         polar=section,
         cases=cases,
         code=code,
+        forward=None if code is None else np.array(forward, dtype=np.float64).tolist(),
         path=speed,
         collapse=tuple(multipliers),
         fc=fc if collapse else None,
@@ -271,14 +272,9 @@ def _questions(
             raise InputError(f"turn is {turn!r:.40}", hint="give a kilter.CarrierMotion")
         motions = [("motion", turn)]
     elif code is not None:
-        cases = code_cases(code)
-        size = float(np.linalg.norm(assembly.gravity))
-        ahead = travel_direction(forward, assembly.down)
-        if assembly.planar:
-            cases = tuple(case for case in cases if case.inertia[1] == 0.0)
         motions = [
-            (case.name, CarrierMotion(case.acceleration(ahead, assembly.down, size)))
-            for case in cases
+            (name, CarrierMotion(acceleration))
+            for name, acceleration in code_accelerations(assembly, code, forward)
         ]
     for _, motion in motions:
         motion.require_in_plane(assembly.planar)

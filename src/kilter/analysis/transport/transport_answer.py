@@ -147,6 +147,8 @@ class Transport(AnswerInWords):
         The motions of the question.
     code : str or None
         Name of the rule whose accelerations are the cases.
+    forward : list of float or None
+        Direction of travel of the rule.
     path : PathLimit or None
         Speed factor of a path.
     collapse : tuple of CollapseMultiplier
@@ -175,6 +177,7 @@ class Transport(AnswerInWords):
     polar: Slice | None
     cases: tuple[CarriedCase, ...]
     code: str | None
+    forward: list[float] | None
     path: PathLimit | None
     collapse: tuple[CollapseMultiplier, ...]
     fc: float | None
@@ -233,6 +236,7 @@ class Transport(AnswerInWords):
             "alpha": [entry.to_dict(program, self.fc or 1.0) for entry in self.collapse],
             "fc": self.fc,
             "code": self.code,
+            "forward": self.forward,
             "cases": [case.to_dict(program, self.require) for case in self.cases],
             "straps": strap_uses(self.assembly, self.program, self._verdicts()),
             "speed": None if self.path is None else self.path.to_dict(program),

@@ -49,10 +49,10 @@ def owners(model: Snapshot) -> dict[int, int]:
     return owner
 
 
-def mass_fields(model: Snapshot, bodies: list[int], pose: Pose) -> dict[str, Any]:
+def mass_fields(model: Snapshot, bodies: list[int], pose: Pose, *, held: bool) -> dict[str, Any]:
     """Mass, centre and inertia of bodies that move together, as fields of a part with a pose.
 
-    For massless bodies there are none.
+    For massless bodies there are none. A held part needs no inertia.
     """
     masses = []
     for body in bodies:
@@ -63,7 +63,7 @@ def mass_fields(model: Snapshot, bodies: list[int], pose: Pose) -> dict[str, Any
     if not masses:
         return {}
     fields = MassProperties.sum(masses).fields(pose)
-    if held_bodies(model)[bodies[0]]:
+    if held:
         del fields["inertia"]
     return fields
 

@@ -102,7 +102,7 @@ class GeomRules:
         weld = model.body_weldid[bodies]
         above = model.body_weldid[model.body_parentid[weld]]
         family: Mask = (weld[g] == weld[h]) & (weld[g] != 0)
-        if "filterparent" not in model.disabled:
+        if "FILTERPARENT" not in model.disabled:
             family |= (above[g] == weld[h]) & (weld[h] != 0)
             family |= (above[h] == weld[g]) & (weld[g] != 0)
         a, b = bodies[g], bodies[h]

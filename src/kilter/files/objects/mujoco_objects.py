@@ -4,9 +4,9 @@ A body is one part with its colliding geoms, or with all geoms if none collides;
 or geoms belong to a part that moves with them (`kilter.files.objects.mujoco_bodies`). Each geom of
 the world is a held part, and a body fixed to the world is held. A plane is a table. Masses, centres
 and inertia are those of the compiled model, and gravity compensation is a load. Hinges, slides and
-balls are joints, free to move: motors, springs and limits are ignored. Friction and filters of
-contacts are those of pairs of geoms (`kilter.files.objects.mujoco_contacts`). Meshes keep their
-shape, although MuJoCo collides with their convex hulls. Lengths are metres.
+balls are joints without motors. Hinges and slides have their limits, friction and springs. Friction
+and filters of contacts are those of pairs of geoms (`kilter.files.objects.mujoco_contacts`). Meshes
+keep their shape, although MuJoCo collides with their convex hulls. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -89,22 +89,27 @@ class ModelScene:
         self.collides: Mask = self.rules.collides
         self.owner = owners(model)
         """The body whose part each body belongs to."""
+        self.members: dict[int, list[int]] = {}
+        """The bodies of each part, by its body."""
+        for body, owner in self.owner.items():
+            self.members.setdefault(owner, []).append(body)
         self.geoms = self._geoms()
         self.parts: list[Part] = []
         self.rows: list[list[int]] = []
         """The geoms of each part."""
         self.bodies: list[int] = []
         """The body of each part; 0 for geoms of the world."""
+        self.guided: list[int] = []
+        """MuJoCo joints whose limits, friction and springs are those of a joint."""
 
     def _geoms(self) -> dict[int, list[int]]:
         """For each part, by its body, its geoms: those that collide, else all."""
-        owner = np.array([self.owner.get(body, body) for body in range(self.model.nbody)])
-        body_of_geom = owner[self.model.geom_bodyid]
-        geoms = {}
-        for body in range(self.model.nbody):
-            rows = np.flatnonzero(body_of_geom == body)
-            solid = rows[self.collides[rows]]
-            geoms[body] = (solid if len(solid) or body == 0 else rows).tolist()
+        geoms: dict[int, list[int]] = {body: [] for body in range(self.model.nbody)}
+        for geom, body in enumerate(self.model.geom_bodyid.tolist()):
+            geoms[self.owner.get(body, body)].append(geom)
+        for body, rows in geoms.items():
+            solid = [geom for geom in rows if self.collides[geom]]
+            geoms[body] = solid if solid or body == 0 else rows
         return geoms
 
     def assembly(self, source: str) -> Assembly:
@@ -128,7 +133,7 @@ class ModelScene:
         self._require_gravity()
         joints = self._joints()
         near = near_pairs(parts, REACH)
-        detect = not model.disabled & {"contact", "constraint"}
+        detect = not model.disabled & {"CONTACT", "CONSTRAINT"}
         if not detect:
             self.notes.append("the model disables all contacts")
             near = near[0][:0], near[1][:0]
@@ -152,7 +157,7 @@ class ModelScene:
 
     def _require_gravity(self) -> None:
         """Raise an InputError for a model without gravity."""
-        if "gravity" in self.model.disabled or not self.model.gravity.any():
+        if "GRAVITY" in self.model.disabled or not self.model.gravity.any():
             raise InputError(
                 "the model has no gravity",
                 hint='give <option gravity="0 0 -9.81"/>, and enable gravity in its flags',
@@ -176,7 +181,6 @@ class ModelScene:
     def _add(self, name: str, geoms: list[int], *, body: int, held: bool) -> None:
         """Add the part of a body with the given geoms, or of a geom of the world (body 0)."""
         model, pose = self.model, Pose(self.model.xpos[body], self.model.xquat[body])
-        bodies = [k for k, owner in self.owner.items() if owner == body]
         shapes = []
         try:
             for geom in geoms:
@@ -191,7 +195,7 @@ class ModelScene:
             raise error.located(part=name) from None
         placed = compose(pose, inner)
         collides = bool(self.collides[geoms].any())
-        fields = mass_fields(model, bodies, placed)
+        fields = mass_fields(model, self.members.get(body, []), placed, held=held)
         geometry = "collider" if collides else "visual"
         self.parts.append(Part(name, shape, placed, grounded=held, geometry=geometry, **fields))
         self.rows.append(geoms)
@@ -270,7 +274,7 @@ class ModelScene:
             above = self.owner[int(model.body_parentid[body])] if not rows else self._parent(body)
             ends = (self.names[anchor if rows else body], self.names[above] if above else GROUND)
             joints.append(self._joint(ends, rows))
-        return joints + ([] if model.disabled & {"constraint", "equality"} else self._equalities())
+        return joints + self._equalities()
 
     def _parent(self, body: int) -> int:
         """The body of the nearest part above a body; 0 for the world. Fixed frames are passed.
@@ -300,7 +304,8 @@ class ModelScene:
             return Joint(ends)
         point, axes = self.model.xanchor[rows[0]], [self.model.xaxis[k] for k in rows]
         if len(rows) == 1:
-            return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0])  # type: ignore[arg-type]
+            guide = self._guide(rows[0]) if kinds[0] in (SLIDE, HINGE) else {}
+            return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0], **guide)  # type: ignore[arg-type]
         along = len(rows) == 2 and np.allclose(np.cross(*axes), 0.0, atol=PARALLEL)
         if sorted(kinds) == [SLIDE, HINGE] and along:
             turn = rows[kinds.index(HINGE)]
@@ -310,6 +315,22 @@ class ModelScene:
             part=ends[0],
             hint="give it a single hinge, slide, ball or free joint, or a slide along its hinge",
         )
+
+    def _guide(self, row: int) -> dict[str, Any]:
+        """Limits, friction and spring of a hinge or slide, as arguments of `Joint`.
+
+        Positions count from that of the pose.
+        """
+        model = self.model
+        self.guided.append(row)
+        at = float(model.qpos[model.jnt_qposadr[row]])
+        limits = tuple((model.jnt_range[row] - at).tolist()) if model.jnt_limited[row] else None
+        return {
+            "limits": limits,
+            "friction": float(model.dof_frictionloss[model.jnt_dofadr[row]]),
+            "stiffness": float(model.jnt_stiffness[row]),
+            "rest": float(model.qpos_spring[model.jnt_qposadr[row]]) - at,
+        }
 
     def _equalities(self) -> list[Joint]:
         """Joints for the model's equality constraints between bodies (welds and connections)."""
@@ -337,12 +358,14 @@ class ModelScene:
         """List, as text, the model's features that affect motion but that kilter ignores."""
         model = self.model
         apart = (model.geom_margin > 0) & self.collides
+        left = np.delete(np.arange(len(model.jnt_type)), self.guided)
+        friction = np.delete(model.dof_frictionloss, model.jnt_dofadr[self.guided])
         counts = {
             "motors": model.nu,
-            "springs": int(np.count_nonzero(model.jnt_stiffness)),
-            "joint limits": int(np.count_nonzero(model.jnt_limited)),
+            "springs": int(np.count_nonzero(model.jnt_stiffness[left])),
+            "joint limits": int(np.count_nonzero(model.jnt_limited[left])),
             "tendons": model.ntendon,
-            "joint frictions": int(np.count_nonzero(model.dof_frictionloss)),
+            "joint frictions": int(np.count_nonzero(friction)),
             "margins of geoms": int(np.count_nonzero(apart)),
             "margins of pairs": int(np.count_nonzero(model.pair_margin)),
             "second sliding coefficients of pairs": self.rules.unequal,
