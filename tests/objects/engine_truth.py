@@ -144,16 +144,17 @@ def friction_differences(
     found = []
     compared = 0
     for pair in mine.keys() | true.keys():
-        theirs = true.get(pair, set())
-        ours = mine.get(pair, set())
+        theirs, ours = true.get(pair, set()), mine.get(pair, set())
         if not complete:
             if not theirs or not all(name in assembly for name in pair):
                 continue  # the engine has no contact, or the geom belongs to another part
-            # its contacts are at few points of the pair, and ours are not where parts overlap
-            ours, theirs = (ours, theirs) if ours else (theirs, stated_friction(assembly, pair))
+            known = (
+                within(ours, theirs) if ours else within(theirs, stated_friction(assembly, pair))
+            )
+        else:
+            known = bool(ours) and within(ours, theirs) and within(theirs, ours)
         compared += 1
-        known = within(ours, theirs) and (not complete or within(theirs, ours))
-        if not known or (complete and not ours):
+        if not known:
             found.append(f"friction of {' and '.join(sorted(pair))}: {ours}, engine {theirs}")
     return found, compared
 
