@@ -176,8 +176,8 @@ def verdict_sentence(
     Examples
     --------
     >>> verdict_sentence("unstable", has_open_pairs=True)
-    'Unstable: no contact forces can hold it, whatever the open pairs do. Here is how it starts \
-to move.'
+    'Unstable: no contact forces can hold it, not even with forces at its open pairs. Here is \
+how it starts to move.'
     >>> verdict_sentence("stable")
     'Stable: it cannot start to move, even without friction.'
     >>> verdict_sentence("stable", counted="1 mm")
@@ -195,7 +195,7 @@ to move.'
         smooth="without friction " if frictionless else "",
         assumed=f" ({assumed})" if assumed else "",
         beyond=", by more than the accuracy of its coordinates" if coarse else "",
-        here=", whatever the open pairs do. Here" if has_open_pairs else "; here",
+        here=", not even with forces at its open pairs. Here" if has_open_pairs else "; here",
         passed=passed,
         tried=tried,
         of=of,
