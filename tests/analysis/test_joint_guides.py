@@ -236,3 +236,23 @@ def test_a_drawer_in_every_unit_and_pose_has_the_same_verdict() -> None:
     hinge = rod(30, friction=leaning(30) * 1.001)
     program = build_program(hinge, kilter.contacts(hinge))
     assert program.capacity.min() == pytest.approx(leaning(30) * 1.001)
+
+
+def forged(assembly: Assembly, other: Assembly, **second: Any) -> str:
+    """The first reason against the proof of `other` as a proof about `assembly`; empty if valid."""
+    proof = copy.deepcopy(kilter.check(other).proof())
+    for entry, joint in zip(proof["joints"], assembly.joints, strict=True):
+        entry.update(joint.guide)
+    proof["second_order"].update(second)
+    proof["digest"] = digest_of(proof)
+    return "; ".join(kilter.verify(assembly, proof).reasons)
+
+
+def test_a_forged_second_order_of_springs_and_friction_is_refused() -> None:
+    soft, stiff = (rod(0, stiffness=share * MOMENT) for share in (0.99, 1.01))
+    assert forged(stiff, stiff) == ""
+    assert "the energy does not curve upward" in forged(soft, stiff)
+    rough, limp = (drawer(friction=share * DOWNHILL) for share in (1.5, 1 + 1e-9))
+    assert forged(rough, rough) == ""
+    assert "the friction of a joint is at its limit" in forged(limp, rough)
+    assert "joints may not be left out" in forged(stiff, stiff, idle=[0])
