@@ -190,11 +190,24 @@ def test_second_order_does_not_count_friction_at_its_limit() -> None:
     assert verdict.verdict in ("potentially-stable", "undecided")
 
 
-def test_a_joint_beyond_its_limits_has_no_stop_and_a_note() -> None:
-    verdict = judged(drawer(limits=[-0.3, -0.1]))
+@pytest.mark.parametrize(
+    ("assembly", "distance"),
+    [
+        (drawer(limits=[-0.3, -1e-3]), "0.001 m"),
+        (rod(100, limits=[-1.7, -1e-3]), "0.001 rad"),
+    ],
+)
+def test_a_joint_beyond_its_limits_has_no_stop_and_a_note(
+    assembly: Assembly, distance: str
+) -> None:
+    """The gap of the note is the least, to its digits, that counts the stop."""
+    verdict = judged(assembly)
     assert verdict.verdict == "unstable"
-    assert any("drawn 0.1 m beyond its limits" in words for words in verdict.warnings)
-    assert any("0.2 rad beyond" in words for words in judged(rod(0, limits=[0.2, 1])).warnings)
+    (note,) = [words for words in verdict.warnings if f"drawn {distance} beyond" in words]
+    gap = float(note.split("--gap ")[1].split()[0])
+    for share, word in ((1.0, "stable"), (0.98, "unstable")):
+        again = kilter.check(assembly, tolerance=Tolerance(gap=share * gap))
+        assert again.verdict == word
 
 
 def test_the_stop_counts_within_the_tolerance_of_gaps() -> None:
