@@ -122,7 +122,7 @@ def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> t
     forces = np.where(np.isfinite(forces), forces, 0.0)
     least = np.where(program.two_sided, -program.capacity, 0.0)
     forces = np.clip(forces, least, program.capacity)
-    forces = program.equal_pulls(forces)
+    forces = program.by_stops(program.equal_pulls(forces))
     clipped = np.zeros((len(forces), 3))
     rough = program.gripping
     if friction is not None and len(rough):
