@@ -51,7 +51,7 @@ def test_a_box_tips_over_its_lower_edge() -> None:
     assert push["lower"] <= WEIGHT * 50 / arm * (1 + 1e-9)
     assert np.abs(push["direction"]) == pytest.approx([150 / arm, 0, 50 / arm], abs=1e-6)
     assert push["direction"][2] > 0
-    # mechanisms turn about the edge; the fastest part moves by 1 mm, turns times its radius included
+    # mechanisms turn about the edge; shift and turn times radius have the length 1 mm together
     turn = 1 / math.hypot(arm, math.hypot(50, 100, 150))
     for limit in (answer["tilt_limit"], push["limit"], *answer["load_limits"]):
         moved = np.array(limit["mechanism"]["box"])
@@ -116,12 +116,34 @@ def test_the_load_at_the_end_of_a_plank() -> None:
     """A plank reaches 200 mm beyond the edge of its table, and a cube stands with 150 mm beyond."""
     plank = Part("plank", Box([1000, 100, 20]), [200, 0, 10], density=500.0)  # up to x = 700
     cube = Part("cube", Box([50, 50, 50]), [650, 0, 45], mass=0.1)
-    found = {one["part"]: one for one in answered(plank, cube, loads=True)["loads"]}
+    answer = answered(plank, cube, loads=True, require="settles")
+    found = {one["part"]: one for one in answer["loads"]}
     # about the edge at x = 500
     limit = (1.0 * 0.1 * 0.02 * 500 * G * 300 - 0.1 * G * 150) / 150
     assert found["cube"]["load"] == pytest.approx(limit, rel=1e-6)
     assert found["cube"]["mass"] == pytest.approx(limit / G, rel=1e-6)
     assert limit <= found["cube"]["beyond"] * (1 + 1e-9) <= limit * 1.001
     assert found["cube"]["residual"] <= 1e-9
+    settles = answer["at_level"]["loads"]["cube"]
+    assert settles["inside"] <= limit * (1 + 1e-6)
+    assert limit * (1 - 1e-3) <= settles["outside"]
+    assert settles["inside"] == pytest.approx(limit, rel=1e-2)
     # straight down on the plank itself means at its centre, which the table carries
     assert found["plank"]["load"] is None
+
+
+@pytest.mark.slow
+def test_a_box_settles_up_to_each_limit_of_equilibrium() -> None:
+    """A box on a table has a single way to stand: forces of equilibrium are those of rest."""
+    answer = answered(BOX, push=[1, 0, 0], about=[0, 1, 0], require="settles", loads=True)
+    limits, arm = answer["at_level"], math.hypot(50, 150)
+    expected = {
+        "tilt_deg": TIPS, "about_deg": TIPS, "pushes": WEIGHT * 50 / arm, "load_factor": 1 / 3,
+    }  # fmt: skip
+    for key, value in expected.items():
+        found = limits[key]
+        found = found[1] if key == "load_factor" else found["box"] if key == "pushes" else found
+        assert found["inside"] == pytest.approx(value, rel=1e-3), key
+        assert found["inside"] <= value * (1 + 1e-9), key
+        assert found["outside"] >= value * (1 - 1e-9), key
+    assert limits["friction"]["inside"] == 0

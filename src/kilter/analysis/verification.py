@@ -34,6 +34,7 @@ from kilter.analysis.settled_pose.rest_recheck import (
     open_point_objections,
 )
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.plain_joints import plain_joints
 from kilter.assembly.strap_ends import end_words, with_ends_of
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
@@ -322,6 +323,7 @@ def verify_bundle(
         )
     proof: dict[str, Any] = {}
     verdicts, levels = [], []
+    assembly = plain_joints(assembly, str(bundle.get("kind")))
     for about, proof in split_bundle(bundle):
         subject = about["about"]
         other, touching = apply_change(assembly, contacts, about["change"])

@@ -56,10 +56,14 @@ class MassProperties:
         mass = np.array([piece.mass for piece in pieces])
         centers = np.array([piece.center for piece in pieces])
         center = mass @ centers / mass.sum()
-        arm = centers - center
-        second = np.einsum("n,ni,nj->ij", mass, arm, arm)
-        inertia = sum(piece.inertia for piece in pieces) + np.trace(second) * np.eye(3) - second
+        inertia = sum((piece.inertia for piece in pieces), _steiner(mass, centers - center))
         return cls(float(mass.sum()), center, inertia)
+
+    def about(self, center: Array) -> MassProperties:
+        """The same mass with its moments about another point, which becomes the centre of mass."""
+        return MassProperties(
+            self.mass, center, self.inertia + _steiner(np.array([self.mass]), center - self.center)
+        )
 
     def outside(self, pose: Pose) -> MassProperties:
         """The same body in the frame outside of `pose`, whose inner frame it is given in."""
@@ -74,3 +78,10 @@ class MassProperties:
             "center_of_mass": own.center,
             "inertia": inertia_numbers((own.inertia + own.inertia.T) / 2),
         }
+
+
+def _steiner(mass: Array, arms: Array) -> Array:
+    """Inertia of point masses at `arms` about the origin, shape (3, 3)."""
+    second = np.einsum("n,ni,nj->ij", mass, np.atleast_2d(arms), np.atleast_2d(arms))
+    inertia: Array = np.trace(second) * np.eye(3) - second
+    return inertia

@@ -16,6 +16,7 @@ __all__ = [
     "on_carrier",
     "with_contacts_of",
     "with_density",
+    "with_friction",
     "with_loads",
     "with_masses",
 ]
@@ -76,6 +77,16 @@ def with_density(assembly: Assembly, density: float, *, replaces: bool = False) 
         return dataclasses.replace(assembly, parts=[with_default(part) for part in assembly.parts])
     except InputError as error:
         raise InputError(error.what, hint=error.hint) from None
+
+
+def with_friction(assembly: Assembly, friction: float) -> Assembly:
+    """The assembly with another default friction coefficient; a note counts its friction pairs."""
+    changed = assembly.with_friction(friction)
+    if not (pairs := len(assembly.friction_pairs)):
+        return changed
+    keep = "1 friction pair keeps its" if pairs == 1 else f"{pairs} friction pairs keep their"
+    note = f"the friction {friction:g} is for the other pairs: {keep} own coefficient"
+    return dataclasses.replace(changed, notes=[*assembly.notes, note])
 
 
 def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Assembly:

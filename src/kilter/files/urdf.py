@@ -2,7 +2,8 @@
 
 A link is one part with the collision shapes of the link, or else its visual shapes. Mass, centre
 and inertia are those of its `inertial` element. Fixed joints fasten links. Revolute, continuous and
-prismatic joints are free to move, since the file has no motors. Links without shapes are frames;
+prismatic joints move within their limits, against their friction, since the file has no motors.
+A joint whose `limit` states neither end has none. Links without shapes are frames;
 their mass belongs to a link with a shape to which fixed joints connect them. The root is held,
 unless the base is floating. Lengths are metres, z is up.
 
@@ -142,7 +143,7 @@ class _Robot:
         joints = [joint for name in solid for joint in self._joint(name, bearers)]
         moving = sum(joint.kind != "fixed" for joint in joints)
         if moving:
-            self.notes.append(f"{moving} joints are free to move: motors and limits are ignored")
+            self.notes.append(f"{moving} joints have no motor: they move within their limits")
         return Assembly(parts, units="m", joints=joints, source=source, notes=self.notes)
 
     def _fixed_above(self, name: str) -> str | None:
@@ -244,7 +245,28 @@ class _Robot:
             )
         frame = self.frames[self._end(moving[0], "child")]
         axis = frame.matrix @ numbers_of(moving[0].find("axis"), "xyz", 3, "1 0 0")
-        return [Joint((name, above), kind, point=frame.position, axis=axis)]  # type: ignore[arg-type]
+        try:
+            guide = self._guide(moving[0])
+            joint = Joint((name, above), kind, point=frame.position, axis=axis, **guide)  # type: ignore[arg-type]
+        except InputError as error:
+            raise error.located(part=name) from None
+        return [joint]
+
+    def _guide(self, element: Element) -> dict[str, Any]:
+        """Limits and friction of a joint, as arguments of `Joint`; its drawn position is 0."""
+        limit, dynamics = element.find("limit"), element.find("dynamics")
+        guide: dict[str, Any] = {"friction": numbers_of(dynamics, "friction", 1, "0")[0]}
+        stated = limit is not None and {"lower", "upper"} & set(limit.keys())
+        if stated and element.get("type") != "continuous":
+            low, high = (numbers_of(limit, end, 1, "0")[0] for end in ("lower", "upper"))
+            if low > high:
+                self.notes.append(
+                    f"the limits of the joint {element.get('name')!r:.80} are ignored: the lower "
+                    "is above the upper"
+                )
+            else:
+                guide["limits"] = (low, high)
+        return guide
 
     def _shapes(self, link: Element) -> list[tuple[Shape, Pose]]:
         """Collision shapes of a link, else its visual shapes, with their poses in its frame."""

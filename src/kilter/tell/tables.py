@@ -240,12 +240,13 @@ def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
     parts = answer["parts"]
     counts = f"{len(moving)} of {sum(not part['grounded'] for part in parts)} free parts"
     if _certain_alone(answer, moving):
-        of_kind = "certain" if answer["open_pairs"] else "modelled, frictionless"
-        title = f"With its {of_kind} contacts alone, {counts} move"
+        if not answer["open_pairs"]:
+            return f"{counts} move without friction at the contacts that kilter models:"
+        title = f"{counts} move if the open pairs carry no force"
         proved = sum(bool(part.get("moved_by_proof")) for part in moving)
         if 0 < proved < len(moving):
-            first = "the first" if proved == 1 else f"the first {proved}"
-            title += f"; for {first} this is proved, whatever happens at the open pairs"
+            first = "the first moves" if proved == 1 else f"the first {proved} move"
+            title += f"; it is proved that {first} in any case"
         return f"{title}:"
     if answer["verdict"] == "potentially-stable":
         return f"{counts} could move:"
@@ -264,7 +265,7 @@ def fastened_table(answer: Answer) -> Table:
 def forces_table(answer: Answer) -> Table:
     """Return the table of contact forces of one equilibrium, the largest first."""
     forces = answer["forces"]
-    head = ["part", "on part", "force", "direction", f"at {answer['units']}", "friction used"]
+    head = ["part", "on part", "force", "direction", f"at {answer['units']}", "friction needed"]
     if forces is None:
         return Table("No contact forces: no equilibrium exists.", (), (), tuple)
     bonded = any(patch["bond_utilisation"] is not None for patch in forces["patches"])

@@ -94,7 +94,9 @@ class MarginSteps:
             self.warnings.append("no tilt margin: given loads do not turn with gravity")
             return None
         if self.program.has_strength:
-            self.warnings.append("no tilt margin: bonds and straps do not turn with gravity")
+            self.warnings.append(
+                "no tilt margin: bonds, straps, joint friction and springs do not turn with gravity"
+            )
             return None
         # the verdict proves that no tilt limit exists, so that only the nearest direction is open
         falls = self._large and self._falls is not None

@@ -2,12 +2,11 @@
 
 A body is one part with its colliding geoms, or with all geoms if none collides. Each geom of the
 world is a held part, and a body fixed to the world is held. A plane is a table. Masses and centres
-are those of the model. Hinges, slides and balls are joints, free to move: motors, springs and
-limits are ignored. The friction coefficient of a pair is the larger of the two, as in MuJoCo, and 0
-if both have `condim` 1. Meshes keep their shape, although MuJoCo collides with their convex hulls.
-Pairs whose
-contacts the model filters do not touch: by the bits of their geoms, as parent and child, or as
-excluded pairs. Lengths are metres.
+are those of the model. Hinges, slides and balls are joints without motors. Hinges and slides have
+their limits, friction and springs. The friction coefficient of a pair is the larger of the two, as
+in MuJoCo, and 0 if both have `condim` 1. Meshes keep their shape, although MuJoCo collides with
+their convex hulls. Pairs whose contacts the model filters do not touch: by the bits of their geoms,
+as parent and child, or as excluded pairs. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -84,6 +83,8 @@ class ModelScene:
         self.parts: list[Part] = []
         self.rows: list[list[int]] = []
         """The geoms of each part."""
+        self.guided: list[int] = []
+        """MuJoCo joints whose limits, friction and springs are those of a joint."""
 
     def _geoms(self) -> dict[int, list[int]]:
         """For each body, the geoms that form its part: those that collide, else all."""
@@ -257,7 +258,8 @@ class ModelScene:
             return Joint(ends)
         point, axes = self.model.xanchor[rows[0]], [self.model.xaxis[k] for k in rows]
         if len(rows) == 1:
-            return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0])  # type: ignore[arg-type]
+            guide = self._guide(rows[0]) if kinds[0] in (SLIDE, HINGE) else {}
+            return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0], **guide)  # type: ignore[arg-type]
         along = len(rows) == 2 and np.allclose(np.cross(*axes), 0.0, atol=PARALLEL)
         if sorted(kinds) == [SLIDE, HINGE] and along:
             turn = rows[kinds.index(HINGE)]
@@ -267,6 +269,22 @@ class ModelScene:
             part=ends[0],
             hint="give it a single hinge, slide, ball or free joint, or a slide along its hinge",
         )
+
+    def _guide(self, row: int) -> dict[str, Any]:
+        """Limits, friction and spring of a hinge or slide, as arguments of `Joint`.
+
+        Positions count from that of the pose.
+        """
+        model = self.model
+        self.guided.append(row)
+        at = float(model.qpos[model.jnt_qposadr[row]])
+        limits = tuple((model.jnt_range[row] - at).tolist()) if model.jnt_limited[row] else None
+        return {
+            "limits": limits,
+            "friction": float(model.dof_frictionloss[model.jnt_dofadr[row]]),
+            "stiffness": float(model.jnt_stiffness[row]),
+            "rest": float(model.qpos_spring[model.jnt_qposadr[row]]) - at,
+        }
 
     def _equalities(self, parts: set[str]) -> list[Joint]:
         """Joints for the model's equality constraints between bodies (welds and connections)."""
@@ -350,11 +368,13 @@ class ModelScene:
     def _ignored_features(self) -> str:
         """List, as text, the model's features that affect motion but that kilter ignores."""
         model = self.model
+        left = np.delete(np.arange(len(model.jnt_type)), self.guided)
+        friction = np.delete(model.dof_frictionloss, model.jnt_dofadr[self.guided])
         counts = {
             "motors": model.nu,
-            "springs": int(np.count_nonzero(model.jnt_stiffness)),
-            "joint limits": int(np.count_nonzero(model.jnt_limited)),
+            "springs": int(np.count_nonzero(model.jnt_stiffness[left])),
+            "joint limits": int(np.count_nonzero(model.jnt_limited[left])),
             "tendons": model.ntendon,
-            "joint frictions": int(np.count_nonzero(model.dof_frictionloss)),
+            "joint frictions": int(np.count_nonzero(friction)),
         }
         return ", ".join(f"{count} {word}" for word, count in counts.items() if count)

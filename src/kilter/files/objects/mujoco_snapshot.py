@@ -21,12 +21,19 @@ ARRAYS = (
     "body_parentid", "body_weldid", "dof_frictionloss", "eq_active0", "eq_data", "eq_obj1id",
     "eq_obj2id", "eq_objtype", "eq_type", "exclude_signature", "geom_bodyid", "geom_conaffinity",
     "geom_condim", "geom_contype", "geom_dataid", "geom_friction", "geom_pos", "geom_quat",
-    "geom_size", "geom_type", "jnt_limited", "jnt_stiffness", "jnt_type", "mesh_face",
-    "mesh_faceadr", "mesh_facenum", "mesh_vert", "mesh_vertadr", "mesh_vertnum",
+    "geom_size", "geom_type", "jnt_dofadr", "jnt_limited", "jnt_qposadr", "jnt_range",
+    "jnt_stiffness", "jnt_type", "mesh_face", "mesh_faceadr", "mesh_facenum", "mesh_vert",
+    "mesh_vertadr", "mesh_vertnum", "qpos_spring",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
-PLACES = ("xpos", "xquat", "xanchor", "xaxis")
-"""Fields of the data: poses of bodies, and anchors and axes of joints, in the world."""
+PLACES = ("qpos", "xpos", "xquat", "xanchor", "xaxis")
+"""Fields of the data: positions of joints, and poses of bodies, anchors and axes in the world."""
+DISABLED = {
+    "jnt_limited": "mjDSBL_LIMIT",
+    "jnt_stiffness": "mjDSBL_SPRING",
+    "dof_frictionloss": "mjDSBL_FRICTIONLOSS",
+}
+"""Fields that a flag of a model switches off."""
 
 
 class Snapshot(SimpleNamespace):
@@ -58,9 +65,16 @@ def take_snapshot(mujoco: Any, model: Any, data: Any, keyframe: str | None) -> S
     if data is None or keyframe is not None:
         _set_pose(mujoco, model, placed, keyframe, notes)
     mujoco.mj_kinematics(model, placed)
+    arrays = {name: np.array(getattr(model, name)) for name in ARRAYS}
+    for name, flag in DISABLED.items():
+        if model.opt.disableflags & int(getattr(mujoco.mjtDisableBit, flag, 0)):
+            arrays[name][:] = 0
+    bent = np.count_nonzero(getattr(model, "jnt_stiffnesspoly", 0))
+    if bent:
+        notes.append("the springs of joints count with their linear stiffness only")
     return Snapshot(
         **{name: int(getattr(model, name)) for name in COUNTS},
-        **{name: np.array(getattr(model, name)) for name in ARRAYS},
+        **arrays,
         **{name: np.array(getattr(placed, name)) for name in PLACES},
         body_names=[model.body(k).name for k in range(model.nbody)],
         geom_names=[model.geom(k).name for k in range(model.ngeom)],

@@ -19,7 +19,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT, JOINT, POSSIBLE
+from kilter.mechanics.rows import CONTACT, OF_JOINTS, POSSIBLE
 from kilter.second_order.answer.second_order_answer import (
     LATE,
     SPENT,
@@ -27,7 +27,7 @@ from kilter.second_order.answer.second_order_answer import (
     open_answer,
 )
 from kilter.second_order.gaps.features_of import features_of
-from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.joint_forms import of_joints
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.bending import bending_bodies, round_rows
 from kilter.second_order.motions.rolling import rolling_of, worst_rolling
@@ -116,7 +116,7 @@ def find_second_order(
         forces = np.append(forces, np.zeros(len(program.kind) - len(forces)))
         forces = forces[groups.between(program, assembly)] if groups.tied else forces
     search = _ClusterSearch(assembly, contacts, whole, forces, work)
-    beyond = why_beyond(whole) or search.unmodelled
+    beyond = why_beyond(whole, assembly) or search.unmodelled
     at_once = None if beyond else search.by_forces(whole, forces)
     # a proof that round or jointed parts are held is part of the proof of the verdict
     bends = bool(round_rows(whole, contacts).any())
@@ -202,7 +202,8 @@ class _ClusterSearch:
     def answer(self, cluster: Cluster) -> SecondOrder:
         """Second-order answer for a cluster."""
         program, count = cluster.program, int(cluster.program.free.sum())
-        why = why_unmodelled(self.assembly, self.unmodelled, program.free) or why_beyond(program)
+        why = why_unmodelled(self.assembly, self.unmodelled, program.free)
+        why = why or why_beyond(program, self.assembly)
         if why:
             return open_answer(why, program)
         if count < self.program.free.sum():
@@ -231,7 +232,7 @@ class _ClusterSearch:
         Held parts only take motions away, so it is a fall of the cluster, whatever stands beside.
         """
         program = cluster.program
-        certain = np.isin(program.kind, (CONTACT, JOINT))
+        certain = np.isin(program.kind, (CONTACT, *OF_JOINTS))
         if self.forces is None or not round_rows(program, self.contacts).any():
             return None
         forces = self.forces[cluster.rows][certain]
@@ -260,7 +261,7 @@ class _ClusterSearch:
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
         """Answer from contact forces alone, if parts rest on horizontal faces or are held."""
         count = int(program.free.sum())
-        jointed = bool(on_joints(program).any())
+        jointed = bool(of_joints(program).any())
         if count <= MOST_LEVEL and not (jointed or self.slanted[program.free].any()):
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
             rest = find_level_rest(program, level, forces, sharp, work=self.work)

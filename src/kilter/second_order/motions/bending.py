@@ -41,6 +41,7 @@ from kilter.rigid import skew
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
+from kilter.second_order.gaps.joint_springs import spring_form
 from kilter.second_order.gaps.touched_surfaces import LINE, touched_surfaces
 from kilter.second_order.motions.free_span import spins_unseen
 from kilter.second_order.motions.null_space import null_space
@@ -217,6 +218,10 @@ class _Bending:
         ]
         both = np.concatenate(ends, axis=1)
         total = -np.einsum("k,kai,kab,kbj->ij", self.forces[rows], both, forms, both)
+        springs = spring_form(self.program, self.joints)
+        if springs is not None:
+            moved = self.scale[:, None] * motions
+            total += moved.T @ springs @ moved
         length = float(self.program.radius[self.round_parts].max(initial=0.0))
         most = float(np.abs(self.forces[self.rounds]).max(initial=0.0))
         return np.asarray((total + total.T) / 2 * length / max(most, TINY))

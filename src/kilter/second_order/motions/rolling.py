@@ -42,10 +42,11 @@ from kilter.arrays import TINY, Array, Index, cross, read_only
 from kilter.assembly import Joint
 from kilter.mechanics.clusters import Cluster
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import CONTACT, JOINT
 from kilter.second_order.gaps.features import EDGE, FACE, Features
 from kilter.second_order.gaps.gap_form import formed, gap_forms
-from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
+from kilter.second_order.gaps.joint_forms import joint_forms
+from kilter.second_order.gaps.joint_springs import sprung_rows
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.parts.cluster_states import falling_alone
 from kilter.second_order.second_order_tolerances import BALANCED, CURVED, SLIPS
@@ -134,7 +135,7 @@ def find_rolling(program: Program, features: Features, joints: Sequence[Joint] =
     joints : sequence of Joint
         Joints of the assembly.
     """
-    why = _unmodelled_reason(program, features)
+    why = _unmodelled_reason(program, features, joints)
     if why:
         return _open(program, why)
     return _RollingForces(program, features, joints).result()
@@ -278,12 +279,13 @@ def _open(program: Program, why: str) -> Rolling:
     return Rolling("open", 0, 0.0, why, *none)
 
 
-def _unmodelled_reason(program: Program, features: Features) -> str:
+def _unmodelled_reason(program: Program, features: Features, joints: Sequence[Joint]) -> str:
     """Reason why rolling of a cluster cannot be modelled; empty if it can."""
-    joined = on_joints(program)
     contact = program.kind == CONTACT
-    if not (joined | contact).all() or program.pull.any() or program.tied.any():
+    if program.pull.any() or program.tied.any():
         return "rolling is not modelled with bonds"
+    if not (contact | (program.kind == JOINT)).all() or len(sprung_rows(program, joints)):
+        return "rolling is not modelled with stops, friction and springs of joints"
     if not (program.mu > 0).any():
         return "no contact has friction"
     if 3 * len(program.kind) > MOST:

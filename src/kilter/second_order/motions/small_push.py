@@ -16,8 +16,9 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT, JOINT
+from kilter.mechanics.rows import CONTACT, OF_JOINTS
 from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.joint_forms import slipping
 from kilter.second_order.motions.bending import bending_bodies
 from kilter.second_order.motions.rolling import Rolling, Rolls, find_rolling, worst_rolling
 from kilter.second_order.parts.rigid_groups import RigidGroups
@@ -74,7 +75,7 @@ def small_push(
     whole = groups.merged(program, assembly)
     if groups.tied:
         forces = forces[groups.between(program, assembly)]
-    certain = np.isin(whole.kind, (CONTACT, JOINT))
+    certain = np.isin(whole.kind, (CONTACT, *OF_JOINTS)) & ~slipping(whole, forces)
     whole, forces = whole.taking(certain), forces[certain]
     bending = bending_bodies(contacts, assembly.joints, whole, forces, curves=curves)
     if among is not None:

@@ -1,4 +1,4 @@
-"""Forces of supports, pulls of straps and motions of falls, in millimetres, by hand."""
+"""Numbers of the answers of `kilter.plan` and `kilter.hold`, in millimetres, by hand."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_a_strap_pulls_against_a_load_by_its_slope(up: float) -> None:
 
 
 def test_no_order_exists_for_a_cube_that_turns_about_an_edge() -> None:
-    """The stated motion is that of Newton: a turn about the edge at x = 0, the centre 100 past it."""
+    """The stated motion is a turn about the edge at x = 0, the centre being 100 past it."""
     table = block("table", [-3000, -1000, -1000], [0, 1000, 0], grounded=True)
     past = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
     impossible = kilter.plan(Assembly([table, past], units="mm")).to_dict()["impossible"]
@@ -63,3 +63,30 @@ def test_no_order_exists_for_a_cube_that_turns_about_an_edge() -> None:
     motion = np.array(motions["past"])
     turn = 1 / math.hypot(100, math.sqrt(3) * 500)  # the fastest part moves by 1 mm
     assert motion == pytest.approx(turn * np.array([0, 0, -100, 0, 1, 0]), abs=1e-9)
+
+
+COUNTERWEIGHT = Assembly(
+    [
+        block("base", [-500, -500, -10], [0, 500, 0], grounded=True),
+        Part("plank", Box([600, 200, 20]), [100, 0, 10], density=500.0),
+        Part("weight", Box([100, 100, 100]), [-150, 0, 70], mass=2.0),
+    ],
+    units="mm",
+)
+"""A plank of 1.2 kg with its centre 100 mm past the edge, held down by 2 kg 150 mm behind it."""
+
+
+def test_a_plank_is_held_until_its_counterweight_lies_on_it() -> None:
+    plan = kilter.plan(COUNTERWEIGHT).to_dict()
+    assert [step["parts"] for step in plan["steps"]] == [["plank"], ["weight"]]
+    # while the weight is put down; the part that moves is carried in any case
+    assert [step["held"] for step in plan["steps"]] == [[], ["plank"]]
+    assert (plan["held_steps"], plan["holds_max"], plan["turns"]) == (1, 1, 0)
+    for step in plan["steps"]:
+        assert step["down"] == [0, 0, -1]
+        path = np.array(step["path"])
+        assert path[-1] == pytest.approx([0, 0, 0])
+        moved = path[-1] - path[-2]
+        assert moved / np.linalg.norm(moved) == pytest.approx(step["direction"])
+    without = kilter.plan(COUNTERWEIGHT, kilter.PlanRules(hold=0)).to_dict()
+    assert (without["verdict"], without["impossible"]["holds"]) == ("impossible", 0)
