@@ -23,7 +23,9 @@ def answered(*parts: Part, **more: object) -> dict:
 def test_a_patch_under_a_plate(gap: float) -> None:
     """A plate of 20 x 30 x 10, `gap` above its base, glued by 0.5 N/mm^2."""
     plate = block("plate", [0, 0, gap], [20, 30, 10 + gap])
-    answer = answered(BASE, plate, friction=0.25, bonds=[Bond(("base", "plate"), pull_per_area=0.5)])
+    answer = answered(
+        BASE, plate, friction=0.25, bonds=[Bond(("base", "plate"), pull_per_area=0.5)]
+    )
     (patch,) = answer["patches"]
     assert patch["area"] == pytest.approx(20 * 30, rel=1e-12)
     assert [patch["gap"], *patch["gap_range"]] == pytest.approx([gap] * 3, abs=1e-12)

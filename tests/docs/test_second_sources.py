@@ -8,14 +8,16 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
 
 import pytest
-from build_second_sources import PAGE, ROOT, entries, matches, numeric_keys, page, names_in
+from build_second_sources import PAGE, ROOT, entries, matches, names_in, numeric_keys, page
 
 KEYS = numeric_keys()
 ROWS = entries()
 
 
 def test_each_number_has_one_entry() -> None:
-    named = {key: [row for row in ROWS if any(matches(p, key) for p in row["keys"])] for key in KEYS}
+    named = {
+        key: [row for row in ROWS if any(matches(p, key) for p in row["keys"])] for key in KEYS
+    }
     assert [key for key, rows in named.items() if not rows] == []
     assert [key for key, rows in named.items() if len(rows) > 1] == []
 

@@ -53,6 +53,7 @@ def entries(kind: str) -> list[int]:
     return list(range(len(proofs()[kind][1]["proofs"])))
 
 
+@pytest.mark.quick("far-margin", "flipped-margin", "near-margin", "near-transport")
 @pytest.mark.parametrize("kind", ["margin", "transport"])
 @pytest.mark.parametrize(
     "change",

@@ -13,7 +13,9 @@ from kilter.scenes.pieces import block
 TABLE = block("table", [-500, -500, -10], [500, 500, 0], grounded=True)
 
 
-def box(name: str, at: list[float], size: tuple[float, ...] = (100, 100, 100), **more: bool) -> Part:
+def box(
+    name: str, at: list[float], size: tuple[float, ...] = (100, 100, 100), **more: bool
+) -> Part:
     return Part(name, Box(size), at, **more)
 
 

@@ -82,7 +82,7 @@ def _as_drawn(answer: Answer) -> str:
 
     Empty without open pairs.
     """
-    return " as drawn, without forces at its open pairs" if answer["open_pairs"] else ""
+    return " if its open pairs carry no force" if answer["open_pairs"] else ""
 
 
 def _interval(ends: Sequence[float | None]) -> str:

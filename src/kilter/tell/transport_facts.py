@@ -34,10 +34,10 @@ def transport_sentence(answer: Answer) -> str:
     if least is None:
         why = UNKNOWN[answer["missing"].get("least", "failed")]
         return f"The least horizontal acceleration is {why}."
-    opened = "As drawn, without forces at its open pairs, it" if answer["open_pairs"] else "It"
+    opened = "If its open pairs carry no force, it" if answer["open_pairs"] else "It"
     if least["g"] is None:
         return f"{opened} carries every horizontal acceleration up to 100 g."
-    verb = "holds by proof" if answer["level"] == "proved" else "can hold"
+    verb = "is proved to hold" if answer["level"] == "proved" else "can hold"
     size = f"{number(least['g'])} g ({number(least['upper'])} m/s^2)"
     return (
         f"{opened} {verb} under every horizontal acceleration of its carrier up to {size}; the "
