@@ -73,8 +73,8 @@ Floor = Annotated[
     Option(
         "--floor",
         metavar="[HEIGHT]",
-        help="Add a held table under the lowest point, or at this height (file units, measured "
-        "against gravity).",
+        help="Add a held table under the lowest point, or at this height (file units). It lies "
+        "across the up direction of the file.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -94,7 +94,7 @@ Down = Annotated[
     Option(
         "--down",
         metavar="X Y Z",
-        help="Direction of gravity. Its size in the file is kept.",
+        help="Direction of gravity. Its size in the file is kept. A floor turns with the parts.",
         rich_help_panel=HELD,
         show_default=False,
     ),
