@@ -1,7 +1,9 @@
-"""Write docs/how-do-we-know.md from the table of second sources: python docs/build_second_sources.py.
+"""Write docs/how-do-we-know.md from `tests/second_sources.toml`.
 
-`tests/second_sources.toml` names, for each number of each answer, the test that compares it with a
-closed form or with a second method. The numbers are the leaves of the published JSON schemas.
+python docs/build_second_sources.py
+
+The table names, for each number of each answer, the test that compares it with a closed form or
+with a second method. The numbers are the leaves of the published JSON schemas.
 """
 
 from __future__ import annotations
@@ -26,9 +28,9 @@ Each number of an answer has a second source: a test compares it with a closed f
 second method that shares no code with kilter. This page lists the test of each key. A key that
 nobody can compare is a convention of kilter: a tolerance, a count of its own work, or a time.
 
-`python docs/build_second_sources.py` writes this page from `tests/second_sources.toml`. A test fails
-if an answer has a number without an entry, or if the named test does not exist. In a key, `*` stands
-for any name, and `a.b` for key `b` of the object, or of each object of the list, at key `a`.
+`python docs/build_second_sources.py` writes this page from `tests/second_sources.toml`. A test
+fails if an answer has a number without an entry, or if the named test does not exist. In a key, `*`
+stands for any name. `a.b` is the key `b` of the object at `a`, or of each object of this list.
 
 {keys} keys are numbers: {compared} are compared, and {conventions} are conventions.
 
@@ -89,9 +91,8 @@ def page() -> str:
     ]
     for row in rows:
         if "test" in row:
-            file, _, name = row["test"].partition("::")
-            words = name.removeprefix("test_").replace("_", " ")
-            lines.append(f"| {_keys(row)} | {row['by']} | {words} (`{Path(file).name}`) |\n")
+            test = row["test"].removeprefix("tests/")
+            lines.append(f"| {_keys(row)} | {row['by']} | `{test}` |\n")
     lines.append("\n## Conventions\n\n| keys | reason |\n|---|---|\n")
     lines += [f"| {_keys(row)} | {row['why']} |\n" for row in rows if "why" in row]
     return "".join(lines)

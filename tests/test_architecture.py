@@ -183,6 +183,7 @@ def brought(module: str) -> frozenset[str]:
     return frozenset(seen)
 
 
+@pytest.mark.slow
 def test_an_import_waits_inside_a_function_only_for_the_start_up() -> None:
     """A late import brings a slow package, or many modules that the importer lacks.
 

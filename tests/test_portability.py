@@ -148,6 +148,7 @@ SOURCES = sorted((ROOT / "src").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("test_*.py"))
 
 
+@pytest.mark.slow
 def test_the_program_guards_each_name_that_only_posix_has() -> None:
     found = {
         path.relative_to(ROOT).as_posix(): uses
@@ -157,6 +158,7 @@ def test_the_program_guards_each_name_that_only_posix_has() -> None:
     assert not found
 
 
+@pytest.mark.slow
 def test_the_program_opens_each_text_file_as_utf_8() -> None:
     found = {
         path.relative_to(ROOT).as_posix(): lines
@@ -166,6 +168,7 @@ def test_the_program_opens_each_text_file_as_utf_8() -> None:
     assert not found
 
 
+@pytest.mark.slow
 def test_each_test_that_needs_posix_is_skipped_on_other_systems() -> None:
     found = {
         path.relative_to(ROOT).as_posix(): names

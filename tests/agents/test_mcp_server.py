@@ -85,6 +85,7 @@ def test_errors_and_pictures_over_stdio(tmp_path: Path) -> None:
     with_client(tmp_path, act)
 
 
+@pytest.mark.slow
 def test_the_server_ends_with_its_input(tmp_path: Path) -> None:
     pytest.importorskip("mcp", reason="mcp is not installed: pip install 'kilter[mcp]'")
     command = [sys.executable, "-m", "kilter", "mcp", str(tmp_path)]

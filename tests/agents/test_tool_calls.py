@@ -85,6 +85,7 @@ def test_equal_questions_have_equal_answers(verb: str, calls: ToolCalls) -> None
     answer(first)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("verb", ["check", "contacts", "scene"])
 def test_a_large_answer_is_cut_with_its_counts(verb: str, calls: ToolCalls) -> None:
     parts = [
@@ -273,6 +274,7 @@ def test_reading_elsewhere_is_free_after_a_call(calls: ToolCalls) -> None:
     assert len(kilter.load(calls.folder.parent / "t.kilter.json")) > 0
 
 
+@pytest.mark.slow
 def test_a_picture_is_png_and_the_same_twice(calls: ToolCalls) -> None:
     pytest.importorskip("matplotlib", reason="matplotlib is not installed")
     kilter.dump(kilter.example("paper-figure-8"), calls.folder / "f.kilter.json")

@@ -99,10 +99,7 @@ def test_the_region_of_an_assembly_with_open_pairs_names_them(run) -> None:
 def test_the_margin_of_an_assembly_with_open_pairs_is_that_of_the_drawing(run) -> None:
     _, margin = run("margin", sunk())
     text = text_of(margin)
-    assert (
-        "no friction coefficient is enough to hold it as drawn, without forces at its open pairs"
-        in text
-    )
+    assert "no friction coefficient is enough to hold it if its open pairs carry no force" in text
     assert [pair["parts"] for pair in margin["open_pairs"]] == [["table", "cube"]]
 
 
@@ -117,6 +114,7 @@ def test_the_word_outside_a_limit_is_the_verdict_of_check_there(name: str) -> No
     assert margin.outside == kilter.check(assembly.with_down(down)).first_order
 
 
+@pytest.mark.slow
 def test_a_limit_beyond_which_an_open_pair_decides_has_the_verdict_of_check_outside() -> None:
     """A cube that a held pin enters: what happens beyond the friction angle depends on the pin."""
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
@@ -428,8 +426,8 @@ def test_the_parts_that_the_proof_moves_are_listed_first(run, name: str, proved:
     code, answer = run("check", plates)
     moved = [part["name"] for part in answer["parts"] if part["moved_by_proof"]]
     assert (code, len(moved)) == (1, proved)
-    which = "the first" if proved == 1 else f"the first {proved}"
-    heading = f"for {which} this is proved, whatever happens at the open pairs:\n"
+    which = "the first moves" if proved == 1 else f"the first {proved} move"
+    heading = f"it is proved that {which} in any case:\n"
     rows = text_of(answer).split(heading)[1].split("\n")
     listed = [row.split("  ")[1] for row in rows[:proved]]
     assert sorted(listed) == sorted(moved)

@@ -55,7 +55,7 @@ SCENES = {
 EACH = pytest.mark.parametrize("name", SCENES)
 
 
-@pytest.mark.quick(12)
+@pytest.mark.quick(4)
 @EACH
 @pytest.mark.parametrize("method", ["simplex", "interior"])
 def test_exactly_one_certificate_passes(name, method):
@@ -87,6 +87,7 @@ def test_least_imbalance_gives_the_same_answer(name):
     assert (forces.holds, motion.holds) == (stable, not stable)
 
 
+@pytest.mark.quick(5)
 @EACH
 def test_certificate_of_the_other_kind_never_passes(name):
     program = program_of(SCENES[name]())
@@ -167,6 +168,7 @@ def test_ratio_of_a_motion_bounds_the_forces_that_could_hold_it():
         assert proof.ratio > 1.0
 
 
+@pytest.mark.quick(5)
 @EACH
 def test_jacobian_is_velocities_and_wrenches(name):
     program = program_of(SCENES[name](), possible=True, sticking=True)

@@ -10,7 +10,7 @@ import pytest
 import stranger
 
 import kilter
-from kilter import Assembly, Box, Part, Pose, Prism
+from kilter import Assembly, Box, Joint, Part, Pose, Prism
 from kilter.scenes.pieces import block
 
 G = 9.81
@@ -105,3 +105,38 @@ def test_the_motion_of_a_balanced_ball_is_a_fall_along_the_ball_below() -> None:
     assert np.linalg.norm(motion[:2]) > 0.5 * np.linalg.norm(motion) / 100  # it does not only spin
     # two level shifts of the centre, and three turns about it, cost nothing to first order
     assert second["neutral"] == 5
+
+
+MOMENT = 1.2 * G * 300
+"""Moment of a beam of 1.2 kg whose centre is 300 mm beside its hinge [N mm]."""
+
+
+@pytest.mark.parametrize(
+    ("more", "held", "known"),
+    [
+        ({"limits": [-1, 0]}, True, {"stop": -MOMENT}),
+        ({"limits": [0, 1]}, False, {}),
+        ({"friction": 1.01 * MOMENT}, True, {"friction": -MOMENT}),
+        ({"friction": 0.99 * MOMENT}, False, {}),
+        ({"stiffness": 10 * MOMENT, "rest": -0.1}, True, {"spring": -MOMENT}),
+        (
+            {"stiffness": 10 * MOMENT, "rest": -0.09, "friction": 0.2 * MOMENT},
+            True,
+            {"spring": -0.9 * MOMENT, "friction": -0.1 * MOMENT},
+        ),
+    ],
+)
+def test_a_beam_on_a_hinge_is_held_by_its_stop_its_friction_or_its_spring(
+    more: dict, held: bool, known: dict
+) -> None:
+    """It turns downwards about +y; the torques are those on the beam, the first part."""
+    beam = Part("beam", Box([600, 100, 40]), [300, 0, 0], density=500.0)
+    hinge = Joint(("beam", "ground"), "revolute", point=[0, 0, 0], axis=[0, 1, 0], **more)
+    assembly = Assembly([beam], units="mm", joints=[hinge])
+    answer = kilter.check(assembly, require="equilibrium").to_dict()
+    assert (answer["verdict"] != "unstable") is held
+    assert {key: answer["joints"][0][key] for key in more} == more
+    if held:
+        (torques,) = answer["forces"]["joints"]
+        expected = dict.fromkeys(("stop", "friction", "spring"), 0.0) | known
+        assert {key: torques[key] for key in expected} == pytest.approx(expected, abs=1e-6)

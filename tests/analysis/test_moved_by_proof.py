@@ -28,11 +28,11 @@ def test_the_parts_of_the_proof_are_listed_first() -> None:
     assert set(proved) <= {"upper", "lower"}  # joined to the base, "sunk" stays
     assert set(verdict.moving) == {"sunk", "upper", "lower"}
     text = text_of(verdict.to_dict())
-    which = "the first" if len(proved) == 1 else "the first 2"
+    which = "the first moves" if len(proved) == 1 else "the first 2 move"
     assert (
-        f"3 of 4 free parts move; for {which} this is proved, whatever happens at the open pairs:"
-        in text
-    )
+        "3 of 4 free parts move if the open pairs carry no force; it is proved that "
+        f"{which} in any case:"
+    ) in text
     assert max(text.index(f"\n  {name}") for name in proved) < text.index("\n  sunk")
 
 
@@ -40,7 +40,7 @@ def test_the_sentence_states_that_no_open_pair_could_stop_it() -> None:
     assembly = two_groups()
     verdict = kilter.check(assembly)
     (pair,) = verdict.to_dict()["open_pairs"]
-    assert "can hold it, whatever the open pairs do. Here is how" in verdict.sentence
+    assert "can hold it, not even with forces at its open pairs. Here is how" in verdict.sentence
     joined = kilter.check(assembly.with_joints([kilter.Joint(tuple(pair["parts"]))]))
     alone = kilter.check(assembly.without(["sunk"]))
     for other in (joined, alone):

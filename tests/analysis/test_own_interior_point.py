@@ -53,6 +53,7 @@ def pinned_and_rough():
 
 
 class TestFactors:
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize(("count", "width"), [(1, 6), (9, 3), (60, 6), (200, 3)])
     def test_solutions_are_those_of_the_dense_matrix(self, count, width):
         rng = np.random.default_rng(count)

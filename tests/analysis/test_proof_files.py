@@ -95,6 +95,7 @@ def test_proof_has_every_kind_of_number(proven):
     assert ("forces" in kinds) != ("motion" in kinds)
 
 
+@pytest.mark.quick(3)
 @COUNTS
 def test_changed_number_is_refused_by_the_digest(proven, count):
     assembly, contacts, proof = proven
@@ -106,6 +107,7 @@ def test_changed_number_is_refused_by_the_digest(proven, count):
         assert any("digest" in reason for reason in answer.reasons), path
 
 
+@pytest.mark.quick(5)
 @COUNTS
 def test_changed_number_is_refused_by_the_mechanics(proven, count):
     assembly, contacts, proof = proven

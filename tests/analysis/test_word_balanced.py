@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import pytest
@@ -57,6 +58,12 @@ def test_a_proof_without_second_order_is_no_stronger() -> None:
             assert kilter.verify(assembly, fewer, require="equilibrium").holds
 
 
+@cache
+def checked(friction: float) -> tuple[Assembly, kilter.Verdict]:
+    assembly = ball_on_ball(friction)
+    return assembly, kilter.check(assembly)
+
+
 @pytest.mark.parametrize(
     ("second", "friction", "fits"),
     [
@@ -74,8 +81,7 @@ def test_a_proof_without_second_order_is_no_stronger() -> None:
 def test_a_word_is_compared_with_its_evidence(
     second: dict[str, str] | None, friction: float, fits: str, word: str
 ) -> None:
-    assembly = ball_on_ball(friction)
-    verdict = kilter.check(assembly)
+    assembly, verdict = checked(friction)
     forces = verdict.judgement.forces
     assert forces is not None
     reasons = wrong_about_push(

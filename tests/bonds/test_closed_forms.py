@@ -58,7 +58,7 @@ def test_a_cantilever_of_cubes_needs_the_moment_of_its_weight_at_the_upper_point
     assert verdict.verdict == falls(share)
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(2)
 @BOTH
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0, 150.0])
 def test_a_magnet_on_a_slope_slides_past_mu_times_what_presses_it(share, degrees):
@@ -78,6 +78,7 @@ def test_a_magnet_on_a_slope_slides_past_mu_times_what_presses_it(share, degrees
     assert (judged(slope, effort=0.1).verdict == "unstable") is (share < 1)
 
 
+@pytest.mark.quick(2)
 @BOTH
 @pytest.mark.parametrize("mu", [0.2, 0.9])
 def test_a_suction_cup_in_shear_bears_mu_times_its_suction(share, mu):

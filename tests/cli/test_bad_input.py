@@ -155,7 +155,7 @@ def test_a_broken_file(
         (["check", "a.json", "--down", "0", "0", "nan"], "down"),
         (
             ["check", "a.json", "--friction", "abc"],
-            "the value of '--friction' is not a number; see",
+            "--friction has 'abc'; give a coefficient, a share or an angle",
         ),
         (
             ["check", "a.json", "--down", "0", "0", "z"],

@@ -177,7 +177,7 @@ def test_material_and_open_are_options_of_save(say: Any) -> None:
     choices = Choices.read("c.json").to_dict()
     assert choices["materials"] == [{"parts": "b*", "density": 7850.0}]
     assert choices["open_pairs"] == [{"parts": ["b", "c"], "as": "apart"}]
-    assert "give a name and kg/m^3" in say("save t.kilter.json --material b -o c.json")[2]
+    assert "name the parts" in say("save t.kilter.json --material b -o c.json")[2]
     assert "joined, touching or apart" in say("save t.kilter.json --open b c near -o c.json")[2]
     assert "no part is named 'd'" in say("save t.kilter.json --material d=3 -o c.json")[2]
     # a later save changes single keys

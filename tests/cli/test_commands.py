@@ -63,7 +63,9 @@ def test_every_example_is_written_judged_proved_and_verified(
     assert code == EXIT[answer["verdict"]]
     assert Path("p.json").exists() == (answer["verdict"] != "undecided")
     if Path("p.json").exists():
-        assert main(["verify", file, "p.json"]) == 0
+        # with more work than the command had, `verify` may find a motion, and a lower level
+        lower = [3] if answer["guarantee"] == "open" else []
+        assert main(["verify", file, "p.json"]) in (0, *lower)
 
 
 @pytest.mark.slow
@@ -314,7 +316,8 @@ def test_what_strict_asked_for_in_vain_is_said(capsys: pytest.CaptureFixture[str
     file = written("mortared-corbel")
     for words, said in (([], False), (["--require", "strict"], True)):
         assert main(["check", file, *words]) == (3 if said else 0)
-        assert "second order does not model bonds and straps" in capsys.readouterr().out
+        out = capsys.readouterr().out
+        assert ("second order does not model bonds and straps" in out) is said
 
 
 @pytest.mark.slow

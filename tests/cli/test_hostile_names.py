@@ -138,6 +138,7 @@ def test_no_table_begins_a_cell_with_a_formula(
         assert [c for c in read if RUNS.match(c) and not is_numeric(c) and c[0] != "'"] == []
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["\ud800.step", "a\0b.step", "x" * 5000 + ".step"])
 def test_choices_about_a_name_that_the_system_rejects(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

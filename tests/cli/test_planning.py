@@ -91,7 +91,7 @@ def test_a_page_is_written_that_says_how_it_was_made(
     assert told.out == ""
     assert told.err.startswith(f"{page}: ")
     assert told.err.count("\n") == 1
-    assert "20 steps" in told.err
+    assert "put together in 9 steps" in told.err
     html = page.read_text(encoding="utf-8")
     assert "--hold 1 --before voussoir-8 voussoir-0 -o" in html
     assert main(["plan", str(file), "--hold", "0", "-o", str(page), "--quiet"]) == 1

@@ -70,6 +70,16 @@ CASES: dict[str, tuple[Callable[[], Any], dict[str, Any]]] = {
         lambda: kilter.transport(STRAPPED, polar=False),
         {"straps.0.tension": 12.5, "straps.0.capacity": None, "gravity": 9.81, "down": [0, 0, -1]},
     ),
+    "transport under a code": (
+        lambda: kilter.transport(PLAIN, code="en12195", forward=[0, 1, 0]),
+        {"forward": [0, 1, 0], "cases.0.acceleration": [0, -0.8 * 3.7, 0]},
+    ),
+    "hold under a code": (
+        lambda: kilter.hold(
+            replace(STRAPPED, straps=[]), straps=[ANCHORED], code="en12195", forward=[-1, 0, 0]
+        ),
+        {"cases.0.acceleration": [0.8 * 9.81, 0, 0]},
+    ),
     "collapse": (lambda: kilter.transport(PLAIN, collapse=True, fc=1.2), {"fc": 1.2}),
     "verify": (
         lambda: kilter.verify(PLAIN, kilter.check(PLAIN).proof()), {"gravity": [0, 0, -3.7]},

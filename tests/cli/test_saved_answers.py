@@ -32,7 +32,9 @@ PICTURES = ("report", "draw")
 LONGEST = 30
 SETS, EACH = 48, 6
 FLAGS = {"--loose", "--fasten-suggested", "--fasten-overlaps"}
-OPTIONS = {f"--{name.replace('_', '-')}" for name in READING}
+QUESTIONS = {"mass", "load", "accelerate"}
+"""Shared options that choices do not keep."""
+OPTIONS = {f"--{name.replace('_', '-')}" for name in READING if name not in QUESTIONS}
 WRITES = ("-o", "--output", "--write", "--proof")
 
 

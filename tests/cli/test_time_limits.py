@@ -151,6 +151,7 @@ def test_an_undecided_verdict_without_a_motion_has_no_table_of_moving_parts() ->
     assert "free parts move" not in text_of(answer)
 
 
+@pytest.mark.slow
 def test_the_page_at_limit_zero_states_what_is_left_out() -> None:
     html = kilter.report(scene("arch"), time_limit=0.0).html
     assert "left out, because the time limit was reached" in html

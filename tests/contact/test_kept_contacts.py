@@ -16,7 +16,7 @@ from kilter.contact.kept_contacts import KeptContacts
 from kilter.scenes import scene
 from kilter.scenes.registry import SCENES
 
-QUICK = ("tower", "wall", "paper-figure-8", "ball-in-groove", "cad-export")
+QUICK = ("tower", "wall", "paper-figure-8", "ball-in-groove")
 CHANGES = 4
 MOST_PARTS = 120
 

@@ -44,6 +44,7 @@ def assert_equal(first: kilter.ContactSet, second: kilter.ContactSet) -> None:
     assert first.to_dict() == second.to_dict()
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["tower", "pegs"])
 @pytest.mark.parametrize(
     "tolerance", [Tolerance(gap=0.1), Tolerance.loose(), Tolerance(clearance=0.08)]

@@ -30,6 +30,7 @@ def _least_by_sampling(point: Array, triangle: Array) -> float:
     return float(off.min())
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("seed", range(20))
 def test_the_nearest_of_all_triangles_counts(seed: int) -> None:
     points, triangles = _scene(seed)

@@ -8,7 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs"))
 
 import pytest
-from build_second_sources import PAGE, ROOT, entries, matches, numeric_keys, page, names_in
+from build_second_sources import PAGE, ROOT, entries, matches, names_in, numeric_keys, page
 
 KEYS = numeric_keys()
 ROWS = entries()

@@ -243,6 +243,7 @@ def chain(count: int, name: str = "node {}") -> bytes:
     return b"".join([b"glTF", (2).to_bytes(4, "little"), size, *chunks])
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("count", [8000, 30_000])
 def test_nodes_in_a_chain(count: int, capsys: Any) -> None:
     message = refused(capsys, "check", write("a.glb", chain(count)), "--floor")

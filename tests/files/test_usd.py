@@ -400,6 +400,7 @@ def test_faults_of_objects_name_the_object(path: Path) -> None:
         kilter.load(path)
 
 
+@pytest.mark.slow
 def test_without_usd_core_the_sentence_has_the_command(path: Path) -> None:
     Stage(path).save()
     (path.parent / "pxr.py").write_text("raise ImportError")

@@ -330,7 +330,7 @@ def _bundle(kind: str) -> tuple[Assembly, str]:
     ]
     made: dict[str, Callable[[], tuple[Assembly, Any]]] = {
         "region": lambda: (corner, kilter.region(corner)),
-        "margin": lambda: (rough, kilter.margin(rough)),
+        "margin": lambda: (rough, kilter.margin(rough, about=[0, 1, 0], push=[1, 0, 0])),
         "transport": lambda: (rough, kilter.transport(rough, collapse=True)),
         "plan": lambda: (smooth, kilter.plan(smooth)),
         "no plan": lambda: (lever, kilter.plan(lever, PlanRules(hold=0))),
@@ -389,6 +389,21 @@ def _flip(proof: Data, rng: Random) -> None:
 def _value(proof: Data, rng: Random) -> None:
     entry = _any(rng, proof["proofs"])
     entry["value"] *= _shares(rng)
+
+
+def _another_axis(proof: Data, rng: Random) -> None:
+    entry = _any(rng, [e for e in proof["proofs"] if "axis" in e])
+    turn = rng.uniform(0.01, np.pi)
+    entry["axis"] = _any(
+        rng, [[0.0, -1.0, 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 1.0, 0.1]]
+    )
+
+
+def _another_end(proof: Data, rng: Random) -> None:
+    """The names of the least and of the greatest load factor are exchanged."""
+    names = {"load factor": "least load factor", "least load factor": "load factor"}
+    for entry in proof["proofs"]:
+        entry["about"] = names.get(entry["about"], entry["about"])
 
 
 def _another_mass(proof: Data, rng: Random) -> None:
@@ -539,7 +554,8 @@ KINDS: dict[str, Forger] = {
     "margin": _lies("margin", [
         ("held flipped", _flip), ("another value", _value), ("more changes", _more_loads),
         ("values exchanged", _exchange("value")), ("evidence exchanged", _exchange_evidence),
-        ("changes exchanged", _exchange("change")),
+        ("changes exchanged", _exchange("change")), ("another axis", _another_axis),
+        ("another end of the load factors", _another_end),
     ]),
     "transport": _lies("transport", [
         ("held flipped", _flip), ("another value", _value), ("more changes", _more_loads),

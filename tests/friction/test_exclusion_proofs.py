@@ -95,6 +95,7 @@ def last_powers(step):
             yield ("cases", k, "powers", len(case["powers"]) - 1)
 
 
+@pytest.mark.quick("slope", "trough")
 def test_the_greatest_multiplier_of_each_kind_matters(proven):
     one, data = proven
     last = len(data["steps"]) - 1

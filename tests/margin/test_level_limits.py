@@ -202,6 +202,7 @@ def test_every_question_of_a_decision_is_charged() -> None:
     assert charged > DECISION
 
 
+@pytest.mark.slow
 def test_limits_that_lack_work_are_one_warning_and_no_words_of_each_limit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

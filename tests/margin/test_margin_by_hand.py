@@ -51,7 +51,7 @@ def test_a_box_tips_over_its_lower_edge() -> None:
     assert push["lower"] <= WEIGHT * 50 / arm * (1 + 1e-9)
     assert np.abs(push["direction"]) == pytest.approx([150 / arm, 0, 50 / arm], abs=1e-6)
     assert push["direction"][2] > 0
-    # mechanisms turn about the edge; the fastest part moves by 1 mm, turns times its radius included
+    # mechanisms turn about the edge; shift and turn times radius have the length 1 mm together
     turn = 1 / math.hypot(arm, math.hypot(50, 100, 150))
     for limit in (answer["tilt_limit"], push["limit"], *answer["load_limits"]):
         moved = np.array(limit["mechanism"]["box"])

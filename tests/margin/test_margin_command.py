@@ -141,7 +141,7 @@ def test_the_exit_code_is_that_of_check(tmp_path, monkeypatch, capsys, made, cod
         ("tower", None, "without friction the least tilt or push in some directions moves it"),
         ("paper-figure-9", None, "without friction the least push in some directions moves it"),
         ("slope-with-friction", None, None),
-        ("tower", "0.3", None),
+        pytest.param("tower", "0.3", None, marks=pytest.mark.slow),
     ],
 )
 def test_an_assembly_without_reserve_is_reported_with_the_option_that_helps(
@@ -160,6 +160,7 @@ def test_an_assembly_without_reserve_is_reported_with_the_option_that_helps(
         assert "next: kilter margin a.json --friction 0.3\n" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_next_margin_asks_the_same_question_with_friction(tower, capsys):
     kilter.dump(stacks.tower(2), "tower.json")
     asked = ["--push", "1", "0", "0", "--part", "cube-1", "--loads", "--mu-range", "0.5", "1"]

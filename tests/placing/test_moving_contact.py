@@ -119,12 +119,12 @@ def test_a_motion_excludes_no_place_that_stands(
 
 
 def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides() -> None:
-    places = place(bridge(), pentagon(), accuracy=0.01)
+    places = place(bridge(), pentagon(), accuracy=0.04)
     assert kilter.verify(bridge(), places.proof()).holds
     level = places.levels[-1]
     rng = np.random.default_rng(3)
     low, high = np.array([-0.2, -0.6]), np.array([0.2, 0.6])
-    points = rng.uniform(low, high, (60, 2))
+    points = rng.uniform(low, high, (30, 2))
     seen = set()
     for point in points:
         here = shapely.Point(point)
@@ -138,12 +138,11 @@ def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides() -> N
     assert seen == {True, False}
 
 
-def test_the_open_strip_is_thinner_than_the_accuracy() -> None:
-    for accuracy in (0.05, 0.005):
-        places = place(bridge(), pentagon(), accuracy=accuracy)
-        for level in places.levels:
-            for piece in shapely.get_parts(level.open):
-                assert piece.buffer(-accuracy / 2).is_empty
+@pytest.mark.parametrize("accuracy", [0.05, pytest.param(0.005, marks=pytest.mark.slow)])
+def test_the_open_strip_is_thinner_than_the_accuracy(accuracy: float) -> None:
+    for level in place(bridge(), pentagon(), accuracy=accuracy).levels:
+        for piece in shapely.get_parts(level.open):
+            assert piece.buffer(-accuracy / 2).is_empty
 
 
 def test_a_prism_on_a_third_top_of_the_same_height() -> None:
@@ -155,7 +154,7 @@ def test_a_prism_on_a_third_top_of_the_same_height() -> None:
     ]
     assembly = Assembly(tables)
     prism, _ = case_prism(pentagon(), "m")
-    places = place(assembly, pentagon(), accuracy=0.01)
+    places = place(assembly, pentagon(), accuracy=0.03)
     [level] = places.levels
     rng, seen = np.random.default_rng(4), set()
     tops = shapely.MultiPolygon([top.polygon for top in find_tops(assembly)])

@@ -81,7 +81,7 @@ def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path: Path)
 
 
 def test_a_pile_of_two_boxes_tips_about_the_foot_of_the_lower_one(tmp_path: Path) -> None:
-    """The common centre of 4 kg at (200, 200) and 3 kg at (250, 600) over the foot from 0 to 400."""
+    """4 kg at (200, 200) and 3 kg at (250, 600) stand on a foot from x = 0 to 400."""
     plan = tmp_path / "plan.csv"
     plan.write_text(HEADER + "a,400,400,400,4,0,0,0,\nb,400,400,400,3,50,0,400,\n")
     answer = kilter.check_plan(plan, friction=0.6, carried=True).to_dict()

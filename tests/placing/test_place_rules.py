@@ -45,6 +45,7 @@ def counts_of_page(benchmark: ModuleType):
     return counts
 
 
+@pytest.mark.slow
 def test_two_stacks(benchmark: ModuleType) -> None:
     """The row of kilter is 0 / 0; each stricter share of support accepts fewer places."""
     counts = benchmark.counted([1, 2])

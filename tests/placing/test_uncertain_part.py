@@ -22,6 +22,7 @@ LENGTH, WEIGHT, BEYOND = 1.0, 2.0, 0.3
 PLANK = overhang(LENGTH, WEIGHT, BEYOND)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("mass", "share"), [((2, 5), 0.0), ((4, 4), 0.1), ((2, 5), 0.1)])
 def test_the_worst_mass_and_centre_limit_a_load_on_a_plank(
     mass: tuple[float, float], share: float

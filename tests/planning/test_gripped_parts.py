@@ -15,6 +15,7 @@ from kilter.scenes.arches import arch
 from kilter.work import Work
 
 
+@pytest.mark.slow
 def test_the_fewest_grips_of_an_arch_are_the_same_with_known_grips(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -55,7 +55,7 @@ def test_a_strap_pulls_against_a_load_by_its_slope(up: float) -> None:
 
 
 def test_no_order_exists_for_a_cube_that_turns_about_an_edge() -> None:
-    """The stated motion is that of Newton: a turn about the edge at x = 0, the centre 100 past it."""
+    """The stated motion is a turn about the edge at x = 0, the centre being 100 past it."""
     table = block("table", [-3000, -1000, -1000], [0, 1000, 0], grounded=True)
     past = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
     impossible = kilter.plan(Assembly([table, past], units="mm")).to_dict()["impossible"]

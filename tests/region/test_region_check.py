@@ -37,6 +37,7 @@ def verified(name: str, change: Callable[[Bundle], object]) -> kilter.Verificati
     return kilter.verify(SCENES[name](), bundle)
 
 
+@pytest.mark.quick("cone")
 @pytest.mark.parametrize("name", SCENES)
 def test_a_whole_region_holds_and_states_its_gap(name: str) -> None:
     found = verified(name, lambda bundle: None)
@@ -44,6 +45,7 @@ def test_a_whole_region_holds_and_states_its_gap(name: str) -> None:
     assert found.notes[0].startswith("a direction without a proof lies at most")
 
 
+@pytest.mark.quick("ray-ray", "facet-cone", "equation-ray")
 @pytest.mark.parametrize("name", ["ray", "cone", "friction"])
 @pytest.mark.parametrize("subject", ["ray", "facet", "equation"])
 def test_a_region_without_some_of_its_proofs_is_not_closed(name: str, subject: str) -> None:

@@ -27,7 +27,7 @@ class TestEveryScene:
         assert (geometry.volume > 0).all()
         assert geometry.warnings == ()
 
-    @pytest.mark.quick(5)
+    @pytest.mark.quick("tower", "arch", "wall", "bracket", "slot")
     def test_has_no_parts_that_overlap(self, name):
         meant = [("post", "screw")] if name == "cad-export" else []
         assert overlapping(BUILT[name]) == meant

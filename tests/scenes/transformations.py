@@ -91,7 +91,7 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
             )
             for c in assembly.contacts
         ],
-        joints=[dataclasses.replace(j, point=times(j.point)) for j in assembly.joints],
+        joints=[_scaled_joint(joint, factor) for joint in assembly.joints],
         bonds=[
             dataclasses.replace(
                 bond,
@@ -118,6 +118,19 @@ def as_single(assembly: Assembly) -> Assembly:
     Mesh(8 vertices, 12 triangles)
     """
     return dataclasses.replace(assembly, parts=[_single(part) for part in assembly.parts])
+
+
+def _scaled_joint(joint: Joint, factor: float) -> Joint:
+    """A joint whose lengths are multiplied by `factor`, and its forces by its cube."""
+    length = 1.0 if joint.kind == "revolute" else factor
+    return dataclasses.replace(
+        joint,
+        point=None if joint.point is None else joint.point * factor,
+        limits=None if joint.limits is None else [limit * length for limit in joint.limits],
+        friction=joint.friction * factor**4 / length,
+        stiffness=joint.stiffness * factor**4 / length**2,
+        rest=joint.rest * length,
+    )
 
 
 def mirrored(assembly: Assembly) -> Assembly:

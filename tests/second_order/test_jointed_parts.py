@@ -67,6 +67,7 @@ def test_the_forms_of_a_joint_are_the_second_derivatives_of_its_equations(
         assert (ahead + behind) / step**2 == pytest.approx(bend, abs=1e-4)
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("kind", ["revolute", "spherical", "cylindrical"])
 @pytest.mark.parametrize(
     ("below", "state"), [(-1, "balanced"), (-OFF, "balanced"), (0, "free"), (OFF, ""), (1, "")]

@@ -61,6 +61,7 @@ def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
         assert counted.two_sided + counted.one_sided == 3 * free
 
 
+@pytest.mark.quick("diamond")
 @pytest.mark.parametrize("name", ["harmonic-stack", "diamond", "pierced-wall"])
 def test_where_loads_must_be_shared_a_program_shares_them(name: str) -> None:
     """A stack at its limit, held down by others over an opening; the counts of motions agree."""

@@ -44,6 +44,7 @@ def proof_of(number: str) -> tuple[kilter.Assembly, dict[str, Any]]:
     return assembly, kilter.check(assembly).proof()
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("number", ["01", "02", "03", "17", "19", "22", "26", "34", "38", "39"])
 def test_the_proof_of_a_state_is_judged_again(number: str) -> None:
     assembly, proof = proof_of(number)

@@ -52,6 +52,7 @@ def balls(*, held: bool = False, at: tuple[float, float] = (0, 0), on: float = 0
     ]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("mu", [0.0, *GRIPS])
 @pytest.mark.parametrize("held", [False, True])
 def test_a_ball_falls_off_a_ball(mu: float, held: bool) -> None:
@@ -63,6 +64,7 @@ def test_a_ball_falls_off_a_ball(mu: float, held: bool) -> None:
         assert "friction cannot hold" in verdict.sentence
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 def test_a_ball_falls_off_two_balls_and_lies_in_a_bowl_and_in_a_groove(mu: float) -> None:
     two = [Part(f"low {s}", Sphere(R), Pose([0, s * 0.6, R]), True) for s in (-1, 1)]
@@ -88,6 +90,7 @@ def wing(side: int) -> Part:
     return Part(f"wing {side}", Box([4, 4, 1]), Pose(at, turn), grounded=True)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("thickness", [0.01, 0.1, 0.5])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 def test_a_slab_tips_about_a_free_roller_whatever_its_thickness(
@@ -97,6 +100,7 @@ def test_a_slab_tips_about_a_free_roller_whatever_its_thickness(
     assert (verdict.verdict, verdict.level) == ("balanced", "equilibrium")
 
 
+@pytest.mark.quick("0.25-open", "0.24999-falls", "0.25001-holds")
 @pytest.mark.parametrize(
     ("radius", "state"),
     [
@@ -119,6 +123,7 @@ def test_friction_holds_a_slab_on_a_held_roller_if_it_is_thinner_than_the_roller
     assert pushed([roller(radius, held=True), slab(radius, 0.5)], 0.0).verdict == "balanced"
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize(("off", "verdict"), [(-1e-4, "stable"), (1e-4, "balanced")])
 @pytest.mark.parametrize("rho", [0.2, 0.5, 0.8])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
@@ -150,6 +155,7 @@ def crowd(count: int, on: float) -> list[Part]:
     ]
 
 
+@pytest.mark.quick("0.5-25")
 @pytest.mark.parametrize("count", [3, 25])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 def test_balls_fall_alike_whatever_stands_beside_them(count: int, mu: float) -> None:
@@ -160,6 +166,7 @@ def test_balls_fall_alike_whatever_stands_beside_them(count: int, mu: float) -> 
     assert "makes ball1 and ball2 fall" in verdict.sentence
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("count", [3, 25])
 def test_a_ball_in_a_bowl_stays_whatever_stands_beside_it(count: int) -> None:
     base = Part("base", Box([16, 16, 1]), Pose([0, 0, 0.5]))

@@ -100,6 +100,7 @@ WALLS = [
 ]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("parts", "neutral"),
     [

@@ -40,6 +40,7 @@ def test_a_box_above_a_table_moves_down() -> None:
     confirmed(answer)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("difference", [1e-3, 1e-2])
 def test_a_bar_on_two_blocks_tilts_by_their_difference(difference: float) -> None:
     """Contact edges s apart: the lower block's outer edge and the higher block's inner edge."""
@@ -60,6 +61,7 @@ def test_a_bar_on_two_blocks_tilts_by_their_difference(difference: float) -> Non
     assert "bar" in smooth.parts
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("side", [0.05, -0.05])
 def test_a_plate_on_four_posts_of_which_one_is_higher(side: float) -> None:
     high = 1e-3
@@ -137,7 +139,7 @@ def disturbed(assembly: Assembly, size: float, seed: int) -> tuple[Assembly, flo
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("size", [1e-5, 1e-3, 1e-2])
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 def test_a_disturbed_arch_comes_to_rest(size: float, seed: int) -> None:
     drawn, most = disturbed(arch(9).with_friction(0.6), size, seed)
     answer = settle(drawn)
@@ -328,6 +330,7 @@ def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth: float, offered:
     assert ("--settle" in options) == offered
 
 
+@pytest.mark.slow
 def test_the_figure_of_many_moved_parts_shows_those_that_move_most() -> None:
     """Sixty-one boxes hang by different gaps: all move, and sixty have an outline."""
     pytest.importorskip("matplotlib")

@@ -69,6 +69,7 @@ def test_what_cannot_be_shown_is_told() -> None:
         cell(kilter.check(scene("tower")), height="tall")  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_kernel_of_jupyter_shows_it() -> None:
     pytest.importorskip("ipykernel")
     pytest.importorskip("nbclient")

@@ -115,7 +115,7 @@ def test_the_confidence_factor_divides_the_spectral_acceleration(
     assert "without another question" in capsys.readouterr().err
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 def test_the_film_shows_the_mechanism_that_starts_first(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

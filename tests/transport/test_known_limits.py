@@ -173,6 +173,7 @@ def test_rest_that_is_not_held_carries_nothing() -> None:
     assert answer.to_dict()["sentence"].startswith("It falls at rest")
 
 
+@pytest.mark.slow
 def test_the_least_friction_of_a_range_is_the_worst_case() -> None:
     """A flat box slides at LOW mu g; check with this coefficient agrees on both sides."""
     box = stack_on_deck([[1, 1, 0.2]], 0.5)

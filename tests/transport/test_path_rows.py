@@ -48,7 +48,7 @@ def _turning_path(seed: int) -> kilter.CarrierPath:
     return path_from_poses(TIME, np.cumsum(rng.normal(size=(5, 3)) * 0.3, axis=0), turning)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(10))
 def test_check_agrees_with_the_constraints_of_turning_paths(seed: int) -> None:
     """Check holds at (u, x) that obey the inner constraints, and not beyond the outer ones."""

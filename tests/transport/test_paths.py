@@ -132,7 +132,7 @@ def _sample_of(path: CarrierPath, k: int) -> CarrierPath:
                        path.about, False)  # fmt: skip
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("turns", [False, True])
 def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed: int, turns: bool) -> None:
@@ -153,6 +153,7 @@ def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed: int, turns
     assert found.slowest == pytest.approx(slowest, abs=1e-6)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("turns", [False, True])
 def test_few_programs_confirm_a_thousand_samples(turns: bool) -> None:
     assembly = stack_on_deck([[0.5, 0.4, 0.3], [0.4, 0.4, 0.3], [0.3, 0.3, 0.2]], 0.4)

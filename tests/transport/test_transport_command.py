@@ -46,6 +46,7 @@ def test_answers_and_exit_codes(
     assert sentence in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_data_state_each_limit_its_first_parts_and_the_weakest_direction(
     stack: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -221,6 +221,7 @@ def test_a_link_to_a_file_outside_is_refused(page: Page, folder: Path, project: 
     meshes.rmdir()
 
 
+@pytest.mark.slow
 @POSIX
 def test_the_whole_disk_is_never_proposed(page: Page, folder: Path) -> None:
     (folder / "all.obj").symlink_to("/etc/hostname")

@@ -119,9 +119,9 @@ def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -
     assert page.after(do="floor", on=True)["is"] == "answer"
 
 
-@pytest.mark.parametrize(
-    ("request_", "said"),
-    [
+def test_a_wrong_request_is_refused_in_a_sentence(page: Page) -> None:
+    """The other pages, and the next message, are not disturbed."""
+    for request, said in (
         ({"do": "open", "file": "../../etc/passwd"}, "there is no file"),
         ({"do": "open", "file": "gone.step"}, "there is no file"),
         ({"do": "open", "example": "gone"}, "there is no example"),
@@ -149,14 +149,11 @@ def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -
         ({"do": "compare", "a": 0, "b": 1e300}, "b is 1e+300"),
         ({"do": "poses", "poses": [1]}, "a wrong value"),
         (json.loads("[" * 30 + "]" * 30), "nested too deeply"),
-    ],
-)
-def test_a_wrong_request_is_refused_in_a_sentence(page: Page, request_: Any, said: str) -> None:
-    """The other pages, and the next message, are not disturbed."""
-    reply = page.say(**(request_ if isinstance(request_, dict) else {"do": request_}))
-    assert not reply["ok"]
-    assert said in reply["error"]
-    assert len(reply["error"]) <= 200
+    ):
+        reply = page.say(**(request if isinstance(request, dict) else {"do": request}))
+        assert not reply["ok"], request
+        assert said in reply["error"]
+        assert len(reply["error"]) <= 200
     assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
 
 

@@ -335,6 +335,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
             counted=counted,
             bonded=bonded,
             has_open_pairs=has_open_pairs,
+            rubbing_joints=any(joint.friction for joint in assembly.joints),
         )
     settling = friction.settling
     return verdict_sentence(
@@ -374,7 +375,7 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> l
     if decision.verdict in ("stable", "balanced"):
         return warnings + loose_parts(assembly, contacts)
     if left_open:
-        warnings.append("z, displacements and motions are computed without the open pairs")
+        warnings.append("motions, displacements and z are those without forces at the open pairs")
     mass = program.mass[program.free]
     if len(mass) and mass.max() > FAR_APART * mass.min():
         warnings.append(

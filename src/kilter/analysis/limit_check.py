@@ -46,6 +46,7 @@ FORM = keys(
             keys(value=NUMBER, held=FLAG),
             optional_keys(
                 push=VECTOR,
+                axis=VECTOR,
                 motion=keys(**dict.fromkeys(CARRIER, VECTOR)),
                 participating_mass=NUMBER,
             ),
@@ -53,7 +54,10 @@ FORM = keys(
     )
 )
 """Statements of a margin or of a transport."""
-FALLING = ("friction", "bond", "nearest held")
+ABOUT = "tilt about the axis"
+TILTS = ("tilt", ABOUT, "nearest held")
+"""Limits of a turn of gravity."""
+FALLING = ("friction", "bond", "nearest held", "least load factor")
 """Limits below which the assembly falls; above all others it falls."""
 
 
@@ -118,7 +122,7 @@ def limit_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iter
 def _value_words(kind: str, entry: Entry) -> str:
     """The value of a limit with its unit, and the direction or motion for which it is proved."""
     name, value, change = entry["about"], entry["value"], entry["change"]
-    if name in ("tilt", "nearest held"):
+    if name in TILTS:
         degrees = number(float(np.degrees(value)), 10)
         return f"{degrees} deg with gravity along {_along(change['down'])}"
     if name.startswith("push of "):
@@ -148,7 +152,9 @@ def _fits(assembly: Assembly, kind: str, entry: Entry) -> bool:
     if kind == "transport":
         return entry.get("motion") is not None and _fits_motion(assembly, entry)
     name = entry["about"]
-    if name in ("tilt", "nearest held"):
+    if name == ABOUT:
+        return set(change) == {"down"} and _fits_turn(assembly, entry)
+    if name in TILTS:
         return set(change) == {"down"} and abs(_angle(assembly.down, change["down"]) - value) < 1e-9
     if name == "friction":
         return bool(change == {"mu": entry["value"]})
@@ -156,7 +162,7 @@ def _fits(assembly: Assembly, kind: str, entry: Entry) -> bool:
         return bool(change == {"strength": entry["value"]})
     if set(change) != {"loads"}:
         return False
-    if name == "load factor":
+    if name in ("load factor", "least load factor"):
         return _fits_factor(assembly, entry)
     part = name.removeprefix("push of ").removeprefix("load on ")
     given, more = change["loads"][:-1], change["loads"][-1:]
@@ -192,6 +198,16 @@ def _fits_factor(assembly: Assembly, entry: Entry) -> bool:
         if not part.grounded
     ]
     return _same_loads(entry["change"]["loads"], [*given, *pushed])
+
+
+def _fits_turn(assembly: Assembly, entry: Entry) -> bool:
+    """Whether the gravity of an entry is turned about its axis by its angle, right-handed."""
+    axis, down = np.asarray(entry.get("axis", np.zeros(3)), dtype=float), assembly.down
+    angle = float(entry["value"])
+    across = abs(float(np.linalg.norm(axis)) - 1) <= AGREES and abs(axis @ down) <= ACROSS_GRAVITY
+    turned = np.cos(angle) * down + np.sin(angle) * np.cross(axis, down)
+    near = np.abs(turned - np.asarray(entry["change"]["down"], dtype=float)).max() <= AGREES
+    return bool(across and near and 0 <= angle < 2 * np.pi)
 
 
 def _fits_motion(assembly: Assembly, entry: Entry) -> bool:

@@ -16,6 +16,7 @@ from kilter.cli.known_facts import begin_facts, remember_fact, remember_step
 from kilter.errors import InputError, message_line, short_name, visible
 
 __all__ = [
+    "OTHER_FILES",
     "Progress",
     "as_json",
     "emit",
@@ -29,15 +30,17 @@ __all__ = [
 EACH = 1.0
 """Time between two updates of the progress line [s]."""
 
-PAGE, PICTURE, FILM = (
+PAGE, PICTURE, FILM, MODEL = (
     "'kilter report FILE -o x.html' writes a page",
     "'kilter draw FILE -o x.png' writes a picture",
     "'kilter draw FILE -o x.glb' writes a film",
+    "'kilter settle FILE' writes parts at rest, and 'kilter scene' objects",
 )
 OTHER_FILES = {
-    **dict.fromkeys((".html", ".htm"), PAGE),
+    **dict.fromkeys((".html", ".htm", ".doc", ".docx", ".odt"), PAGE),
     **dict.fromkeys((".svg", ".png", ".pdf", ".jpg", ".jpeg"), PICTURE),
     **dict.fromkeys((".glb", ".gif", ".mp4"), FILM),
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".xml", ".urdf", ".step", ".stp", ".stl"), MODEL),
 }
 """Endings of files that hold no text of an answer, with the command that writes such a file."""
 

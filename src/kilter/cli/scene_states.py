@@ -9,14 +9,14 @@ from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, SCENE
 from kilter.cli.options import Require, asks
-from kilter.cli.output import Progress, require_answer_file, tell_written
+from kilter.cli.output import OTHER_FILES, Progress, require_answer_file, tell_written
 from kilter.cli.resting import require_pose_form, write_pose
 from kilter.tell.levels import REQUIRE
 
 __all__ = ["scene"]
 
 
-@asks(searches=True, writes=(".glb", ".svg", ".png", ".pdf"))
+@asks(searches=True, writes=tuple(OTHER_FILES))
 def scene(
     asked: Asked,
     require: Require = REQUIRE,

@@ -160,6 +160,11 @@ def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: flo
             f"MJCF has no {joint.kind} joint between free bodies",
             hint="fasten the two parts, or remove the joint",
         )
+    if joint.guide:
+        raise InputError(
+            "MJCF has no limits, friction and springs of joints between free bodies",
+            hint="remove them: joint.without('limits', 'friction', 'stiffness')",
+        )
     pose = assembly[first].pose
     size = float(assembly.geometry.radius[assembly.index_of(first)])
     points = [joint.point]

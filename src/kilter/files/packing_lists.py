@@ -190,7 +190,8 @@ def plan_of_json(content: Any, order: str | None = None) -> PackingPlan:
     """
     if not is_packing_plan(content):
         raise InputError(
-            "is no packing plan", hint=f"give orders of BED-BPP, or a CSV with the header {HEADER}"
+            "this is no packing plan",
+            hint=f"give orders of BED-BPP, or a CSV with the header {HEADER}",
         )
     names = list(content)
     if order is None and len(names) > 1:

@@ -28,7 +28,8 @@ def margin_facts(answer: Answer) -> list[Fact]:
     about = answer["about"]
     if about is not None:
         turn = about["tilt_deg"]
-        words = "a full turn is held" if turn is None else angle(turn)
+        sense = f"about {vector(about['axis'])} by the right-hand rule"
+        words = f"{'a full turn is held' if turn is None else angle(turn)} {sense}"
         at_level = _at_level(answer, "about_deg", angle)
         facts.append(("about axis", words + _starting(about["limit"]) + at_level))
     facts.append(("friction", _least_friction(answer)))
@@ -81,7 +82,7 @@ def _as_drawn(answer: Answer) -> str:
 
     Empty without open pairs.
     """
-    return " as drawn, without forces at its open pairs" if answer["open_pairs"] else ""
+    return " if its open pairs carry no force" if answer["open_pairs"] else ""
 
 
 def _interval(ends: Sequence[float | None]) -> str:

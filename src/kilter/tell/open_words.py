@@ -221,6 +221,6 @@ def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
         if joined["smallest"]:
             least = "no smaller set of open pairs is enough"
         elif joined["irreducible"]:
-            least = "none of the pairs that decide can be left out; another set may also be enough"
+            least = "all these pairs are needed, but joining other pairs may be enough, too"
         facts.append(("if joined", f"{VERDICTS[joined['verdict']].lower()}; {least}"))
     return facts

@@ -75,7 +75,7 @@ def second_order_words(answer: Mapping[str, Any]) -> str:
     >>> second_order_words({"state": "minimum", "free": 0, "rate": None})
     'a strict minimum of its energy: small pushes do not move it away'
     >>> second_order_words({"state": "free", "motion": {"b": []}})
-    'neutral: b can move freely without any change of energy'
+    'neutral: without friction a push can move b, and no weight or load resists it'
     >>> second_order_words({"state": "balanced", "rate": 0.5, "motion": {"b": [], "c": []}})
     'balanced: the slightest push makes b and c fall, unless friction holds them; a deviation \
 grows by a factor of 2.7 in 2 s or less (computed, not proved)'
@@ -92,7 +92,9 @@ grows by a factor of 2.7 in 2 s or less (computed, not proved)'
         return f"{words} ({'; '.join(more)})" if more else words
     if state == "free":
         names = _names(list(answer["motion"]))
-        return f"neutral: {names} can move freely without any change of energy"
+        return (
+            f"neutral: without friction a push can move {names}, and no weight or load resists it"
+        )
     if state == "balanced":
         rate = answer["rate"]
         grows = ""

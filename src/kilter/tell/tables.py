@@ -240,12 +240,13 @@ def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
     parts = answer["parts"]
     counts = f"{len(moving)} of {sum(not part['grounded'] for part in parts)} free parts"
     if _certain_alone(answer, moving):
-        of_kind = "certain" if answer["open_pairs"] else "modelled, frictionless"
-        title = f"With its {of_kind} contacts alone, {counts} move"
+        if not answer["open_pairs"]:
+            return f"{counts} move without friction at the contacts that kilter models:"
+        title = f"{counts} move if the open pairs carry no force"
         proved = sum(bool(part.get("moved_by_proof")) for part in moving)
         if 0 < proved < len(moving):
-            first = "the first" if proved == 1 else f"the first {proved}"
-            title += f"; for {first} this is proved, whatever happens at the open pairs"
+            first = "the first moves" if proved == 1 else f"the first {proved} move"
+            title += f"; it is proved that {first} in any case"
         return f"{title}:"
     if answer["verdict"] == "potentially-stable":
         return f"{counts} could move:"

@@ -143,6 +143,7 @@ def verdict_sentence(
     counted: str = "",
     bonded: bool = False,
     has_open_pairs: bool = False,
+    rubbing_joints: bool = False,
 ) -> str:
     """Return the sentence of a verdict other than undecided.
 
@@ -169,12 +170,14 @@ def verdict_sentence(
         Whether the assembly has bonds.
     has_open_pairs : bool
         Whether the assembly has open pairs. An unstable verdict is proved for all their contacts.
+    rubbing_joints : bool
+        Whether a joint has friction.
 
     Examples
     --------
     >>> verdict_sentence("unstable", has_open_pairs=True)
-    'Unstable: no contact forces can hold it, whatever the open pairs do. Here is how it starts \
-to move.'
+    'Unstable: no contact forces can hold it, not even with forces at its open pairs. Here is \
+how it starts to move.'
     >>> verdict_sentence("stable")
     'Stable: it cannot start to move, even without friction.'
     >>> verdict_sentence("stable", counted="1 mm")
@@ -188,11 +191,11 @@ to move.'
     counting += ", if no bond breaks below its capacity" if bonded else ""
     return SENTENCES[verdict, key].format(
         within=(", up to the accuracy of its coordinates" if coarse else "") + counting,
-        slippery="" if counted else ", even without friction",
+        slippery="" if counted else f", even without friction{' of contacts' * rubbing_joints}",
         smooth="without friction " if frictionless else "",
         assumed=f" ({assumed})" if assumed else "",
         beyond=", by more than the accuracy of its coordinates" if coarse else "",
-        here=", whatever the open pairs do. Here" if has_open_pairs else "; here",
+        here=", not even with forces at its open pairs. Here" if has_open_pairs else "; here",
         passed=passed,
         tried=tried,
         of=of,

@@ -77,8 +77,8 @@ class Margin(AnswerInWords):
     at_level : LevelLimits or None
         The values up to which the level `require` is reached, if it is above "equilibrium".
     require : str
-    about : tuple of (float, Limit), or None
-        Angle [rad] about the given axis, and the limit.
+    about : tuple of (ndarray, float, Limit), or None
+        The given axis, the angle about it by the right-hand rule [rad], and the limit.
     friction : LeastFriction or None
         None if no coefficient is enough.
     bond : BondFactor or None
@@ -120,7 +120,7 @@ class Margin(AnswerInWords):
     outside: str | None
     at_level: LevelLimits | None
     require: str
-    about: tuple[float, Limit] | None
+    about: tuple[Array, float, Limit] | None
     friction: LeastFriction | None
     bond: BondFactor | None
     load_factor: tuple[Limit | None, Limit | None] | None
@@ -169,7 +169,11 @@ class Margin(AnswerInWords):
             "tilt_limit": None if tilt is None else tilt.limit.to_dict(program),
             "about": None
             if about is None
-            else {"tilt_deg": finite(np.degrees(about[0])), "limit": about[1].to_dict(program)},
+            else {
+                "axis": about[0].tolist(),
+                "tilt_deg": finite(np.degrees(about[1])),
+                "limit": about[2].to_dict(program),
+            },
             "friction": None if friction is None else float(friction.value),
             "friction_limit": None if friction is None else friction.to_dict(program),
             "bond": None if self.bond is None or not self.bond.value else self.bond.value,
@@ -388,7 +392,7 @@ def _limits(
         "nearest": gravity if isinstance(gravity, NearestHeld) else None,
         "outside": outside,
         "at_level": steps.at_level(limits),
-        "about": turned,
+        "about": None if axis is None or turned is None else (axis, *turned),
         "friction": friction,
         "bond": bond,
         "load_factor": factor,

@@ -69,7 +69,7 @@ class FitData(TypedDict):
 
 
 class HistogramData(TypedDict):
-    """Numbers of gaps between edges, divided by the size of the smaller part [-]; null: infinite."""
+    """Numbers of gaps between edges [size of the smaller part]; null for an infinite edge."""
 
     edges: list[float | None]
     counts: list[int]

@@ -52,7 +52,10 @@ class LevelLimitsData(TypedDict):
 class AboutData(TypedDict):
     """Limit of a turn of gravity about an axis."""
 
-    tilt_deg: Annotated[float | None, Field(description="[deg]")]
+    axis: Annotated[Vector, Field(description="the other sense has the opposite axis")]
+    tilt_deg: Annotated[
+        float | None, Field(description="by the right-hand rule [deg]; null: a full turn is held")
+    ]
     limit: LimitData
 
 
