@@ -145,7 +145,7 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
     sizes = part_sizes(program, motion, per_radius=False)
     largest = float(sizes.max(initial=0.0))
-    if largest == 0.0:
+    if not 0.0 < largest < np.inf:  # the squares of a large motion overflow
         return MotionProof(motion, 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = program.power(motion)
