@@ -1,12 +1,14 @@
 """The same answer for the same assembly: copies that differ in what must not matter.
 
-    python benchmarks/metamorphic.py             31 assemblies, 300 copies
+    python benchmarks/metamorphic.py             38 assemblies, 370 copies
     python benchmarks/metamorphic.py 10 20       10 assemblies, from the 20th on
 
 Each copy is turned, mirrored, scaled by 1e-3 or 1e3, listed in another order, renamed, in
 millimetres, with a part split into two joined halves, with a far held part, or moved by a thousand
 sizes. Verdict, level, and the limits of `margin` (tilt, friction, load factor; relative to 1e-6)
-must correspond. Each difference is printed; the exit code is 1 if there is any.
+must correspond, for the first four assemblies also the least acceleration of a carrier and the
+largest along the push. The last assemblies are planar, or have bonds. Each difference is printed;
+the exit code is 1 if there is any.
 """
 
 from __future__ import annotations
@@ -34,10 +36,12 @@ from random_friction import random_assembly  # noqa: E402
 from transformations import has_box, mirrored, permuted, renamed, scaled, split  # noqa: E402
 
 from kilter import margin  # noqa: E402
+from kilter.analysis.margins.load_limit import Limit  # noqa: E402
+from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration  # noqa: E402
 from kilter.arrays import Array  # noqa: E402
 from kilter.assembly import Assembly  # noqa: E402
 from kilter.rigid import quaternion_to_matrix  # noqa: E402
-from kilter.scenes import paper, stacks, walls  # noqa: E402
+from kilter.scenes import arches, mortar, paper, stacks, walls  # noqa: E402
 from kilter.scenes.pieces import block  # noqa: E402
 from kilter.scenes.transform import moved  # noqa: E402
 
@@ -45,6 +49,8 @@ AGREES = 1e-6
 """Largest relative difference of two limits; of a tilt in degrees over a right angle."""
 NUMBERS = {"tilt_deg": 90.0, "friction": 0.0, "load_factor": 0.0}
 """Keys of the limits, each with the size below which a difference is absolute."""
+CARRIED = 4
+"""Number of assemblies whose limits of transport are compared."""
 SMALL = 1e-3
 """Limits below this are compared absolutely."""
 
@@ -69,7 +75,13 @@ def bases() -> list[tuple[str, Callable[[], Assembly]]]:
 
     seeds = (seed for seed in range(1000) if random_assembly(seed)[0] in ("stack", "fence"))
     random = [(f"random-{seed}", lambda s=seed: in_space(s)) for seed in islice(seeds, 21)]
-    return [*known.items(), *random]
+    kept: dict[str, Callable[[], Assembly]] = {
+        "planar-arch": lambda: arches.arch(9, ratio=0.3, friction=0.6, planar=True),
+        "corbel": mortar.corbel,
+    }
+    planar = (seed for seed in range(1000) if random_assembly(seed)[1].planar)
+    flat = [(f"planar-{s}", lambda s=s: random_assembly(s)[1]) for s in islice(planar, 5)]
+    return [*known.items(), *random, *kept.items(), *flat]
 
 
 def size_of(assembly: Assembly) -> float:
@@ -79,7 +91,8 @@ def size_of(assembly: Assembly) -> float:
 
 def level_axis(assembly: Assembly, seed: int) -> Array:
     """A random direction across gravity, for the load factor."""
-    aside = np.cross(assembly.down, np.random.default_rng(seed).normal(size=3))
+    along = [0, 1, 0] if assembly.planar else np.random.default_rng(seed).normal(size=3)
+    aside = np.cross(assembly.down, along)
     return np.asarray(aside / np.linalg.norm(aside))
 
 
@@ -114,12 +127,15 @@ COPIES: dict[str, Callable[[Assembly, np.random.Generator], Assembly]] = {
 def copies_of(base: Assembly, push: Array, seed: int) -> Iterator[tuple[str, Assembly, Array]]:
     """Yield the name of each copy, the copy, and the direction of the push in it."""
     rng = np.random.default_rng(seed)
-    quaternion = rng.normal(size=4)
+    quaternion = rng.normal(size=4) * ([1, 0, 1, 0] if base.planar else 1)
     quaternion /= np.linalg.norm(quaternion)
     yield "turned", moved(base, quaternion), quaternion_to_matrix(quaternion) @ push
-    yield "mirrored", mirrored(base), push * [-1, 1, 1]
     for name, make in COPIES.items():
-        yield name, make(base, rng), push
+        if not (base.bonds and name == "millimetres"):  # the strength of a bond is in newton
+            yield name, make(base, rng), push
+    if base.bonds:  # only parts are mirrored and split
+        return
+    yield "mirrored", mirrored(base), push * [-1, 1, 1]
     if has_box(base):
         yield "split", split(base), push
 
@@ -130,6 +146,16 @@ def answer_of(assembly: Assembly, push: Array) -> dict[str, Any]:
     data = found.to_dict()
     keys = {key: data[key] for key in NUMBERS}
     return {"verdict": found.verdict.verdict, "level": found.verdict.level, **keys}
+
+
+def carried_by(assembly: Assembly, push: Array) -> dict[str, Any]:
+    """The least horizontal acceleration of a carrier, and the largest along the push [g]."""
+    carried = CarriedSet(margin(assembly, pushed=[]).program)
+    least, along = carried.least(), carried.along(push)
+    return {
+        "least": least.value if isinstance(least, LeastAcceleration) else least.why,
+        "along": along.value if isinstance(along, Limit) else along.why,
+    }
 
 
 def differences(one: dict[str, Any], other: dict[str, Any]) -> list[str]:
@@ -153,7 +179,7 @@ def same(old: Any, new: Any, least: float) -> bool:
 def main() -> int:
     """Compare all copies; return 1 if an answer differs."""
     reader = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    reader.add_argument("count", type=int, nargs="?", default=31)
+    reader.add_argument("count", type=int, nargs="?", default=38)
     reader.add_argument("first", type=int, nargs="?", default=0)
     words = reader.parse_args()
     counts: collections.Counter[str] = collections.Counter()
@@ -161,10 +187,15 @@ def main() -> int:
     for k, (name, build) in enumerate(bases()[words.first : words.first + words.count]):
         base, seed = build(), words.first + k
         push = level_axis(base, seed)
-        expected = answer_of(base, push)
+        transported = seed < CARRIED
+
+        def answers(assembly: Assembly, push: Array, more: bool = transported) -> dict[str, Any]:
+            return answer_of(assembly, push) | (carried_by(assembly, push) if more else {})
+
+        expected = answers(base, push)
         for copy, other, along in copies_of(base, push, seed):
             pairs += 1
-            for difference in differences(expected, answer_of(other, along)):
+            for difference in differences(expected, answers(other, along)):
                 counts[copy] += 1
                 print(f"{name}, {copy}: {difference}", flush=True)
     spent = time.process_time() - started

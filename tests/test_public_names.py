@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import kilter
-from kilter.cli.app import command
+from kilter.cli.commands import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[1]
 HOMES = kilter._HOMES
@@ -62,7 +62,7 @@ def test_the_reference_has_every_name() -> None:
 
 def test_every_command_is_a_function_and_every_function_a_command() -> None:
     functions = {name for name in HOMES if name.islower()}
-    commands = {name.replace("-", "_") for name in command().commands}
+    commands = {name.replace("-", "_") for name in COMMANDS}
     assert commands - {"mcp"} == functions - BESIDE  # a server for other programs
 
 

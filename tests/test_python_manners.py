@@ -365,10 +365,14 @@ def test_keywords_and_paths_are_the_same_as_a_changed_assembly(verb: str, tmp_pa
     loose = loose_stack()
     path = tmp_path / "stack.kilter.json"
     kilter.dump(loose, path)
-    changed = loose.with_friction(0.6).with_down([0.1, 0, -1]).with_grounded("table")
+    changed = loose.with_friction(0.6).with_grounded("table")
     keywords: dict[str, Any] = {"friction": 0.6, "down": [0.1, 0, -1], "ground": "table"}
     if verb not in ("plan", "states", "hold"):
-        changed, keywords = changed.with_floor(), {**keywords, "floor": True}
+        note = "the floor lies across the up direction of the file, (0, 0, 1), and turns with the "
+        note += "parts: gravity is oblique to it"
+        changed = dataclasses.replace(changed.with_floor(), notes=[note])
+        keywords["floor"] = True
+    changed = changed.with_down([0.1, 0, -1])
     function = getattr(kilter, verb)
     if verb == "check_many":
         asked = function([loose, path, str(path)], **keywords)

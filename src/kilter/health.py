@@ -34,7 +34,6 @@ NEEDED = (
     "highspy",
     "clarabel",
     "pydantic",
-    "typer",
     "threadpoolctl",
     "starlette",
     "uvicorn",
@@ -52,6 +51,7 @@ EXTRAS = {
     "mujoco": ("mujoco", "mujoco", "MJCF and URDF files"),
     "usd": ("pxr", "usd-core", "USD files"),
     "mcp": ("mcp", "mcp", "the server of kilter mcp"),
+    "completion": ("shtab", "shtab", "kilter --print-completion"),
     "batch": ("pyarrow", "pyarrow", "kilter batch: Parquet"),
     "cluster": ("distributed", "distributed", "kilter batch --cluster"),
 }

@@ -45,7 +45,7 @@ def test_the_table_of_forces_has_a_column_for_bonds_where_there_are_some():
     assert table.rows(9)[0][-1] == "25 %"
     assert "-" not in table.rows(9)[0][3:5]
     plain = forces_table(kilter.check(kilter.example("tower")).to_dict())
-    assert plain.head[-1] == "friction used"
+    assert plain.head[-1] == "friction needed"
     assert len(plain.rows(1)[0]) == len(plain.head)
 
 

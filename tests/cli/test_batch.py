@@ -371,3 +371,32 @@ def test_no_scheduler_is_told(piles: Path, tmp_path: Path) -> None:
 
 def test_a_row_of_an_error_has_every_column() -> None:
     assert list(error_row(3, "a.json", "why")) == list(COLUMNS)
+
+
+@pytest.mark.slow
+def test_the_counts_of_a_run_are_those_of_its_tables(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A cube of .5 kg in the air, in millimetres: as it falls at 1 m/s it gains its weight [W]."""
+    table = kilter.Part("table", kilter.Box([900, 900, 10]), [0, 0, -5], grounded=True)
+    falls = kilter.Part("falls", kilter.Box([100] * 3), [0, 0, 90], density=500.0)
+    listed = tmp_path / "in"
+    listed.mkdir()
+    kilter.dump(kilter.Assembly([table, falls], units="mm"), listed / "a.kilter.json")
+    kilter.dump(kilter.example("tower"), listed / "b.kilter.json")
+    (listed / "c.json").write_text("{")
+    words = ["batch", str(listed), "-o", str(tmp_path / "out"), "--json", "--quiet"]
+    assert main(words) == 1
+    answer = json.loads(capsys.readouterr().out)
+    rows = rows_of(tmp_path / "out")
+    assert answer["rows"] == len(rows) == 3
+    verdicts = [row["verdict"] for row in rows]
+    assert verdicts == ["unstable", "stable", "error"]
+    assert answer["counts"] == {verdict: verdicts.count(verdict) for verdict in verdicts}
+    assert [row["parts"] for row in rows] == ["2", str(len(kilter.example("tower"))), ""]
+    assert float(rows[0]["power"]) == pytest.approx(0.5 * 9.81)
+    assert float(rows[0]["violation"]) == 0
+    assert abs(float(rows[1]["residual"])) <= 1e-9
+    assert answer["found_there"] == 0
+    assert main(words) == 1
+    assert json.loads(capsys.readouterr().out)["found_there"] == 3

@@ -313,10 +313,7 @@ PLACES = {
     "missing": ("save gone.step -o c.json", "gone.step: no such file"),
     "unknown part": ("save t.kilter.json --ground d -o c.json", "no part is named 'd'"),
     "stdin": ("save - -o c.json", "options for standard input cannot be saved"),
-    "two files": (
-        "save t.kilter.json u.kilter.json -o c.json",
-        "no use for the words 'u.kilter.json'",
-    ),
+    "two files": ("save t.kilter.json u.kilter.json -o c.json", "a word too many"),
 }
 
 

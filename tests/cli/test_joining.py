@@ -158,9 +158,9 @@ def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["--fasten", "post"], "two names"),
-        (["--fasten", "post", "--json"], "two names"),
-        (["--fasten=post"], "two names"),
+        (["--fasten", "post"], "needs NAME NAME"),
+        (["--fasten", "post", "--json"], "needs NAME NAME"),
+        (["--fasten=post"], "needs NAME NAME"),
         (["--fasten", "pots", "arm-1"], "did you mean 'post'"),
         (["--fasten", "post", "screw*"], "no part is named 'screw*'"),
         (["--fasten", "table", "arm-1"], "none touches"),

@@ -159,9 +159,9 @@ def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.Monke
     assert f"<dt>stable directions</dt><dd>{words}</dd>" in page
 
 
-def test_what_is_not_known_is_not_told_as_a_number() -> None:
+def test_what_was_not_measured_is_not_told() -> None:
     shown = kilter.check(scene("trough"), effort=0)
-    assert shown.instability is None
+    assert shown.to_dict()["instability"] is None
     assert "kappa" not in shown._repr_html_()
 
 

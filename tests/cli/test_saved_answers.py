@@ -16,7 +16,9 @@ import pytest
 
 import kilter
 from kilter.cli import main
-from kilter.cli.arguments import with_floor_value, with_several_names, with_two_names
+from kilter.cli.commands import functions_of
+from kilter.cli.declarations import declared_of
+from kilter.cli.option_parser import with_values
 from kilter.cli.options import READING
 from kilter.errors import KilterError
 from kilter.files.choices_off import OFF
@@ -88,7 +90,9 @@ def file_of(words: tuple[str, ...]) -> str | None:
 
 def split(words: list[str]) -> tuple[list[str], list[str]]:
     """Options of reading, and all other words without files to write."""
-    rest = iter(with_two_names(with_several_names(with_floor_value(words))))
+    [check] = functions_of("check")
+    known = {name: each for each in declared_of(check) for name in each.declaration.names}
+    rest = iter(with_values(words, known))
     reading: list[str] = []
     others: list[str] = []
     for word in rest:
@@ -100,7 +104,7 @@ def split(words: list[str]) -> tuple[list[str], list[str]]:
         elif name in FLAGS or "=" in word:
             reading.append(word)
         else:
-            reading += [word, *(next(rest) for _ in range(3 if name == "--down" else 1))]
+            reading += [word, *(next(rest) for _ in known[name].kinds)]
     return reading, others
 
 

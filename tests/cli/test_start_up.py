@@ -1,29 +1,22 @@
 """Modules that the start of a program imports, each in a process of its own."""
 
-import inspect
 import json
 import subprocess
 import sys
-from functools import wraps
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from kilter.cli import app
-from kilter.cli.commands import functions_of
-from kilter.cli.declarations import usual_values
-
 HEAVY = (
     "clarabel", "highspy", "manifold3d", "matplotlib", "numpy", "pydantic", "scipy", "shapely",
-    "trimesh", "typer",
+    "trimesh",
 )  # fmt: skip
 """Packages whose import is slow."""
 UNUSED = (
     "kilter.contact.curved.curved_contacts", "kilter.contact.sharp.normals",
     "kilter.files.step_solids", "kilter.second_order.answer.one_cluster",
     "manifold3d", "matplotlib", "numpy.f2py", "numpy.testing", "pydantic", "scipy.linalg",
-    "scipy.optimize", "scipy.spatial", "shapely", "trimesh", "typer",
+    "scipy.optimize", "scipy.spatial", "shapely", "trimesh",
 )  # fmt: skip
 """Modules and packages that a check of boxes without friction does not need."""
 
@@ -65,58 +58,6 @@ def test_a_check_of_boxes_imports_no_module_that_it_does_not_need(tmp_path: Path
     )
     assert "kilter.analysis.check" in names
     assert names & set(UNUSED) == set()
-
-
-LINES = (
-    "check a.json", "check a.json b.json --quiet", "check --json -o out.json a.json",
-    "check a.json --friction 0.5 --ground table --ground base --loose -v --effort 2",
-    "contacts a.json --gap 1e-4", "verify a.json p.json", "example", "example arch --force",
-    "margin a.json --friction 1", "doctor --json", "plan a.json --hold 2", "save a.json",
-    "batch a.json -o rows --chunk 7", "hold a.json", "region a.json", "transport a.json",
-)  # fmt: skip
-"""Usual command lines."""
-UNUSUAL = (
-    "check", "check a.json --help", "check a.json --fric 1", "check a.json --friction",
-    "check a.json --friction -1", "check a.json --friction x", "check a.json --friction=1",
-    "check a.json --quiet=1", "check a.json --down 0 0 -1", "check -", "check -vo x a.json",
-    "check a.json --units m --units mm", "verify a.json", "doctor a.json", "plan --hold 1.5 a",
-)  # fmt: skip
-"""Command lines that the library of options reads: faulty lines and rare forms."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("line", LINES)
-def test_the_values_of_a_usual_line_are_those_of_the_library(
-    line: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    name, *words = line.split()
-    [function] = functions_of(name)
-    given = usual_values(function, words)
-    read: list[dict[str, Any]] = []
-
-    @wraps(function)
-    def recorded(**values: Any) -> int:
-        read.append(values)
-        return 0
-
-    recorded.__signature__ = inspect.signature(function, eval_str=True)  # type: ignore[attr-defined]
-    monkeypatch.setattr(app, "functions_of", lambda name: [recorded])
-    app.command(name)([name, *words], standalone_mode=False)
-    assert given is not None
-    # the library gives an empty list where an option that repeats is missing
-    assert [{key: value or None for key, value in values.items()} for values in read] == [
-        {key: value or None for key, value in given.items()}
-    ]
-    assert [set(map(type, values.values())) - {list} for values in read] == [
-        set(map(type, given.values())) - {list}
-    ]
-
-
-@pytest.mark.parametrize("line", UNUSUAL)
-def test_an_unusual_line_is_left_to_the_library(line: str) -> None:
-    name, *words = line.split()
-    [function] = functions_of(name)
-    assert usual_values(function, words) is None
 
 
 @pytest.mark.slow

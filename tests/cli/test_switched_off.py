@@ -168,7 +168,7 @@ def test_a_file_without_choices_has_nothing_to_switch_off(say: Any) -> None:
 
 WRONG = {
     "unknown": ("--off loos", "no saved option is named 'loos'; did you mean 'loose'?"),
-    "misspelt": ("--no-flor", "No such option: --no-flor"),
+    "misspelt": ("--no-flor", "there is no option --no-flor"),
     "both": ("--floor --no-floor", "floor and no-floor are both given; give only one of the two"),
     "tolerance": ("--gap 1 --no-gap", "gap and no-gap are both given"),
     "flag": ("--loose --no-loose", "loose and no-loose are both given"),
@@ -176,7 +176,7 @@ WRONG = {
     "held off": ("--no-ground --release a", "release and no-ground are both given"),
     "not held": ("--release b", "the choices do not hold 'b'; they hold 'a', 'c*'"),
     "no part": ("--release c9", "'c9' names no held part, so it cannot be released"),
-    "no name": ("--release", "needs a value"),
+    "no name": ("--release", "--release needs NAME"),
 }
 
 

@@ -91,7 +91,7 @@ def test_the_reason_why_no_support_helps_is_a_motion_that_none_stops() -> None:
     ]
     answer = {
         "verdict": "impossible", "level": None, "base": ["floor"], "motions": motions,
-        "straps": None, "judged": 2, "candidates": 2,
+        "straps": None, "cases": [], "judged": 2, "candidates": 2,
     }  # fmt: skip
     reasons = [words for term, words in hold_facts(answer) if term == "because"]
     assert reasons == ["'lamp' would move; stopped by no candidate"]

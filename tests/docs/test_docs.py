@@ -11,8 +11,9 @@ import pytest
 
 import kilter
 from kilter.cli import main
-from kilter.cli.app import command
-from kilter.cli.arguments import with_floor_value
+from kilter.cli.commands import COMMANDS, functions_of
+from kilter.cli.declarations import declared_of
+from kilter.cli.option_parser import with_values
 
 ROOT = Path(__file__).resolve().parents[2]
 OTHERS = ("compas", "compas_assembly")
@@ -43,7 +44,6 @@ def test_python_of_a_page_runs(
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_commands_of_a_page_exist_with_their_flags(page: Path) -> None:
-    known = command().commands
     text = page.read_text(encoding="utf-8")
     # a sentence may begin with the name of the program: only lines of code blocks are commands
     typed = [
@@ -52,10 +52,14 @@ def test_commands_of_a_page_exist_with_their_flags(page: Path) -> None:
     quoted = re.findall(r"`kilter [^`\n]+`", text)
     for line in [*typed, *quoted]:
         for words in named_commands(line):
-            assert words[0] in known, f"{page.name}: no command {words[0]!r}"
-            flags = {opt for p in known[words[0]].params for opt in (*p.opts, *p.secondary_opts)}
-            named = {w.split("=")[0] for w in with_floor_value(words) if re.match(r"--?[a-z]", w)}
-            assert named <= flags | {"--help"}, f"{page.name}: {named - flags}"
+            assert words[0] in COMMANDS, f"{page.name}: no command {words[0]!r}"
+            [function] = functions_of(words[0])
+            flags = {
+                name: each for each in declared_of(function) for name in each.declaration.names
+            }
+            typed = with_values(words, flags)
+            named = {w.split("=")[0] for w in typed if re.match(r"--?[a-z]", w)}
+            assert named <= {*flags, "--help"}, f"{page.name}: {named - {*flags}}"
 
 
 def named_commands(line: str) -> list[list[str]]:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
+import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from kilter import Assembly, Box, Part, Sphere
 from kilter.errors import InputError
 from kilter.files import load
-from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
+from kilter.files.compas import from_compas
+from kilter.files.compas_writing import to_compas
+from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
 
 def block(z: float = 0, **attributes: Any) -> dict[str, Any]:
@@ -196,3 +201,20 @@ def test_a_fault_names_file_and_block(data: Any, message: str, write) -> None:
     assert str(caught.value).startswith(f"{path}: ")
     assert message in str(caught.value)
     assert caught.value.hint
+
+
+@pytest.mark.parametrize(("units", "per_metre"), [("m", 1), ("mm", 1000), ("in", 1 / 0.0254)])
+def test_a_written_assembly_keeps_its_masses_in_every_unit(units: str, per_metre: float) -> None:
+    """A ball becomes triangles, which enclose less than it: its density makes up for that."""
+    table = Part("table", Box([2 * per_metre] * 3), grounded=True, density=700.0)
+    ball = Part("ball", Sphere(0.1 * per_metre), [0, 0, 1.1 * per_metre], density=500.0)
+    corners = [[0, 0, 0], [per_metre, 0, 0], [0, per_metre, 0]]
+    sheet = Part("sheet", Mesh(corners, [[0, 1, 2]]), [9 * per_metre, 0, 0], grounded=True)
+    text = to_compas(Assembly([table, ball, sheet], units=units))
+    nodes = json.loads(text)["data"]["graph"]["data"]["node"]
+    stated = [node["block"]["data"]["attributes"].get("density") for node in nodes.values()]
+    assert stated[0] == pytest.approx(700)
+    assert 500 < stated[1] < 520
+    assert stated[2] is None
+    masses = from_compas(json.loads(text), units=units).geometry.mass[:2]
+    assert masses == pytest.approx([700 * 8, 500 * 4 / 3 * math.pi * 0.1**3], rel=1e-9)

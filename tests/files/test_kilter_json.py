@@ -36,7 +36,14 @@ def full() -> Assembly:
         [
             Part("table", Box([0.1, 2, 3]), grounded=True),
             Part("C2", Cylinder(0.3, 7), Pose([1, 0, -0.0], [0.5, 0.1, 0, 0]), density=7850),
-            Part("C3", Sphere(2 / 3), Pose([0, 0, 5]), mass=0.25, center_of_mass=[1, 2, 3]),
+            Part(
+                "C3",
+                Sphere(2 / 3),
+                Pose([0, 0, 5]),
+                mass=0.25,
+                center_of_mass=[1, 2, 3],
+                inertia=[0.1, 0.2, 1 / 7, 1 / 30, -0.01, 0.02],
+            ),
             Part("C4", Prism([[0, 0], [4, 0], [1, 1], [0, 3]], 1), Pose(rotation=[0, 1, 0, 0])),
             Part("C5", Mesh(*TETRAHEDRON)),
             Part("C6", Mesh(single, TETRAHEDRON[1])),

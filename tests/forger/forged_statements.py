@@ -323,10 +323,15 @@ def _bundle(kind: str) -> tuple[Assembly, str]:
     )
     load = direct(45, 2000.0)
     bare = dataclasses.replace(load, straps=())
+    level = Assembly(parts[:2], friction=0.3)
+    around = [
+        kilter.Strap([("ground", [4 * x, 4 * y, 0.3]), ("box", [x, y, 0.3])], capacity=3.0)
+        for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))
+    ]
     made: dict[str, Callable[[], tuple[Assembly, Any]]] = {
         "region": lambda: (corner, kilter.region(corner)),
-        "margin": lambda: (rough, kilter.margin(rough)),
-        "transport": lambda: (rough, kilter.transport(rough)),
+        "margin": lambda: (rough, kilter.margin(rough, about=[0, 1, 0], push=[1, 0, 0])),
+        "transport": lambda: (rough, kilter.transport(rough, collapse=True)),
         "plan": lambda: (smooth, kilter.plan(smooth)),
         "no plan": lambda: (lever, kilter.plan(lever, PlanRules(hold=0))),
         "held plan": lambda: (lever, kilter.plan(lever, PlanRules(hold=1))),
@@ -334,6 +339,10 @@ def _bundle(kind: str) -> tuple[Assembly, str]:
         "lashing": lambda: (
             bare,
             kilter.hold(bare, straps=[load.straps[0]] * 2, require="equilibrium"),
+        ),
+        "lashing of a code": lambda: (
+            level,
+            kilter.hold(level, straps=around, code="eumos:0.5", require="equilibrium"),
         ),
         "place": lambda: (
             smooth,
@@ -380,6 +389,38 @@ def _flip(proof: Data, rng: Random) -> None:
 def _value(proof: Data, rng: Random) -> None:
     entry = _any(rng, proof["proofs"])
     entry["value"] *= _shares(rng)
+
+
+def _another_axis(proof: Data, rng: Random) -> None:
+    entry = _any(rng, [e for e in proof["proofs"] if "axis" in e])
+    turn = rng.uniform(0.01, np.pi)
+    entry["axis"] = _any(
+        rng, [[0.0, -1.0, 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 1.0, 0.1]]
+    )
+
+
+def _another_end(proof: Data, rng: Random) -> None:
+    """The names of the least and of the greatest load factor are exchanged."""
+    names = {"load factor": "least load factor", "least load factor": "load factor"}
+    for entry in proof["proofs"]:
+        entry["about"] = names.get(entry["about"], entry["about"])
+
+
+def _another_mass(proof: Data, rng: Random) -> None:
+    entry = _any(rng, [e for e in proof["proofs"] if "participating_mass" in e])
+    entry["participating_mass"] *= _shares(rng)
+
+
+def _as_multiplier(proof: Data, rng: Random) -> None:
+    """A vertical limit, one of half the weights, or one of the opposite forces."""
+    entry = _any(rng, [e for e in proof["proofs"] if e["about"][0] in "+-"])
+    if entry["about"][1] != "z":
+        if rng.random() < 0.5:
+            entry["value"] *= 2
+            entry["motion"]["acceleration"] = [x / 2 for x in entry["motion"]["acceleration"]]
+        else:
+            entry["about"] = entry["about"].translate(str.maketrans("+-", "-+"))
+    entry["about"] = "alpha " + entry["about"].translate(str.maketrans("+-", "-+"))
 
 
 def _more_loads(proof: Data, rng: Random) -> None:
@@ -513,12 +554,14 @@ KINDS: dict[str, Forger] = {
     "margin": _lies("margin", [
         ("held flipped", _flip), ("another value", _value), ("more changes", _more_loads),
         ("values exchanged", _exchange("value")), ("evidence exchanged", _exchange_evidence),
-        ("changes exchanged", _exchange("change")),
+        ("changes exchanged", _exchange("change")), ("another axis", _another_axis),
+        ("another end of the load factors", _another_end),
     ]),
     "transport": _lies("transport", [
         ("held flipped", _flip), ("another value", _value), ("more changes", _more_loads),
         ("values exchanged", _exchange("value")), ("evidence exchanged", _exchange_evidence),
-        ("changes exchanged", _exchange("change")),
+        ("changes exchanged", _exchange("change")), ("another mass", _another_mass),
+        ("an acceleration as a multiplier", _as_multiplier),
     ]),
     "plan": _lies("plan", [
         ("a step left out", _no_step), ("steps exchanged", _steps_exchanged),
@@ -541,6 +584,13 @@ KINDS: dict[str, Forger] = {
     "lashing": _lies("lashing", [
         ("no motion", _no_motion), ("fewer straps", _fewer("chosen")),
         ("more are needed", _rules(least=3)), ("fewer are needed", _rules(least=1)),
+    ]),
+    "lashing of a code": _lies("lashing of a code", [
+        ("no motion", _no_motion), ("fewer straps", _fewer("chosen")),
+        ("more are needed", _rules(least=5)), ("fewer are needed", _rules(least=3)),
+        ("a direction left out", lambda proof, rng: _drop(proof, "held", rng)),
+        ("a harder code", _rules(code={"name": "en12195", "forward": [1.0, 0.0, 0.0]})),
+        ("no code", _rules(code=None)),
     ]),
     "place": _lies("place", [
         ("stands everywhere", _wider("stands")), ("falls everywhere", _wider("falls")),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from transformations import as_single, scaled
@@ -215,17 +215,42 @@ def _sliding_joint(rng: np.random.Generator, beyond: float) -> Assembly:
     return Assembly(parts, joints=[joint], gravity=_leaning(abs(beyond), along))
 
 
+def _rubbing_joint(rng: np.random.Generator, beyond: float) -> Assembly:
+    """A carriage on a sloping rail that friction and a spring keep from sliding."""
+    parts = [
+        block("rail", [-5, -1, -1], [5, 1, 0], grounded=True),
+        block("carriage", [-1, -1, 1], [1, 1, float(rng.uniform(2, 3))], mass=1.0),
+    ]
+    lean, share = float(rng.uniform(0.2, 1.0)), float(rng.uniform(0.1, 1.0))
+    needed = G * (np.sin(lean) - beyond)
+    joint = Joint(
+        ("rail", "carriage"), "prismatic", axis=[1, 0, 0], friction=share * needed,
+        stiffness=needed, rest=1 - share,
+    )  # fmt: skip
+    return Assembly(parts, joints=[joint], gravity=_leaning(lean))
+
+
+def _stopped_joint(rng: np.random.Generator, beyond: float) -> Assembly:
+    """A carriage on a rail that slopes away from its stop, or towards it."""
+    made = _sliding_joint(rng, 1.0)
+    joint = Joint(("rail", "carriage"), "prismatic", axis=[1, 0, 0], limits=(-1.0, 0.0))
+    gravity = _leaning(abs(beyond), 0.0) * [np.sign(beyond), 1, 1]
+    return replace(made, joints=[joint], gravity=gravity)
+
+
 FAMILIES: dict[str, Callable[[np.random.Generator, float], Assembly]] = {
     "bonded": _bonded,
     "dust": _dust,
     "leaning-wall": _leaning_wall,
     "overhang": _overhang,
     "rough-slope": _rough_slope,
+    "rubbing-joint": _rubbing_joint,
     "sliding-joint": _sliding_joint,
     "slope": _slope,
+    "stopped-joint": _stopped_joint,
     "strapped": _strapped,
     "wedge": _wedge,
 }
 """Functions that build an assembly at a distance beyond its limit."""
-NEEDS_EXACT = {"sliding-joint", "strapped"}
+NEEDS_EXACT = {"rubbing-joint", "sliding-joint", "stopped-joint", "strapped"}
 """Families that rounding of the coordinates would not change."""

@@ -31,6 +31,7 @@ SEEDS: dict[str, int] = {
     "held plan": 12,
     "hold": 12,
     "lashing": 12,
+    "lashing of a code": 8,
     "place": 12,
 }
 """Number of seeds of each kind; together they make about 2,500 attempts."""

@@ -100,6 +100,7 @@ def _joined() -> bytes:
                 "pose": {"position": [-100, 0, 75]},
                 "mass": 0.25,
                 "center_of_mass": [0, 0, 1],
+                "inertia": [60, 70, 80, 5, -5, 2],
             },
             {"name": "ball", "sphere": {"radius": 20}, "pose": {"position": [-100, 100, 70]}},
         ],

@@ -8,11 +8,14 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
+from boxes_on_deck import stack_on_deck
 
 import kilter
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import stacks
+from kilter.tell.margin_facts import margin_facts
 
 Bundle = dict[str, Any]
 
@@ -66,3 +69,19 @@ def test_a_value_that_differs_from_the_change_is_refused(
 ) -> None:
     for k in entries(kind):
         assert not verified(kind, lambda bundle, k=k: change(bundle["proofs"][k])).holds
+
+
+def test_a_turn_about_an_axis_and_both_load_factors_are_in_the_proof() -> None:
+    """A cube slides at mu: at atan .3 about y, and at .3 of its weight along and against x."""
+    cube = stack_on_deck([[1, 1, 1]], 0.3)
+    answer = kilter.margin(cube, about=[0, 1, 0], push=[1, 0, 0])
+    proof = answer.proof()
+    stated = {(entry["about"], entry["held"]): entry["value"] for entry in proof["proofs"]}
+    for held in (True, False):
+        assert stated["tilt about the axis", held] == pytest.approx(np.arctan(0.3), abs=1e-6)
+        assert stated["load factor", held] == pytest.approx(0.3, abs=1e-6)
+        assert stated["least load factor", held] == pytest.approx(-0.3, abs=1e-6)
+    assert kilter.verify(cube, proof).holds
+    facts = dict(margin_facts(answer.to_dict()))
+    assert facts["about axis"].startswith("16.699")
+    assert "about (0, 1, 0) by the right-hand rule" in facts["about axis"]

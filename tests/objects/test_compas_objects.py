@@ -64,6 +64,21 @@ def test_blocks_keep_their_names_and_densities(agree: Agree) -> None:
     assert found["high"].density == 2400
 
 
+@pytest.mark.parametrize(("share", "verdict"), [(0.99, "unstable"), (1.01, "stable")])
+def test_densities_decide_a_lever_in_millimetres(share: float, verdict: str) -> None:
+    """A plank of 1.2 kg, 100 mm past the edge, and a weight 150 mm behind it; volumes by COMPAS."""
+    base = block((1000, 1000, 100), (-500, 0, -50), "base")
+    plank = block((600, 200, 20), (100, 0, 10), "plank")
+    weight = block((100, 100, 100), (-150, 0, 70), "weight")
+    plank.attributes["density"], weight.attributes["density"] = 500.0, share * 800.0
+    made = assembled((base, True), (plank, False), (weight, False))
+    answer = kilter.check(kilter.load(made, units="mm")).to_dict()
+    assert answer["verdict"] == verdict
+    assert answer["density"]["given"] == [500, share * 800]
+    expected = [one.volume() * 1e-9 * one.attributes["density"] for one in (plank, weight)]
+    assert [part["mass"] for part in answer["parts"][1:]] == pytest.approx(expected)
+
+
 def test_one_block_stands_on_a_floor_and_a_list_of_meshes_is_named_apart(agree: Agree) -> None:
     one = block((2, 1, 1), (0, 0, 0))
     agree(one, write(one), "block.json", "stable", floor=True)

@@ -125,7 +125,8 @@ def test_what_is_not_counted_is_said() -> None:
         '<compiler angle="radian"/><actuator><motor joint="j"/></actuator>',
     )  # fmt: skip
     found = kilter.load(mujoco.MjModel.from_xml_string(made))
-    assert found.notes == ("ignored: 1 motors, 1 springs, 1 joint limits",)
+    assert found.notes == ("ignored: 1 motors",)
+    assert found.joints[0].guide == {"limits": [-1.0, 1.0], "stiffness": 3.0, "rest": 0.0}
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.assembly import GROUND, Assembly, Joint, Load, Part
+from kilter.assembly.inertia import inertia_matrix, inertia_numbers
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix
 from kilter.scenes.pieces import turn
@@ -70,6 +71,7 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
             pose=Pose(part.pose.position * factor, part.pose.rotation),
             mass=times(part.given_mass, 3),
             center_of_mass=times(part.center_of_mass),
+            inertia=times(part.inertia, 5),
         )
         for part in assembly.parts
     ]
@@ -89,7 +91,7 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
             )
             for c in assembly.contacts
         ],
-        joints=[dataclasses.replace(j, point=times(j.point)) for j in assembly.joints],
+        joints=[_scaled_joint(joint, factor) for joint in assembly.joints],
         bonds=[
             dataclasses.replace(
                 bond,
@@ -118,6 +120,19 @@ def as_single(assembly: Assembly) -> Assembly:
     return dataclasses.replace(assembly, parts=[_single(part) for part in assembly.parts])
 
 
+def _scaled_joint(joint: Joint, factor: float) -> Joint:
+    """A joint whose lengths are multiplied by `factor`, and its forces by its cube."""
+    length = 1.0 if joint.kind == "revolute" else factor
+    return dataclasses.replace(
+        joint,
+        point=None if joint.point is None else joint.point * factor,
+        limits=None if joint.limits is None else [limit * length for limit in joint.limits],
+        friction=joint.friction * factor**4 / length,
+        stiffness=joint.stiffness * factor**4 / length**2,
+        rest=joint.rest * length,
+    )
+
+
 def mirrored(assembly: Assembly) -> Assembly:
     """Reflect an assembly of polyhedra, without loads, contacts and joints, in the plane x = 0.
 
@@ -141,6 +156,7 @@ def mirrored(assembly: Assembly) -> Assembly:
                 shape=Mesh(part.pose.apply(vertices) * sign, triangles[:, ::-1]),
                 pose=Pose(),
                 center_of_mass=None if center is None else part.pose.apply([center])[0] * sign,
+                inertia=_world_inertia(part, sign),
             )
         )
     return dataclasses.replace(assembly, parts=parts, gravity=assembly.gravity * sign)
@@ -236,6 +252,14 @@ def _scaled_shape(shape: Shape, factor: float) -> Shape:
     return Mesh(shape.vertices * factor, shape.triangles, accuracy=shape.accuracy * factor)
 
 
+def _world_inertia(part: Part, sign: Any = (1.0, 1.0, 1.0)) -> Any:
+    """The given inertia of a part along the world axes, mirrored by `sign`; None without one."""
+    if part.inertia is None:
+        return None
+    turn = np.diag(sign) @ part.pose.matrix
+    return inertia_numbers(turn @ inertia_matrix(part.inertia) @ turn.T)
+
+
 def _single(part: Part) -> Part:
     """A part as a mesh in world coordinates, rounded to float32."""
     vertices, triangles = surface(part.shape)
@@ -246,4 +270,5 @@ def _single(part: Part) -> Part:
         shape=Mesh(world, triangles),
         pose=Pose(),
         center_of_mass=None if center is None else part.pose.apply([center])[0],
+        inertia=_world_inertia(part),
     )

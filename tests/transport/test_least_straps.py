@@ -5,16 +5,19 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from lashings import direct, lashed, over, random_direct
 
 import kilter
-from kilter.analysis.planning.hold.least_straps import Lashing
+from kilter.analysis.planning.hold.lashing import Lashing
 from kilter.cli import main
 from kilter.mechanics.proof import digest_of
+from kilter.scenes.pieces import block
 
 G = 9.81
 
@@ -79,6 +82,75 @@ def test_a_tensioned_strap_may_do_harm() -> None:
     assert fewest(felt, [harm]).verdict == "impossible"
 
 
+def crate(capacity: float, mu: float = 0.3) -> tuple[kilter.Assembly, list[kilter.Strap]]:
+    """A low crate of 1000 kg, and level straps of one capacity: two to each end, one to each side.
+
+    At an acceleration c g it slides unless the straps pull (c - mu) m g.
+    """
+    parts = [
+        block("deck", [-9, -9, -1], [9, 9, 0], grounded=True),
+        block("crate", [-1, -1, 0], [1, 1, 0.1], mass=1000),
+    ]
+    sides = [(1, 0), (1, 0), (-1, 0), (-1, 0), (0, 1), (0, -1)]
+    paths = [([8 * x, 8 * y, 0.05], [x, y, 0.05]) for x, y in sides]
+    straps = [
+        kilter.Strap([("ground", far), ("crate", near)], capacity=capacity) for far, near in paths
+    ]
+    return kilter.Assembly(parts, friction=mu), straps
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize(("share", "count"), [(0.51, 1), (0.49, 2), (0.2501, 2), (0.2499, None)])
+def test_the_same_straps_hold_all_directions_of_a_code(share: float, count: int | None) -> None:
+    """Forward .8 g needs (.8 - mu) m g = .5 m g behind; the other directions need .2 m g each."""
+    load, straps = crate(share * 1000 * G)
+    found = kilter.hold(load, straps=straps, code="en12195", require="equilibrium")
+    assert isinstance(found, Lashing)
+    if count is None:
+        assert found.verdict == "impossible"
+    else:
+        assert found.chosen is not None
+        chosen = set(found.chosen)  # an acceleration forward presses the crate backward
+        assert len(chosen & {2, 3}) == count
+        assert (len(chosen & {0, 1}), chosen >= {4, 5}) == (1, True)
+        assert found.least == count + 3
+        asked = kilter.transport(
+            load.with_straps(found.straps), code="en12195", require="equilibrium"
+        )
+        assert asked.carried
+        assert max(found.pulls.values()) == pytest.approx(500 * G / count, rel=0.03)
+    proof = json.loads(json.dumps(found.proof()))
+    assert kilter.verify(load, proof).holds
+    backward = kilter.hold(
+        load, straps=straps, code="en12195", forward=[-2, 0, 0], require="equilibrium"
+    )
+    assert backward.verdict == found.verdict
+    if count is not None:
+        assert len(set(backward.chosen) & {0, 1}) == count
+
+
+@pytest.mark.slow
+def test_a_proof_about_a_code_shows_each_of_its_directions() -> None:
+    load, straps = crate(0.6 * 1000 * G)
+    text = json.dumps(
+        kilter.hold(load, straps=straps, code="en12195", require="equilibrium").proof()
+    )
+
+    def reasons(change: Callable[[dict[str, Any]], object]) -> str:
+        damaged = json.loads(text)
+        change(damaged)
+        damaged["digest"] = digest_of(damaged)
+        return "; ".join(kilter.verify(load, damaged).reasons)
+
+    assert "in every direction" in reasons(lambda proof: proof["proofs"].pop(0))
+    assert "not that of its direction" in reasons(
+        lambda proof: proof["rules"]["code"].update(name="eumos:0.4")
+    )
+    assert "no direction of the code" in reasons(lambda proof: proof["rules"].pop("code"))
+    assert "no direction of the code" in reasons(lambda proof: proof["proofs"][0].pop("case"))
+    assert "does not exist" in reasons(lambda proof: proof["rules"]["code"].update(name="x"))
+
+
 @pytest.mark.quick(1)
 def test_damaged_proofs_are_found() -> None:
     load, candidates = load_and_candidates()
@@ -113,6 +185,15 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert main(["verify", str(file), str(proof)]) == 0
     assert main(words) == 3
     assert main([*words, "--candidates", "grips"]) == 2
+    assert main([*words, "--code", "gdv", "--accelerate", "1", "0", "0"]) == 2
+    assert main(["hold", str(file), "--code", "gdv"]) == 2
+    assert "--straps FILE.json" in capsys.readouterr().err
+    assert main([*words, "--code", "eumos:0.1", "--json"]) == 1  # gravity of the file leans to -x
+    data = json.loads(capsys.readouterr().out)
+    assert (data["code"], [case["name"] for case in data["cases"]]) == (
+        "eumos:0.1",
+        ["forward", "backward", "left", "right"],
+    )
     straps.write_text(json.dumps([candidates[0].to_dict()]))
     capsys.readouterr()
     assert main([*words, "--json"]) == 1

@@ -146,6 +146,22 @@ def test_a_flange_on_a_circle_carries_a_box_as_fast_as_the_closed_form(
     assert "1.47648 times as fast" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(("units", "per_metre"), [("m", 1.0), ("mm", 1000.0)])
+def test_a_box_beside_the_flange_is_on_a_wider_circle(
+    units: str, per_metre: float, tmp_path: Path
+) -> None:
+    """The flange is .8 m from the axis, the box .5 m farther out, in the unit of its file."""
+    ends = joint("arm", "fixed", "a b", xyz="0.8 0 0.5")
+    file = robot(tmp_path, joint("turn", "continuous", "base a"), ends)
+    joints = table(tmp_path, {"time": TIME, "turn": 1.5 * TIME})
+    size = np.array([0.4, 0.4, 0.1]) * per_metre
+    deck = kilter.Part("deck", kilter.Box([2 * per_metre] * 3), [0, 0, -per_metre], grounded=True)
+    box = kilter.Part("box", kilter.Box(size), [0.5 * per_metre, 0, 0.05 * per_metre])
+    assembly = kilter.Assembly([deck, box], units=units, friction=MU)
+    speed = kilter.transport(assembly, path=read_robot_path(joints, file, "b")).to_dict()["speed"]
+    assert speed["factor"] == pytest.approx(np.sqrt(MU * G / (1.5**2 * 1.3)), rel=1e-6)
+
+
 def test_a_wrist_that_tilts_a_box_to_its_angle_of_friction(tmp_path: Path) -> None:
     """At rest at 21 deg of tilt the box stays (tan 21 = .38); at 22.5 deg it slides (.414)."""
     file = robot(

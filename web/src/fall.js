@@ -40,12 +40,13 @@ export function fallen(fall, share) {
   };
 }
 
-/** How much farther the fallen parts reach out of the view's box than at rest, per axis. */
-export function overhang(fall, { center, radius }, extent, shifts) {
-  const beyond = (k, i, shift) => Math.max(0, Math.abs(center[3 * k + i] + shift) + radius[k] - extent[i]);
-  return [0, 1, 2].map((i) =>
-    Math.max(0, ...fall.parts.map((k, m) => beyond(k, i, shifts[m][i]) - beyond(k, i, 0))),
-  );
+/** How far displaced parts reach out of the view's box, which they do not leave at rest, per axis. */
+export function overhang(parts, { center, radius }, extent, shifts) {
+  const beyond = (k, i, shift) => {
+    const half = Math.min(radius[k], Math.max(0, extent[i] - Math.abs(center[3 * k + i])));
+    return Math.abs(center[3 * k + i] + shift) + half - extent[i];
+  };
+  return [0, 1, 2].map((i) => Math.max(0, ...parts.map((k, m) => beyond(k, i, shifts[m][i]))));
 }
 
 /** Share of the path after a share of the time; the fall accelerates evenly. */

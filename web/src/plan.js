@@ -1,6 +1,7 @@
 // The page of a plan: its steps as a film and as a strip of pictures, with the facts of each step.
 
 import { id, listFacts, on } from "./dom.js";
+import { overhang } from "./fall.js";
 import { Look } from "./look.js";
 import { forceArrows, motionArrows } from "./overlay.js";
 import { turn } from "./pose.js";
@@ -21,6 +22,8 @@ export class Plan extends Look {
     this.time = 0;
     this.atFirst = true; // the film is at its opening picture, and plays from the beginning
     this.reach = REACH * page.radius;
+    this.outside = this.overhang();
+    if (this.stage) this.stage.spread(this.spreading());
     this.found = { moving: [], motion: null, forces: null };
     this.look();
     this.tell();
@@ -76,7 +79,17 @@ export class Plan extends Look {
   spreading() {
     const { explode } = this.page.plan;
     const most = [0, 1, 2].map((i) => explode.reduce((m, c, k) => (k % 3 === i ? Math.max(m, Math.abs(c)) : m), 0));
-    return this.page.extent.map((e, i) => e + this.apart * most[i]);
+    return this.page.extent.map((e, i) => e + Math.max(this.apart * most[i], this.outside[i]));
+  }
+
+  /** How much farther the incoming parts of all pictures reach out of the view's box, per axis. */
+  overhang() {
+    const { plan, parts, extent } = this.page;
+    const each = plan.steps.map((step, k) => {
+      const { place } = sceneAt(plan, this.pictureAt(k), this.reach).on;
+      return overhang(step.parts, parts, extent, step.parts.map(() => place));
+    });
+    return [0, 1, 2].map((i) => Math.max(0, ...each.map((beyond) => beyond[i])));
   }
 
   key(key) {

@@ -223,7 +223,7 @@ export class Report extends Look {
     id("fall-at").setAttribute("aria-valuetext", words);
     id("fall-place").textContent = words;
     this.graph.show(place);
-    this.outside = overhang(this.found.fall, this.page.parts, this.page.extent, place.shifts);
+    this.outside = overhang(this.found.fall.parts, this.page.parts, this.page.extent, place.shifts);
     if (this.stage) this.stage.spread(this.spreading());
     this.repose();
   }

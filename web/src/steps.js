@@ -1,7 +1,7 @@
 // The plan as a film: positions of the parts at a time [steps]. No drawing.
 
 const MOVES = 0.82; // the part moves during this share of a step, then rests in its seat
-const NEAR = 1.7; // distance of the part from its seat in the picture of a step [part radius]
+const NEAR = 1.2; // distance of the part from its seat in the picture of a step [part radius]
 const TURNS = 3; // turns of a nut on its thread, for illustration
 
 /** The step of a time [steps], and the share of the step that is done, from 0 to 1. */

@@ -36,8 +36,9 @@ export class Strip {
     const canvas = document.createElement("canvas");
     canvas.width = 2 * WIDE;
     canvas.height = 2 * HIGH;
-    const names = step.parts.map((part) => this.page.parts.names[part]).join(", ");
-    const held = step.held.map((part) => this.page.parts.names[part]).join(", ");
+    const { tails } = this.page.parts;
+    const names = step.parts.map((part) => tails[part]).join(", ");
+    const held = step.held.map((part) => tails[part]).join(", ");
     const word = make("bdi", "step-name", names);
     button.append(canvas, make("span", "step-number", String(k + 1)), word);
     if (held) button.append(make("span", "step-held", `hold ${held}`));

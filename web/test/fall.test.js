@@ -66,7 +66,7 @@ test("words for a place with its unit, and for friction", () => {
 
 test("the view makes room for parts that fall out of it, and stays the same at rest", () => {
   const parts = { center: new Float32Array([0, 0, 0, 2, 0, 1]), radius: [9, 1] };
-  const two = { parts: [1] };
+  const two = [1];
   near(overhang(two, parts, [3, 1, 2], [[0, 0, 0]]), [0, 0, 0]);
   near(overhang(two, parts, [3, 1, 2], [[0.5, 0, -4]]), [0.5, 0, 2]);
   near(overhang(two, parts, [9, 9, 9], [[0.5, 0, -4]]), [0, 0, 0]);

@@ -61,7 +61,7 @@ test("a nut turns only on its thread, and ends in its drawn pose", () => {
 });
 
 test("the picture of a step shows its part near its seat, but not in it", () => {
-  for (const [k, far] of [[0, 1.7], [1, 1.7]]) {
+  for (const [k, far] of [[0, 1.2], [1, 1.2]]) {
     const time = pictureTime(plan, k, 1, 20);
     assert.equal(stepAt(plan.steps, time)[0], k);
     assert.ok(Math.abs(Math.hypot(...sceneAt(plan, time, 20).on.place) - far) < 1e-6);

@@ -319,7 +319,8 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
     has_open_pairs = bool(still_open(contacts.open_pairs, assembly))
     second = decision.second_order
-    if second is not None and second.state == "balanced":
+    settled = friction is None or decision.verdict == "balanced"
+    if second is not None and second.state == "balanced" and settled:
         rolling = second.rolling.state if second.rolling is not None else None
         moving = [decision.program.names[k] for k in second.moving]
         return balanced_sentence(moving, rolling=rolling)
@@ -335,6 +336,7 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
             counted=counted,
             bonded=bonded,
             has_open_pairs=has_open_pairs,
+            rubbing_joints=any(joint.friction for joint in assembly.joints),
         )
     settling = friction.settling
     return verdict_sentence(
@@ -358,8 +360,10 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> l
         warnings += gaps_under_straps(assembly, contacts)
     friction, program = decision.friction, decision.program
     if friction is not None and program.has_limits:
+        pieces = len(program.strap_pieces)
         limits = {"bonds with limited shear": program.cohesion.any(),
-                  "straps with a capacity": len(program.bounded)}  # fmt: skip
+                  "straps with a capacity": pieces,
+                  "joints with friction": len(program.bounded) > pieces}  # fmt: skip
         warnings.append(
             f"for {' and '.join(name for name, there in limits.items() if there)}, kilter proves "
             "only that equilibrium forces exist, not that friction excludes every motion"

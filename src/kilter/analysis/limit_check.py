@@ -13,7 +13,13 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.transport.carrier import CarrierMotion
-from kilter.analysis.transport.transport_proofs import CARRIER, carried_change
+from kilter.analysis.transport.transport_proofs import (
+    ALPHA,
+    CARRIER,
+    carried_change,
+    participating_mass,
+)
+from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -38,12 +44,20 @@ FORM = keys(
     proofs=list_of(
         every(
             keys(value=NUMBER, held=FLAG),
-            optional_keys(push=VECTOR, motion=keys(**dict.fromkeys(CARRIER, VECTOR))),
+            optional_keys(
+                push=VECTOR,
+                axis=VECTOR,
+                motion=keys(**dict.fromkeys(CARRIER, VECTOR)),
+                participating_mass=NUMBER,
+            ),
         )
     )
 )
 """Statements of a margin or of a transport."""
-FALLING = ("friction", "bond", "nearest held")
+ABOUT = "tilt about the axis"
+TILTS = ("tilt", ABOUT, "nearest held")
+"""Limits of a turn of gravity."""
+FALLING = ("friction", "bond", "nearest held", "least load factor")
 """Limits below which the assembly falls; above all others it falls."""
 
 
@@ -81,6 +95,8 @@ def wrong_limits(
             yield f"{name} {value:.6g}: it states held {entry['held']}, its proof is {verdict}"
         if not _fits(assembly, bundle["kind"], entry):
             yield f"{name} {value:.6g}: the value differs from the changed gravity or loads"
+        if not _fits_multiplier(assembly, entry):
+            yield f"{name} {value:.6g}: the direction or participating mass is not of its motion"
         held, falls = sides.setdefault(name, ([], []))
         (held if entry["held"] else falls).append(value)
     if bundle["kind"] == "transport" and any(share != weaker[0] for share in weaker):
@@ -106,7 +122,7 @@ def limit_notes(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> Iter
 def _value_words(kind: str, entry: Entry) -> str:
     """The value of a limit with its unit, and the direction or motion for which it is proved."""
     name, value, change = entry["about"], entry["value"], entry["change"]
-    if name in ("tilt", "nearest held"):
+    if name in TILTS:
         degrees = number(float(np.degrees(value)), 10)
         return f"{degrees} deg with gravity along {_along(change['down'])}"
     if name.startswith("push of "):
@@ -118,6 +134,8 @@ def _value_words(kind: str, entry: Entry) -> str:
     moves = [key for key in CARRIER[:-1] if any(entry["motion"][key])]
     parts = [f"{key.replace('_', ' ')} {entry['motion'][key]}" for key in moves]
     words = f"{number(value, 10)} of the motion ({', '.join(parts)})"
+    mass = entry.get("participating_mass")
+    words += "" if mass is None else f", participating mass {number(mass, 8)} kg"
     share = change.get("mu_share")
     return words if share is None else f"{words} with {number(share, 8)} times the friction"
 
@@ -134,7 +152,9 @@ def _fits(assembly: Assembly, kind: str, entry: Entry) -> bool:
     if kind == "transport":
         return entry.get("motion") is not None and _fits_motion(assembly, entry)
     name = entry["about"]
-    if name in ("tilt", "nearest held"):
+    if name == ABOUT:
+        return set(change) == {"down"} and _fits_turn(assembly, entry)
+    if name in TILTS:
         return set(change) == {"down"} and abs(_angle(assembly.down, change["down"]) - value) < 1e-9
     if name == "friction":
         return bool(change == {"mu": entry["value"]})
@@ -142,7 +162,7 @@ def _fits(assembly: Assembly, kind: str, entry: Entry) -> bool:
         return bool(change == {"strength": entry["value"]})
     if set(change) != {"loads"}:
         return False
-    if name == "load factor":
+    if name in ("load factor", "least load factor"):
         return _fits_factor(assembly, entry)
     part = name.removeprefix("push of ").removeprefix("load on ")
     given, more = change["loads"][:-1], change["loads"][-1:]
@@ -180,6 +200,16 @@ def _fits_factor(assembly: Assembly, entry: Entry) -> bool:
     return _same_loads(entry["change"]["loads"], [*given, *pushed])
 
 
+def _fits_turn(assembly: Assembly, entry: Entry) -> bool:
+    """Whether the gravity of an entry is turned about its axis by its angle, right-handed."""
+    axis, down = np.asarray(entry.get("axis", np.zeros(3)), dtype=float), assembly.down
+    angle = float(entry["value"])
+    across = abs(float(np.linalg.norm(axis)) - 1) <= AGREES and abs(axis @ down) <= ACROSS_GRAVITY
+    turned = np.cos(angle) * down + np.sin(angle) * np.cross(axis, down)
+    near = np.abs(turned - np.asarray(entry["change"]["down"], dtype=float)).max() <= AGREES
+    return bool(across and near and 0 <= angle < 2 * np.pi)
+
+
 def _fits_motion(assembly: Assembly, entry: Entry) -> bool:
     """Whether the change of an entry is the stated share of the stated motion of the carrier."""
     try:
@@ -193,6 +223,30 @@ def _fits_motion(assembly: Assembly, entry: Entry) -> bool:
     size = float(np.abs(change["gravity"]).max())
     near = np.abs(np.subtract(given["gravity"], change["gravity"])) <= AGREES * size
     return bool(near.all()) and _same_loads(given.get("loads", []), change.get("loads", []))
+
+
+def _fits_multiplier(assembly: Assembly, entry: Entry) -> bool:
+    """Whether a collapse multiplier is of horizontal weights, with the mass of its mechanism."""
+    stated = entry.get("participating_mass")
+    if not entry["about"].startswith(ALPHA):
+        return stated is None
+    motion, g = entry.get("motion"), float(np.linalg.norm(assembly.gravity))
+    if motion is None or any(np.any(motion[key]) for key in CARRIER[1:]):
+        return False
+    acceleration = np.asarray(motion["acceleration"], dtype=float)
+    level = abs(float(acceleration @ assembly.down)) <= ACROSS_GRAVITY * g
+    if not level or abs(float(np.linalg.norm(acceleration)) - g) > AGREES * g:
+        return False
+    name = entry["about"].removeprefix(ALPHA)
+    axes = {f"{sign}{axis}": way * np.eye(3)[k]
+            for k, axis in enumerate("xyz") for sign, way in (("+", -g), ("-", g))}  # fmt: skip
+    if name != "least" and np.abs(acceleration - axes.get(name, np.inf)).max() > AGREES * g:
+        return False
+    if stated is None:
+        return True
+    moves = entry["proof"].get("motion") or {}
+    mass = participating_mass(assembly, acceleration, moves)
+    return bool(abs(mass - stated) <= AGREES * abs(stated))
 
 
 def _angle(first: Array, second: Any) -> float:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold
-from kilter.analysis.planning.hold.least_straps import wrong_lashing
+from kilter.analysis.planning.hold.lashing_check import wrong_lashing
 from kilter.analysis.planning.order.order_check import wrong_order
 from kilter.analysis.planning.plan_proof_form import (
     require_hold_form,
@@ -34,6 +34,7 @@ from kilter.analysis.settled_pose.rest_recheck import (
     open_point_objections,
 )
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.plain_joints import plain_joints
 from kilter.assembly.strap_ends import end_words, with_ends_of
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
@@ -47,7 +48,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import proof_forces, recheck
-from kilter.second_order.proofs.push_recheck import wrong_about_push
+from kilter.second_order.proofs.push_recheck import rests_without_friction, wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds as holds_at
@@ -58,6 +59,9 @@ if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import VerifyData
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
+
+NEEDS_FORCES = "its second order needs a proof by forces without friction"
+"""Objection to second-order proofs of clusters that only friction holds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -322,6 +326,7 @@ def verify_bundle(
         )
     proof: dict[str, Any] = {}
     verdicts, levels = [], []
+    assembly = plain_joints(assembly, str(bundle.get("kind")))
     for about, proof in split_bundle(bundle):
         subject = about["about"]
         other, touching = apply_change(assembly, contacts, about["change"])
@@ -424,10 +429,14 @@ def verify_proof(
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
     second = proof.get("second_order")
-    if not reasons and second is not None and ("forces" not in proof or friction is not None):
-        reasons = ["its second order needs a proof by forces without friction"]
+    if not reasons and second is not None and "forces" not in proof:
+        reasons = [NEEDS_FORCES]
     elif not reasons and second is not None:
         reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
+        if not reasons and friction is not None:
+            forces, _, _ = proof_forces(program, proof)
+            rest = rests_without_friction(assembly, contacts, program, forces, second)
+            reasons = [] if rest else [NEEDS_FORCES]
         notes += [] if reasons else [f"second order: {second['state']}"]
     claimed = level_of(proof["verdict"])
     level = None if reasons else claimed

@@ -2,7 +2,7 @@
 
 A mesh is plain if it needs no repair: every edge has two faces in opposite senses; vertices are
 distinct and used; no face has zero area; the faces point outwards; and there are too few faces to
-represent a curved surface.
+represent a curved surface; it has a single shell.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from kilter.assembly.surfaces import FEWEST, join_surfaces
 from kilter.assembly.unknown_surfaces import UnknownSurfaces
 from kilter.shape.closed import flat_faces
 from kilter.shape.primitives import Mesh
+from kilter.shape.nested_shells import count_shells
 from kilter.units import metres_per_unit
 
 __all__ = ["arrays_side_by_side"]
@@ -93,6 +94,7 @@ def _plain(arrays: AssemblyArrays) -> Mask:
     plain = np.logical_and.reduceat(fine, arrays.vertex_start[:-1])
     plain &= np.diff(arrays.face_start) < FEWEST
     plain[bad] = False
+    plain &= count_shells(faces, arrays.vertex_start) == 1
     result: Mask = plain
     return result
 
@@ -249,6 +251,7 @@ def _geometry(
         is_box=is_box,
         surfaces=surfaces,
         triangle_surface=label,
+        triangle_piece=np.zeros(len(label), dtype=np.int64),
         slack=np.zeros(count),
         warnings=(),
         unknown=UnknownSurfaces.none(),

@@ -29,6 +29,7 @@ from kilter.assembly.straps import Strap
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.hooks import hook
 from kilter.rigid import unit
+from kilter.shape.primitives import piece_count
 from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, name_list, number
@@ -202,13 +203,20 @@ class Assembly(ChangedCopies):
         for joint in self.joints if self.planar else ():
             joint.require_planar()
         require_apart(tuple(self.bonds))
-        pairs = [frozenset(entry.parts) for entry in self.friction_pairs]
-        if len(set(pairs)) < len(pairs):
-            times = Counter(pairs)
-            both = next(pair for pair in pairs if times[pair] > 1)
-            raise InputError(
-                f"two friction pairs name {some_names(sorted(both))}", hint="remove a pair"
-            )
+        of_pieces: list[FrictionPair | GivenContact] = [*self.friction_pairs, *self.contacts]
+        for stated in of_pieces:
+            for name, piece in zip(stated.parts, stated.pieces or (0, 0), strict=True):
+                if piece >= (count := piece_count(self[name].shape)):
+                    raise InputError(
+                        f"there is no piece {piece} of it", part=name, hint=f"it has {count}"
+                    )
+        subjects = [entry.subject for entry in self.friction_pairs]
+        if len(set(subjects)) < len(subjects):
+            times = Counter(subjects)
+            pair = next(entry for entry in self.friction_pairs if times[entry.subject] > 1)
+            names = some_names(sorted(pair.parts))
+            of = "" if pair.pieces is None else " and the same pieces"
+            raise InputError(f"two friction pairs name {names}{of}", hint="remove a pair")
 
     def _validate_load(self, load: Load) -> None:
         """Verify that a load acts on a free part, and in the plane of a planar assembly."""
@@ -276,9 +284,11 @@ class Assembly(ChangedCopies):
         """The joints as JSON data; joints that an option added have the key "why"."""
         entries: list[JointData] = []
         for joint in self.joints:
-            entries.append({"parts": list(joint.parts), "kind": joint.kind})
+            data: JointData = {"parts": list(joint.parts), "kind": joint.kind}
             if joint.why:
-                entries[-1]["why"] = joint.why
+                data["why"] = joint.why
+            data.update(joint.guide)  # type: ignore[typeddict-item]
+            entries.append(data)
         return entries
 
     def bonds_data(self) -> list[BondData]:

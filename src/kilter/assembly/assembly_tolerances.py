@@ -1,7 +1,7 @@
 """Tolerances of assemblies: the range of sizes, and bounds for flat, upright or equal.
 
-    RESOLVED < UPRIGHT < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR
-             < BESIDE_SEAM = ACROSS = ON_GRID < CREASE < SMOOTH
+    RESOLVED < UPRIGHT = THIN_INERTIA < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT
+             < COPLANAR < BESIDE_SEAM = ACROSS = ON_GRID < INERTIA_ROUNDING < CREASE < SMOOTH
 
 All are relative, or angles in rad. None of them decides whether parts touch; these tolerances are
 in `kilter.contact.contact_tolerances`.
@@ -15,6 +15,7 @@ __all__ = [
     "COPLANAR",
     "CREASE",
     "FLAT_PART",
+    "INERTIA_ROUNDING",
     "INSIDE_OUT",
     "LARGEST",
     "ON_GRID",
@@ -24,6 +25,7 @@ __all__ = [
     "SMOOTH",
     "STRAP_OFF_PART",
     "STRAP_THROUGH",
+    "THIN_INERTIA",
     "UPRIGHT",
 ]
 
@@ -38,6 +40,12 @@ FLAT_PART = 1e-9
 INSIDE_OUT = 1e-9
 """Largest negative eigenvalue of a second moment that counts as rounding [fractions of the largest
 eigenvalue]; below it the part is rejected."""
+THIN_INERTIA = 1e-12
+"""Least principal moment of inertia of a part [fractions of the largest]: a part without inertia
+about an axis would turn about it infinitely fast."""
+INERTIA_ROUNDING = 1e-4
+"""Excess of the largest principal moment of inertia over the sum of the others that counts as
+rounding [fractions of the sum]; files state moments of flat plates with five digits."""
 PLANAR_AXIS = 1e-9
 """Largest sine of the angle between the axis of a joint and the y axis, or the x-z plane, that
 counts as parallel [-]."""

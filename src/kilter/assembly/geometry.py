@@ -69,6 +69,8 @@ class Geometry:
         The exact curved surfaces of all parts, ordered by part.
     triangle_surface : ndarray of int, shape (T,)
         Row of `surfaces` that each triangle approximates; -1 if the triangle itself is exact.
+    triangle_piece : ndarray of int, shape (T,)
+        Piece of its part to which each triangle belongs (`Mesh.pieces`).
     slack : ndarray, shape (N,)
         Largest distance of the true surface of a part from its triangles [length unit].
     warnings : tuple of str
@@ -92,6 +94,7 @@ class Geometry:
     is_box: Mask
     surfaces: Surfaces
     triangle_surface: Index
+    triangle_piece: Index
     slack: Array
     warnings: tuple[str, ...]
     unknown: UnknownSurfaces
@@ -217,6 +220,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         is_box=boxes,
         surfaces=surfaces,
         triangle_surface=triangle_surface,
+        triangle_piece=_triangle_pieces(parts, meshes, triangle_start),
         slack=slack,
         warnings=tuple(warnings),
         unknown=unknown_surfaces(parts, meshes, (rotation, position)),
@@ -280,6 +284,29 @@ def _local_surfaces(
         all_vertices[vertex_start[k] : vertex_start[k + 1]] = vertices
         all_triangles[triangle_start[k] : triangle_start[k + 1]] = triangles + vertex_start[k]
     return all_vertices, vertex_start, all_triangles, triangle_start
+
+
+def _triangle_pieces(
+    parts: Sequence[Part], meshes: dict[int, MeshSurface], triangle_start: Index
+) -> Index:
+    """Piece of each triangle of all parts; a repaired mesh has that of the nearest given triangle.
+
+    Repair drops triangles and moves corners by rounding only.
+    """
+    piece = np.zeros(triangle_start[-1], dtype=np.int64)
+    for k, repaired in meshes.items():
+        mesh = parts[k].shape
+        if not isinstance(mesh, Mesh) or mesh.pieces is None:
+            continue
+        rows: Index | slice = slice(None)
+        if len(repaired.triangles) != len(mesh.triangles):
+            # imported late: few meshes with pieces need repair
+            from scipy.spatial import cKDTree
+
+            middle = mesh.vertices[mesh.triangles].mean(axis=1)
+            rows = cKDTree(middle).query(repaired.vertices[repaired.triangles].mean(axis=1))[1]
+        piece[triangle_start[k] : triangle_start[k + 1]] = mesh.pieces[rows]
+    return piece
 
 
 def _set_closed_moments(

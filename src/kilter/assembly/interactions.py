@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -23,6 +24,21 @@ NEEDS_POINT = ("revolute", "cylindrical", "spherical")
 """Kinds of joints that need a point."""
 NEEDS_AXIS = ("revolute", "prismatic", "cylindrical")
 """Kinds of joints that need an axis."""
+GUIDED = ("revolute", "prismatic")
+"""Kinds of joints with a single free motion, which may have limits, friction and a spring."""
+
+
+def _piece_pair(pieces: Any, what: str) -> tuple[int, int] | None:
+    """A pair of piece numbers, or None; `what` names the entry in the message of an error."""
+    if pieces is None:
+        return None
+    pair = tuple(pieces) if isinstance(pieces, tuple | list) else ()
+    if len(pair) != 2 or not all(type(piece) is int and piece >= 0 for piece in pair):
+        raise InputError(
+            f"pieces of a {what} are {pieces!r:.60}",
+            hint="give the number of the piece of each part, such as [0, 1]",
+        )
+    return pair
 
 
 def _names(parts: Any) -> tuple[str, ...]:
@@ -36,7 +52,7 @@ def _names(parts: Any) -> tuple[str, ...]:
 @guarded
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionPair(Value):
-    """Friction coefficient of all contacts between two parts.
+    """Friction coefficient of all contacts between two parts, or between a piece of each.
 
     Parameters
     ----------
@@ -44,19 +60,31 @@ class FrictionPair(Value):
         Names of the two parts.
     mu : float
         Friction coefficient [-].
+    pieces : pair of int, optional
+        Numbers of the pieces of both parts that the coefficient is for (`Mesh.pieces`; 0 for other
+        shapes). It counts before the coefficient of the whole parts.
 
     Raises
     ------
     InputError
-        If `mu` is negative or not a number.
+        If `mu` is negative or not a number, or `pieces` are not two numbers.
     """
 
     parts: tuple[str, str]
     mu: float
+    pieces: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
         object.__setattr__(self, "mu", number(self.mu, "friction coefficient", lowest=0))
+        object.__setattr__(self, "pieces", _piece_pair(self.pieces, "friction pair"))
+
+    @property
+    def subject(self) -> frozenset[Any]:
+        """The parts, or the pieces of parts, that the coefficient is for, in either order."""
+        if self.pieces is None:
+            return frozenset(self.parts)
+        return frozenset(zip(self.parts, self.pieces, strict=True))
 
 
 @guarded
@@ -125,12 +153,15 @@ class GivenContact(Value):
     feature : pair of Feature, optional
         Features of the first and of the second part at the contact; without them the
         second-order test is undecided.
+    pieces : pair of int, optional
+        Numbers of the pieces of both parts that do not touch, for a contact without points; the
+        contacts of other pieces are detected.
 
     Raises
     ------
     InputError
-        If a number is not finite, the normal is zero, or a feature is
-        along the normal.
+        If a number is not finite, the normal is zero, a feature is along the normal, or a contact
+        with points has pieces.
     """
 
     parts: tuple[str, str]
@@ -138,9 +169,16 @@ class GivenContact(Value):
     normal: Any
     mu: float | None = None
     feature: tuple[Feature, Feature] | None = None
+    pieces: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
+        object.__setattr__(self, "pieces", _piece_pair(self.pieces, "contact"))
+        if self.pieces is not None and len(self.points):
+            raise InputError(
+                f"contact of {self.parts[0]!r} and {self.parts[1]!r} has points and pieces",
+                hint="give pieces only to a contact without points: they do not touch",
+            )
         points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
         if not np.isfinite(points).all():
             raise InputError(
@@ -201,6 +239,14 @@ class Joint(Value):
     spherical      turning about the point          centre             unused
     =============  ===============================  =================  =======
 
+    The position q of a revolute or prismatic joint is how far the first part has turned about the
+    axis, or slid along it, relative to the second part. It is 0 in the drawn pose, in [rad] or
+    [length unit]. The force or torque along the axis on the first part is
+
+        stop        >= 0 at the lower limit, <= 0 at the upper limit, else 0
+        friction    of either sign, at most `friction`
+        spring      -stiffness (q - rest)
+
     Parameters
     ----------
     parts : pair of str
@@ -208,13 +254,22 @@ class Joint(Value):
     kind : str
     point, axis : array_like, shape (3,)
         Point and axis, world frame; proofs state the wrench of the joint about `point`.
+    limits : pair of float, optional
+        Least and largest position [rad] or [length unit].
+    friction : float
+        Largest friction [N x length unit] or [N].
+    stiffness : float
+        [N x length unit / rad] or [N / length unit].
+    rest : float
+        Position at which the spring has no force [rad] or [length unit].
     why : str
         Reason of a joint that `kilter.fastened` has added without naming the pair.
 
     Raises
     ------
     InputError
-        If the kind is unknown, or the kind needs a point or axis that is missing.
+        If the kind is unknown, or the kind needs a point or axis that is missing; if another kind
+        has limits, friction or a spring, or if these are no valid numbers.
 
     Examples
     --------
@@ -229,6 +284,10 @@ class Joint(Value):
     point: Any = None
     axis: Any = None
     why: str = ""
+    limits: tuple[float, float] | None = None
+    friction: float = 0.0
+    stiffness: float = 0.0
+    rest: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
@@ -248,10 +307,48 @@ class Joint(Value):
             object.__setattr__(self, "point", finite(self.point, (3,), f"point of the {label}"))
         if self.axis is not None:
             object.__setattr__(self, "axis", unit(self.axis, f"axis of the {label}"))
+        self._require_guide(label)
+
+    def _require_guide(self, label: str) -> None:
+        """Verify limits, friction and spring; `label` names the joint in error messages."""
+        if self.limits is not None:
+            low, high = finite(self.limits, (2,), f"limits of the {label}").tolist()
+            if low > high:
+                raise InputError(
+                    f"the limits of the {label} are {low:g} and {high:g}",
+                    hint="give the lower limit first",
+                )
+            object.__setattr__(self, "limits", (low, high))
+        for name in ("friction", "stiffness", "rest"):
+            lowest = -np.inf if name == "rest" else 0
+            size = number(getattr(self, name), f"{name} of the {label}", lowest=lowest)
+            in_range(size, f"{name} of the {label}")
+            object.__setattr__(self, name, size)
+        if self.guide and self.kind not in GUIDED:
+            raise InputError(
+                f"the {label} has {' and '.join(self.guide)}",
+                hint=f"only joints of the kinds {' and '.join(GUIDED)} may have them",
+            )
+
+    @property
+    def guide(self) -> dict[str, Any]:
+        """The limits, friction, stiffness and rest of the joint, without defaults."""
+        given: dict[str, Any] = {} if self.limits is None else {"limits": list(self.limits)}
+        if self.friction:
+            given["friction"] = self.friction
+        if self.stiffness:
+            given |= {"stiffness": self.stiffness, "rest": self.rest}
+        return given
+
+    def without(self, *names: str) -> Joint:
+        """The joint without its "limits", "friction" or "stiffness"."""
+        none: dict[str, Any] = {"limits": None, "friction": 0.0, "stiffness": 0.0}
+        return dataclasses.replace(self, **{name: none[name] for name in names})
 
     def __repr__(self) -> str:
-        places = {"point": self.point, "axis": self.axis}
+        places = {"point": self.point, "axis": self.axis, "limits": self.limits}
         words = [f", {k}={in_brackets(v)}" for k, v in places.items() if v is not None]
+        words += [f", {k}={v:g}" for k, v in self.guide.items() if k != "limits"]
         return f"Joint({self.parts}, {self.kind!r}{''.join(words)})"
 
     def require_planar(self) -> None:

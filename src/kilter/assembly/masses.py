@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, ragged, starts
+from kilter.assembly.inertia import inertia_matrix
 from kilter.assembly.part import Part
 from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.errors import some_names
@@ -14,7 +17,14 @@ from kilter.shape.primitives import Box, Cylinder, Sphere
 from kilter.shape.solid import Solid
 from kilter.units import metres_per_unit
 
-__all__ = ["DEFAULT_DENSITY", "box_sizes", "density_warnings", "part_masses", "part_moments"]
+__all__ = [
+    "DEFAULT_DENSITY",
+    "box_sizes",
+    "density_warnings",
+    "part_masses",
+    "part_moments",
+    "reweighed",
+]
 
 DEFAULT_DENSITY = 1000.0
 """Density of a part without density and mass [kg/m^3]."""
@@ -100,7 +110,25 @@ def part_masses(
     for k, part in enumerate(parts):
         if part.center_of_mass is not None:
             center[k] = part.center_of_mass
+        if part.inertia is not None:
+            inertia = inertia_matrix(part.inertia)
+            second[k] = np.trace(inertia) / 2 * np.eye(3) - inertia
     return mass, center, second
+
+
+def reweighed(part: Part, **changes: Any) -> Part:
+    """A copy of a part with another mass or density; given inertia changes in proportion to mass.
+
+    Examples
+    --------
+    >>> part = Part("bar", Box([1, 1, 1]), mass=2, inertia=[1, 1, 1, 0, 0, 0])
+    >>> reweighed(part, mass=6).inertia.tolist()
+    [3.0, 3.0, 3.0, 0.0, 0.0, 0.0]
+    """
+    if part.inertia is None:
+        return dataclasses.replace(part, **changes)
+    copy = dataclasses.replace(part, **changes, inertia=None)
+    return dataclasses.replace(copy, inertia=part.inertia * (copy.mass / part.mass))
 
 
 def density_warnings(parts: Sequence[Part]) -> list[str]:

@@ -1,6 +1,6 @@
 """Prepare the surface of a mesh part: weld and orient it, and close it for volume and moments.
 
-    closed                 accepted
+    closed                 accepted; several shells are hollows, united, or turned, with a warning
     inconsistent winding   accepted, the faces are reoriented, with a warning
     open, part held        accepted with a warning: a held part needs surfaces, but no volume
     open, small holes      accepted with a warning; its volume is that of the closed mesh
@@ -13,18 +13,19 @@ open edges is joined to its mean point. The true shape of the missing faces is u
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, connected, cross
+from kilter.arrays import Array, Index, connected, cross, starts
 from kilter.assembly.assembly_tolerances import SMALL_HOLES
 from kilter.assembly.part import Part
 from kilter.errors import InputError
 from kilter.shape.closed import is_evenly_paired, open_edges, orient_faces, weld
 from kilter.shape.convex_hull import hull_surface
 from kilter.shape.primitives import Mesh
+from kilter.shape.nested_shells import body_of_shells, count_shells
 from kilter.shape.sound import weld_valid_meshes
 
 __all__ = ["MeshSurface", "close_holes", "mesh_surface", "mesh_surfaces"]
@@ -71,12 +72,24 @@ def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshS
     corners = [(mesh.vertices, mesh.triangles) for mesh in distinct.values()]
     valid = dict(zip(distinct, weld_valid_meshes(corners), strict=True))
     no_caps = np.empty((0, 3, 3))
+    ready = {key: mesh for key, mesh in valid.items() if mesh is not None}
+    several = _with_several_shells(ready)
     return {
-        k: MeshSurface(*ready, no_caps)
-        if (ready := valid.get(id(mesh))) is not None
+        k: MeshSurface(*ready[id(mesh)], no_caps)
+        if id(mesh) in ready and id(mesh) not in several
         else mesh_surface(parts[k], mesh, warnings)
         for k, mesh in shapes.items()
     }
+
+
+def _with_several_shells(meshes: Mapping[int, tuple[Array, Index]]) -> set[int]:
+    """Keys of the valid meshes that have several shells."""
+    if not meshes:
+        return set()
+    start = starts([len(vertices) for vertices, _ in meshes.values()])
+    faces = [mesh[1] + first for mesh, first in zip(meshes.values(), start, strict=False)]
+    several = count_shells(np.concatenate(faces), start) > 1
+    return {key for key, is_several in zip(meshes, several, strict=True) if is_several}
 
 
 def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
@@ -106,6 +119,9 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
     if len(edges) and is_evenly_paired(triangles):
         what = f"two faces run along {len(edges)} edges in the same sense"
         return _hull_in_place(part, vertices, what, warnings)
+    if not len(edges) and count_shells(triangles, np.array([0, len(vertices)]))[0] > 1:
+        vertices, triangles, notes = body_of_shells(vertices, triangles)
+        warnings.extend(f"part {name!r}: {note}" for note in notes)
     closure = close_holes(vertices, triangles, edges)
     if not len(edges):
         return closure

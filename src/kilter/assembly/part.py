@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from kilter.assembly.brick import Brick
+from kilter.assembly.inertia import valid_inertia
 from kilter.errors import InputError
 from kilter.hooks import hook
 from kilter.rigid import Pose, in_brackets
@@ -51,6 +52,10 @@ class Part(Value):
         Mass [kg]; overrides density and volume. The attribute `mass` is always known, see below.
     center_of_mass : array_like, shape (3,), optional
         Centre of mass in the part's own frame [length unit]; overrides the geometry.
+    inertia : array_like, shape (6,), optional
+        Moments of inertia xx, yy, zz, xy, xz, yz about the centre of mass, along the axes of the
+        part's own frame [kg x length unit^2]. By default those of the shape about its centroid,
+        in proportion to the mass, are used about the centre of mass.
     table : bool
         Whether the part is the table of `Assembly.with_floor`; no part counts as fastened to it.
     brick : Brick, optional
@@ -81,7 +86,8 @@ class Part(Value):
     Raises
     ------
     InputError
-        If the name is empty or reserved, or a number is not finite or not positive.
+        If the name is empty or reserved, or a number is not finite or not positive; if no body has
+        the given inertia.
 
     Examples
     --------
@@ -102,6 +108,7 @@ class Part(Value):
     density: float | None = None
     given_mass: float | None = None
     center_of_mass: Any = None
+    inertia: Any = None
     table: bool = False
     brick: Brick | None = None
     color: str | None = None
@@ -123,6 +130,7 @@ class Part(Value):
         table: bool = False,
         brick: Brick | None = None,
         *,
+        inertia: Any = None,
         color: str | None = None,
         material: str | None = None,
         layer: str | None = None,
@@ -138,6 +146,7 @@ class Part(Value):
             "density": density,
             "given_mass": given_mass if mass is NOT_STATED else mass,
             "center_of_mass": center_of_mass,
+            "inertia": inertia,
             "table": table,
             "brick": brick,
             "color": color,
@@ -189,6 +198,8 @@ class Part(Value):
             center = finite(self.center_of_mass, (3,), "center_of_mass")
             in_range(center, "center_of_mass")
             object.__setattr__(self, "center_of_mass", center)
+        if self.inertia is not None:
+            object.__setattr__(self, "inertia", valid_inertia(self.inertia))
 
     @property
     def mass(self) -> float:

@@ -7,16 +7,20 @@ and `draw`. Tests compare their signatures and docstrings with this table.
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.assembly.assembly import Assembly, require_assembly
+from kilter.assembly.plain_joints import plain_joints
 from kilter.errors import InputError
 from kilter.hooks import hook
+from kilter.rigid import in_brackets
 from kilter.tell.levels import REQUIRE
 from kilter.validate import name_list
 from kilter.work import EFFORT
@@ -27,6 +31,7 @@ __all__ = [
     "AssemblyOrPath",
     "Keyword",
     "asked_assembly",
+    "on_floor",
     "require_unchanged",
 ]
 
@@ -73,7 +78,9 @@ KEYWORDS = {
 }
 """Shared keywords by name."""
 CHANGES = ("friction", "down", "ground", "floor")
-"""Keywords that change the assembly before the question, in the order in which they apply."""
+"""Keywords that change the assembly before the question."""
+PARALLEL = 1e-12
+"""Largest distance of two unit vectors that count as the same direction of gravity [-]."""
 
 
 def asked_assembly(
@@ -123,18 +130,51 @@ def asked_assembly(
         read: Assembly = hook("load")(
             assembly, friction=friction, down=down, ground=ground, floor=floor
         )
-        return read
+        return plain_joints(read, verb)
     require_assembly(assembly, verb)
     if friction is not None:
         assembly = assembly.with_friction(friction)
-    if down is not None:
-        assembly = assembly.with_down(down)
     names = name_list(ground, "ground")
     if names:
         assembly = assembly.with_grounded(names)
-    if floor is not None and floor is not False:
+    return plain_joints(on_floor(assembly, floor, down), verb)
+
+
+def on_floor(assembly: Assembly, floor: bool | float | None, down: ArrayLike | None) -> Assembly:
+    """The assembly on a floor across its own gravity, which is then turned to `down`.
+
+    The floor belongs to the assembly as drawn, as in margins and regions. A note states this if
+    gravity is oblique to it.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    floor : bool or float or None
+        True for a floor under the lowest point, or its height; None and False for no floor.
+    down : array_like, shape (3,), optional
+        Direction of gravity.
+
+    Examples
+    --------
+    >>> from kilter import Box, Part
+    >>> cube = Assembly([Part("cube", Box(1, 1, 1))])
+    >>> tilted = on_floor(cube, True, [0.1, 0, -1])
+    >>> tilted["floor"].pose.position.tolist(), tilted.notes[0][:59]
+    ([0.0, 0.0, -0.625], 'the floor lies across the up direction of the file, (0, 0, ')
+    """
+    has_floor = floor is not None and floor is not False
+    if has_floor:
         assembly = assembly.with_floor(None if floor is True else floor)
-    return assembly
+    if down is None:
+        return assembly
+    turned = assembly.with_down(down)
+    if not has_floor or np.linalg.norm(turned.down - assembly.down) <= PARALLEL:
+        return turned
+    note = (
+        f"the floor lies across the up direction of the file, {in_brackets(-assembly.down)}, and "
+        "turns with the parts: gravity is oblique to it"
+    )
+    return dataclasses.replace(turned, notes=[*turned.notes, note])
 
 
 def require_unchanged(

@@ -17,9 +17,8 @@ from pathlib import Path
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.known_facts import begin_facts, interruption_words
-from kilter.cli.mistakes import usage_words
 from kilter.cli.streams import is_full, open_closed_streams
-from kilter.errors import NO_MEMORY, InputError, fault_words, message_line
+from kilter.errors import NO_MEMORY, InputError, fault_words, message_line, nearest_name
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -35,8 +34,6 @@ READ_APART = {
 NEW_OBJECTS = 200_000
 """New objects after which garbage is collected. The imports of a command make about 60,000, and a
 collection of so many takes 40 ms; more objects need more memory."""
-COMPLETION = "_KILTER_COMPLETE"
-"""Variable of the environment by which a shell asks for the completion of a command line."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -109,36 +106,17 @@ def _read_ahead(words: list[str]) -> None:
 
 def _run(words: list[str]) -> int:
     """Run a command given as words; return its exit code, or that of wrong usage."""
-    # a shell that completes a command line gives it in the environment, not in these words
-    if words in HELP and COMPLETION not in os.environ:
+    if words in HELP:
         from kilter.cli.overview import overview
 
         print(overview())
         return WRITTEN
     with suppress(OSError):
         _read_ahead(words)
-    from kilter.cli.arguments import (
-        with_floor_value,
-        with_off_names,
-        with_several_names,
-        with_two_names,
-    )
-    from kilter.cli.quantities import with_plain_numbers
-
     try:
-        given = with_off_names(with_floor_value(with_plain_numbers(words)))
-        given = with_two_names(with_several_names(given))
-        result = _result(given)
+        result = _result(words)
         sys.stdout.flush()
-        if result == INTERRUPTED:
-            # the option parser converts an interruption into its exit code
-            raise KeyboardInterrupt
-        return int(result or 0)
-    except SystemExit as end:
-        # the option parser converts a closed pipe into this exit
-        if isinstance(end.__context__, BrokenPipeError):
-            raise BrokenPipeError from None
-        raise
+        return result
     except EOFError:
         raise KeyboardInterrupt from None
     except InputError as error:
@@ -156,35 +134,34 @@ def _run(words: list[str]) -> int:
         _print_error(f"the answer cannot be written: {error.strerror}; write to another place")
         sys.stdout = None  # the interpreter would try to write the rest again at its end
         return USAGE
-    except Exception as error:
-        if hasattr(error, "format_message"):  # usage errors of the option parser have no base class
-            _print_error(usage_words(error, words))
-            return USAGE
-        raise
 
 
-def _result(given: list[str]) -> int | None:
-    """Call the command that the words name; return its exit code, or None after a help text."""
+def _result(words: list[str]) -> int:
+    """Call the command that the words name, or print a help text; return the exit code."""
     from kilter.cli.commands import COMMANDS, functions_of
-    from kilter.cli.declarations import usual_values
+    from kilter.cli.option_parser import COMPLETION, completion, help_text, values_of
 
-    if given and given[0] in COMMANDS and COMPLETION not in os.environ:
-        [function] = functions_of(given[0])
-        values = usual_values(function, given[1:])
-        if values is not None:
-            return function(**values)
-    import typer
+    name, *rest = words
+    if name in COMMANDS:
+        typed = rest[: rest.index("--")] if "--" in rest else rest
+        if {"-h", "--help"} & set(typed):
+            print(help_text(name))
+            return WRITTEN
+        [function] = functions_of(name)
+        return function(**values_of(function, rest))
+    if name in ("-V", "--version"):
+        import kilter
 
-    from kilter.cli.app import command
-
-    program = command(given[0] if given else None)
-    try:
-        result: int | None = program(given, prog_name="kilter", standalone_mode=False)
-    except typer.Exit as end:
-        return int(end.exit_code)
-    except typer.Abort:
-        raise KeyboardInterrupt from None
-    return result
+        print(f"kilter {kilter.__version__}")
+        return WRITTEN
+    option, equals, shell = name.partition("=")
+    if option == COMPLETION:
+        print(completion(shell if equals else " ".join(rest)))
+        return WRITTEN
+    kind = "option" if name.startswith("-") else "command"
+    near = nearest_name(name, COMMANDS)
+    hint = f"did you mean {near!r}?" if near else "see 'kilter --help'"
+    raise InputError(f"there is no {kind} {name!r:.60}", hint=hint)
 
 
 def _print_error(message: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,27 +14,7 @@ if TYPE_CHECKING:
     from kilter.files.choices import Choices
     from kilter.files.reading import Reading
 
-__all__ = [
-    "ToleranceOptions",
-    "named_numbers",
-    "pair_of",
-    "reading_of",
-    "straps_of",
-    "triple_of",
-    "with_floor_value",
-    "with_off_names",
-    "with_several_names",
-    "with_two_names",
-]
-
-PAIRS = ("--fasten", "--before", "--screws")
-"""Options with two names as their value."""
-NAMES = ("--ground", "--without", "--off", "--release")
-"""Options with one or more names as their value."""
-BOND, OPEN = "--bond", "--open"
-"""Options with two names and a third word: a pull [N], or a decision about the pair."""
-THIRD = {BOND: (" and newtons", " 0.98"), OPEN: (" and a decision", " joined")}
-"""Phrase for the third value of an option, and an example of it."""
+__all__ = ["ToleranceOptions", "named_numbers", "reading_of", "straps_of"]
 
 
 def reading_of(
@@ -46,7 +25,7 @@ def reading_of(
     friction: float | None,
     units: str | None,
     density: float | None,
-    fasten: list[str] | None = None,
+    fasten: list[tuple[str, str]] | None = None,
     fasten_suggested: bool = False,
     fasten_overlaps: bool = False,
     up: str | None = None,
@@ -56,7 +35,7 @@ def reading_of(
     stud_pull: float | None = None,
     stud_shear: str | None = None,
     brick_sides: str | None = None,
-    bond: list[str] | None = None,
+    bond: list[tuple[str, str, float]] | None = None,
     off: list[str] | None = None,
     release: list[str] | None = None,
     mass: list[str] | None = None,
@@ -75,7 +54,7 @@ def reading_of(
         friction=friction,
         units=units,
         density=density,
-        fasten=tuple(pair_of("--fasten", words) for words in fasten or ()),
+        fasten=tuple(fasten or ()),
         fasten_suggested=fasten_suggested,
         fasten_overlaps=fasten_overlaps,
         up=up,
@@ -85,7 +64,7 @@ def reading_of(
         stud_pull=stud_pull,
         stud_shear=_number_or_word(stud_shear),
         brick_sides=brick_sides,
-        bond=tuple(_bond_of(words) for words in bond or ()),
+        bond=tuple(map(_bond, bond or ())),
         off=tuple(dict.fromkeys(word.replace("-", "_") for word in off or ())),
         release=tuple(release or ()),
         mass=tuple(named_numbers("--mass", words, 1, '"bolt*=0.2"') for words in mass or ()),
@@ -94,179 +73,13 @@ def reading_of(
     )
 
 
-def pair_of(option: str, words: str) -> tuple[str, str]:
-    """The two names in an option value that `with_two_names` joined.
-
-    Raises
-    ------
-    InputError
-        If the value does not have two names.
-    """
-    try:
-        first, second = json.loads(words)
-    except ValueError:
-        first = second = None
-    if not (isinstance(first, str) and isinstance(second, str)):
+def _bond(bond: tuple[str, str, float]) -> tuple[str, str, float]:
+    """A value of ``--bond``, whose pull [N] is finite and not negative."""
+    if not (math.isfinite(bond[2]) and bond[2] >= 0):
         raise InputError(
-            f"{option} has {words!r}", hint=f'give two names after it: {option} "bolt*" "nut*"'
+            f"--bond has a pull of {bond[2]:g} N", hint="give two names and newtons, 0 or more"
         )
-    return first, second
-
-
-def triple_of(option: str, words: str) -> tuple[str, str, str]:
-    """Split an option value that was typed as a single word into its three words.
-
-    Raises
-    ------
-    InputError
-        If the value does not have three words.
-    """
-    try:
-        first, second, third = json.loads(words)
-    except ValueError:
-        raise InputError(
-            f"{option} has {words!r}", hint=f"give {option} NAME NAME{THIRD[option][1]}"
-        ) from None
-    return str(first), str(second), str(third)
-
-
-def _bond_of(words: str) -> tuple[str, str, float]:
-    """The two names and the pull of each point [N] in a `--bond` value that was joined."""
-    try:
-        first, second, pull = json.loads(words)
-        pull = float(pull)
-    except (ValueError, TypeError):
-        pull = math.nan
-    if not (math.isfinite(pull) and pull >= 0 and isinstance(first, str)):
-        raise InputError(
-            f"{BOND} has {words!r}", hint=f'give two names and newtons: {BOND} "brick*" plate 0.98'
-        )
-    return first, str(second), pull
-
-
-def with_two_names(words: list[str]) -> list[str]:
-    """Join each ``--fasten A B`` into a single word, since the parser repeats only single words.
-
-    The same holds for every option of `PAIRS`, for ``--bond A B T`` and for ``--open A B WORD``.
-
-    Raises
-    ------
-    InputError
-        If two names, or two names and a pull, do not follow the option.
-
-    Examples
-    --------
-    >>> with_two_names(["check", "--fasten", "bolt*", "nut", "a.json"])
-    ['check', '--fasten=["bolt*", "nut"]', 'a.json']
-    """
-    result: list[str] = []
-    k = 0
-    while k < len(words):
-        if words[k] == "--":
-            return result + words[k:]
-        option = words[k]
-        if option not in (*PAIRS, *THIRD):
-            result.append(words[k])
-            k += 1
-            continue
-        count = 3 if option in THIRD else 2
-        given = words[k + 1 : k + 1 + count]
-        if len(given) < count or any(word.startswith("--") for word in given):
-            also, more = THIRD.get(option, ("", ""))
-            raise InputError(
-                f"{option} needs two names{also}",
-                hint=f'for instance {option} "bolt*" "nut*"{more}',
-            )
-        result.append(f"{option}={json.dumps(given)}")
-        k += 1 + count
-    return result
-
-
-def with_several_names(words: list[str]) -> list[str]:
-    """Repeat the options in `NAMES`, such as ``--ground``, before each of their names.
-
-    The names end at the next option, and before a word that exists as a path or ends as a file.
-
-    Examples
-    --------
-    >>> with_several_names(["check", "a.json", "--ground", "0", "1", "--json"])
-    ['check', 'a.json', '--ground=0', '--ground=1', '--json']
-    >>> with_several_names(["check", "--without", "nut*", "a.json"])
-    ['check', '--without=nut*', 'a.json']
-    """
-    result: list[str] = []
-    option = None
-    for k, word in enumerate(words):
-        if word == "--":
-            return result + words[k:]
-        if word in NAMES:
-            option = word
-            if k + 1 == len(words):
-                result.append(word)  # the option parser reports the missing name
-        elif option is None:
-            result.append(word)
-        elif words[k - 1] == option or not (word.startswith("-") or _is_file(word)):
-            result.append(f"{option}={word}")
-        else:
-            option = None
-            result.append(word)
-    return result
-
-
-def with_off_names(words: list[str]) -> list[str]:
-    """Replace ``--no-floor`` by ``--off=floor``, and so for each option that choices save.
-
-    Examples
-    --------
-    >>> with_off_names(["check", "--no-fasten-suggested", "--no-browser"])
-    ['check', '--off=fasten-suggested', '--no-browser']
-    """
-    if not any(word.startswith("--no-") for word in words):
-        return words  # the table of options is loaded only if it is needed
-    from kilter.files.choices_off import OFF
-
-    end = words.index("--") if "--" in words else len(words)
-    return [
-        f"--off={word[5:]}"
-        if word.startswith("--no-") and word[5:].replace("-", "_") in OFF and k < end
-        else word
-        for k, word in enumerate(words)
-    ]
-
-
-def _is_file(word: str) -> bool:
-    """Whether a word exists as a path, or ends like a file that kilter reads."""
-    from kilter.files.file_content import ENDINGS
-
-    try:
-        return Path(word).suffix.lower() in ENDINGS or Path(word).exists()
-    except OSError:  # longer than a path may be
-        return False
-
-
-def with_floor_value(words: list[str]) -> list[str]:
-    """Insert the default value after each ``--floor`` without a height.
-
-    Examples
-    --------
-    >>> with_floor_value(["--floor", "a.stl"]), with_floor_value(["--floor", "-0.5"])
-    (['--floor=lowest', 'a.stl'], ['--floor=-0.5'])
-    """
-    result: list[str] = []
-    rest = iter(range(len(words)))
-    for k in rest:
-        if words[k] == "--":
-            return result + words[k:]
-        if words[k] != "--floor":
-            result.append(words[k])
-            continue
-        following = words[k + 1] if k + 1 < len(words) else ""
-        if _is_number(following) and not Path(following).exists():
-            result.append(f"--floor={following}")
-            next(rest)
-        else:
-            result.append(f"--floor={_lowest()}")
-    return result
+    return bond
 
 
 def _is_number(word: str) -> bool:

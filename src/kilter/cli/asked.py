@@ -316,7 +316,12 @@ class Asked:
         step = (
             None
             if self.file in ("", "-")
-            else next_step(answer, Path(self.file).stem.split(".")[0], bricks=bricks)
+            else next_step(
+                answer,
+                Path(self.file).stem.split(".")[0],
+                bricks=bricks,
+                straps=self.straps is not None,
+            )
         )
         if step is None:
             return ""

@@ -1,123 +1,151 @@
-"""Declarations of options and arguments, and the values of a usual command line.
-
-The library of options takes longer to import than a small assembly takes to check. `usual_values`
-therefore reads the usual command lines from the declarations alone. The library reads all others,
-among them each faulty command line, and writes the help texts.
-"""
+"""Declarations of options and arguments, and the values of the words that a user typed for them."""
 
 from __future__ import annotations
 
 import inspect
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from enum import StrEnum
 from types import NoneType
 from typing import Any, get_args, get_origin
 
-__all__ = ["Argument", "Declaration", "Option", "usual_values"]
+from kilter.errors import InputError
 
-PLAIN_SETTINGS = {"metavar", "help", "rich_help_panel", "show_default"}
-"""Settings of a declaration that do not change values."""
-READERS: dict[Any, tuple[re.Pattern[str], Callable[[str], Any]]] = {
-    str: (re.compile(r".+", re.DOTALL), str),
-    Path: (re.compile(r".+", re.DOTALL), Path),
-    int: (re.compile(r"[0-9]{1,9}"), int),
-    float: (re.compile(r"[0-9]{1,9}(\.[0-9]{1,17})?(e-?[0-9]{1,2})?"), float),
-}
-"""For each type of a value: the words of it that are read here, and the conversion of a word."""
+__all__ = ["Argument", "Declaration", "Declared", "Option", "declared_of"]
+
+NUMBERS = {float: "a number", int: "a whole number"}
+"""Types of numbers, each in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """An option or argument of a command, as the library of options declares it.
+    """An option, or an argument (without names), of a command.
 
     Attributes
     ----------
-    kind : str
-        "Option" or "Argument".
     names : tuple of str
-        Names of the option on the command line; empty for an argument.
-    settings : dict
-        Further settings: help text and others.
+        Names of the option on the command line, the long one last.
+    help : str
+        Its sentence in the help text of the command.
+    metavar : str
+        Its values in the help text, such as "X Y Z". An option with several names ends with "...".
+    rich_help_panel : str
+        Heading of its group in the help text.
+    show_default : bool
+        Whether the help text has its default.
+    reads : callable or None
+        Function that converts a word to a value, in place of the type.
     """
 
-    kind: str
     names: tuple[str, ...]
-    settings: dict[str, Any]
+    help: str = ""
+    metavar: str = ""
+    rich_help_panel: str = "Options"
+    show_default: bool = True
+    reads: Callable[[str], Any] | None = None
 
 
 def Option(*names: str, **settings: Any) -> Any:
     """Declare an option of a command."""
-    return Declaration("Option", names, settings)
+    return Declaration(names, **settings)
 
 
 def Argument(**settings: Any) -> Any:
     """Declare an argument of a command: a word that follows no option."""
-    return Declaration("Argument", (), settings)
+    return Declaration((), rich_help_panel="Arguments", **settings)
 
 
 @dataclass(frozen=True, slots=True)
-class _Declared:
-    """A parameter of a command: its declaration, the type of its values, whether it repeats."""
+class Declared:
+    """A parameter of a command: its declaration, the types of its values, whether it repeats.
 
+    Attributes
+    ----------
+    name : str
+        Name of the parameter.
+    declaration : Declaration
+        Its names and its help.
+    kinds : tuple of type
+        Types of its values; a single `bool` for a flag.
+    repeats : bool
+        Whether the option may be given several times.
+    default : object
+        Value of an option that is not given; `inspect.Parameter.empty` where one is required.
+    """
+
+    name: str
     declaration: Declaration
-    kind: Any
+    kinds: tuple[Any, ...]
     repeats: bool
+    default: Any
 
     @classmethod
-    def of(cls, parameter: inspect.Parameter) -> _Declared:
+    def of(cls, parameter: inspect.Parameter) -> Declared:
         """Take apart the annotation of a parameter: an annotated type, optional or not."""
         annotated, declaration = get_args(parameter.annotation)
-        kinds = [kind for kind in get_args(annotated) if kind is not NoneType]
-        optional = NoneType in get_args(annotated) and len(kinds) == 1
-        kind = kinds[0] if optional else annotated
+        [kind] = (
+            [one for one in get_args(annotated) or (annotated,) if one is not NoneType]
+            if (NoneType in get_args(annotated))
+            else [annotated]
+        )
         repeats = get_origin(kind) is list
-        return cls(declaration, get_args(kind)[0] if repeats else kind, repeats)
+        kind = get_args(kind)[0] if repeats else kind
+        kinds = get_args(kind) if get_origin(kind) is tuple else (kind,)
+        return cls(parameter.name, declaration, kinds, repeats, parameter.default)
 
-    def value(self, word: str) -> Any:
-        """Value of a word; None if the library of options must read it."""
-        pattern, convert = READERS.get(self.kind, (None, None))
-        plain = self.declaration.settings.keys() <= PLAIN_SETTINGS and not word.startswith("-")
-        if pattern is None or convert is None or not plain or not pattern.fullmatch(word):
-            return None
-        return convert(word)
+    @property
+    def is_flag(self) -> bool:
+        """Whether the option has no value."""
+        return self.kinds == (bool,)
+
+    @property
+    def is_list(self) -> bool:
+        """Whether several names may follow the option."""
+        return bool(self.declaration.names) and self.declaration.metavar.endswith("...")
+
+    @property
+    def label(self) -> str:
+        """Name of the option, or of the argument, for a message."""
+        return (self.declaration.names or (self.metavar,))[-1]
+
+    @property
+    def metavar(self) -> str:
+        """Its values in the help text."""
+        if issubclass(self.kinds[0], StrEnum):
+            return "|".join(self.kinds[0])
+        return self.declaration.metavar
+
+    def value(self, words: Any) -> Any:
+        """Value of the words that the parser collected: a word, or nested lists of words.
+
+        Raises
+        ------
+        InputError
+            If a word is not a number, or not one of the words that the option accepts.
+        """
+        if not self.repeats:
+            return self._once(words)
+        return [self._once(each) for each in words]
+
+    def _once(self, words: str | Sequence[str]) -> Any:
+        if isinstance(words, str):
+            return self._single(words, self.kinds[0])
+        return tuple(map(self._single, words, self.kinds))
+
+    def _single(self, word: str, kind: Any) -> Any:
+        if self.declaration.reads is not None:
+            return self.declaration.reads(word)
+        try:
+            return kind(word)
+        except ValueError:
+            wanted = NUMBERS.get(kind) or f"one of {self.metavar}"
+            raise InputError(
+                f"{self.label} has {word!r:.40}, not {wanted}",
+                hint=f"write {self.label} {self.metavar}",
+            ) from None
 
 
-def usual_values(command: Callable[..., int], words: Sequence[str]) -> dict[str, Any] | None:
-    """Values of the parameters of a command for a usual command line; None for all others.
-
-    A usual command line has each option by its full name, followed by its value as a separate word.
-
-    Parameters
-    ----------
-    command : callable
-        Function of the command; each parameter is annotated with a `Declaration`.
-    words : sequence of str
-        Words of the command line after the name of the command.
-    """
-    parameters = inspect.signature(command, eval_str=True).parameters
-    declared = {name: _Declared.of(parameter) for name, parameter in parameters.items()}
-    arguments = [name for name in declared if declared[name].declaration.kind == "Argument"]
-    options = {each: name for name in declared for each in declared[name].declaration.names}
-    typed: list[tuple[str, Any]] = []
-    rest = iter(words)
-    for word in rest:
-        if word.startswith("-"):
-            name = options.get(word)
-            if name is None:
-                return None
-            flag = declared[name].kind is bool
-            typed.append((name, True if flag else declared[name].value(next(rest, ""))))
-        elif arguments:
-            name = arguments[0] if declared[arguments[0]].repeats else arguments.pop(0)
-            typed.append((name, declared[name].value(word)))
-        else:
-            return None
-    values: dict[str, Any] = {}
-    for name, value in typed:
-        if value is None or (name in values and not declared[name].repeats):
-            return None
-        values[name] = [*values.get(name, ()), value] if declared[name].repeats else value
-    missing = {name: parameters[name].default for name in parameters.keys() - values.keys()}
-    return None if inspect.Parameter.empty in missing.values() else values | missing
+def declared_of(command: Callable[..., int]) -> list[Declared]:
+    """The parameters of the function of a command, whose annotations are declarations."""
+    parameters = inspect.signature(command, eval_str=True).parameters.values()
+    return [Declared.of(parameter) for parameter in parameters]

@@ -154,8 +154,8 @@ def margin(
         Option(
             "--about",
             metavar="X Y Z",
-            help="Also compute how far gravity may turn about this horizontal axis. Only without "
-            "loads and bonds.",
+            help="Also compute how far gravity may turn about this horizontal axis, by the "
+            "right-hand rule; the opposite axis is the other sense. Only without loads and bonds.",
             rich_help_panel=ASKED,
             show_default=False,
         ),

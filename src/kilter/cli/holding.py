@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLD, HOLDS, INTERRUPTED, LOWER
-from kilter.cli.options import Require, asks
+from kilter.cli.options import Code, Forward, Require, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
@@ -46,12 +46,15 @@ def hold(
             show_default=False,
         ),
     ] = None,
+    code: Code = None,
+    forward: Forward = (1.0, 0.0, 0.0),
     require: Require = REQUIRE,
 ) -> int:
     """Find the fewest supports that hold an assembly together, and prove that fewer do not.
 
     For a half-built assembly, leave out the missing parts with --without. With --straps, the
-    candidates are the straps of this file, and the answer is the fewest of them.
+    candidates are the straps of this file, and the answer is the fewest of them. With --code, the
+    same straps must hold the load at every acceleration of the rule.
 
     Exit code: 0 found at the level of --require, 3 found only at a lower level, 1 proved that not
     even all candidates are enough, 4 undecided.
@@ -59,6 +62,8 @@ def hold(
     from kilter.analysis.planning.hold.hold import hold as find
 
     straps = None
+    if code is not None and asked.reading.accelerate is not None:
+        raise InputError("--code and --accelerate are given together", hint="give one")
     if asked.straps is not None:
         if candidates:
             raise InputError("--straps and --candidates are given together", hint="give one")
@@ -68,6 +73,8 @@ def hold(
         fixture = find(
             assembly,
             straps=straps,
+            code=code,
+            forward=forward,
             candidates=[
                 candidate for word in candidates or ("grips",) for candidate in _candidates(word)
             ],

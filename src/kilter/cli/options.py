@@ -15,16 +15,30 @@ from typing import Annotated, Any, get_type_hints
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Argument, Option
 from kilter.cli.output import require_answer_file
+from kilter.cli.quantities import density_of, friction_of
 from kilter.errors import TimeLimitReached
 from kilter.work import EFFORT
 
-__all__ = ["FORM", "File", "Files", "Json", "Output", "Quiet", "Require", "asks"]
+__all__ = [
+    "FORM",
+    "QUESTION",
+    "Code",
+    "File",
+    "Files",
+    "Forward",
+    "Json",
+    "Output",
+    "Quiet",
+    "Require",
+    "asks",
+]
 
 HELD = "Held parts, gravity, friction and materials"
 TOUCH = "Contacts and their tolerances"
 SAVED = "Saved choices"
 FORM = "Form of the answer"
 WORK = "Limits of work and time"
+QUESTION = "Question: an acceleration, a turn, a rule of load securing or a path"
 
 HELP_OF_FILE = (
     "An assembly: STEP (needs kilter[step]), a folder of meshes (a file for each part), OBJ, STL, "
@@ -59,8 +73,8 @@ Floor = Annotated[
     Option(
         "--floor",
         metavar="[HEIGHT]",
-        help="Add a held table under the lowest point, or at this height (file units, measured "
-        "against gravity).",
+        help="Add a held table under the lowest point, or at this height (file units). It lies "
+        "across the up direction of the file.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -80,7 +94,7 @@ Down = Annotated[
     Option(
         "--down",
         metavar="X Y Z",
-        help="Direction of gravity. Its size in the file is kept.",
+        help="Direction of gravity. Its size in the file is kept. A floor turns with the parts.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -163,6 +177,7 @@ Friction = Annotated[
     Option(
         "--friction",
         metavar="MU",
+        reads=friction_of,
         help="Friction coefficient of contacts without a coefficient of their own; it replaces the "
         "default of the file. 30% and 17deg are 0.3 and tan 17 deg.",
         rich_help_panel=HELD,
@@ -184,6 +199,7 @@ Density = Annotated[
     Option(
         "--density",
         metavar="KG/M3",
+        reads=density_of,
         help="Density of the parts without a density in the file, or of all parts of a STEP file "
         "[kg/m^3]; 1000 by default. Names such as steel or oak are known.",
         rich_help_panel=HELD,
@@ -265,7 +281,7 @@ Clearance = Annotated[
     ),
 ]
 Fasten = Annotated[
-    list[str] | None,
+    list[tuple[str, str]] | None,
     Option(
         "--fasten",
         metavar="NAME NAME",
@@ -293,7 +309,7 @@ FastenOverlaps = Annotated[
     ),
 ]
 Bonded = Annotated[
-    list[str] | None,
+    list[tuple[str, str, float]] | None,
     Option(
         "--bond",
         metavar="NAME NAME T",
@@ -417,6 +433,27 @@ Quiet = Annotated[
         "--quiet",
         help="Print no progress and no warnings on the error stream.",
         rich_help_panel=FORM,
+    ),
+]
+Code = Annotated[
+    str | None,
+    Option(
+        "--code",
+        metavar="NAME",
+        help="Does the assembly stay in place at the accelerations of this rule of load securing? "
+        "en12195, en12195:tipping, gdv, vdi2700:3.5t, vdi2700:up-to-3.5t, eumos, or eumos:K for "
+        "K g.",
+        rich_help_panel=QUESTION,
+        show_default=False,
+    ),
+]
+Forward = Annotated[
+    tuple[float, float, float],
+    Option(
+        "--forward",
+        metavar="X Y Z",
+        help="Direction of travel, for --code.",
+        rich_help_panel=QUESTION,
     ),
 ]
 READING: dict[str, tuple[Any, Any]] = {

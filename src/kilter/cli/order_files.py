@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from kilter.cli.arguments import PAIRS, pair_of
 from kilter.cli.output import tell_warnings, tell_written, write_whole
 
 if TYPE_CHECKING:
@@ -83,8 +82,6 @@ def as_typed(**given: Any) -> list[str]:
         elif value is not None and value is not False:
             for entry in value if isinstance(value, list) else [value]:
                 values = entry if isinstance(entry, tuple) else (entry,)
-                if option in PAIRS:
-                    values = pair_of(option, entry)
                 words += [
                     option,
                     *(f"{v:.12g}" if isinstance(v, float) else str(v) for v in values),

@@ -50,5 +50,5 @@ def overview() -> str:
     for group, entries in GROUPS.items():
         for k, (name, summary) in enumerate(entries.items()):
             lines.append(f"{'' if k else group:7}{name:11}{summary}")
-    options = "options: kilter COMMAND --help; kilter --version, kilter --install-completion"
+    options = "options: kilter COMMAND --help; kilter --version, kilter --print-completion bash"
     return "\n".join([*lines, options]) + "\n"

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from kilter.cli.arguments import pair_of
 from kilter.cli.declarations import Option
 from kilter.cli.options import FORM
 from kilter.cli.order_files import as_typed
@@ -49,7 +48,7 @@ class PlanOptions:
         ),
     ] = None
     before: Annotated[
-        list[str] | None,
+        list[tuple[str, str]] | None,
         Option(
             "--before",
             metavar="A B",
@@ -69,7 +68,7 @@ class PlanOptions:
         ),
     ] = None
     screws: Annotated[
-        list[str] | None,
+        list[tuple[str, str]] | None,
         Option(
             "--screws",
             metavar="BOLT NUT",
@@ -196,9 +195,9 @@ class PlanOptions:
         return PlanRules(
             hold=MOST_HELD if self.hold is None else self.hold,
             directions=[_direction(word) for word in self.directions or ("axes", "normals")],
-            before=[pair_of("--before", words) for words in self.before or ()],
+            before=self.before or (),
             never_hold=self.never_hold or (),
-            screws=[pair_of("--screws", words) for words in self.screws or ()],
+            screws=self.screws or (),
             groups=self.group or (),
             together=self.together,
             fewest=self.fewest,

@@ -6,12 +6,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 from kilter.errors import InputError, nearest_name
 
-__all__ = ["material_of", "with_plain_numbers"]
+__all__ = ["density_of", "friction_of", "material_of"]
 
 
 def _number(word: str) -> float | None:
@@ -22,7 +21,7 @@ def _number(word: str) -> float | None:
         return None
 
 
-def _friction(word: str) -> float:
+def friction_of(word: str) -> float:
     """Coefficient of friction of a word: a number, a share in percent, or an angle in degrees."""
     number = _number(word)
     share, angle = _number(word.removesuffix("%")), _number(word.removesuffix("deg"))
@@ -38,7 +37,7 @@ def _friction(word: str) -> float:
     )
 
 
-def _density(word: str) -> float:
+def density_of(word: str) -> float:
     """Density of a word [kg/m^3]: a number, or the name of a material of the workbench."""
     number = _number(word)
     if number is not None:
@@ -52,35 +51,6 @@ def _density(word: str) -> float:
         return known[near]
     hint = f"did you mean {near!r}?" if near else f"give kg/m^3, or one of {', '.join(known)}"
     raise InputError(f"{word!r:.40} is neither a density nor a material", hint=hint)
-
-
-READERS: dict[str, Callable[[str], float]] = {"--friction": _friction, "--density": _density}
-"""Options whose values may have a unit or a name, with the function that reads the value."""
-
-
-def with_plain_numbers(words: list[str]) -> list[str]:
-    """Replace quantities with a unit or a name by their plain numbers.
-
-    Examples
-    --------
-    >>> with_plain_numbers(["--friction", "30%", "--density=steel"])
-    ['--friction=0.3', '--density=7850']
-    """
-    result: list[str] = []
-    rest = iter(words)
-    for word in rest:
-        if word == "--":
-            return [*result, word, *rest]
-        option, equals, value = word.partition("=")
-        read = READERS.get(option)
-        value = value if equals or read is None else next(rest, "")
-        if read is None or not (equals or value):
-            result.append(word)  # the option parser reports a missing value
-        elif _number(value) is not None or value.startswith("--"):
-            result += [word] if equals else [word, value]
-        else:
-            result.append(f"{option}={read(value):.15g}")
-    return result
 
 
 def material_of(words: str) -> dict[str, Any]:
@@ -102,7 +72,7 @@ def material_of(words: str) -> dict[str, Any]:
             f"--material has {words!r:.60}",
             hint=f'name the parts: --material "*={words:.40}", or --density for all parts',
         )
-    density = _density(value)
+    density = density_of(value)
     if not (density > 0 and math.isfinite(density)):
         raise InputError(f"--material has {words!r:.60}", hint="give a density above zero")
     name = {} if _number(value) is not None else {"name": value}

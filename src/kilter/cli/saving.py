@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from kilter.cli.arguments import triple_of
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import WRITTEN
@@ -36,7 +35,7 @@ def save(
         ),
     ] = None,
     open_pairs: Annotated[
-        list[str] | None,
+        list[tuple[str, str, str]] | None,
         Option(
             "--open",
             metavar="NAME NAME joined|touching|apart",
@@ -94,9 +93,9 @@ def save(
     return WRITTEN
 
 
-def _decision(words: str) -> dict[str, Any]:
-    """Parse a value of ``--open`` into the entry of an open pair in a file of choices."""
-    first, second, state = triple_of("--open", words)
+def _decision(words: tuple[str, str, str]) -> dict[str, Any]:
+    """Convert a value of ``--open`` into the entry of an open pair in a file of choices."""
+    first, second, state = words
     if state not in ("joined", "touching", "apart"):
         raise InputError(f"--open has {state!r:.60}", hint="give joined, touching or apart")
     return {"parts": [first, second], "as": state}

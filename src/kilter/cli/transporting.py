@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, WRITTEN
-from kilter.cli.options import FORM, Require, asks
+from kilter.cli.options import FORM, QUESTION, Code, Forward, Require, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["transport"]
 
-QUESTION = "Question: an acceleration, a turn, a rule of load securing or a path"
 UNSURE = "Worst case for uncertain data"
 
 
@@ -59,27 +58,8 @@ def transport(
             rich_help_panel=QUESTION,
         ),
     ] = (0.0, 0.0, 0.0),
-    code: Annotated[
-        str | None,
-        Option(
-            "--code",
-            metavar="NAME",
-            help="Does the assembly stay in place at the accelerations of this rule of load "
-            "securing? en12195, en12195:tipping, gdv, vdi2700:3.5t, vdi2700:up-to-3.5t, eumos, or "
-            "eumos:K for K g.",
-            rich_help_panel=QUESTION,
-            show_default=False,
-        ),
-    ] = None,
-    forward: Annotated[
-        tuple[float, float, float],
-        Option(
-            "--forward",
-            metavar="X Y Z",
-            help="Direction of travel, for --code.",
-            rich_help_panel=QUESTION,
-        ),
-    ] = (1.0, 0.0, 0.0),
+    code: Code = None,
+    forward: Forward = (1.0, 0.0, 0.0),
     path: Annotated[
         Path | None,
         Option(

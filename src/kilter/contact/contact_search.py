@@ -164,8 +164,9 @@ def _pairs_to_detect(
 
 
 def given_pairs(assembly: Assembly) -> frozenset[frozenset[int]]:
-    """Pairs of parts whose contacts the file lists."""
+    """Pairs of parts whose contacts the file lists, and not only for some of their pieces."""
     return frozenset(
         frozenset(assembly.index_of(name) for name in contact.parts)
         for contact in assembly.contacts
+        if contact.pieces is None
     )

@@ -26,6 +26,7 @@ from kilter.contact.fits.coaxial import Fit
 from kilter.contact.fits.copies import odd_copies
 from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.gaps import RejectedPair, Tolerance, nearest_gap
+from kilter.contact.joint_stops import joints_beyond
 from kilter.contact.left_out import (
     INTERFERE,
     SAME_BODY,
@@ -89,6 +90,8 @@ class ContactSet(AnswerInWords):
         Largest error of fitted normals; 0 for normals of faces [rad].
     patch_start : ndarray of int, shape (P + 1,)
         The points of patch p are rows ``patch_start[p]`` to ``patch_start[p + 1]``.
+    patch_pieces : ndarray of int, shape (P, 2)
+        Pieces of parts a and b that touch (`Mesh.pieces`); -1 where they are not known.
     points : ndarray, shape (K, 3)
         Contact points [length unit].
     normals : ndarray, shape (K, 3)
@@ -131,6 +134,7 @@ class ContactSet(AnswerInWords):
     patch_accuracy: Array
     patch_doubt: Array
     patch_start: Index
+    patch_pieces: Index
     points: Array
     normals: Array
     unsupported: tuple[UnsupportedContact, ...]
@@ -176,6 +180,7 @@ class ContactSet(AnswerInWords):
             float(self.patch_mu[k]),
             self.points[rows],
             self.normals[rows],
+            self._pieces(k),
         )
 
     def graph(self) -> Any:
@@ -415,6 +420,7 @@ class ContactSet(AnswerInWords):
             *self.warnings,
             *overlap_warnings([self._overlap(overlap) for overlap in over], assembly.units),
             *copy_warnings(odd),
+            *joints_beyond(assembly, self.tolerance),
         ]
 
     def _overlap(self, overlap: Overlap) -> OverlapData:
@@ -429,6 +435,11 @@ class ContactSet(AnswerInWords):
     def _names(self, parts: Any) -> list[str]:
         return [self.assembly.names[k] for k in parts]
 
+    def _pieces(self, k: int) -> tuple[int, int] | None:
+        """Pieces that touch in the patch with index k; None if they are unknown."""
+        first, second = self.patch_pieces[k].tolist()
+        return (first, second) if min(first, second) >= 0 else None
+
     def _patch(self, k: int, pull: float) -> PatchData:
         """JSON data of the patch with index k; `pull` is the largest tension of its bond [N]."""
         gap = self.patch_gap[k]
@@ -440,6 +451,7 @@ class ContactSet(AnswerInWords):
             "gap_range": gap.tolist(),
             "normal": self.patch_normal[k].tolist(),
             "mu": float(self.patch_mu[k]),
+            "pieces": None if (pieces := self._pieces(k)) is None else list(pieces),
             "pull": None if np.isnan(pull) else pull,
             "points": self.points[self.patch_start[k] : self.patch_start[k + 1]].tolist(),
         }

@@ -23,6 +23,7 @@ from kilter.contact.neighbours import nearest_parts
 from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
 from kilter.contact.patches import Patches
+from kilter.contact.piece_friction import with_piece_friction
 from kilter.contact.planar.flat_contacts import GAP_EDGES
 from kilter.contact.recent_searches import recent_searches
 from kilter.errors import InputError
@@ -200,13 +201,14 @@ def _contact_set(
     examined = findings.search
     flat, near, smooth = findings.flat, findings.near, findings.smooth
     faces = findings.faces
-    patches = Patches.join([faces, near.patches, _listed_patches(assembly)])
+    found = Patches.join([faces, near.patches, _listed_patches(assembly)])
+    patches, of_pieces = with_piece_friction(assembly, examined, found)
     unsupported = findings.unsupported
     overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.parts))
     rejected = sorted([*findings.refused, *findings.near_edges], key=_rank)
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, findings.curved.possible])
-    tilted = smooth.possible(friction_coefficients(assembly, examined.pairs))
+    tilted = smooth.possible(friction_coefficients(assembly, examined.pairs, greatest=True))
     unexamined = search.pairs[len(examined.pairs) :]
     left_open = find_open_pairs(assembly, overlaps, rejected, unsupported, unexamined)
     cut = sum(pair.kind == "unexamined" for pair in left_open)
@@ -223,11 +225,17 @@ def _contact_set(
         patch_accuracy=patches.accuracy,
         patch_doubt=patches.doubt,
         patch_start=patches.start,
+        patch_pieces=patches.pieces,
         points=patches.points,
         normals=patches.normals,
         unsupported=unsupported,
         possible=PossibleContacts.join(
-            [_with_friction(assembly, possible), tilted, open_forces(left_open, search.geometry)]
+            [
+                _with_friction(assembly, possible),
+                of_pieces,
+                tilted,
+                open_forces(left_open, search.geometry),
+            ]
         ),
         rejected=tuple(rejected),
         overlaps=overlaps,
@@ -338,4 +346,4 @@ def friction_needs_detection(detected: ContactSet) -> bool:
 def _with_friction(assembly: Assembly, possible: PossibleContacts) -> PossibleContacts:
     """Possible contact forces, with the friction coefficient of each pair of parts filled in."""
     parts = np.column_stack([possible.part_a, possible.part_b])
-    return dataclasses.replace(possible, mu=friction_coefficients(assembly, parts))
+    return dataclasses.replace(possible, mu=friction_coefficients(assembly, parts, greatest=True))

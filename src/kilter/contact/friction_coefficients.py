@@ -10,8 +10,13 @@ from kilter.assembly import Assembly
 __all__ = ["certain_friction", "friction_coefficients"]
 
 
-def friction_coefficients(assembly: Assembly, parts: Index, given: Array | None = None) -> Array:
+def friction_coefficients(
+    assembly: Assembly, parts: Index, given: Array | None = None, *, greatest: bool = False
+) -> Array:
     """Friction coefficients [-] of contacts between pairs of parts, shape (n,).
+
+    The pieces that touch are unknown here. The coefficient is the least of all pieces of the pair,
+    which is certain, or the greatest.
 
     Parameters
     ----------
@@ -19,7 +24,9 @@ def friction_coefficients(assembly: Assembly, parts: Index, given: Array | None 
     parts : ndarray of int, shape (n, 2)
         Parts of each contact, by position.
     given : ndarray, shape (n,), optional
-        Friction coefficient that the file gives for each contact; NaN: that of its pair [-].
+        Friction coefficient that is known for each contact; NaN: that of its pair [-].
+    greatest : bool
+        Whether the greatest coefficient of the pieces is returned instead of the least.
 
     Examples
     --------
@@ -29,12 +36,19 @@ def friction_coefficients(assembly: Assembly, parts: Index, given: Array | None 
     """
     mu = np.full(len(parts), assembly.friction)
     if assembly.friction_pairs:
-        by_pair = {
-            frozenset(assembly.index_of(n) for n in entry.parts): entry.mu
-            for entry in assembly.friction_pairs
-        }
-        for k, pair in enumerate(parts.tolist()):
-            mu[k] = by_pair.get(frozenset(pair), mu[k])
+        by_pair: dict[frozenset[int], list[float]] = {}
+        whole = set[frozenset[int]]()
+        for entry in assembly.friction_pairs:
+            pair = frozenset(assembly.index_of(name) for name in entry.parts)
+            by_pair.setdefault(pair, []).append(entry.mu)
+            if entry.pieces is None:
+                whole.add(pair)
+        of_pieces = max if greatest else min
+        for pair, values in by_pair.items():
+            values += [] if pair in whole else [assembly.friction]
+        for k, ends in enumerate(parts.tolist()):
+            values = by_pair.get(frozenset(ends), [])
+            mu[k] = of_pieces(values, default=mu[k])
     return mu if given is None else np.where(np.isnan(given), mu, given)
 
 

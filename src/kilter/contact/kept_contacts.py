@@ -141,8 +141,8 @@ class KeptContacts:
 
 
 def _given(assembly: Assembly) -> set[frozenset[str]]:
-    """Pairs of parts whose contacts are given."""
-    return {frozenset(contact.parts) for contact in assembly.contacts}
+    """Pairs of parts whose contacts are given, and not only for some of their pieces."""
+    return {frozenset(c.parts) for c in assembly.contacts if c.pieces is None}
 
 
 def _same_pose(first: object, second: object) -> bool:

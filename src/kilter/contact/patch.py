@@ -29,6 +29,8 @@ class Patch:
         Friction coefficient [-].
     points, normals : ndarray, shape (k, 3)
         Contact points [length unit], and the unit normal from a to b at each.
+    pieces : pair of int or None
+        Pieces of parts a and b that touch (`Mesh.pieces`); None if they are unknown.
     """
 
     parts: tuple[str, str]
@@ -39,6 +41,7 @@ class Patch:
     mu: float
     points: Array
     normals: Array
+    pieces: tuple[int, int] | None = None
 
     def __repr__(self) -> str:
         a, b = self.parts

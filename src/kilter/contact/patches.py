@@ -8,7 +8,7 @@ that of the patch.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from kilter.arrays import Array, Index, Labels, ragged, starts
 
 __all__ = ["Patches"]
 
-BY_PATCH = ("pair", "parts", "kind", "normal", "area", "gap", "accuracy", "doubt", "mu")
+BY_PATCH = ("pair", "parts", "kind", "normal", "area", "gap", "accuracy", "doubt", "mu", "pieces")
 BY_POINT = ("points", "normals")
 
 
@@ -46,6 +46,8 @@ class Patches:
         Friction coefficient that the file gives for the contact; NaN: that of its pair [-].
     start : ndarray of int, shape (P + 1,)
         The points of patch p are rows ``start[p]`` to ``start[p + 1]``.
+    pieces : ndarray of int, shape (P, 2), optional
+        Pieces of the parts that touch; -1, the default, if only the points show them.
     points, normals : ndarray, shape (K, 3)
         Contact points and the unit normal at each, from a to b.
     """
@@ -62,6 +64,11 @@ class Patches:
     start: Index
     points: Array
     normals: Array
+    pieces: Index = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+
+    def __post_init__(self) -> None:
+        if len(self.pieces) < len(self.pair):
+            object.__setattr__(self, "pieces", np.full((len(self.pair), 2), -1))
 
     def __len__(self) -> int:
         return len(self.pair)

@@ -78,6 +78,7 @@ PATCH_FIELDS = (
     "patch_kind",
     "patch_accuracy",
     "patch_doubt",
+    "patch_pieces",
 )
 """Fields of a contact set with a row for each patch, except its parts and its points."""
 

@@ -245,6 +245,7 @@ def _with_support_points(
         "patch_kind": np.full(count, "given"),
         "patch_accuracy": none,
         "patch_doubt": none,
+        "patch_pieces": np.full((count, 2), -1),
         "points": points,
         "normals": normals,
     }

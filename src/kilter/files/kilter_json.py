@@ -103,7 +103,7 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
             units=entries.units,
             gravity=entries.gravity,
             friction=entries.friction,
-            friction_pairs=[FrictionPair(_pair(e.parts), e.mu) for e in entries.friction_pairs],
+            friction_pairs=_each("friction_pairs", entries.friction_pairs, _friction_pair),
             loads=[Load(e.part, e.force, e.torque, e.point) for e in entries.loads],
             contacts=_each("contacts", entries.contacts, _contact),
             joints=_each("joints", entries.joints, _joint),
@@ -160,6 +160,7 @@ def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
             density=entry.density,
             mass=entry.mass,
             center_of_mass=entry.center_of_mass,
+            inertia=entry.inertia,
             brick=None if entry.brick is None else _brick(entry.brick),
             color=entry.color,
             material=entry.material,
@@ -202,7 +203,8 @@ def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
     if isinstance(entry.mesh, str):
         return named.mesh(entry.mesh)
     assert entry.mesh is not None
-    return Mesh(entry.mesh.vertices, entry.mesh.faces, accuracy=entry.mesh.accuracy)
+    mesh = entry.mesh
+    return Mesh(mesh.vertices, mesh.faces, accuracy=mesh.accuracy, pieces=mesh.pieces)
 
 
 def _solid(entry: SolidEntry) -> Solid:
@@ -233,11 +235,18 @@ def _pair(names: Sequence[str]) -> tuple[str, str]:
     return names[0], names[1]
 
 
+def _friction_pair(entry: Any) -> FrictionPair:
+    """Build the friction pair of a file entry."""
+    return FrictionPair(_pair(entry.parts), entry.mu, entry.pieces)
+
+
 def _contact(entry: Any) -> GivenContact:
     """Build the contact of a file entry."""
     given = entry.feature
     pair = None if given is None else (_feature(given[0]), _feature(given[1]))
-    contact = GivenContact(_pair(entry.parts), entry.points, entry.normal, entry.mu, pair)
+    contact = GivenContact(
+        _pair(entry.parts), entry.points, entry.normal, entry.mu, pair, entry.pieces
+    )
     _keep(contact, "normal", entry.normal)
     return contact
 
@@ -254,7 +263,16 @@ def _feature(entry: Any) -> Feature:
 
 def _joint(entry: Any) -> Joint:
     """Build the joint of a file entry."""
-    joint = Joint(_pair(entry.parts), entry.kind, entry.point, entry.axis)
+    joint = Joint(
+        _pair(entry.parts),
+        entry.kind,
+        entry.point,
+        entry.axis,
+        limits=entry.limits,
+        friction=entry.friction,
+        stiffness=entry.stiffness,
+        rest=entry.rest,
+    )
     if entry.axis is not None:
         _keep(joint, "axis", entry.axis)
     return joint
@@ -320,7 +338,10 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
         data["friction"] = assembly.friction
     data["parts"] = [_part_dict(part) for part in assembly.parts]
     lists = {
-        "friction_pairs": [{"parts": list(p.parts), "mu": p.mu} for p in assembly.friction_pairs],
+        "friction_pairs": [
+            _without_none(parts=list(p.parts), mu=p.mu, pieces=p.pieces and list(p.pieces))
+            for p in assembly.friction_pairs
+        ],
         "loads": [_load_dict(load) for load in assembly.loads],
         "contacts": [
             _without_none(
@@ -329,11 +350,12 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
                 normal=c.normal,
                 mu=c.mu,
                 feature=c.feature and [_feature_dict(feature) for feature in c.feature],
+                pieces=c.pieces and list(c.pieces),
             )
             for c in assembly.contacts
         ],
         "joints": [
-            _without_none(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis)
+            _without_none(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis, **j.guide)
             for j in assembly.joints
         ],
         "bonds": [
@@ -382,6 +404,7 @@ def _part_dict(part: Part) -> dict[str, Any]:
             density=part.density,
             mass=part.given_mass,
             center_of_mass=part.center_of_mass,
+            inertia=part.inertia,
             brick=None if part.brick is None else _brick_dict(part.brick),
             color=part.color,
             material=part.material,
@@ -413,6 +436,7 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
         vertices=shape.vertices,
         faces=shape.triangles,
         accuracy=None if shape.accuracy == largest * 2.0**-53 else shape.accuracy,
+        pieces=shape.pieces,
     )
     return {"mesh": mesh}
 

@@ -2,7 +2,8 @@
 
 Held parts become fixed bodies, other parts free bodies, with the same names, masses, centres and
 inertia, in metres. Boxes, cylinders and spheres are exact. Meshes are copied, but MuJoCo collides
-with their convex hulls. Friction pairs become contact pairs. Fixed and spherical joints become
+with their convex hulls. Friction pairs become contact pairs; pieces of a part have the least
+friction of their pair. Fixed and spherical joints become
 equalities, a revolute joint two connections on its axis. Contacts in MuJoCo are soft: a barely
 stable assembly may creep.
 """
@@ -124,13 +125,20 @@ def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str
 def _pairs(root: Element, assembly: Assembly) -> None:
     """Add friction pairs to the MJCF scene, and exclude contact between jointed parts."""
     contact = ElementTree.SubElement(root, "contact")
+    least: dict[frozenset[str], float] = {}
+    whole = {frozenset(entry.parts) for entry in assembly.friction_pairs if entry.pieces is None}
     for entry in assembly.friction_pairs:
-        mu = f"{max(entry.mu, LEAST):.17g}"
+        pair = frozenset(entry.parts)
+        usual = entry.mu if pair in whole else assembly.friction
+        least[pair] = min(entry.mu, least.get(pair, usual))
+    for pair, value in least.items():
+        first, second = sorted(pair, key=assembly.index_of)
+        mu = f"{max(value, LEAST):.17g}"
         ElementTree.SubElement(
             contact,
             "pair",
-            geom1=entry.parts[0],
-            geom2=entry.parts[1],
+            geom1=first,
+            geom2=second,
             friction=f"{mu} {mu} {LEAST} {LEAST} {LEAST}",
         )
     connected = {frozenset(joint.parts) for joint in assembly.joints if GROUND not in joint.parts}
@@ -151,6 +159,11 @@ def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: flo
         raise InputError(
             f"MJCF has no {joint.kind} joint between free bodies",
             hint="fasten the two parts, or remove the joint",
+        )
+    if joint.guide:
+        raise InputError(
+            "MJCF has no limits, friction and springs of joints between free bodies",
+            hint="remove them: joint.without('limits', 'friction', 'stiffness')",
         )
     pose = assembly[first].pose
     size = float(assembly.geometry.radius[assembly.index_of(first)])

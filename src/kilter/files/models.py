@@ -25,8 +25,12 @@ Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Curvatures = Annotated[list[Number], Field(min_length=2, max_length=2)]
 PlanePoint = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Size = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+SixNumbers = Annotated[list[Number], Field(min_length=6, max_length=6)]
 Quaternion = Annotated[list[Number], Field(min_length=4, max_length=4)]
 Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
+PiecePair = Annotated[
+    list[Annotated[int, Field(strict=True, ge=0)]], Field(min_length=2, max_length=2)
+]
 
 
 class Entry(BaseModel):
@@ -50,6 +54,11 @@ class MeshEntry(Entry):
     faces: list[Annotated[list[Whole], Field(min_length=3)]]
     accuracy: NotNegative | None = Field(
         None, description="largest error of a coordinate [length unit]"
+    )
+    pieces: list[Whole] | None = Field(
+        None,
+        description="number of the piece of each triangle, for friction pairs with pieces; "
+        "default 0; all faces are triangles then",
     )
 
 
@@ -188,6 +197,11 @@ class PartEntry(Entry):
     density: Positive | None = Field(None, description="[kg/m^3]; default 1000 if no mass is given")
     mass: Positive | None = Field(None, description="[kg]")
     center_of_mass: Vector | None = Field(None, description="in the part's own frame")
+    inertia: SixNumbers | None = Field(
+        None,
+        description="xx, yy, zz, xy, xz, yz about the centre of mass, in the part's own frame "
+        "[kg x length unit^2]; default: that of the shape, in proportion to the mass",
+    )
     brick: BrickEntry | None = None
     color: str | None = Field(
         None, pattern="^#[0-9a-f]{6}$", description='colour in drawings, as "#rrggbb"'
@@ -199,10 +213,13 @@ class PartEntry(Entry):
 
 
 class FrictionPairEntry(Entry):
-    """Friction coefficient of every contact between two parts."""
+    """Friction coefficient of every contact between two parts, or between a piece of each."""
 
     parts: Pair
     mu: NotNegative
+    pieces: PiecePair | None = Field(
+        None, description="numbers of the pieces of both parts that the coefficient is for"
+    )
 
 
 class LoadEntry(Entry):
@@ -247,6 +264,11 @@ class ContactEntry(Entry):
         description="features of the first and of the second part; without them the second-order "
         "test is undecided",
     )
+    pieces: PiecePair | None = Field(
+        None,
+        description="without points: numbers of the pieces of both parts that do not touch; "
+        "contacts of other pieces are detected",
+    )
 
 
 class JointEntry(Entry):
@@ -260,6 +282,18 @@ class JointEntry(Entry):
     )
     axis: Vector | None = Field(
         None, description="direction of the axis; required for revolute, prismatic, cylindrical"
+    )
+    limits: Annotated[list[Number], Field(min_length=2, max_length=2)] | None = Field(
+        None,
+        description="least and largest position of the first part relative to the second, about "
+        "the axis [rad] or along it [length unit]; 0 is the drawn pose",
+    )
+    friction: NotNegative = Field(0.0, description="largest friction [N x length unit] or [N]")
+    stiffness: NotNegative = Field(
+        0.0, description="of a spring [N x length unit / rad] or [N / length unit]"
+    )
+    rest: Number = Field(
+        0.0, description="position without a force of the spring [rad] or [length unit]"
     )
 
 

@@ -33,7 +33,10 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 
 
 def one_body(
-    shapes: Sequence[tuple[Shape, Pose]], name: str, notes: list[str]
+    shapes: Sequence[tuple[Shape, Pose]],
+    name: str,
+    notes: list[str],
+    pieces: Sequence[int] = (),
 ) -> tuple[Shape, Pose]:
     """Unite shapes to the single shape of a part, and return its pose.
 
@@ -47,6 +50,8 @@ def one_body(
         A note is appended for each mesh among several shapes that is not closed: its convex hull
         replaces it, which is also the shape that MuJoCo and Bullet use for contacts. A flat mesh
         is left out.
+    pieces : sequence of int, optional
+        Number of the piece to which each shape belongs, for the friction of its surface; default 0.
 
     Returns
     -------
@@ -64,7 +69,8 @@ def one_body(
     import manifold3d
 
     solids = []
-    for shape, pose in shapes:
+    piece_of: dict[int, int] = {}
+    for (shape, pose), piece in zip(shapes, pieces or [0] * len(shapes), strict=True):
         vertices, triangles = surface(shape)
         solid = _manifold(vertices, triangles, pose)
         effect = "its convex hull is used"
@@ -77,12 +83,17 @@ def one_body(
                 f"part {name!r}: a mesh among its {len(shapes)} shapes is not closed; {effect}"
             )
         if solid is not None:
-            solids.append(solid)
+            solids.append(solid.as_original())
+            piece_of[solids[-1].original_id()] = piece
     if not solids:
         raise InputError("all of its meshes are flat", hint="give closed solids")
     mesh = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
     vertices = np.asarray(mesh.vert_properties)[:, :3]
-    return Mesh(vertices, np.asarray(mesh.tri_verts).astype(np.int64)), Pose()
+    # a run is a range of triangles of the same solid; its limits count corners
+    runs = np.diff(np.asarray(mesh.run_index)) // 3
+    numbers = np.repeat([piece_of[k] for k in mesh.run_original_id], runs)
+    triangles = np.asarray(mesh.tri_verts).astype(np.int64)
+    return Mesh(vertices, triangles, pieces=numbers), Pose()
 
 
 def _manifold(vertices: Array, triangles: Index, pose: Pose) -> Any:

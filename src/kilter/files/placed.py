@@ -104,14 +104,20 @@ def transform_mesh(mesh: Mesh, matrix: Array) -> Mesh:
     # the error of a sum of coordinates has the relative size of the error of its terms
     relative = mesh.accuracy / (float(largest.max()) or 1.0)
     accuracy = relative * float((np.abs(linear) @ largest + np.abs(step)).max())
-    return Mesh(mesh.vertices @ linear.T + step, triangles, accuracy=accuracy)
+    corners = mesh.vertices @ linear.T + step
+    return Mesh(corners, triangles, accuracy=accuracy, pieces=mesh.pieces)
 
 
 def scale_mesh(mesh: Mesh, factor: float) -> Mesh:
     """The mesh with every length multiplied by a factor."""
     if factor == 1.0:
         return mesh
-    return Mesh(mesh.vertices * factor, mesh.triangles, accuracy=mesh.accuracy * factor)
+    return Mesh(
+        mesh.vertices * factor,
+        mesh.triangles,
+        accuracy=mesh.accuracy * factor,
+        pieces=mesh.pieces,
+    )
 
 
 def join_meshes(meshes: Sequence[Mesh]) -> Mesh:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
+from kilter.assembly.verb_keywords import on_floor
 from kilter.errors import InputError, some_names
 from kilter.files.choices import LOWEST, Choices, find_choices
 from kilter.files.choices_off import require_off, require_saved
@@ -26,6 +27,7 @@ from kilter.files.reading_steps import (
     on_carrier,
     with_contacts_of,
     with_density,
+    with_friction,
     with_loads,
     with_masses,
 )
@@ -302,13 +304,11 @@ class Reading:
         assembly = with_masses(assembly, self.mass)
         here, _ = self.for_parts(assembly.names)  # choices about parts that are left out
         if self.friction is not None:
-            assembly = assembly.with_friction(self.friction)
+            assembly = with_friction(assembly, self.friction)
         if "gravity" in self.entries:
             assembly = dataclasses.replace(assembly, gravity=self.entries["gravity"])
         elif self.up is not None:
             assembly = assembly.with_down([-x for x in UP[self.up]])
-        if self.down is not None:
-            assembly = assembly.with_down(self.down)
         here = here.released(assembly.names)
         if here.ground:
             assembly = assembly.with_grounded(here.ground)
@@ -317,8 +317,8 @@ class Reading:
             notes = note_on_up(assembly)
             if notes:  # an unchanged assembly keeps the geometry that it has computed
                 assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
-        if self.floor is not None:
-            assembly = assembly.with_floor(None if self.floor == LOWEST else float(self.floor))
+        floor = self.floor if self.floor is None else self.floor == LOWEST or float(self.floor)
+        assembly = on_floor(assembly, floor, self.down)
         assembly = with_loads(with_interactions(assembly, here.entries), self.load)
         return on_carrier(assembly, self.accelerate)
 
@@ -369,12 +369,13 @@ def load(
     ground, without : str or iterable of str
         Names of the parts to hold, and of the parts to leave out; ``*`` and ``?`` are globs.
     floor : bool or float, optional
-        True: a held table under the lowest point; a number: at that height [length unit]; False:
-        no floor, also if the choices have a floor.
+        True: a held table under the lowest point, with respect to the up direction of the file; a
+        number: at that height [length unit]; False: no floor, also if the choices have a floor.
     down : array_like, shape (3,), optional
-        Direction of gravity; its magnitude stays that of the file.
+        Direction of gravity; its magnitude stays that of the file. A floor turns with the parts.
     up : {"x", "y", "z", "-x", "-y", "-z"}, optional
-        The axis of the file that points up, against gravity: ``"y"`` is ``down=[0, -1, 0]``.
+        The axis of the file that points up, against gravity: ``"y"`` turns gravity to [0, -1, 0],
+        and a floor lies across this axis.
     friction : float, optional
         Friction coefficient of contacts that have no coefficient of their own [-].
     contacts : {"file", "geometry"}, optional

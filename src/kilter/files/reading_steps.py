@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from kilter.assembly import Assembly, Load, Part
+from kilter.assembly.masses import reweighed
 from kilter.errors import InputError
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "on_carrier",
     "with_contacts_of",
     "with_density",
+    "with_friction",
     "with_loads",
     "with_masses",
 ]
@@ -69,12 +71,22 @@ def with_density(assembly: Assembly, density: float, *, replaces: bool = False) 
         stated = part.density is not None and not replaces
         if stated or part.given_mass is not None:
             return part
-        return dataclasses.replace(part, density=density)
+        return reweighed(part, density=density)
 
     try:
         return dataclasses.replace(assembly, parts=[with_default(part) for part in assembly.parts])
     except InputError as error:
         raise InputError(error.what, hint=error.hint) from None
+
+
+def with_friction(assembly: Assembly, friction: float) -> Assembly:
+    """The assembly with another default friction coefficient; a note counts its friction pairs."""
+    changed = assembly.with_friction(friction)
+    if not (pairs := len(assembly.friction_pairs)):
+        return changed
+    keep = "1 friction pair keeps its" if pairs == 1 else f"{pairs} friction pairs keep their"
+    note = f"the friction {friction:g} is for the other pairs: {keep} own coefficient"
+    return dataclasses.replace(changed, notes=[*assembly.notes, note])
 
 
 def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Assembly:
@@ -91,9 +103,7 @@ def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Asse
         return assembly
     given = {name: kg for pattern, kg in masses for name in assembly.matching([pattern])}
     parts = [
-        dataclasses.replace(part, given_mass=given[part.name], density=None)
-        if part.name in given
-        else part
+        reweighed(part, given_mass=given[part.name], density=None) if part.name in given else part
         for part in assembly.parts
     ]
     return dataclasses.replace(assembly, parts=parts)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from kilter.assembly import Assembly, Bond, FrictionPair, Joint, Load, Part, Strap
+from kilter.assembly.masses import reweighed
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
 from kilter.files.choices import OPTIONS, Choices
@@ -96,7 +97,7 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
         if part.name in chosen:
             density, name = chosen[part.name]
             changes |= {"density": density, "mass": None, "material": name or part.material}
-        return dataclasses.replace(part, **changes) if changes else part
+        return reweighed(part, **changes) if changes else part
 
     return dataclasses.replace(assembly, parts=[changed(part) for part in assembly.parts])
 
@@ -104,13 +105,20 @@ def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
 def with_interactions(assembly: Assembly, entries: Entries) -> Assembly:
     """The assembly with the saved friction pairs, joints, bonds, loads and straps added.
 
-    A friction pair replaces that of the file for the same parts.
+    A friction pair replaces that of the file for the same parts, with those of their pieces, or
+    that for the same pieces.
     """
-    pairs = _each(entries, "friction_pairs", lambda e: FrictionPair(_pair(e), e["mu"]))
-    named = {frozenset(pair.parts) for pair in pairs}
+    pairs = _each(
+        entries, "friction_pairs", lambda e: FrictionPair(_pair(e), e["mu"], e.get("pieces"))
+    )
+    named = {pair.subject for pair in pairs}
     changes: dict[str, Any] = {
         "friction_pairs": [
-            *(pair for pair in assembly.friction_pairs if frozenset(pair.parts) not in named),
+            *(
+                pair
+                for pair in assembly.friction_pairs
+                if named.isdisjoint((pair.subject, frozenset(pair.parts)))
+            ),
             *pairs,
         ],
         "joints": [*assembly.joints, *_each(entries, "joints", _joint)],

@@ -1,9 +1,11 @@
 """Read URDF robots: links as parts, in the zero position of every joint.
 
-A link is one part with the collision shapes of the link, or else its visual shapes. Mass and
-centre are those of its `inertial` element. Fixed joints fasten links. Revolute, continuous and
-prismatic joints are free to move, since the file has no motors. Links without shapes are frames.
-The root is held, unless the base is floating. Lengths are metres, z is up.
+A link is one part with the collision shapes of the link, or else its visual shapes. Mass, centre
+and inertia are those of its `inertial` element. Fixed joints fasten links. Revolute, continuous and
+prismatic joints move within their limits, against their friction, since the file has no motors.
+A joint whose `limit` states neither end has none. Links without shapes are frames;
+their mass belongs to a link with a shape to which fixed joints connect them. The root is held,
+unless the base is floating. Lengths are metres, z is up.
 
 References
 ----------
@@ -12,12 +14,16 @@ ROS, urdf/XML: link, joint. Roll, pitch and yaw are rotations about fixed axes, 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.assembly.interactions import Joint
+from kilter.assembly.mass_properties import MassProperties
+from kilter.assembly.part import GROUND
 from kilter.errors import InputError, some_names
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import MESHES, read_bodies
@@ -31,6 +37,7 @@ from kilter.files.urdf_elements import (
     origin_of,
     text_of,
 )
+from kilter.files.urdf_masses import read_inertial
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 
@@ -86,6 +93,7 @@ class _Robot:
                 f"the robot has {len(roots)} roots: {some_names(roots)}",
                 hint="join them to a single root",
             )
+        self.root = roots[0] if roots else ""
         self.frames: dict[str, Pose] = {}
         for name in self.links:
             self._place(name)
@@ -122,79 +130,109 @@ class _Robot:
 
     def assembly(self, *, held: bool, source: str) -> Assembly:
         """The robot as a kilter assembly; `held` states whether its root link is held."""
-        roots = [name for name in self.links if name not in self.leads]
         shapes = {name: self._shapes(link) for name, link in self.links.items()}
-        solid = {name for name, link_shapes in shapes.items() if link_shapes}
-        parts = [
-            self._part(name, shapes[name], held=held and name in roots)
-            for name in self.links
-            if name in solid
-        ]
-        if not parts:
+        solid = [name for name in self.links if shapes[name]]
+        if not solid:
             raise InputError("no link has a shape", hint="give its links <collision> or <visual>")
-        joints = [joint for name in self.links for joint in self._joint(name, solid, held)]
+        bearers = self._bearers(solid, held)
+        carried = self._carried(bearers)
+        parts = [
+            self._part(name, shapes[name], carried.get(name, []), held=held and name == self.root)
+            for name in solid
+        ]
+        joints = [joint for name in solid for joint in self._joint(name, bearers)]
         moving = sum(joint.kind != "fixed" for joint in joints)
         if moving:
-            self.notes.append(f"{moving} joints are free to move: motors and limits are ignored")
+            self.notes.append(f"{moving} joints have no motor: they move within their limits")
         return Assembly(parts, units="m", joints=joints, source=source, notes=self.notes)
 
-    def _part(self, name: str, shapes: list[tuple[Shape, Pose]], *, held: bool) -> Part:
-        """Build the part of a link from its shapes."""
-        inertial = self.links[name].find("inertial")
-        mass = center = None
+    def _fixed_above(self, name: str) -> str | None:
+        """The link to which a fixed joint connects a link; None without one."""
+        joint = self.leads.get(name)
+        fixed = joint is not None and joint.get("type") == "fixed"
+        return self._end(joint, "parent") if fixed and joint is not None else None
+
+    def _bearers(self, solid: list[str], held: bool) -> dict[str, str]:
+        """For each link, a link with a shape that moves with it, if there is one.
+
+        It is the link itself, or the nearest link above it under fixed joints, or else the first
+        link of the file that fixed joints connect to it. For a held root it is the ground.
+        """
+        tops = {}
+        for name in self.links:
+            link, above = name, self._fixed_above(name)
+            while link not in solid and above is not None:
+                link, above = above, self._fixed_above(above)
+            tops[name] = link
+        below = {self.root: GROUND} if held else {}
+        for name in solid:
+            above = self._fixed_above(name)
+            if above is not None:
+                below.setdefault(tops[above], name)
+        found = {name: link if link in solid else below.get(link) for name, link in tops.items()}
+        return {name: link for name, link in found.items() if link is not None}
+
+    def _carried(self, bearers: dict[str, str]) -> dict[str, list[MassProperties]]:
+        """Masses of links without a shape, by the link with a shape that moves with them."""
+        carried: dict[str, list[MassProperties]] = {}
+        lost = []
+        for name, link in self.links.items():
+            inertial = read_inertial(link, []) if bearers.get(name) != name else None
+            if inertial is None:
+                continue
+            if name in bearers:
+                carried.setdefault(bearers[name], []).append(inertial.placed(self.frames[name]))
+            else:
+                lost.append(name)
+        if lost:
+            self.notes.append(
+                f"no shape moves with these links, so their mass is ignored: {some_names(lost)}"
+            )
+        return carried
+
+    def _part(
+        self,
+        name: str,
+        shapes: list[tuple[Shape, Pose]],
+        carried: list[MassProperties],
+        *,
+        held: bool,
+    ) -> Part:
+        """Build the part of a link from its shapes, with the masses that move with it."""
         try:
             shape, inner = one_body(shapes, name, self.notes)
-            if inertial is not None:
-                mass = self._mass(name, inertial)
-            if mass is not None and inertial is not None:
-                center = (origin_of(inertial).position - inner.position) @ inner.matrix
             pose = compose(self.frames[name], inner)
             collides = self.links[name].find("collision") is not None
-            return Part(
-                name,
-                shape,
-                pose,
-                grounded=held,
-                mass=mass,
-                center_of_mass=center,
-                geometry="collider" if collides else "visual",
-            )
+            geometry = "collider" if collides else "visual"
+            part = Part(name, shape, pose, grounded=held, geometry=geometry)
+            own = read_inertial(self.links[name], self.notes)
+            if own is not None:
+                stated: dict[str, Any] = own.placed(self.frames[name]).fields(pose)
+                if own.inertia is None:
+                    del stated["inertia"]
+                part = replace(part, **stated)
+            if carried and not held:
+                total = MassProperties.sum([MassProperties.of_part(part), *carried])
+                part = replace(part, **total.fields(pose))
+            return part
         except InputError as error:
             raise error.located(part=name) from None
 
-    def _mass(self, name: str, inertial: Element) -> float | None:
-        """Mass in the `inertial` element of a link [kg]; None if it is 0 or not stated."""
-        element = inertial.find("mass")
-        if element is None:
-            return None
-        mass = numbers_of(element, "value", 1, "0")[0]
-        if mass == 0:
-            self.notes.append(f"the mass of {name!r:.80} is 0, so it has its density")
-        return mass or None
+    def _joint(self, name: str, bearers: dict[str, str]) -> list[Joint]:
+        """The joint of a link with the nearest link with a shape that carries it, or the ground.
 
-    def _joint(self, name: str, solid: set[str], held: bool) -> list[Joint]:
-        """The joint between a link and the nearest carrying link with a shape, or the ground.
-
-        That is the link that carries it, its ancestor in the tree of links.
-
-        Links without shapes in between are passed. The list is empty for a link without shapes,
-        for a root, and for a link that floats.
+        Links without shapes in between are passed. The list is empty for a root, and for a link
+        that floats.
         """
-        joint = self.leads.get(name)
-        if joint is None or name not in solid:
-            return []
-        chain = [joint]
-        above = self._end(joint, "parent")
-        while above not in solid and above in self.leads:
-            chain.append(self.leads[above])
-            above = self._end(chain[-1], "parent")
+        chain: list[Element] = []
+        link, above = name, name
+        while link in self.leads and above == name:
+            chain.append(self.leads[link])
+            link = self._end(chain[-1], "parent")
+            above = bearers.get(link, name)
         moving = [element for element in chain if element.get("type") != "fixed"]
-        if any(element.get("type") == "floating" for element in moving):
+        if above == name or any(element.get("type") == "floating" for element in moving):
             return []
-        if above not in solid:
-            if not held:
-                return []
-            above = "ground"
         if not moving:
             return [Joint((name, above))]
         kind = MOVING.get(moving[0].get("type", ""))
@@ -207,7 +245,28 @@ class _Robot:
             )
         frame = self.frames[self._end(moving[0], "child")]
         axis = frame.matrix @ numbers_of(moving[0].find("axis"), "xyz", 3, "1 0 0")
-        return [Joint((name, above), kind, point=frame.position, axis=axis)]  # type: ignore[arg-type]
+        try:
+            guide = self._guide(moving[0])
+            joint = Joint((name, above), kind, point=frame.position, axis=axis, **guide)  # type: ignore[arg-type]
+        except InputError as error:
+            raise error.located(part=name) from None
+        return [joint]
+
+    def _guide(self, element: Element) -> dict[str, Any]:
+        """Limits and friction of a joint, as arguments of `Joint`; its drawn position is 0."""
+        limit, dynamics = element.find("limit"), element.find("dynamics")
+        guide: dict[str, Any] = {"friction": numbers_of(dynamics, "friction", 1, "0")[0]}
+        stated = limit is not None and {"lower", "upper"} & set(limit.keys())
+        if stated and element.get("type") != "continuous":
+            low, high = (numbers_of(limit, end, 1, "0")[0] for end in ("lower", "upper"))
+            if low > high:
+                self.notes.append(
+                    f"the limits of the joint {element.get('name')!r:.80} are ignored: the lower "
+                    "is above the upper"
+                )
+            else:
+                guide["limits"] = (low, high)
+        return guide
 
     def _shapes(self, link: Element) -> list[tuple[Shape, Pose]]:
         """Collision shapes of a link, else its visual shapes, with their poses in its frame."""

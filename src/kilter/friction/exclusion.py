@@ -142,7 +142,7 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     why = refusal(program)
     if why:
         return Exclusion(False, None, 0, 0, 1.0, "", work.spent, why)
-    # in its canonical form, a program may have no part that moves by more than rounding
+    # fixed joints may leave no free body: nothing is excluded by power then
     if not program.free.any() or _out_of_reach(program, work):
         return Exclusion(False, None, 0, 0, 1.0, "", work.spent)
     law = reduced_law(program)

@@ -158,7 +158,8 @@ def _flat_patches(program: Program, rows: Index) -> Index:
     """
     size = float(program.radius[program.free].max(initial=1.0))
     along = np.einsum("ki,ki->k", program.normal[rows], program.point[rows])
-    exact = np.column_stack([program.source, program.part_a, program.part_b, program.mu])[rows]
+    ends = [program.part_a, program.part_b]
+    exact = np.column_stack([program.kind, program.source, *ends, program.mu])[rows]
     _, label = np.unique(exact, axis=0, return_inverse=True)
     label = np.where(
         program.source[rows] < 0, label.max(initial=-1) + 1 + np.arange(len(rows)), label

@@ -222,8 +222,8 @@ def _all_supported(law: CoulombLaw) -> bool:
     An unsupported part, such as a bracket on a post, can be held only by friction.
     """
     program, per = law.program, law.root.shape[1]
-    number = np.full(len(program.names), -1)
-    number[program.free] = np.arange(len(law.root))
+    number = np.full(len(program.names) + 1, -1)  # the ground is the last
+    number[:-1][program.free] = np.arange(len(law.root))
     sides = number[np.column_stack([program.part_a, program.part_b])]
     entries = law.matrix[::3].tocoo()
     part, speed = entries.col // per, entries.data * law.load[entries.col]
@@ -257,9 +257,10 @@ def _deflections(law: CoulombLaw, elastic: ElasticForces | None) -> Array:
     presses = ~law.tied & (depth > PRESSES * max(float(depth.max(initial=0.0)), TINY))
     if not presses.any():
         return np.ones(len(law.mu))
-    parts = np.concatenate([program.part_a[presses], program.part_b[presses]])
-    part_deflection = _medians(np.tile(depth[presses], 2), parts, len(program.names))
-    part_deflection[~program.free] = np.inf
+    count = len(program.names) + 1  # the ground is the last
+    parts = np.concatenate([program.part_a[presses], program.part_b[presses]]) % count
+    part_deflection = _medians(np.tile(depth[presses], 2), parts, count)
+    part_deflection[np.append(~program.free, True)] = np.inf
     smaller = np.minimum(part_deflection[program.part_a], part_deflection[program.part_b])
     deflection: Array = np.where(np.isfinite(smaller), smaller, np.median(depth[presses]))
     return deflection

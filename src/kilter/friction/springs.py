@@ -118,8 +118,8 @@ class SpringSystem:
 def spring_system(law: CoulombLaw) -> SpringSystem:
     """Build the shared data of the spring equations of a contact law."""
     program, per = law.program, law.root.shape[1]
-    index = np.full(len(program.names), -1)
-    index[program.free] = np.arange(len(law.root))
+    index = np.full(len(program.names) + 1, -1)  # the ground is the last
+    index[:-1][program.free] = np.arange(len(law.root))
     ends = np.sort(np.column_stack([index[program.part_a], index[program.part_b]]), axis=1)
     pairs, pair = np.unique(ends, axis=0, return_inverse=True)
     points, begins = _runs_of_points(pair.reshape(-1), len(pairs))

@@ -8,7 +8,7 @@ A motion dp proves that no equilibrium exists. It is normalised so that the fast
 (translations, and radius x rotations). Its power P = w.dp must exceed what the imbalance of any
 accepted forces, and its own violation v of J dp >= 0, can explain. With friction the motion lies in
 the dual cone, u_n >= mu |u_t|, and v is the worst mu |u_t| - u_n. A strap of capacity LC takes up
-the power LC times the rate at which it lengthens.
+the power LC times the rate at which it lengthens, and the friction F of a joint F times its speed.
 
 `kilter.mechanics.proof_limits` has both limits, and the theorem that at most one of both proofs
 passes. If the data are coarser than float64 the tolerance follows their accuracy (`BLUR` of the
@@ -114,13 +114,15 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
 def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
     """Move forces into their cones: one-sided rows push, friction is at most mu f_n + cohesion.
 
-    The pull of a strap is at most its capacity, and equal in all of its pieces.
+    The pull of a strap is at most its capacity, and equal in all of its pieces. Friction of a
+    joint is at most its limit.
 
     Returns both, shapes (K,) and (K, 3); values that are not finite become 0.
     """
     forces = np.where(np.isfinite(forces), forces, 0.0)
-    forces = np.where(program.two_sided, forces, np.clip(forces, 0.0, program.capacity))
-    forces = program.equal_pulls(forces)
+    least = np.where(program.two_sided, -program.capacity, 0.0)
+    forces = np.clip(forces, least, program.capacity)
+    forces = program.by_stops(program.equal_pulls(forces))
     clipped = np.zeros((len(forces), 3))
     rough = program.gripping
     if friction is not None and len(rough):
@@ -145,8 +147,8 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
     sizes = part_sizes(program, motion, per_radius=False)
     largest = float(sizes.max(initial=0.0))
-    if not 0.0 < largest < np.inf:  # the squares of a large motion overflow
-        return MotionProof(motion, 0.0, 0.0, 0.0, False)
+    if largest == 0.0 or not np.isfinite(largest):
+        return MotionProof(np.zeros_like(motion), 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = program.power(motion)
     opening = row_openings(program, motion)
@@ -170,7 +172,8 @@ def needed_power(program: Program, proof: MotionProof, weight: Array | None = No
 def row_openings(program: Program, motion: Array) -> Array:
     """Opening u_n - mu |u_t| of each row by a motion, times its arm, shape (K,).
 
-    A strap may lengthen, since its pull is limited (`Program.power`): its value is 0.
+    A strap may lengthen, and a joint with friction may move, since their forces are limited
+    (`Program.power`): their value is 0.
     """
     opening = program.velocities(motion) * program.arm
     rows = program.rough

@@ -90,8 +90,8 @@ class ConeProblem:
     def cone_rows(self) -> tuple[csc_array, int, Index]:
         """Cone constraints of the forces: matrix, number of inequalities, and sizes of the cones.
 
-        G f + h lies in the product of the half lines (first rows; then the capacities of straps)
-        and second-order cones; h is `heads`.
+        G f + h lies in the product of the half lines (first rows; then the capacities of straps and
+        of joint friction) and second-order cones; h is `heads`.
         """
         program, total = self.program, self.problem.matrix.shape[1]
         count, rough = len(program.part_a), len(self.rough)
@@ -103,12 +103,18 @@ class ConeProblem:
         values[:, 0] = program.mu[self.rough]
         for k in range(1, size):
             columns[:, k] = count + (k - 1) * rough + np.arange(rough)
-        bounded = program.bounded
+        bounded, sense = self._limits()
         index = np.concatenate([half_lines, bounded, columns.ravel()])
-        data = np.concatenate([np.ones(len(half_lines)), -np.ones(len(bounded)), values.ravel()])
+        data = np.concatenate([np.ones(len(half_lines)), sense, values.ravel()])
         rows = np.arange(len(index))
         matrix = csc_array((data, (rows, index)), shape=(len(index), total))
         return matrix, len(half_lines) + len(bounded), np.full(rough, size)
+
+    def _limits(self) -> tuple[Index, Array]:
+        """Row and sign of each capacity: -1 for an upper limit, 1 for the lower one of friction."""
+        bounded = self.program.bounded
+        both = bounded[self.program.two_sided[bounded]]
+        return np.append(bounded, both), np.repeat([-1.0, 1.0], [len(bounded), len(both)])
 
     def balance(self, *columns: Array | csc_array) -> tuple[csc_array, int]:
         """Rows of the equations of a conic program, and the number of equal pulls among them.
@@ -118,7 +124,7 @@ class ConeProblem:
         of the first piece. The right-hand sides of these last rows are 0.
         """
         first, strap = self.program.bounded_straps
-        pieces = self.program.bounded
+        pieces = self.program.strap_pieces
         later = pieces != first[strap]
         count = int(later.sum())
         more = [csc_array(c[:, None] if c.ndim == 1 else c) for c in columns]
@@ -134,13 +140,14 @@ class ConeProblem:
 
     @property
     def heads(self) -> Array:
-        """Constant term of each cone constraint: the limit of a bond or of a strap, else 0."""
-        bounded = self.program.bounded
+        """Constant term of each cone constraint: limit of a bond, strap or joint friction, or 0."""
+        bounded, _ = self._limits()
         half_lines = int((~self.program.two_sided & (self.program.mu <= 0)).sum())
         size = 1 + self.directions.shape[1]
         positive = half_lines + len(bounded)
         heads = np.zeros(positive + size * len(self.rough))
-        heads[half_lines:positive] = self.program.capacity[bounded] / self.problem.unit
+        limits = self.program.capacity[bounded] / self.program.arm[bounded]
+        heads[half_lines:positive] = limits / self.problem.unit
         heads[positive::size] = self.program.cohesion[self.rough] / self.problem.unit
         return heads
 

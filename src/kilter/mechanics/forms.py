@@ -182,9 +182,9 @@ def _over_weight(program: Program, frame: Array, weight: Array, wrench: Array) -
 
 
 def _force_bounds(problem: ScaledProblem) -> tuple[Array, Array]:
-    """Bounds of each row's scaled force: 0 and its capacity for one-sided rows, else unbounded."""
-    lower = np.where(problem.program.two_sided, -np.inf, 0.0)
-    return lower, problem.program.capacity / problem.unit
+    """Bounds of each row's scaled force: its capacity, and 0 for one-sided rows."""
+    upper = problem.program.capacity / (problem.unit * problem.program.arm)
+    return np.where(problem.program.two_sided, -upper, 0.0), upper
 
 
 def equilibrium(problem: ScaledProblem) -> LinearProgram:

@@ -29,7 +29,14 @@ from kilter.arrays import Array, Mask, across, cross
 from kilter.assembly import GROUND, Assembly, Joint
 from kilter.assembly.geometry import Geometry
 
-__all__ = ["constraints", "joint_constraints", "joint_forces", "joint_wrench", "reference_point"]
+__all__ = [
+    "constraints",
+    "joint_constraints",
+    "joint_forces",
+    "joint_wrench",
+    "reference_point",
+    "spring_wrenches",
+]
 
 
 def joint_constraints(
@@ -97,6 +104,25 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
     # the point of the axis nearest to the centre keeps the lever arms short
     along: Array = point + joint.axis * float(joint.axis @ (center - point))
     return along
+
+
+def spring_wrenches(assembly: Assembly) -> Array:
+    """Wrenches of the springs of all joints on the parts, about their centres, shape (N, 6)."""
+    total = np.zeros((len(assembly.parts), 6))
+    for joint in assembly.joints:
+        if not joint.stiffness * joint.rest:
+            continue
+        along = joint.stiffness * joint.rest * np.asarray(joint.axis)
+        at = _anchor(assembly, assembly.geometry, joint)
+        for part, sign in zip(_joint_parts(assembly, joint), (1.0, -1.0), strict=True):
+            if part < 0:
+                continue
+            if joint.kind == "revolute":
+                total[part, 3:] += sign * along
+            else:
+                total[part, :3] += sign * along
+                total[part, 3:] += sign * cross(at - assembly.geometry.center[part], along)
+    return total
 
 
 def reference_point(assembly: Assembly, number: int) -> Array:

@@ -104,7 +104,7 @@ def _least_opening(program: Program, motion: Array) -> float:
     rows = program.rough
     with np.errstate(over="ignore"):  # an infinite motion opens nothing
         openings[rows] -= program.mu[rows] * np.linalg.norm(program.slips(motion, rows), axis=1)
-    openings[program.bounded] = np.inf  # a strap may lengthen
+    openings[program.bounded] = np.inf  # a strap may lengthen, friction may yield
     return float(openings[~program.two_sided].min(initial=np.inf))
 
 
@@ -117,7 +117,7 @@ def _shortest_opening(wide: ConeProblem) -> ConicProgram:
     rough = wide.rough[rubs]
     slips = [count + k * len(wide.rough) + rubs for k in range(wide.directions.shape[1])]
     return opening_program(
-        opening[np.flatnonzero(program.two_sided)],
+        opening[np.flatnonzero(program.two_sided & np.isinf(program.capacity))],
         opening[np.flatnonzero(smooth)],
         [opening[rows] for rows in (rough, *slips)],
         program.mu[rough],

@@ -29,11 +29,15 @@ from kilter.assembly.strap_wrenches import strap_wrenches
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.friction_coefficients import certain_friction
 from kilter.mechanics.bond_rows import clamp_of
+from kilter.mechanics.joints import spring_wrenches
 from kilter.mechanics.mechanics_tolerances import BLUR, TOLERANCE
 from kilter.mechanics.rows import (
     BONDED,
     CONTACT,
+    DRAG,
     KINDS,
+    STOP,
+    STRAP,
     ForceRows,
     bonded_rows,
     contact_rows,
@@ -78,7 +82,8 @@ class Program:
     applied : ndarray, shape (N, 6)
         Given loads: force [N] and torque about the centre of mass [N x length unit].
     clamp : ndarray, shape (N, 6)
-        Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, in the same form.
+        Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, and the loads of
+        springs of joints, in the same form.
     part_a, part_b, point, normal, kind, two_sided, angular : ndarray
     mu, source, doubt, pull, tied, shear, capacity : ndarray
         Arrays of the K rows, as in `kilter.mechanics.rows.ForceRows`.
@@ -216,21 +221,32 @@ class Program:
 
     @property
     def has_strength(self) -> bool:
-        """True if the program has bonds or straps, whose strength does not grow with the load."""
+        """True if the program has bonds, straps, joint friction or springs.
+
+        Their strength does not grow with the load.
+        """
         return bool(self.pull.any() or self.clamp.any() or self.has_limits)
 
     @property
     def bounded(self) -> Index:
-        """Indices of the rows whose force is at most a capacity: pieces of straps, shape (S,)."""
+        """Indices of the rows whose force is at most a capacity, of straps and of joint friction.
+
+        The force of a row that is two-sided is at least minus the capacity.
+        """
         return np.flatnonzero(np.isfinite(self.capacity))
 
     @property
+    def strap_pieces(self) -> Index:
+        """Indices of the rows of straps with a capacity, shape (S,)."""
+        return np.flatnonzero(self.kind == STRAP)
+
+    @property
     def bounded_straps(self) -> tuple[Index, Index]:
-        """First row of each strap with a capacity, (n,), and the strap of each bounded row, (S,).
+        """First row of each strap with a capacity, (n,), and the strap of each piece, (S,).
 
         The pieces of a strap have the same pull, since its corners have no friction.
         """
-        rows = self.bounded
+        rows = self.strap_pieces
         _, first, strap = np.unique(self.source[rows], return_index=True, return_inverse=True)
         return rows[first], strap
 
@@ -239,13 +255,31 @@ class Program:
         first, strap = self.bounded_straps
         equal = forces.copy()
         if len(first) < len(strap):
-            mean = np.bincount(strap, forces[self.bounded]) / np.bincount(strap)
-            equal[self.bounded] = mean[strap]
+            pieces = self.strap_pieces
+            mean = np.bincount(strap, forces[pieces]) / np.bincount(strap)
+            equal[pieces] = mean[strap]
         return equal
+
+    def by_stops(self, forces: Array) -> Array:
+        """Copy of row forces, shape (K,), in which stops carry as much as friction would beside.
+
+        The sum along the free motion of each joint stays, but for what exceeds the limits.
+        """
+        shared = forces.copy()
+        rows = np.flatnonzero(np.isin(self.kind, (STOP, DRAG)))
+        for joint in np.unique(self.source[rows]):
+            mine = rows[self.source[rows] == joint]
+            senses = self.normal[mine] @ self.normal[mine[0]]
+            left = float(senses @ forces[mine])
+            for row, sense in zip(mine, senses, strict=True):  # the stops come first
+                least = -self.capacity[row] if self.two_sided[row] else 0.0
+                shared[row] = min(max(sense * left, least), self.capacity[row])
+                left -= sense * shared[row]
+        return shared
 
     @property
     def has_limits(self) -> bool:
-        """True if a force has a limit of its own: the shear of a bond, or the pull of a strap.
+        """True if a force has a limit of its own: shear of a bond, pull of a strap, joint friction.
 
         Only conic programs model these limits.
         """
@@ -253,8 +287,10 @@ class Program:
 
     @property
     def strength(self) -> float:
-        """Sum of all limits of bonds, and of straps with a capacity [N]."""
-        limits = self.pull.sum() + self.cohesion.sum() + self.capacity[self.bounded].sum()
+        """Sum of all limits of bonds, straps with a capacity, and joint friction [N]."""
+        rows = self.bounded
+        limits = self.pull.sum() + self.cohesion.sum()
+        limits += (self.capacity[rows] / self.arm[rows]).sum()
         return float(limits)
 
     @property
@@ -311,9 +347,10 @@ class Program:
         return slip
 
     def power(self, motion: Array) -> float:
-        """Power of the load in a motion, shape (N, 6), minus that of bonds and straps.
+        """Power of the load in a motion, shape (N, 6), minus that of bonds, straps and joints.
 
-        Bonds that slip, and straps that lengthen, take up the most that their limits permit.
+        Bonds that slip, straps that lengthen, and joints with friction that move take up the most
+        that their limits permit.
         """
         taken = 0.0
         rows = np.flatnonzero(self.shear > 0)
@@ -321,8 +358,10 @@ class Program:
             slips = np.linalg.norm(self.slips(motion, rows), axis=1)
             taken = float(self.shear[rows] @ slips)
         if len(self.bounded):
+            speed, rubs = self.velocities(motion), np.flatnonzero(self.kind == DRAG)
+            taken += float(self.capacity[rubs] @ np.abs(speed[rubs]))
             first, strap = self.bounded_straps
-            lengthening = np.bincount(strap, -self.velocities(motion)[self.bounded])
+            lengthening = np.bincount(strap, -speed[self.strap_pieces])
             taken += float(self.capacity[first] @ np.maximum(lengthening, 0.0))
         return float((self.load * motion).sum()) - taken
 
@@ -456,7 +495,8 @@ def build_program(
         blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
         blocks.append(sticking_rows(contacts, geometry))
-    blocks += [joint_rows(assembly, geometry), strap_rows(assembly, geometry)]
+    joints = joint_rows(assembly, geometry, contacts.tolerance)
+    blocks += [joints, strap_rows(assembly, geometry)]
     rows = ForceRows.join(blocks)
     return Program(
         names=assembly.names,
@@ -468,7 +508,8 @@ def build_program(
         gravity=assembly.gravity,
         applied=_applied_loads(assembly, geometry),
         clamp=clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull)
-        + strap_wrenches(assembly),
+        + strap_wrenches(assembly)
+        + spring_wrenches(assembly),
         tolerance=_part_tolerances(contacts, geometry),
         planar=assembly.planar,
         units=assembly.units,

@@ -24,7 +24,7 @@ from kilter.mechanics.joints import joint_wrench, reference_point
 from kilter.mechanics.law_check import LawProof
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import FORMAT
-from kilter.mechanics.rows import BONDED, CONTACT, JOINT
+from kilter.mechanics.rows import BONDED, CONTACT, OF_JOINTS
 
 __all__ = [
     "Evidence",
@@ -200,7 +200,7 @@ def _contact_forces(program: Program, proof: ForceProof) -> list[list[float]]:
 
 def _friction_data(program: Program, evidence: Evidence, rows: Index) -> dict[str, Any]:
     """JSON data of the evidence of a verdict with friction."""
-    joints = np.flatnonzero(program.kind == JOINT)
+    joints = np.isin(program.kind, OF_JOINTS)
     witness = evidence.witness
     data: dict[str, Any] = {"guarantee": evidence.guarantee, "exclusion": evidence.exclusion}
     data["witness"] = None if witness is None else {
@@ -243,6 +243,7 @@ def joints_of(
                 "kind": joint.kind,
                 "point": about.tolist(),
                 "axis": None if joint.axis is None else joint.axis.tolist(),
+                **joint.guide,
                 "wrench": wrench,
             }
         )
@@ -250,8 +251,8 @@ def joints_of(
 
 
 def rows_of(program: Program, joint: int) -> Index:
-    """Indices of the rows of a joint, given by its position in the assembly."""
-    return np.flatnonzero((program.kind == JOINT) & (program.source == joint))
+    """Indices of the rows of a joint, with stops and friction, by its position in the assembly."""
+    return np.flatnonzero(np.isin(program.kind, OF_JOINTS) & (program.source == joint))
 
 
 def frame_of(program: Program, rows: Index) -> tuple[Array, Mask, Array]:

@@ -179,7 +179,14 @@ PROOF = keys(
         )
     ),
     loads=LOADS,
-    joints=list_of(keys(parts=PAIR, kind=WORD, point=VECTOR, axis=nullable(VECTOR))),
+    joints=list_of(
+        every(
+            keys(parts=PAIR, kind=WORD, point=VECTOR, axis=nullable(VECTOR)),
+            optional_keys(
+                limits=list_of(NUMBER, 2), friction=NUMBER, stiffness=NUMBER, rest=NUMBER
+            ),
+        )
+    ),
 )
 """Keys of every proof."""
 FORCES = every(

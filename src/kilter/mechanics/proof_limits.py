@@ -10,7 +10,7 @@ f_k >= 0 is counted from T_k, and T_i is the sum of the pulls on part i. Forces 
 
 so e_i is what rounding of the forces explains, and no squeeze excuses more. A motion q, with a
 fastest part of size |q_i| = 1, closes row k by v_k = max(mu |u_t| - u_n, 0). It is a proof only if
-its power P (less the power that bonds and straps take up) exceeds
+its power P (less the power that bonds, straps and joint friction take up) exceeds
 
     sum |q_i| (eps_i W_i + rho_i T_i) + min(A, B),   summed over the clusters that it moves
     A = sum (delta_c + L v) M_c + sum T_k v_k
@@ -136,7 +136,7 @@ class PowerLimit:
     shares : ndarray, shape (2, N)
         Share of the weight of each part in A and in B [-].
     strength : ndarray, shape (2, K)
-        Power of the strength of the bond or strap of each row in A and in B [W].
+        Power of the strength of the bond, strap or joint of each row in A and in B [W].
     """
 
     parts: Array
@@ -167,7 +167,8 @@ def power_limit(
     program : Program
         Of a single assembly, or of several side by side.
     opening : ndarray, shape (K,)
-        u_n - mu |u_t| of each row, times its arm; 0 for straps with a capacity.
+        u_n - mu |u_t| of each row, times its arm; 0 for straps with a capacity and for joint
+        friction.
     sizes : ndarray, shape (N,)
         Size |q_i| of the motion of each part.
     mu : ndarray, shape (K,), optional
@@ -186,7 +187,7 @@ def power_limit(
     kept = np.where(program.two_sided, -closing, opening)
     rounded = np.maximum((1.0 + mu) * rounding - kept, 0.0)
     limits = program.cohesion
-    limits[bounded] = program.capacity[bounded]
+    limits[bounded] = program.capacity[bounded] / program.arm[bounded]
     closing[bounded] = rounded[bounded] = 0.0
     row_owner = owner[np.maximum(program.part_a, program.part_b)]
     most = np.zeros((2, int(owner.max(initial=0)) + 1))

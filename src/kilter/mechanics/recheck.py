@@ -33,7 +33,7 @@ from kilter.mechanics.proof import (
     open_pairs_of,
     rows_of,
 )
-from kilter.mechanics.rows import BONDED, CONTACT, JOINT
+from kilter.mechanics.rows import BONDED, CONTACT, JOINT, OF_JOINTS
 
 __all__ = ["RecheckResult", "proof_forces", "recheck"]
 
@@ -142,10 +142,8 @@ def _subject_objections(
         reasons.append("its loads differ from those of the file")
     if proof.get("straps", []) != [strap.to_dict() for strap in assembly.straps]:
         reasons.append("its straps differ from those of the file")
-    keys = ("parts", "kind", "point", "axis")
-    joints = [[entry[key] for key in keys] for entry in proof["joints"]]
-    file_joints = joints_of(assembly, program, None)
-    if joints != [[entry[key] for key in keys] for entry in file_joints]:
+    joints = [{**entry, "wrench": None} for entry in proof["joints"]]
+    if joints != joints_of(assembly, program, None):
         reasons.append("its joints differ from those of the file")
     return reasons
 
@@ -225,13 +223,14 @@ def _given_forces(
             ["the proof does not have a force for each contact point"],
         )
     forces, friction = program.row_forces(vectors)
-    if len(joints) != int((program.kind == JOINT).sum()):
+    of_joints = np.isin(program.kind, OF_JOINTS)
+    if len(joints) != int(of_joints.sum()):
         return forces, friction, ["the proof does not have a force for each row of a joint"]
-    forces[np.flatnonzero(program.kind == JOINT)] = joints
+    forces[of_joints] = joints
     straps, strap = program.bounded_straps
     if len(pulls) != len(straps):
         return forces, friction, ["the proof does not have a pull for each strap with a capacity"]
-    forces[program.bounded] = np.asarray(pulls, dtype=float)[strap]
+    forces[program.strap_pieces] = np.asarray(pulls, dtype=float)[strap]
     capacity = program.capacity[straps]
     if (forces[straps] < -AGREES * capacity).any():
         return forces, friction, ["a strap pushes"]
@@ -265,7 +264,7 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     wrench, about = np.asarray(joint["wrench"], dtype=float), np.asarray(joint["point"])
     rows = rows_of(program, number)
     frame = frame_of(program, rows)
-    forces = joint_forces(*frame, wrench, about)
+    forces = _shared(program, rows, joint_forces(*frame, wrench, about))
     force, torque = np.abs(wrench[:3]).max(), np.abs(wrench[3:]).max()
     turning = rows[program.angular[rows]]
     length = float(program.arm[turning].max(initial=0.0)) or float(program.radius.min())
@@ -278,6 +277,19 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     return forces, [f"the {joint['kind']} joint of {pair} has a load that its kind cannot carry"]
 
 
+def _shared(program: Program, rows: Index, forces: Array) -> Array:
+    """Forces of a joint's rows in which the part along the free motion counts once.
+
+    Each of the rows along the free motion has this whole part in `forces`.
+    """
+    guides = np.flatnonzero(program.kind[rows] != JOINT)
+    single = forces.copy()
+    single[guides[1:]] = 0.0
+    whole = np.zeros(len(program.part_a))
+    whole[rows] = single
+    return program.by_stops(whole)[rows]
+
+
 def proof_forces(program: Program, proof: dict[str, Any]) -> tuple[Array, Array, list[str]]:
     """Forces along the rows, (K,), and across them, (K, 3), of a proof [N], and objections."""
     joints = np.zeros(len(program.part_a))
@@ -285,7 +297,7 @@ def proof_forces(program: Program, proof: dict[str, Any]) -> tuple[Array, Array,
     for number, entry in enumerate(proof["joints"]):
         joints[rows_of(program, number)], objections = _joint_forces(program, entry, number)
         joint_objections += objections
-    joints = joints[program.kind == JOINT]
+    joints = joints[np.isin(program.kind, OF_JOINTS)]
     forces, friction, reasons = _given_forces(
         program, proof["forces"], joints, proof.get("pulls", [])
     )
@@ -344,8 +356,8 @@ def _witness_check(
 ) -> LawProof | None:
     """Check a motion in a proof against the contact law; None if it does not fit the program."""
     free = {n for n, f in zip(program.names, program.free, strict=True) if f}
-    kinds = {"forces": CONTACT, "joints": JOINT, "bonds": BONDED}
-    rows = {key: program.kind == kind for key, kind in kinds.items()}
+    kinds = {"forces": (CONTACT,), "joints": OF_JOINTS, "bonds": (BONDED,)}
+    rows = {key: np.isin(program.kind, kind) for key, kind in kinds.items()}
     if set(witness["acceleration"]) != free or any(
         len(witness[key]) != int(mask.sum()) for key, mask in rows.items()
     ):

@@ -11,6 +11,8 @@ force or joint that it comes from. Code finds rows by their labels, never by the
     STICKING    a tangential force of any size at a contact point; `source` is its patch
     BONDED      the same at a point whose bond carries any shear; `source` is its patch
     STRAP       the pull of a strap up to its capacity; `source` is the strap
+    STOP        the push of a joint at a limit, along its free motion; `source` is the joint
+    DRAG        the friction of a joint, of either sign up to its capacity; `source` is the joint
 """
 
 from __future__ import annotations
@@ -23,6 +25,8 @@ from kilter.arrays import Array, Index, Mask, Rows, across, columns
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.contact.gaps import Tolerance
+from kilter.contact.joint_stops import reached_limits
 from kilter.mechanics.bond_rows import bonded_points
 from kilter.mechanics.joints import joint_constraints
 from kilter.rigid import unit
@@ -30,10 +34,13 @@ from kilter.rigid import unit
 __all__ = [
     "BONDED",
     "CONTACT",
+    "DRAG",
     "JOINT",
     "KINDS",
+    "OF_JOINTS",
     "POSSIBLE",
     "STICKING",
+    "STOP",
     "STRAP",
     "ForceRows",
     "bonded_rows",
@@ -45,9 +52,11 @@ __all__ = [
     "strap_rows",
 ]
 
-CONTACT, POSSIBLE, JOINT, STICKING, BONDED, STRAP = 0, 1, 2, 3, 4, 5
+CONTACT, POSSIBLE, JOINT, STICKING, BONDED, STRAP, STOP, DRAG = range(8)
 """Kinds of rows."""
-KINDS = ("contact", "possible", "joint", "sticking", "bonded", "strap")
+OF_JOINTS = (JOINT, STOP, DRAG)
+"""Kinds of rows whose source is a joint."""
+KINDS = ("contact", "possible", "joint", "sticking", "bonded", "strap", "stop", "drag")
 """Names of the kinds of rows."""
 
 
@@ -64,7 +73,7 @@ class ForceRows(Rows):
     normal : ndarray, shape (K, 3)
         Unit directions from part a to part b.
     kind : ndarray of int, shape (K,)
-        CONTACT, POSSIBLE, JOINT, STICKING, BONDED or STRAP.
+        CONTACT, POSSIBLE, JOINT, STICKING, BONDED, STRAP, STOP or DRAG.
     two_sided : ndarray of bool, shape (K,)
         True for forces of both signs.
     angular : ndarray of bool, shape (K,)
@@ -84,7 +93,8 @@ class ForceRows(Rows):
         Largest shear force of the bond of a contact row [N], instead of friction; NaN without such
         a limit.
     capacity : ndarray, shape (K,)
-        Largest force of the row of a strap [N]; infinite for the other kinds.
+        Largest size of the force of a strap or of the friction of a joint [N] or [N x length
+        unit]; infinite for the other kinds.
     """
 
     part_a: Index
@@ -215,8 +225,8 @@ def _wrench_rows(possible: PossibleContacts, geometry: Geometry) -> ForceRows:
     )
 
 
-def joint_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
-    """Rows of the joints that constrain a free part."""
+def joint_rows(assembly: Assembly, geometry: Geometry, tolerance: Tolerance) -> ForceRows:
+    """Rows of the joints that constrain a free part, with their stops and their friction."""
     blocks = []
     for number in range(len(assembly.joints)):
         (a, b), point, linear, angular = joint_constraints(assembly, number)
@@ -228,7 +238,33 @@ def joint_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:
             np.concatenate([linear, angular]), np.ones(count, dtype=bool), np.full(count, number),
         )  # fmt: skip
         blocks.append(replace(rows, angular=np.arange(count) >= len(linear)))
+        blocks.append(_guide_rows(assembly, number, (a, b), point, tolerance))
     return ForceRows.join(blocks)
+
+
+def _guide_rows(
+    assembly: Assembly, number: int, ends: tuple[int, int], point: Array, tolerance: Tolerance
+) -> ForceRows:
+    """Rows along the free motion of a joint: its stops, then its friction."""
+    joint = assembly.joints[number]
+    reached = reached_limits(assembly, joint, tolerance)
+    # the opening of a row is that of the second part past the first: the position falls with it
+    senses = [sense for sense, there in zip((-1.0, 1.0), reached, strict=True) if there]
+    kinds = [STOP] * len(senses) + [DRAG] * (joint.friction > 0)
+    count = len(kinds)
+    if not count:
+        return ForceRows.join([])
+    along = np.array([*senses, -1.0][:count])[:, None] * joint.axis
+    rows = _frictionless_rows(
+        STOP, np.full(count, ends[0]), np.full(count, ends[1]), np.tile(point, (count, 1)), along,
+        np.array(kinds) == DRAG, np.full(count, number),
+    )  # fmt: skip
+    return replace(
+        rows,
+        kind=np.array(kinds),
+        angular=np.full(count, joint.kind == "revolute"),
+        capacity=np.where(rows.two_sided, joint.friction, np.inf),
+    )
 
 
 def strap_rows(assembly: Assembly, geometry: Geometry) -> ForceRows:

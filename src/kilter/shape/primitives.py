@@ -25,7 +25,7 @@ from kilter.validate import finite, frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
+__all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "piece_count", "surface"]
 
 
 CYLINDER_SIDES = 96
@@ -199,12 +199,16 @@ class Mesh(Value):
     accuracy : float, optional
         Largest error of a coordinate [length unit]. The default is the rounding of the type of
         the numbers (float32 or float64).
+    pieces : array_like of int, shape (m,), optional
+        Number of the piece to which each triangle belongs. Contacts of different pieces may have
+        different friction (`FrictionPair`). By default all triangles belong to piece 0.
 
     Raises
     ------
     InputError
-        If a vertex is not finite, an index is out of range, or a face has fewer than
-        three corners. The geometry of the assembly verifies later that the surface is closed.
+        If a vertex is not finite, an index is out of range, a face has fewer than three corners, or
+        there is not a piece for each triangle. The geometry of the assembly verifies later that
+        the surface is closed.
 
     Examples
     --------
@@ -214,13 +218,16 @@ class Mesh(Value):
     (4, 3)
     """
 
-    __slots__ = ("accuracy", "triangles", "vertices")
+    __slots__ = ("accuracy", "pieces", "triangles", "vertices")
 
     vertices: Array
     triangles: Index
     accuracy: float
+    pieces: Index | None
 
-    def __init__(self, vertices: Any, faces: Any, *, accuracy: float | None = None) -> None:
+    def __init__(
+        self, vertices: Any, faces: Any, *, accuracy: float | None = None, pieces: Any = None
+    ) -> None:
         single = getattr(vertices, "dtype", None) == np.float32
         self.vertices = frozen(vertices, (-1, 3)) if len(vertices) else frozen(np.empty((0, 3)))
         bad = np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))
@@ -236,6 +243,7 @@ class Mesh(Value):
         self.accuracy = (
             largest * (2.0**-24 if single else 2.0**-53) if accuracy is None else float(accuracy)
         )
+        self.pieces = None if pieces is None else _piece_numbers(pieces, len(self.triangles))
 
     @classmethod
     def convex_hull(cls, points: ArrayLike) -> Mesh:
@@ -265,10 +273,37 @@ class Mesh(Value):
             ) from None
 
     def _content(self) -> tuple[Any, ...]:
-        return self.vertices, self.triangles, self.accuracy
+        pieces = () if self.pieces is None else (self.pieces,)
+        return self.vertices, self.triangles, self.accuracy, *pieces
 
     def __repr__(self) -> str:
         return f"Mesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
+
+
+def _piece_numbers(pieces: Any, count: int) -> Index | None:
+    """Piece of each of `count` triangles; None if all belong to piece 0.
+
+    Raises
+    ------
+    InputError
+        If the numbers are not `count` integers from 0 on.
+    """
+    try:
+        given = np.asarray(pieces)
+        numbers: Index = given.astype(np.int64)
+        sound = numbers.shape == (count,) and bool((numbers == given).all())
+        sound = sound and bool((numbers >= 0).all())
+    except (TypeError, ValueError, OverflowError):
+        sound = False
+    if not sound:
+        raise InputError(
+            "the pieces of the mesh are invalid",
+            hint=f"give an integer from 0 on for each of the {count} triangles",
+        )
+    if not numbers.any():
+        return None
+    numbers.flags.writeable = False
+    return numbers
 
 
 def _outline(polygon: Any) -> Any:
@@ -284,6 +319,12 @@ def _outline(polygon: Any) -> Any:
 
 
 Shape = Box | Cylinder | Sphere | Prism | Mesh | Solid
+
+
+def piece_count(shape: Shape) -> int:
+    """Number of pieces of a shape; only meshes have several."""
+    several = isinstance(shape, Mesh) and shape.pieces is not None
+    return int(shape.pieces.max()) + 1 if several else 1  # type: ignore[union-attr]
 
 
 def surface(shape: Shape) -> tuple[Array, Index]:

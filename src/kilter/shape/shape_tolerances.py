@@ -27,6 +27,9 @@ EDGE_END = 1e-9
 """Distance from the end of an edge within which a vertex does not split the edge [edge lengths]."""
 POLYGON_AREA = 1e-12
 """Area up to which a polygon counts as flat [squares of its size]."""
+COMMON_VOLUME = 1e-6
+"""Common volume of two shells of a mesh up to which they do not overlap, and volume outside up to
+which one contains the other [volumes of the smaller shell]."""
 CUT_AREA = 1e-6
 """Largest difference between the area of a polygon and the total area of its triangles [area of the
 polygon]."""

@@ -71,6 +71,7 @@ def check_facts(answer: Answer) -> list[Fact]:
     forces = forces_phrase(answer["forces"])
     if forces is not None:
         facts.append(("forces", forces))
+    facts += _guide_facts(answer)
     if answer["bonds_needed"] is not None:
         facts.append(("bonds", bond_words(**answer["bonds_needed"])))
     if answer["z"] is not None and answer["verdict"] != "stable":
@@ -112,6 +113,22 @@ def _settles(answer: Answer) -> str:
 
 def _free_mass(parts: Iterable[Answer]) -> float:
     return math.fsum(part["mass"] for part in parts if not part["grounded"])
+
+
+def _guide_facts(answer: Answer) -> list[Fact]:
+    """Return a line for each joint that a stop, friction or a spring holds, with their forces."""
+    facts: list[Fact] = []
+    for joint in (answer["forces"] or {}).get("joints", ()):
+        unit = "" if joint["kind"] == "prismatic" else f" {answer['units']}"
+        acting = [
+            f"{name} {force(abs(joint[name]))}{unit}"
+            for name in ("stop", "friction", "spring")
+            if joint[name]
+        ]
+        if acting:
+            facts.append(("" if facts else "joint forces",
+                          f"{' - '.join(joint['parts'])}: {', '.join(acting)}"))  # fmt: skip
+    return facts
 
 
 def _density(density: Answer) -> str:
@@ -164,7 +181,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
 
 
 def forces_phrase(forces: Answer | None) -> str | None:
-    """Return the largest contact force, and the largest share of the friction limit in use."""
+    """Return the largest contact force, and the largest share of the friction that is needed."""
     patches = [] if forces is None else forces["patches"]
     if not patches:
         return None
@@ -173,7 +190,7 @@ def forces_phrase(forces: Answer | None) -> str | None:
     rubs = [patch for patch in patches if patch["utilisation"]]
     if rubs:
         most = max(rubs, key=lambda patch: float(patch["utilisation"]))
-        words += f"; friction used up to {percent(most['utilisation'])} ({_pair(most)})"
+        words += f"; needs up to {percent(most['utilisation'])} of the friction ({_pair(most)})"
     return words
 
 

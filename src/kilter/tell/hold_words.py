@@ -30,6 +30,8 @@ def hold_sentence(answer: Answer) -> str:
         if not answer["candidates"]:
             return "It falls, and no candidate support exists."
         every = "with its only candidate" if answer["candidates"] == 1 else f"with all {candidates}"
+        if answer["code"]:
+            return f"No set of {candidates} holds in {_directions(answer)}: that is proved."
         return f"It falls even {every} as {noun}s: it is proved that a motion remains free."
     proved = f"It is proved that at least {count(least, noun)} must be used"
     why = "the effort limit was reached"
@@ -49,6 +51,11 @@ def _noun(answer: Answer) -> str:
     return "support" if answer["straps"] is None else "strap"
 
 
+def _directions(answer: Answer) -> str:
+    """Return the words for the directions of the code."""
+    return f"all {len(answer['cases'])} directions of {answer['code']}"
+
+
 def _held_sentence(answer: Answer, candidates: str) -> str:
     """Return the sentence about supports that hold the assembly, at the required level or below."""
     noun, least = _noun(answer), answer["least"]
@@ -57,15 +64,17 @@ def _held_sentence(answer: Answer, candidates: str) -> str:
         return "Balanced with nothing held: the slightest push makes it fall."
     if not answer["holds"]:
         with_supports = f"with {count(held, noun)}" if held else "with nothing held"
-        first = f"Forces that hold it exist {with_supports} (level {answer['level']})"
+        where = f" in {_directions(answer)}" if answer["code"] else ""
+        first = f"Forces that hold it exist {with_supports}{where} (level {answer['level']})"
         if noun == "strap":
             return f"{first}, and it is proved that fewer straps are not enough."
         if not answer["exhausted"]:
             return f"{first}. A higher level was not found within the {_limit(answer)}."
         return f"{first}; no set of {noun}s that was tried reaches the level {answer['require']}."
+    where = f" in {_directions(answer)}" if answer["code"] else ""
     if not held:
-        return "It holds by itself: nothing must be held."
-    first = f"It holds with {count(held, noun)} of {candidates} (level {answer['level']})"
+        return f"It holds by itself{where}: nothing must be held."
+    first = f"It holds with {count(held, noun)} of {candidates}{where} (level {answer['level']})"
     if answer["fewest"]:
         return f"{first}. It is proved that fewer {noun}s are not enough."
     if least == 0 or answer["require"] != "equilibrium":
@@ -88,6 +97,9 @@ def hold_facts(answer: Answer) -> list[tuple[str, str]]:
         by = some_names(motion["stopped_by"], 4) or "no candidate"
         words = f"{some_names(motion['moving'], 3)} would move; stopped by {by}"
         rows.append(("" if k else "because", words))
+    for case in answer["cases"]:
+        along = vector(case["acceleration"])
+        rows.append((case["name"], f"acceleration {along} m/s²: level {case['level'] or 'none'}"))
     for strap in answer["straps"] or ():
         rows.append((f"strap {strap['candidate']}", _strap_words(strap)))
     sets, candidates = count(answer["judged"], "set"), count(answer["candidates"], "candidate")

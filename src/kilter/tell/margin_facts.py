@@ -28,7 +28,8 @@ def margin_facts(answer: Answer) -> list[Fact]:
     about = answer["about"]
     if about is not None:
         turn = about["tilt_deg"]
-        words = "a full turn is held" if turn is None else angle(turn)
+        sense = f"about {vector(about['axis'])} by the right-hand rule"
+        words = f"{'a full turn is held' if turn is None else angle(turn)} {sense}"
         at_level = _at_level(answer, "about_deg", angle)
         facts.append(("about axis", words + _starting(about["limit"]) + at_level))
     facts.append(("friction", _least_friction(answer)))
@@ -103,7 +104,7 @@ def _tilt(answer: Answer) -> str:
     if tilt is None:
         why = answer["missing"].get("tilt")
         if why is None:
-            return "not defined: given loads, bonds and straps do not turn with gravity"
+            return "not defined: loads, bonds, straps, joint friction or springs do not turn"
         none = "none: not held as given, nor with gravity in any direction within 90 deg of it"
         return UNKNOWN.get(why, none + _as_drawn(answer))
     if answer["tilt_down"] is None:

@@ -81,7 +81,9 @@ CHECK = NextStep(
 )
 
 
-def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | None:
+def next_step(
+    answer: Answer, name: str, *, bricks: bool = False, straps: bool = False
+) -> NextStep | None:
     """Return the command that is most useful after an answer; None if there is none.
 
     Parameters
@@ -92,6 +94,8 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
         Name of a file that the command writes, without its suffix.
     bricks : bool
         Whether the assembly is a model of bricks.
+    straps : bool
+        Whether the command has candidates for straps.
 
     Examples
     --------
@@ -116,7 +120,8 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     if kind == "transport":
         if answer["verdict"] == "unstable":
             return HOLD
-        return _held_against(answer) if answer["cases"] or answer["speed"] else CARRIED
+        asked = answer["cases"] or answer["speed"]
+        return _held_against(answer, straps=straps) if asked else CARRIED
     if kind == "margin":
         if answer["level"] == "proved" and moved_by_least(answer):
             return ROUGH
@@ -127,7 +132,7 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     if kind == "improve":
         return None if answer["verdict"] == "unstable" else LOADS
     if kind == "hold":
-        return PLAN if answer["verdict"] == "held" else None
+        return PLAN if answer["verdict"] == "held" and answer["straps"] is None else None
     if kind == "contacts":
         return CHECK
     if kind == "place" and answer["at"] is None:
@@ -143,13 +148,19 @@ def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | 
     return None
 
 
-def _held_against(answer: Answer) -> NextStep | None:
+def _held_against(answer: Answer, *, straps: bool) -> NextStep | None:
     """The search for supports under the first acceleration that is not carried; else None.
 
     A carrier that turns has no such command.
     """
     for case in answer["cases"]:
         if case["verdict"] == "unstable":
+            if answer["code"] and straps:
+                ahead = (f"{near_zero(x):.15g}" for x in answer["forward"])
+                return NextStep(
+                    ("hold", "--code", answer["code"], "--forward", *ahead),
+                    "finds the fewest of these straps that hold it in every direction",
+                )
             if any(case["angular_velocity"]) or any(case["angular_acceleration"]):
                 return None
             along = (f"{near_zero(x):.15g}" for x in case["acceleration"])

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from kilter.errors import short_name
 
 __all__ = [
+    "COMPUTED",
     "NO_ANGLE",
     "Name",
     "angle",
@@ -25,6 +26,8 @@ __all__ = [
     "vector",
 ]
 
+COMPUTED = "computed, not proved"
+"""Words beside a number that no proof file contains."""
 NO_ANGLE = 1e-9
 """An angle below this is shown as 0, since it comes from rounding [deg]."""
 NO_LENGTH = 1e-12

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kilter.tell.numbers import count, near_zero, number
+from kilter.tell.numbers import COMPUTED, count, near_zero, number
 from kilter.tell.shared_facts import Answer, Fact
 
 __all__ = ["place_facts", "place_sentence"]
@@ -64,10 +64,10 @@ def place_facts(answer: Answer) -> list[Fact]:
     if at is not None:
         facts.append(("height", f"{number(at['height'])} {units} (centre of the part)"))
         if at["unlimited"]:
-            facts.append(("heaviest", "any mass is carried there"))
+            facts.append(("heaviest", f"any mass is carried there ({COMPUTED})"))
         elif at["heaviest"] is not None:
             heaviest = f"{number(at['heaviest'])} kg are" if at["heaviest"] else "no mass is"
-            facts.append(("heaviest", f"{heaviest} carried there"))
+            facts.append(("heaviest", f"{heaviest} carried there ({COMPUTED})"))
     limits = _limits(answer)
     if limits:
         facts.append(("part", limits))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from kilter.tell.numbers import number, plain
+from kilter.tell.numbers import COMPUTED, number, plain
 
 __all__ = ["balanced_sentence", "is_shown", "push_open_sentence", "second_order_words"]
 
@@ -78,13 +78,13 @@ def second_order_words(answer: Mapping[str, Any]) -> str:
     'neutral: without friction a push can move b, and no weight or load resists it'
     >>> second_order_words({"state": "balanced", "rate": 0.5, "motion": {"b": [], "c": []}})
     'balanced: the slightest push makes b and c fall, unless friction holds them; a deviation \
-grows by a factor of 2.7 in 2 s'
+grows by a factor of 2.7 in 2 s or less (computed, not proved)'
     """
     state = answer["state"]
     if state == "minimum":
         more = []
         if answer["rate"]:
-            more.append(f"it swings at {number(answer['rate'], 3)} rad/s or faster")
+            more.append(f"it swings at {number(answer['rate'], 3)} rad/s or faster, {COMPUTED}")
         if answer["free"]:
             spins = "1 spin changes" if answer["free"] == 1 else f"{answer['free']} spins change"
             more.append(f"{spins} no energy")
@@ -97,7 +97,10 @@ grows by a factor of 2.7 in 2 s'
         )
     if state == "balanced":
         rate = answer["rate"]
-        grows = f"; a deviation grows by a factor of 2.7 in {number(1 / rate, 3)} s" if rate else ""
+        grows = ""
+        if rate:
+            seconds = number(1 / rate, 3)
+            grows = f"; a deviation grows by a factor of 2.7 in {seconds} s or less ({COMPUTED})"
         names = _names(list(answer["motion"]))
         them = "it" if len(answer["motion"]) == 1 else "them"
         friction = FRICTION[answer.get("rolling")].format(them=them)

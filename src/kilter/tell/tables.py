@@ -265,7 +265,7 @@ def fastened_table(answer: Answer) -> Table:
 def forces_table(answer: Answer) -> Table:
     """Return the table of contact forces of one equilibrium, the largest first."""
     forces = answer["forces"]
-    head = ["part", "on part", "force", "direction", f"at {answer['units']}", "friction used"]
+    head = ["part", "on part", "force", "direction", f"at {answer['units']}", "friction needed"]
     if forces is None:
         return Table("No contact forces: no equilibrium exists.", (), (), tuple)
     bonded = any(patch["bond_utilisation"] is not None for patch in forces["patches"])

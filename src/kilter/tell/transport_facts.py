@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kilter.errors import some
-from kilter.tell.numbers import number, plain, vector
+from kilter.tell.numbers import COMPUTED, number, plain, vector
 from kilter.tell.shared_facts import Answer, Fact, joint_facts
 
 __all__ = ["transport_facts", "transport_sentence"]
@@ -104,7 +104,7 @@ def _collapse(entry: Answer, fc: float) -> str:
     if entry["a0"] is None:
         return f"{number(entry['alpha0'])}; its mechanism is not known"
     words = f"{number(entry['alpha0'])}, M* {number(entry['participating_mass'])} kg"
-    words += "" if entry["unique"] else " (not unique: the largest)"
+    words += "" if entry["unique"] else f" (not unique: the largest that was {COMPUTED})"
     words += f", e* {number(entry['e'])}, a0* {number(entry['a0'])} m/s^2 at FC {number(fc)}"
     if entry["a0_moving"] < SAME_A0 * entry["a0"]:
         words += f" ({number(entry['a0_moving'])} m/s^2 with the mass of moving parts alone)"
@@ -156,13 +156,13 @@ def _path_sentence(answer: Answer) -> str:
             return "At a pose of the path a part moves even at rest, so it moves at every speed."
         return f"The speed of the path is {UNKNOWN[why]}."
     if path["factor"] is None:
-        return "The path is carried at every speed up to 100 times as fast."
+        return f"The path is carried at every speed up to 100 times as fast ({COMPUTED})."
     where = "" if path["between_samples"] else " at its samples"
     factor = number(path["factor"])
     carried = "Carried" if answer["carried"] else "Not carried"
     return (
-        f"{carried}: the path may run {factor} times as fast{where}; faster, a part moves first at "
-        f"{number(path['time'])} s."
+        f"{carried}: the path may run {factor} times as fast{where} ({COMPUTED}); faster, a part "
+        f"moves first at {number(path['time'])} s."
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +14,7 @@ __all__ = [
     "GAINS",
     "NAMED",
     "VERDICTS",
+    "RoundMantle",
     "found_sentence",
     "live_words",
     "motion_summary",
@@ -141,6 +143,7 @@ def verdict_sentence(
     counted: str = "",
     bonded: bool = False,
     has_open_pairs: bool = False,
+    rubbing_joints: bool = False,
 ) -> str:
     """Return the sentence of a verdict other than undecided.
 
@@ -167,6 +170,8 @@ def verdict_sentence(
         Whether the assembly has bonds.
     has_open_pairs : bool
         Whether the assembly has open pairs. An unstable verdict is proved for all their contacts.
+    rubbing_joints : bool
+        Whether a joint has friction.
 
     Examples
     --------
@@ -186,7 +191,7 @@ how it starts to move.'
     counting += ", if no bond breaks below its capacity" if bonded else ""
     return SENTENCES[verdict, key].format(
         within=(", up to the accuracy of its coordinates" if coarse else "") + counting,
-        slippery="" if counted else ", even without friction",
+        slippery="" if counted else f", even without friction{' of contacts' * rubbing_joints}",
         smooth="without friction " if frictionless else "",
         assumed=f" ({assumed})" if assumed else "",
         beyond=", by more than the accuracy of its coordinates" if coarse else "",
@@ -278,6 +283,32 @@ def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
     }
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class RoundMantle:
+    """Sphere, or mantle of a cylinder, on which a part may roll.
+
+    Attributes
+    ----------
+    center : ndarray, shape (3,)
+        Centre of the sphere, or a point of the axis [length unit].
+    axis : ndarray, shape (3,), or None
+        Unit vector of the axis; None for a sphere.
+    radius : float
+    """
+
+    center: Array
+    axis: Array | None
+    radius: float
+
+    def touches(self, point: Array, along: Array) -> bool:
+        """Whether the line through a point along a unit vector is a tangent or a generator."""
+        if self.axis is not None and np.linalg.norm(np.cross(self.axis, along)) > ALONG:
+            return False
+        arm = point - self.center
+        away = float(np.linalg.norm(arm - (arm @ along) * along))
+        return abs(away - self.radius) <= SMALL * self.radius
+
+
 def motion_words(
     acceleration: Array,
     relative: Array,
@@ -286,12 +317,14 @@ def motion_words(
     center: Array | None = None,
     unit: float = 1.0,
     sizes: bool = True,
+    mantle: RoundMantle | None = None,
 ) -> str:
     """Return how a part starts to move (slides, tips ...), from its accelerations.
 
     If the part rotates about a line at rest, the words name this line. Any other rotation is
     described about the centre of mass, with the acceleration of the centre. The part *tips* if
-    the axis is level and *turns* otherwise. It *slides* if its acceleration is level or oblique,
+    the axis is level and *turns* otherwise. It *rolls* if its round mantle touches a level axis at
+    rest. It *slides* if its acceleration is level or oblique,
     and *drops* or *rises* if its acceleration is vertical.
 
     Parameters
@@ -308,6 +341,8 @@ def motion_words(
         Length unit [m].
     sizes : bool
         Whether to state the accelerations. A mechanism has directions, but no sizes.
+    mantle : RoundMantle, optional
+        Surface of a round part [length unit].
 
     Examples
     --------
@@ -325,6 +360,10 @@ def motion_words(
     'tips about +y through (0, 0, 1) at 6 rad/s^2, its centre drops at 0.3058 g'
     >>> motion_words(tipping, np.array([0.3058, 0.5]), down, center=np.ones(3), sizes=False)
     'tips about +y through (0.5, 1, 1)'
+    >>> ball = RoundMantle(np.array([0.5, 0, 1]), None, 0.5)
+    >>> rolling = np.array([3.0, 0, 0, 0, 6.0, 0])
+    >>> motion_words(rolling, np.array([0.3058, 0.5]), down, center=ball.center, mantle=ball)
+    'rolls +x at 0.3058 g'
     >>> motion_words(np.zeros(6), np.zeros(2), down)
     'stays'
     """
@@ -342,7 +381,11 @@ def motion_words(
     fixed = abs(float(spin @ acceleration[:3])) < ALONG * speed * np.linalg.norm(acceleration[:3])
     if fixed and center is not None:
         arm = np.cross(spin, acceleration[:3]) / (speed**2 * unit)
-        about += f" through {_point(center + arm)}"
+        if mantle is not None and verb == "tips" and mantle.touches(center + arm, spin / speed):
+            words = _translation(acceleration[:3], linear, down, sizes)
+            return f"rolls {words.split(maxsplit=1)[1]}"
+        size = angular / linear * float(np.linalg.norm(acceleration[:3])) / (speed * unit)
+        about += f" through {_point(center + arm, size)}"
     if fixed and not sizes:
         return about
     return f"{about}{at}, its centre {_translation(acceleration[:3], linear, down, sizes)}"
@@ -396,10 +439,10 @@ def _direction(vector: Array) -> str:
     axis = int(np.abs(unit).argmax())
     if np.linalg.norm(np.delete(unit, axis)) < ALONG:
         return ("+" if unit[axis] > 0 else "-") + "xyz"[axis]
-    return _point(unit)
+    return _point(unit, 1.0)
 
 
-def _point(point: Array) -> str:
-    """Return a point as text, rounded to 3 significant digits of its largest coordinate."""
-    digits = 3 - max(0, int(np.ceil(np.log10(max(float(np.abs(point).max()), 1e-6)))))
-    return "(" + ", ".join(f"{round(float(c), digits) + 0.0:g}" for c in point) + ")"
+def _point(point: Array, size: float) -> str:
+    """Return a point as text, rounded to 3 significant digits of a length `size`."""
+    digits = 3 - int(np.ceil(np.log10(max(size, 1e-6))))
+    return "(" + ", ".join(f"{round(float(c), digits) + 0.0:.12g}" for c in point) + ")"

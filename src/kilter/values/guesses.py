@@ -137,6 +137,8 @@ RIGHT: dict[str, dict[str, str]] = {
         "picture plot png svg": "'kilter draw FILE -o x.png'",
         "forces": "'kilter check FILE --forces'",
         "verify": "'kilter verify FILE P.json'",
+        "code forward": "'kilter transport FILE --code NAME --forward X Y Z', which checks each "
+        "direction; 'kilter hold' with --straps has it, too",
     },
     "kilter()": {
         "density": WHEN_READ.format("density"),
@@ -149,6 +151,7 @@ RIGHT: dict[str, dict[str, str]] = {
         "joints": "assembly.with_joints([kilter.Joint(...)])",
         "bonds bond": "assembly.with_bonds([kilter.Bond(...)])",
         "fasten": "kilter.fastened(assembly, [(name, name)])",
+        "code forward": "kilter.transport(assembly, code=...), which checks each direction",
         "proof": "verdict.proof(), the proof of the answer",
         "verbose quiet": "progress=print, which reports the stages; functions print nothing",
         "pushes": "pushed=[names] for the parts that are pushed, or push=[x, y, z]",

@@ -165,7 +165,9 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
     for step in (0.0, *BEYOND_LIMIT[:3]):
         share = strength.share + step * max(strength.share, 1.0)
         held = program.with_strength(share)
-        balance = balanced_proof(held, check_forces(held, strength.forces, strength.friction))
+        # a stronger bond clamps its contact points harder, and its forces stay as they are
+        forces = strength.forces + (share - strength.share) * program.pull
+        balance = balanced_proof(held, check_forces(held, forces, strength.friction))
         if balance.holds:
             break
     limit = Limit(share, balance, None, np.inf)

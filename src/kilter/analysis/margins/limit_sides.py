@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kilter.analysis.decision.refined_proofs import balanced_proof
 from kilter.analysis.turning_tolerances import BEYOND_LIMIT, LIMIT_AGREES, NEARLY
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
@@ -198,7 +199,7 @@ def held_at(
         Forces along and across the contact rows [N].
     """
     loaded = program.with_rows(applied=program.applied + share * wrench)
-    proof = check_forces(loaded, along, aside)
+    proof = balanced_proof(loaded, check_forces(loaded, along, aside))
     return LimitSides(held=share, forces=proof) if proof.holds else LimitSides()
 
 

@@ -36,7 +36,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.contact.round_edges import has_round_edges
+from kilter.contact.round_edges import RoundEdge, has_round_edges
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
@@ -77,8 +77,8 @@ class Margin(AnswerInWords):
     at_level : LevelLimits or None
         The values up to which the level `require` is reached, if it is above "equilibrium".
     require : str
-    about : tuple of (float, Limit), or None
-        Angle [rad] about the given axis, and the limit.
+    about : tuple of (ndarray, float, Limit), or None
+        The given axis, the angle about it by the right-hand rule [rad], and the limit.
     friction : LeastFriction or None
         None if no coefficient is enough.
     bond : BondFactor or None
@@ -95,6 +95,8 @@ class Margin(AnswerInWords):
         Additional load straight down of each part; empty if it was not requested.
     push : ndarray, shape (3,), or None
         Direction of the body force of `load_factor`; None if the factor is that of the loads.
+    edges : tuple of RoundEdge
+        Round edges over which parts tip, in the tilt.
     missing : dict
         Requested limits without a value, "tilt", "about", "friction", "load_factor",
         "bracket", "push of NAME" or "load on NAME", and why: "none", proved that there is none (it
@@ -120,7 +122,7 @@ class Margin(AnswerInWords):
     outside: str | None
     at_level: LevelLimits | None
     require: str
-    about: tuple[float, Limit] | None
+    about: tuple[Array, float, Limit] | None
     friction: LeastFriction | None
     bond: BondFactor | None
     load_factor: tuple[Limit | None, Limit | None] | None
@@ -128,6 +130,7 @@ class Margin(AnswerInWords):
     pushes: tuple[Push, ...]
     loads: tuple[PartLoad, ...]
     push: Array | None
+    edges: tuple[RoundEdge, ...]
     missing: dict[str, Why]
     uncertainty: Uncertainty | None
     helps: tuple[Help, ...]
@@ -136,12 +139,17 @@ class Margin(AnswerInWords):
 
     @property
     def exact(self) -> bool:
-        """Whether the contacts are those of the solids: no open pair, no round edge of a face.
+        """Whether all limits are those of the solids: no open pair, and no polygon for a circle.
 
-        An edge of a circle counts as a polygon inside it, so the limits are slightly too small.
+        Only the tilt counts round edges as circles; every other limit is that of polygons inside.
         """
-        contacts = self.verdict.contacts
-        return not (contacts.open_pairs or has_round_edges(self.assembly, contacts))
+        if self.verdict.contacts.open_pairs:
+            return False
+        others = self.about, self.load_factor, self.bond, self.uncertainty, *self.pushes
+        tilts = self.tilt is not None and not (any(others) or self.loads)
+        tilts = tilts and (self.friction is None or self.friction.value == 0.0)
+        known = self.edges if tilts and self.tilt is not None and self.tilt.closed else ()
+        return not has_round_edges(self.assembly, self.contacts, known)
 
     def to_dict(self) -> MarginData:
         """The margin as JSON data, as ``kilter margin --json`` prints it."""
@@ -169,7 +177,11 @@ class Margin(AnswerInWords):
             "tilt_limit": None if tilt is None else tilt.limit.to_dict(program),
             "about": None
             if about is None
-            else {"tilt_deg": finite(np.degrees(about[0])), "limit": about[1].to_dict(program)},
+            else {
+                "axis": about[0].tolist(),
+                "tilt_deg": finite(np.degrees(about[1])),
+                "limit": about[2].to_dict(program),
+            },
             "friction": None if friction is None else float(friction.value),
             "friction_limit": None if friction is None else friction.to_dict(program),
             "bond": None if self.bond is None or not self.bond.value else self.bond.value,
@@ -357,7 +369,11 @@ def _limits(
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = steps.friction()
     bonded = (find_bond_factor, program, verdict.contacts)
-    bond = steps.limit("bond", *bonded) if assembly.bonds or assembly.straps else None
+    strong = bool(assembly.bonds or assembly.straps)
+    if strong and any({"friction", "stiffness"} & set(joint.guide) for joint in assembly.joints):
+        strong = False
+        warnings.append("no bond margin: friction and springs of joints are no bonds")
+    bond = steps.limit("bond", *bonded) if strong else None
     tell(f"{'' if friction is None else f'friction {friction.value:.6g}; '}load factor")
     factor = steps.load_factor("load_factor", program)
     sure = steps.load_factor("bracket", program.frictionless) if question.bracket else None
@@ -384,7 +400,7 @@ def _limits(
         "nearest": gravity if isinstance(gravity, NearestHeld) else None,
         "outside": outside,
         "at_level": steps.at_level(limits),
-        "about": turned,
+        "about": None if axis is None or turned is None else (axis, *turned),
         "friction": friction,
         "bond": bond,
         "load_factor": factor,
@@ -393,6 +409,7 @@ def _limits(
         "loads": part_loads,
         "uncertainty": worst,
         "helps": steps.helps(tilt, None if factor is None else factor[1]),
+        "edges": steps.edges,
         "missing": steps.missing,
         "warnings": tuple(warnings),
     }

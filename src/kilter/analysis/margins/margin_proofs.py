@@ -21,7 +21,7 @@ from kilter.analysis.margins.part_loads import PartLoad
 from kilter.analysis.margins.pushes import Push
 from kilter.analysis.margins.tilt import NearestHeld, TiltMargin
 from kilter.analysis.turning_tolerances import AROUND_LIMIT
-from kilter.arrays import TINY, Array
+from kilter.arrays import TINY, Array, cross
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.bundle import apply_change
@@ -49,6 +49,8 @@ class KnownLimits(Protocol):
     @property
     def nearest(self) -> NearestHeld | None: ...
     @property
+    def about(self) -> tuple[Array, float, Limit] | None: ...
+    @property
     def friction(self) -> LeastFriction | None: ...
     @property
     def bond(self) -> BondFactor | None: ...
@@ -63,7 +65,7 @@ class KnownLimits(Protocol):
 
 
 def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About]:
-    """Proofs of every limit of a margin: tilt, least friction, load factor, pushes, part loads."""
+    """Proofs of every limit of a margin: tilts, friction, bonds, load factors, pushes, loads."""
     proofs = []
     for what, (within, beyond), change, upwards, motion, more in _limits(limits):
         steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
@@ -103,6 +105,11 @@ def _limits(
     if tilt is not None and tilt.limit.mechanism is not None and (tilt.down != down).any():
         sides = tilt.angle, tilt.angle
         yield "tilt", sides, _turn_gravity(down, tilt.down), True, tilt.limit.mechanism, {}
+    if limits.about is not None and np.isfinite(limits.about[1]):
+        axis, angle, limit = limits.about
+        turned = _turn_gravity(down, cross(axis, down))
+        more = {"data": {"axis": axis.tolist()}}
+        yield "tilt about the axis", (angle, angle), turned, True, limit.mechanism, more
     if nearest is not None and (nearest.down != down).any():
         sides = nearest.angle, nearest.lower
         yield "nearest held", sides, _turn_gravity(down, nearest.down), False, nearest.mechanism, {}
@@ -118,6 +125,11 @@ def _limits(
         sides = greatest.value, greatest.value
         more = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
         yield "load factor", sides, _scale_loads(limits), True, greatest.mechanism, more
+    if factor is not None and factor[0] is not None and np.isfinite(factor[0].value):
+        least = -factor[0].value
+        more = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
+        scaled = _scale_loads(limits)
+        yield "least load factor", (least, least), scaled, False, factor[0].mechanism, more
     for push in limits.pushes:
         if np.isfinite(push.force):
             weight = float(limits.program.weight[limits.program.free].sum())

@@ -13,6 +13,7 @@ from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
+from kilter.assembly.plain_joints import require_plain_joints
 from kilter.errors import InputError
 from kilter.rigid import unit
 from kilter.tell.levels import require_level
@@ -85,6 +86,7 @@ def margin_question(
         _require_turnable(assembly)
     if ranges is not None:
         require_no_bonds(assembly, "the worst case over ranges", NOT_RANGED)
+        require_plain_joints(assembly, "the worst case over ranges")
     chosen = _free_parts(assembly) if pushed is None else _named_parts(assembly, pushed)
     omits_pushes = pushed is None and len(chosen) > PUSHED
     return MarginQuestion(
@@ -118,6 +120,7 @@ def _axis(assembly: Assembly, about: Any) -> Array:
 def _require_turnable(assembly: Assembly) -> None:
     """Reject a tilt about an axis if the assembly has loads or bonds, which do not turn with it."""
     require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
+    require_plain_joints(assembly, "a tilt about an axis")
     if assembly.loads:
         raise InputError(
             "a tilt about an axis is not defined with loads: they do not turn with gravity",

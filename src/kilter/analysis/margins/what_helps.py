@@ -2,18 +2,18 @@
 
 At a limit t, with the forces f and the mechanism m there (b + t d is the load, power 0):
 
-    another load               t' = -(dw.m) / (d.m)
     the mass of part i         t' = -(w_i + t d_i).m_i / (d.m)          per share of it
     friction at a contact      t' = sum of f_n |u_t| over its points / (d.m)      per unit of mu
 
-u_t is the velocity at which the mechanism slides there. These are the derivatives if the
-mechanism is unique, and otherwise lower bounds. Holding a part ends every mechanism in
-which it moves: the parts that drive it most are held in turn, and the margin found anew.
+u_t is the velocity at which the mechanism slides there. These are the derivatives only if the
+mechanism is unique, which it is not in a symmetric assembly. So they select the change that is
+tried, and the gain is that of a second margin, computed for the changed assembly. Holding a part
+ends every mechanism in which it moves: the parts that drive it most are held in turn.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -32,6 +32,7 @@ from kilter.analysis.turning_tolerances import (
     NO_GAIN,
 )
 from kilter.arrays import Array
+from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
@@ -60,16 +61,19 @@ class Help:
     what : {"hold", "friction", "mass"}
     parts : tuple of str
         The part, or the two parts of the contact.
+    by : float or None
+        Increase of mu, or of the mass as a share of it, which is negative if less mass helps [-];
+        None if a part is held.
     gain : float
-        [deg] of tilt (a margin ends at a right angle), or of the load factor [-]: in total if
-        a part is held, infinite if no factor is then too large; per unit of mu; per share of
-        the mass, negative if less mass helps.
+        Difference of the margins with and without this change: [deg] of tilt (a margin ends at a
+        right angle), or of the load factor [-], infinite if no factor is then too large.
     sentence : str
     """
 
     of: Literal["tilt", "load factor"]
     what: Literal["hold", "friction", "mass"]
     parts: tuple[str, ...]
+    by: float | None
     gain: float
     sentence: str
 
@@ -79,6 +83,7 @@ class Help:
             "of": self.of,
             "what": self.what,
             "parts": list(self.parts),
+            "by": self.by,
             "gain": finite(self.gain),
             "sentence": self.sentence,
         }
@@ -91,6 +96,7 @@ def what_helps(
     push: Array | None,
     *,
     held: Sequence[int],
+    edges: Sequence[RoundEdge] = (),
 ) -> tuple[Help, ...]:
     """The most effective change of each kind, which raises the tilt margin or else the load factor.
 
@@ -103,6 +109,8 @@ def what_helps(
         The direction that it is of; None: of given loads.
     held : sequence of int
         Free parts, by position, of which those that drive the mechanism most are held in turn.
+    edges : sequence of RoundEdge
+        Round edges over which parts tip.
 
     Examples
     --------
@@ -123,25 +131,57 @@ def what_helps(
         limit = find_limit(program, along)
         if isinstance(limit, NoLimit):
             return ()
-        slope = float(np.degrees(np.cos(tilt.angle) ** 2))
-        return _helps(program, limit, along, True, slope, "tilt", held)
+        before = float(np.degrees(tilt.angle))
+        gain = _Gain("tilt", before, lambda changed: _tilt(changed, edges))
+        return _helps(program, limit, along, True, gain, held)
     if factor is None:
         return ()
     if push is not None:
-        along = gravity_wrench(program, push)
-        return _helps(program, factor, along, True, 1.0, "load factor", held)
+        gain = _Gain("load factor", factor.value, lambda p: _factor(p, gravity_wrench(p, push)))
+        return _helps(program, factor, gravity_wrench(program, push), True, gain, held)
     base = program.with_rows(applied=np.zeros_like(program.applied))
-    return _helps(base, factor, program.applied, False, 1.0, "load factor", held)
+    load = program.applied
+    gain = _Gain("load factor", factor.value, lambda p: _factor(p, load * p.free[:, None]))
+    return _helps(base, factor, load, False, gain, held)
+
+
+@dataclass(frozen=True, slots=True)
+class _Gain:
+    """A margin: its name, its value, and the function that computes it for a changed program."""
+
+    of: Literal["tilt", "load factor"]
+    before: float
+    margin: Callable[[Program], float]
+
+    def by(self, changed: Program) -> float:
+        """Gain of a change; 0 if it cannot be computed."""
+        gain = self.margin(changed) - self.before
+        return 0.0 if np.isnan(gain) else gain
+
+    def words(self, gain: float) -> str:
+        """The gain with its unit."""
+        tilt = self.of == "tilt"
+        return f"{gain:.3g} deg of tilt" if tilt else f"{gain:.3g} to the load factor"
+
+
+def _tilt(program: Program, edges: Sequence[RoundEdge]) -> float:
+    """Least tilt [deg] after which a part moves; NaN if it is not known."""
+    tilt = find_tilt_margin(program, edges) if program.free.any() else None
+    if isinstance(tilt, NoLimit):
+        return np.nan
+    return 90.0 if tilt is None else float(np.degrees(tilt.angle))
+
+
+def _factor(program: Program, load: Array) -> float:
+    """Greatest factor of a load; NaN if it is not known."""
+    if not program.free.any():
+        return np.inf
+    limit = find_limit(program, load)
+    return np.nan if isinstance(limit, NoLimit) else limit.value
 
 
 def _helps(
-    program: Program,
-    limit: Limit,
-    along: Array,
-    by_mass: bool,
-    slope: float,
-    of: Literal["tilt", "load factor"],
-    held: Sequence[int],
+    program: Program, limit: Limit, along: Array, by_mass: bool, gain: _Gain, held: Sequence[int]
 ) -> tuple[Help, ...]:
     """The most effective change of each kind that raises a given limit.
 
@@ -150,31 +190,20 @@ def _helps(
     if limit.mechanism is None or not np.isfinite(limit.value):
         return ()
     motion = limit.mechanism.motion
-    pace = float((along * motion).sum())
-    if pace <= 0:
+    if float((along * motion).sum()) <= 0:
         return ()
     weight = program.load - program.applied + (limit.value * along if by_mass else 0.0)
     power = np.where(program.free, (weight * motion).sum(axis=1), 0.0)
     changes = [
-        _hold(program, limit, along, motion, power, of, held),
-        _friction(program, limit, motion, slope / pace, of),
-        _mass(program, -power * slope / pace, of),
+        _hold(program, motion, power, gain, held),
+        _friction(program, limit, motion, gain),
+        _mass(program, power, gain),
     ]
     return tuple(change for change in changes if change is not None)
 
 
-def _words(of: str, gain: float) -> str:
-    return f"{gain:.3g} deg of tilt" if of == "tilt" else f"{gain:.3g} to the load factor"
-
-
 def _hold(
-    program: Program,
-    limit: Limit,
-    along: Array,
-    motion: Array,
-    power: Array,
-    of: Literal["tilt", "load factor"],
-    held: Sequence[int],
+    program: Program, motion: Array, power: Array, gain: _Gain, held: Sequence[int]
 ) -> Help | None:
     """The part that raises the limit most if it is held; only the fastest parts are tried."""
     size = part_sizes(program, motion, per_radius=False)
@@ -182,68 +211,59 @@ def _hold(
     moving = chosen[size[chosen] > MOVES * size.max()]
     best: tuple[float, int] | None = None
     for k in moving[np.argsort(-power[moving], kind="stable")][:HELD]:
-        gain = _gain_of_holding(program, int(k), limit, along, of)
-        if best is None or gain > best[0]:
-            best = gain, int(k)
+        free = program.free.copy()
+        free[k] = False
+        more = gain.by(program.with_rows(free=free))
+        if best is None or more > best[0]:
+            best = more, int(k)
     if best is None or best[0] <= NO_GAIN:
         return None
-    name, more = program.names[best[1]], _words(of, best[0])
+    name = program.names[best[1]]
     fix = f"fix {name!r} so that it cannot move at all"
-    words = f"{fix}: this adds {more}"
+    words = f"{fix}: this adds {gain.words(best[0])}"
     if np.isinf(best[0]):
         words = f"{fix}: then it withstands every load factor"
-    elif of == "tilt" and best[0] >= 90.0 - np.degrees(np.arctan(limit.value)) - NO_GAIN:
+    elif gain.of == "tilt" and gain.before + best[0] >= 90.0 - NO_GAIN:
         words = f"{fix}: then no tilt up to a right angle moves another part"
-    return Help(of, "hold", (name,), best[0], words)
+    return Help(gain.of, "hold", (name,), None, best[0], words)
 
 
-def _gain_of_holding(program: Program, part: int, limit: Limit, along: Array, of: str) -> float:
-    """Increase of a limit if a part is held; 0 if it cannot be computed."""
-    free = program.free.copy()
-    free[part] = False
-    held = program.with_rows(free=free)
-    if of == "tilt":
-        tilt = find_tilt_margin(held) if free.any() else None
-        if isinstance(tilt, NoLimit):  # also where the numbers fail: no gain is known
-            return 0.0
-        after = np.pi / 2 if tilt is None else tilt.angle
-        return float(np.degrees(after - np.arctan(limit.value)))
-    if not free.any():
-        return np.inf
-    again = find_limit(held, along * free[:, None])
-    return 0.0 if isinstance(again, NoLimit) else again.value - limit.value
-
-
-def _friction(
-    program: Program,
-    limit: Limit,
-    motion: Array,
-    scale: float,
-    of: Literal["tilt", "load factor"],
-) -> Help | None:
-    """The pair of parts between which additional friction raises the limit most."""
+def _friction(program: Program, limit: Limit, motion: Array, gain: _Gain) -> Help | None:
+    """More friction between the pair of parts at which the mechanism loses most power."""
     rows = np.flatnonzero(program.kind == CONTACT)
     slip = np.linalg.norm(program.slips(motion, rows), axis=1)
-    gain = limit.forces.forces[rows] * slip * scale
+    lost = limit.forces.forces[rows] * slip
     pairs = np.column_stack([program.part_a[rows], program.part_b[rows]])
     each, number = np.unique(pairs, axis=0, return_inverse=True)
-    total = np.bincount(number.ravel(), gain, minlength=len(each))
+    total = np.bincount(number.ravel(), lost, minlength=len(each))
     if not len(total) or total.max() <= NO_GAIN:
         return None
-    k = int(total.argmax())
-    a, b = (program.names[p] for p in each[k])
-    more = _words(of, MORE_FRICTION * float(total[k]))
-    words = f"increase mu between {a!r} and {b!r} by {MORE_FRICTION:g}: it adds about {more}"
-    return Help(of, "friction", (a, b), float(total[k]), words)
-
-
-def _mass(program: Program, gain: Array, of: Literal["tilt", "load factor"]) -> Help | None:
-    """The part whose mass changes the limit most."""
-    k = int(np.abs(gain).argmax())
-    if abs(gain[k]) <= NO_GAIN:
+    pair = each[int(total.argmax())]
+    rougher = np.zeros(len(program.mu))
+    rougher[rows[(pairs == pair).all(axis=1)]] = MORE_FRICTION
+    more = gain.by(program.with_rows(mu=program.mu + rougher))
+    if more <= NO_GAIN:
         return None
-    name, share = program.names[k], f"{100 * MORE_MASS:g} %"
-    less = "heavier" if gain[k] > 0 else "lighter"
-    more = _words(of, MORE_MASS * abs(float(gain[k])))
-    words = f"make {name!r} {share} {less}: it adds about {more}"
-    return Help(of, "mass", (name,), float(gain[k]), words)
+    a, b = (program.names[p] for p in pair)
+    words = f"increase mu between {a!r} and {b!r} by {MORE_FRICTION:g}: this adds"
+    if np.isinf(more):
+        words = f"{words.removesuffix(': this adds')}: then it withstands every load factor"
+    else:
+        words = f"{words} {gain.words(more)}"
+    return Help(gain.of, "friction", (a, b), MORE_FRICTION, more, words)
+
+
+def _mass(program: Program, power: Array, gain: _Gain) -> Help | None:
+    """Another mass of the part whose weight has the largest power in the mechanism."""
+    k = int(np.abs(power).argmax())
+    if abs(power[k]) <= NO_GAIN:
+        return None
+    share = -MORE_MASS if power[k] > 0 else MORE_MASS
+    mass = program.mass.copy()
+    mass[k] *= 1 + share
+    more = gain.by(program.with_rows(mass=mass))
+    if more <= NO_GAIN:
+        return None
+    less = "heavier" if share > 0 else "lighter"
+    words = f"make {program.names[k]!r} {100 * MORE_MASS:g} % {less}: this adds {gain.words(more)}"
+    return Help(gain.of, "mass", (program.names[k],), share, more, words)

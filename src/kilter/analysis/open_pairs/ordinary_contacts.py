@@ -168,7 +168,7 @@ def with_ordinary_contacts(
 def _patch_columns(contacts: ContactSet, rows: Index) -> dict[str, Any]:
     """Columns of the patches `rows` and of their points, by column name."""
     chosen = np.isin(contacts.point_patch, rows)
-    names = ("parts", "normal", "area", "gap", "mu", "kind", "accuracy", "doubt")
+    names = ("parts", "normal", "area", "gap", "mu", "kind", "accuracy", "doubt", "pieces")
     columns = {f"patch_{name}": getattr(contacts, f"patch_{name}")[rows] for name in names}
     count = np.diff(contacts.patch_start)[rows]
     return {
@@ -194,6 +194,7 @@ def _degenerate_patches(contacts: ContactSet, edges: set[frozenset[int]]) -> dic
         "patch_kind": np.full(len(rows), "edge-edge", dtype=contacts.patch_kind.dtype),
         "patch_accuracy": zeros,
         "patch_doubt": zeros,
+        "patch_pieces": np.full((len(rows), 2), -1),
         "count": np.ones(len(rows), dtype=np.int64),
         "points": points.points,
         "normals": points.normals,

@@ -31,6 +31,7 @@ from kilter.analysis.placing.polygon_sets import NOTHING, rings_of
 from kilter.analysis.placing.uncertain_part import mass_limits, part_cases
 from kilter.analysis.placing.upright_prisms import PlacedPrism, find_tops, placed_prism
 from kilter.assembly import Assembly, Part
+from kilter.assembly.masses import reweighed
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
@@ -325,7 +326,7 @@ def place(
         part = replace(part, name=_free_name(part.name, assembly))
     part = replace(part, grounded=False)
     limits = mass_limits(mass, part)
-    part = replace(part, given_mass=limits[1], density=None)
+    part = reweighed(part, given_mass=limits[1], density=None)
     clear = number(clear, "clear", lowest=0)
     if at is not None and clear > 0:
         raise InputError(

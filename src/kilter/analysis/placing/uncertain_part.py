@@ -13,13 +13,13 @@ has no effect.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
+from kilter.assembly.masses import reweighed
 from kilter.errors import InputError
 from kilter.shape.primitives import Box
 from kilter.validate import finite, number
@@ -80,12 +80,12 @@ def part_cases(part: Part, mass: tuple[float, float], center_within: float) -> l
         )
     masses = sorted(set(mass))
     if not share:
-        return [replace(part, given_mass=value, density=None) for value in masses]
+        return [reweighed(part, given_mass=value, density=None) for value in masses]
     geometry = Assembly([part]).geometry
     turned = part.pose.matrix
     own = turned.T @ (geometry.center[0] - np.asarray(part.pose.position))
     return [
-        replace(part, given_mass=value, density=None, center_of_mass=own + turned.T @ shift)
+        reweighed(part, given_mass=value, density=None, center_of_mass=own + turned.T @ shift)
         for value in masses
         for shift in _shifts(part, geometry.vertices, share)
     ]

@@ -114,9 +114,10 @@ def require_lashing_form(bundle: Mapping[str, Any], names: Sequence[str]) -> Non
 
     Arguments and errors as for a plan.
     """
-    _require(keys(rules=keys(candidates=STRAPS, least=COUNT)), bundle)
+    code = optional_keys(code=keys(name=WORD, forward=VECTOR))
+    _require(keys(rules=every(keys(candidates=STRAPS, least=COUNT), code)), bundle)
     last = len(bundle["rules"]["candidates"]) - 1
-    chosen = keys(chosen=list_of(count_up_to(last, least=0)))
+    chosen = every(keys(chosen=list_of(count_up_to(last, least=0))), optional_keys(case=WORD))
     falls = keys(proof=keys(motion=named(SIX)))
 
     def statement(entry: Any, place: str) -> str:

@@ -35,6 +35,7 @@ from kilter.analysis.verdict.answers import joints_answer
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
+from kilter.assembly.plain_joints import plain_joints
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
@@ -515,6 +516,7 @@ def common_region(
     regions = []
     for assembly, contact_set in zip(assemblies, given, strict=True):
         require_assembly(assembly, "common_region")
+        assembly = plain_joints(assembly, "common_region")
         require_no_bonds(assembly, "common_region", NO_CONE)
         assembly.require_grounded()
         begun = time.perf_counter()

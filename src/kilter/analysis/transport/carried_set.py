@@ -18,17 +18,19 @@ directions of gravity that `kilter.region` finds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones
-from kilter.analysis.margins.tilt import across_gravity, first_directions, held_limit
+from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones, Why
+from kilter.analysis.margins.tilt import across_gravity, held_limit
+from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
 from kilter.analysis.transport.plane_section import SupportLine, enclose_section
 from kilter.analysis.turning_tolerances import TILT_AGREES
 from kilter.arrays import Array, Mask
+from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
@@ -40,6 +42,10 @@ MOST = 100.0
 """An acceleration of at least this counts as unlimited [g]."""
 PROGRAMS = 64
 """Largest number of limits for the least acceleration."""
+NEARER = 16
+"""Largest number of steps from the nearest plane to the plane of the limit along its normal."""
+SAME_DIRECTION = 12
+"""Decimals up to which two directions are the same question."""
 ACCURACY = 1e-3
 """Largest distance between the polygon and the lines of a slice [g]."""
 
@@ -57,7 +63,7 @@ class LeastAcceleration:
     direction : ndarray, shape (3,)
         Of the least acceleration, unit; zero if the value is infinite.
     limit : Limit
-        Forces and mechanism there.
+        The limit along this direction, with its forces and its mechanism.
     programs : int
         Number of limits that were computed.
     """
@@ -111,6 +117,8 @@ class CarriedSet:
         Contacts with friction, loads and bonds, under gravity without acceleration.
     most : float
         Largest acceleration of a search [g].
+    edges : tuple of RoundEdge
+        Round edges of the contacts, over which parts tip.
 
     Examples
     --------
@@ -125,10 +133,16 @@ class CarriedSet:
 
     program: Program
     most: float = MOST
+    edges: tuple[RoundEdge, ...] = ()
 
     @cached_property
     def _opening(self) -> Opening:
         return Opening(cone_problem(self.program))
+
+    @cached_property
+    def _known(self) -> dict[tuple[float, ...], Limit | NoLimit]:
+        """Limits along the directions of earlier questions."""
+        return {}
 
     @cached_property
     def _shared(self) -> SharedCones:
@@ -141,7 +155,10 @@ class CarriedSet:
         """
         vector = np.asarray(direction, dtype=np.float64)
         vector = vector / float(np.linalg.norm(vector))
-        return self._farthest(CarrierMotion(self.program.g * vector))
+        key = tuple((vector.round(SAME_DIRECTION) + 0.0).tolist())
+        if key not in self._known:
+            self._known[key] = self._farthest(CarrierMotion(self.program.g * vector))
+        return self._known[key]
 
     def share(self, motion: CarrierMotion) -> Limit | NoLimit:
         """Largest factor by which all accelerations of a carrier motion may be multiplied.
@@ -151,35 +168,54 @@ class CarriedSet:
         return self._farthest(motion)
 
     def least(self) -> LeastAcceleration | NoLimit:
-        """The least horizontal acceleration, in any direction, that contact forces cannot hold."""
+        """The least horizontal acceleration, in any direction, that contact forces cannot hold.
+
+        The nearest plane outside the set is a bound in the direction of its normal, not in the
+        direction whose limit brought it. So the limit of the result is that along the normal.
+        """
         basis = across_gravity(self.program)
-        limits: list[Limit | NoLimit] = []
+        whys: list[Why] = []
+        known: list[tuple[Array, Limit]] = []
 
         def reach(direction: Array) -> SupportPoint | None:
-            limits.append(self.along(direction @ basis))
-            limit = limits[-1]
+            limit = self.along(direction @ basis)
             if isinstance(limit, NoLimit):
+                whys.append(limit.why)
                 return None
+            known.append((direction, limit))
             support = self._support(basis, direction, limit)
             return SupportPoint(support.point, support.normal, support.reach)
 
         face = nearest_face(
             reach,
-            first_directions(len(basis)),
+            np.vstack([np.eye(len(basis)), -np.eye(len(basis))]),
             agree=TILT_AGREES,
             limit=PROGRAMS,
             most=self.most,
             within=TOLERANCE,
+            inside=None
+            if len(basis) == 1
+            else partial(held_distance, self.program, self.edges, known),
         )
-        if face is None or any(isinstance(limit, NoLimit) for limit in limits):
-            whys = [limit.why for limit in limits if isinstance(limit, NoLimit)]
+        if face is None or whys:
             return NoLimit("none" if "none" in whys else "failed")
-        limit = limits[face.answer]
-        assert isinstance(limit, Limit)
-        if face.outer >= self.most * (1 - TILT_AGREES):
-            return LeastAcceleration(np.inf, self.most, np.zeros(3), limit, face.asked)
-        lower = max(face.inner - TOLERANCE, 0.0)
-        return LeastAcceleration(face.outer, lower, face.normal @ basis, limit, face.asked)
+        outer, normal = face.outer, face.normal
+        limit = self.along(normal @ basis)
+        steps = 1
+        while isinstance(limit, Limit) and np.isfinite(limit.value) and steps < NEARER:
+            support = self._support(basis, normal, limit)
+            if support.reach >= outer * (1 - TILT_AGREES) - TOLERANCE:
+                break
+            outer, normal, steps = support.reach, support.normal, steps + 1
+            limit = self.along(normal @ basis)
+        if isinstance(limit, NoLimit):
+            return limit
+        programs = face.asked + steps
+        if outer >= self.most * (1 - TILT_AGREES):
+            return LeastAcceleration(np.inf, self.most, np.zeros(3), limit, programs)
+        value = min(outer, limit.value)
+        lower = max(min(face.inner, value) - TOLERANCE, 0.0)
+        return LeastAcceleration(value, lower, normal @ basis, limit, programs)
 
     def slice(self, axes: Array, *, accuracy: float = ACCURACY) -> Slice | NoLimit:
         """Boundary of the carried accelerations in a plane, as a polygon with lines around it.
@@ -216,7 +252,12 @@ class CarriedSet:
         """Largest factor of a carrier motion, with forces and mechanism at the limit."""
         wrench = carrier_wrench(self.program, motion)
         return held_limit(
-            self.program, wrench, opening=self._opening, most=self.most, shared=self._shared
+            self.program,
+            wrench,
+            opening=self._opening,
+            most=self.most,
+            shared=self._shared,
+            edges=self.edges,
         )
 
     def _support(self, axes: Array, direction: Array, limit: Limit) -> SupportLine:

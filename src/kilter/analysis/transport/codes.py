@@ -31,12 +31,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, cross
+from kilter.assembly import Assembly
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import unit
 
-__all__ = ["CODES", "CodeCase", "code_cases"]
+__all__ = ["CODES", "CodeCase", "code_accelerations", "code_cases"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +130,28 @@ def code_cases(name: str) -> tuple[CodeCase, ...]:
     meant = f"; did you mean {near}?" if near else ""
     raise InputError(
         f"the rule {name!r:.60} does not exist{meant}", hint=f"use one of {', '.join(CODES)}"
+    )
+
+
+def code_accelerations(
+    assembly: Assembly, code: str, forward: ArrayLike
+) -> tuple[tuple[str, Array], ...]:
+    """Names and accelerations of the carrier [m/s^2] that a code requires for an assembly.
+
+    For a planar assembly only those in its plane.
+
+    Raises
+    ------
+    InputError
+        If the rule does not exist, or the direction of travel is zero or vertical.
+    """
+    cases = code_cases(code)
+    size = float(np.linalg.norm(assembly.gravity))
+    ahead = travel_direction(forward, assembly.down)
+    return tuple(
+        (case.name, case.acceleration(ahead, assembly.down, size))
+        for case in cases
+        if not (assembly.planar and case.inertia[1] != 0.0)
     )
 
 

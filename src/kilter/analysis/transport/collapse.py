@@ -27,7 +27,7 @@ along a random direction and against it, find other mechanisms if M* is not uniq
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,12 +69,9 @@ class CollapseMultiplier:
         "+x", ..., or "least"; the direction of the forces, opposite to that of the ground.
     direction : ndarray, shape (3,)
         Horizontal unit direction of the forces.
-    alpha0 : float
-        Largest multiplier that is proved to be carried [-]; infinite without a limit.
-    upper : float
-        Multiplier that the mechanism proves not to be carried [-].
-    mechanism : MotionProof or None
-        Of all mechanisms at the limit, that of the largest participating mass; None without one.
+    limit : Limit
+        Largest multiplier that is proved to be carried [-], infinite without a limit. Its mechanism
+        is that of the largest participating mass of all that were found at the limit.
     participating_mass : float
         M* [kg].
     e : float
@@ -87,9 +84,7 @@ class CollapseMultiplier:
 
     name: str
     direction: Array
-    alpha0: float
-    upper: float
-    mechanism: MotionProof | None
+    limit: Limit
     participating_mass: float
     e: float
     e_moving: float
@@ -97,23 +92,25 @@ class CollapseMultiplier:
 
     def to_dict(self, program: Program, fc: float) -> CollapseData:
         """JSON data of the multiplier, with the spectral accelerations for a confidence factor."""
-        known = self.mechanism is not None
+        limit = self.limit
+        known = limit.mechanism is not None
+        upper = limit.value + limit.gap * max(abs(limit.value), 1.0)
         a0, a0_moving = (
-            self.alpha0 * program.g / (share * fc) if known else np.inf
+            limit.value * program.g / (share * fc) if known else np.inf
             for share in (self.e, self.e_moving)
         )
         return {
             "name": self.name,
             "direction": self.direction.tolist(),
-            "alpha0": finite(self.alpha0),
-            "upper": finite(self.upper),
+            "alpha0": finite(limit.value),
+            "upper": finite(upper),
             "participating_mass": finite(self.participating_mass),
             "e": finite(self.e),
             "a0": finite(a0),
             "e_moving": finite(self.e_moving),
             "a0_moving": finite(a0_moving),
             "unique": self.unique if known else None,
-            "moves": starting(program, self.mechanism),
+            "moves": starting(program, limit.mechanism),
         }
 
 
@@ -143,13 +140,12 @@ def find_collapse(program: Program, name: str, force: Array, limit: Limit) -> Co
     >>> program = build_program(load, contacts(load))
     >>> limit = CarriedSet(program).along([-1.0, 0, 0])
     >>> collapse = find_collapse(program, "+x", np.array([1.0, 0, 0]), limit)
-    >>> round(collapse.alpha0, 6), round(collapse.e, 6), collapse.unique
+    >>> round(collapse.limit.value, 6), round(collapse.e, 6), collapse.unique
     (0.2, 1.0, True)
     """
-    upper = limit.value + limit.gap * max(abs(limit.value), 1.0)
     if limit.mechanism is None:
         none = float("nan")
-        return CollapseMultiplier(name, force, limit.value, upper, None, none, none, none, True)
+        return CollapseMultiplier(name, force, limit, none, none, none, True)
     wide = cone_problem(program)
     wrench = gravity_wrench(program, force)
     found = [proof for proof in _mechanisms(wide, wrench, limit) if proof is not None]
@@ -159,7 +155,7 @@ def find_collapse(program: Program, name: str, force: Array, limit: Limit) -> Co
     least = min((_masses(program, force, other)[0] for other in others), default=mass)
     unique = bool(found) and least >= mass * (1 - SAME_MASS)
     return CollapseMultiplier(
-        name, force, limit.value, upper, chosen, mass, fraction, moving, unique
+        name, force, replace(limit, mechanism=chosen), mass, fraction, moving, unique
     )
 
 

@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import Limit, NoLimit, Why
+from kilter.analysis.margins.load_limit import EXACT, Limit, NoLimit, Why
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration, Slice
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
-from kilter.analysis.transport.codes import code_cases, travel_direction
+from kilter.analysis.transport.codes import code_accelerations
 from kilter.analysis.transport.collapse import (
     CONFIDENCE_FACTOR,
     CollapseMultiplier,
@@ -38,6 +38,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
+from kilter.contact.round_edges import round_edges
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, level_rank, require_level
@@ -174,7 +175,10 @@ def transport(
             time_limit=work.seconds,
         )
     program = build_program(assembly, frictions[0])
-    carried = CarriedSet(program)
+    # a copy of a contact point would also copy its bond
+    round_ = not (program.planar or program.has_strength or len(program.part_a) > EXACT)
+    edges = round_edges(assembly, frictions[0]) if round_ else ()
+    carried = CarriedSet(program, edges=edges)
     missing: dict[str, Why] = {}
 
     def in_time(name: str, step: Callable[[], T | NoLimit]) -> T | None:
@@ -229,11 +233,13 @@ def transport(
         contacts=detected,
         rest=rest,
         program=program,
+        edges=edges,
         limits=tuple(limits),
         least=least,
         polar=section,
         cases=cases,
         code=code,
+        forward=None if code is None else np.array(forward, dtype=np.float64).tolist(),
         path=speed,
         collapse=tuple(multipliers),
         fc=fc if collapse else None,
@@ -271,14 +277,9 @@ def _questions(
             raise InputError(f"turn is {turn!r:.40}", hint="give a kilter.CarrierMotion")
         motions = [("motion", turn)]
     elif code is not None:
-        cases = code_cases(code)
-        size = float(np.linalg.norm(assembly.gravity))
-        ahead = travel_direction(forward, assembly.down)
-        if assembly.planar:
-            cases = tuple(case for case in cases if case.inertia[1] == 0.0)
         motions = [
-            (case.name, CarrierMotion(case.acceleration(ahead, assembly.down, size)))
-            for case in cases
+            (name, CarrierMotion(acceleration))
+            for name, acceleration in code_accelerations(assembly, code, forward)
         ]
     for _, motion in motions:
         motion.require_in_plane(assembly.planar)

@@ -19,12 +19,13 @@ from kilter.analysis.transport.collapse import (
 from kilter.analysis.transport.first_motion import first_motions, kind_of_motion
 from kilter.analysis.transport.path import PathLimit
 from kilter.analysis.transport.path_rows import path_rows
-from kilter.analysis.transport.transport_proofs import transport_proofs
+from kilter.analysis.transport.transport_proofs import ALPHA, transport_proofs
 from kilter.analysis.verdict.answers import joints_answer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.contact.round_edges import RoundEdge, has_round_edges
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof, MotionProof
@@ -69,10 +70,10 @@ class DirectionLimit:
     lower: float
     limit: Limit
 
-    def to_dict(self, program: Program) -> DirectionLimitData:
+    def to_dict(self, assembly: Assembly, program: Program) -> DirectionLimitData:
         """The largest acceleration along the direction as JSON data."""
         along = CarrierMotion(program.g * self.direction)
-        motion = first_motions(program, self.limit, along)
+        motion = first_motions(assembly, program, self.limit, along)
         return {
             "name": self.name,
             "direction": self.direction.tolist(),
@@ -106,7 +107,7 @@ class CarriedCase:
     verdict: Verdict
     factor: Limit | None
 
-    def to_dict(self, program: Program, require: str) -> CaseData:
+    def to_dict(self, assembly: Assembly, program: Program, require: str) -> CaseData:
         """The decision on a carrier motion, at a required level, as JSON data."""
         size = float(np.linalg.norm(np.asarray(self.motion.acceleration)))
         return {
@@ -120,7 +121,7 @@ class CarriedCase:
             "factor": None if self.factor is None else finite(self.factor.value),
             "motion": []
             if self.factor is None
-            else first_motions(program, self.factor, self.motion),
+            else first_motions(assembly, program, self.factor, self.motion),
             "limit": None if self.factor is None else self.factor.to_dict(program),
         }
 
@@ -137,6 +138,8 @@ class Transport(AnswerInWords):
         The assembly without acceleration, at the level "equilibrium".
     program : Program
         The modelled contacts, with friction.
+    edges : tuple of RoundEdge
+        Round edges over which parts tip.
     limits : tuple of DirectionLimit
         Along the axes; empty if a question was asked, or if rest is not held.
     least : DirectionLimit or None
@@ -147,6 +150,8 @@ class Transport(AnswerInWords):
         The motions of the question.
     code : str or None
         Name of the rule whose accelerations are the cases.
+    forward : list of float or None
+        Direction of travel of the rule.
     path : PathLimit or None
         Speed factor of a path.
     collapse : tuple of CollapseMultiplier
@@ -170,11 +175,13 @@ class Transport(AnswerInWords):
     contacts: ContactSet
     rest: Verdict
     program: Program
+    edges: tuple[RoundEdge, ...]
     limits: tuple[DirectionLimit, ...]
     least: DirectionLimit | None
     polar: Slice | None
     cases: tuple[CarriedCase, ...]
     code: str | None
+    forward: list[float] | None
     path: PathLimit | None
     collapse: tuple[CollapseMultiplier, ...]
     fc: float | None
@@ -224,16 +231,17 @@ class Transport(AnswerInWords):
             "mu_range": None if self.mu_range is None else list(self.mu_range),
             "joints": joints_answer(self.assembly),
             "open_pairs": open_pairs_answer(self.assembly, self.contacts),
-            "exact": not self.contacts.open_pairs,
+            "exact": self.exact,
             "limits": [
-                limit.to_dict(program)
+                limit.to_dict(self.assembly, program)
                 for limit in (*self.limits, *([] if self.least is None else [self.least]))
             ],
             "polar": None if self.polar is None else _polar_answer(self.polar),
             "alpha": [entry.to_dict(program, self.fc or 1.0) for entry in self.collapse],
             "fc": self.fc,
             "code": self.code,
-            "cases": [case.to_dict(program, self.require) for case in self.cases],
+            "forward": self.forward,
+            "cases": [case.to_dict(self.assembly, program, self.require) for case in self.cases],
             "straps": strap_uses(self.assembly, self.program, self._verdicts()),
             "speed": None if self.path is None else self.path.to_dict(program),
             "missing": dict(self.missing),
@@ -244,14 +252,25 @@ class Transport(AnswerInWords):
         return answer
 
     @property
+    def exact(self) -> bool:
+        """Whether all limits are those of the solids: no open pair, and no polygon for a circle.
+
+        The limits of a path, and those of large assemblies, count a round edge as a polygon inside.
+        """
+        if self.contacts.open_pairs:
+            return False
+        known = self.edges if self.path is None else ()
+        return not has_round_edges(self.assembly, self.contacts, known)
+
+    @property
     def mechanism(self) -> MotionProof | None:
         """The motion that starts first: beyond the least limit, along the path, or of the question.
 
         With collapse multipliers, the motion of the least multiplier; None without a known motion.
         """
-        multipliers = [entry for entry in self.collapse if entry.mechanism is not None]
-        if multipliers:
-            return min(multipliers, key=lambda entry: entry.alpha0).mechanism
+        limits = [entry.limit for entry in self.collapse if entry.limit.mechanism is not None]
+        if limits:
+            return min(limits, key=lambda limit: limit.value).mechanism
         limits = [case.factor for case in self.cases if case.factor is not None]
         if self.path is not None and self.path.limit is not None:
             limits.append(self.path.limit)
@@ -314,19 +333,30 @@ class Transport(AnswerInWords):
         return inner_rows(known) if inner else outer_rows(known)
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Proofs on both sides of each acceleration limit, as JSON data for `kilter.verify`.
+        """Proofs on both sides of each limit and multiplier, as JSON data for `kilter.verify`.
 
         Raises
         ------
         InputError
             If no limit is known.
         """
-        motions = [
-            (limit.name, CarrierMotion(self.program.g * limit.direction), limit.limit)
+        motions: list[tuple[str, CarrierMotion, Limit, float | None]] = [
+            (limit.name, CarrierMotion(self.program.g * limit.direction), limit.limit, None)
             for limit in (*self.limits, *([self.least] if self.least is not None else []))
         ]
         motions += [
-            (case.name, case.motion, case.factor) for case in self.cases if case.factor is not None
+            (case.name, case.motion, case.factor, None)
+            for case in self.cases
+            if case.factor is not None
+        ]
+        motions += [
+            (
+                ALPHA + entry.name,
+                CarrierMotion(-self.program.g * entry.direction),
+                entry.limit,
+                None if entry.limit.mechanism is None else entry.participating_mass,
+            )
+            for entry in self.collapse
         ]
         weaker = {} if self.mu_range is None else {"mu_share": self.mu_range[0]}
         proofs = transport_proofs(

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import PRESSES
+from kilter.analysis.verdict.friction_share import PressedPatch, friction_shares
 from kilter.analysis.verdict.part_answer import PointForces
 from kilter.arrays import Array, Index, group_sums, sealed
 from kilter.errors import InputError, nearest_name, some_names
@@ -53,8 +54,9 @@ class ContactForces(Guessable):
         Pressure centre [length unit]: mean of the points, weighted by normal force. With a bond,
         the weight is the absolute normal force. NaN if the patch carries no normal force.
     utilisation : ndarray, shape (P,)
-        Tangential resultant over mu x (normal force + strength of bonds in tension) [-]. NaN
-        without friction, and for a patch that is not pressed.
+        Least share of the friction with which the points of the patch can carry its force and its
+        moment [-] (`kilter.analysis.verdict.friction_share`). NaN without friction, for a patch
+        that is not pressed, and for more than `LIMIT` rows.
     bond_utilisation : ndarray, shape (P,)
         Pull over the tensile strength of the bond, or shear over its limit [-], the largest of all
         points; NaN without a bond.
@@ -70,6 +72,8 @@ class ContactForces(Guessable):
         Contact points [length unit].
     pressures : ndarray, shape (C,)
         Component of each force along the normal [N]; negative for a pull.
+    row_forces : ndarray, shape (K,)
+        Force or torque of each row of the program, also of joints [N], [N x length unit].
 
     Examples
     --------
@@ -98,6 +102,7 @@ class ContactForces(Guessable):
     pairs: Index
     points: Array
     pressures: Array
+    row_forces: Array
 
     def _position(self, name: str) -> int:
         """Index of a part, given its name."""
@@ -169,14 +174,9 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     normal_force = np.bincount(patch_of, along, minlength=count).astype(np.float64)
     pull = program.pull[rows]
     center = _pressure_centers(program, patch_of, count, along)
-    mu = np.zeros(count)
-    mu[patch_of] = program.mu[rows]
-    aside = np.linalg.norm(group_sums(patch_of, across, count), axis=1)
-    utilisation = np.full(count, np.nan)
-    # the strength of a bond clamps its contact: Coulomb's limit is mu (normal force + strength)
-    pressed = normal_force + np.bincount(patch_of, pull, minlength=count)
-    rubs = (pressed > PRESSES * float(program.weight.max(initial=0.0))) & (mu > 0)
-    utilisation[rubs] = aside[rubs] / (mu[rubs] * pressed[rubs])
+    known = len(program.part_a) <= LIMIT
+    none = np.full(count, np.nan)
+    utilisation = _friction_needed(program, rows, force, patch_of, along) if known else none
     bonded = np.flatnonzero(pull > 0)
     drawn = np.full(count, -np.inf)
     np.maximum.at(drawn, patch_of[bonded], np.maximum(-along[bonded], 0.0) / pull[bonded])
@@ -199,7 +199,38 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
         pairs=np.column_stack([program.part_a[rows], program.part_b[rows]]),
         points=program.point[rows],
         pressures=along,
+        row_forces=used.forces,
     )
+
+
+def _friction_needed(
+    program: Program, rows: Index, force: Array, patch_of: Index, along: Array
+) -> Array:
+    """Least share of the friction that each patch needs, shape (P,); NaN without a share."""
+    count = int(patch_of.max(initial=-1)) + 1
+    mu, pull = program.mu[rows], program.pull[rows]
+    # the strength of a bond clamps its contact: Coulomb's limit is mu (normal force + strength)
+    extra = pull + np.divide(program.cohesion[rows], mu, out=np.zeros(len(rows)), where=mu > 0)
+    pressed = np.bincount(patch_of, along + extra, minlength=count)
+    rubs = np.bincount(patch_of, mu > 0, minlength=count) > 0
+    rubs &= pressed > PRESSES * float(program.weight.max(initial=0.0))
+    patches = []
+    for k in np.flatnonzero(rubs):
+        at = np.flatnonzero(patch_of == k)
+        own = rows[at]
+        patches.append(
+            PressedPatch(
+                program.point[own],
+                program.normal[own],
+                force[at],
+                float(mu[at].max()),
+                pull[at],
+                extra[at],
+            )
+        )
+    shares = np.full(count, np.nan)
+    shares[rubs] = friction_shares(patches)
+    return shares
 
 
 def _pressure_centers(program: Program, patch_of: Index, count: int, along: Array) -> Array:

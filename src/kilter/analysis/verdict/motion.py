@@ -33,27 +33,33 @@ from kilter.analysis.analysis_tolerances import (
 )
 from kilter.analysis.verdict.part_answer import PartMotion
 from kilter.arrays import TINY, Array, Mask
+from kilter.assembly import Part
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
 from kilter.mechanics.program import Program
+from kilter.shape.primitives import Cylinder, Sphere
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.projection import solve_projection
+from kilter.tell.words import RoundMantle
 from kilter.units import metres_per_unit
 from kilter.work import Work, units_of
 
 __all__ = [
     "NO_MOTION",
     "NO_MOTION_BY_LAW",
+    "NO_MOTION_OF_LIMITS",
     "UNKNOWN_MOTION",
     "ImpendingMotion",
     "find_motion",
     "find_motion_with_friction",
     "motion_of",
     "optimality",
+    "round_mantle",
     "still",
     "unknown",
+    "without_opening",
 ]
 
 
@@ -71,6 +77,10 @@ NO_MOTION = (
 )
 NO_MOTION_BY_LAW = (
     "no motion that obeys the law of friction was found: accelerations and kappa are left out"
+)
+NO_MOTION_OF_LIMITS = (
+    "the motion in which straps or the friction of joints give way, or bonds slip, is "
+    "not modelled: accelerations and kappa are left out"
 )
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Words for a part if no solver finished, by whether a proof shows that the part moves."""
@@ -317,3 +327,39 @@ def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> 
         moves = program.free & (sizes > MOVES * float(sizes.max(initial=0.0)))
         gains = np.where(moves[:, None], proof.motion, 0.0)
     return replace(motion, moves=moves, instability=np.nan, residual=np.inf, gains=gains)
+
+
+def without_opening(program: Program, motion: Array, part: int) -> Array:
+    """Motion of a part, shape (6,), without the opening of contacts that slide in a proof.
+
+    In a proof with friction, a contact that slides by u_t opens by mu |u_t|, as no real part does.
+    The opening of a part that only shifts, over contacts with one normal, is taken away.
+
+    Parameters
+    ----------
+    program : Program
+    motion : ndarray, shape (N, 6)
+        Motion of all parts that proves that they fall.
+    part : int
+    """
+    touching = (program.part_a[program.rough] == part) | (program.part_b[program.rough] == part)
+    rows, moved = program.rough[touching], np.array(motion[part])
+    shift, turn = np.linalg.norm(moved.reshape(2, 3), axis=1) * [1, program.radius[part]]
+    if turn > MOVES * shift or not len(rows):
+        return moved
+    slip = np.linalg.norm(program.slips(motion, rows), axis=1)
+    opening = program.velocities(motion)[rows]
+    dilates = np.abs(opening - program.mu[rows] * slip) <= MOVES * slip.max(initial=0.0)
+    outward = np.where(program.part_b[rows] == part, 1.0, -1.0)[:, None] * program.normal[rows]
+    if dilates.all() and np.abs(outward - outward[0]).max() <= MOVES:
+        moved[:3] -= float(opening.mean()) * outward[0]
+    return moved
+
+
+def round_mantle(part: Part) -> RoundMantle | None:
+    """Surface on which a sphere or a cylinder rolls; None for other shapes."""
+    if isinstance(part.shape, Sphere):
+        return RoundMantle(part.pose.position, None, part.shape.radius)
+    if isinstance(part.shape, Cylinder):
+        return RoundMantle(part.pose.position, part.pose.matrix[:, 2], part.shape.radius)
+    return None

@@ -28,13 +28,16 @@ from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.motion import (
     NO_MOTION,
     NO_MOTION_BY_LAW,
+    NO_MOTION_OF_LIMITS,
     UNKNOWN_MOTION,
     ImpendingMotion,
     find_motion,
     find_motion_with_friction,
     motion_of,
+    round_mantle,
     still,
     unknown,
+    without_opening,
 )
 from kilter.analysis.verdict.neutral import Neutral, find_neutral
 from kilter.analysis.verdict.part_answer import PartAnswer
@@ -275,7 +278,7 @@ class Verdict(InCells, Answer):
     @on_one_thread
     def displacement(self) -> Displacement:
         """Optimum z of the displacement program, without friction, and its displacements."""
-        if self.level is not None and self.friction is None:
+        if self._smooth:
             count = len(self.program.names)
             large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
             return sealed(Displacement(0.0, None if large else np.zeros((count, 6))))
@@ -298,11 +301,10 @@ class Verdict(InCells, Answer):
         """The impending motion, by the method for this verdict and these contacts."""
         if self.verdict in ("stable", "settles", "balanced") or self.why == "push-open":
             return still(self.program)
-        if len(self.modelled.bounded):
-            return unknown(self.program)  # no method for straps that give way
+        if self._not_modelled:
+            return unknown(self.program)
         if self.modelled.cohesion.any():
-            rubs = self.modelled.mu.any()  # no method for slipping bonds together with friction
-            return unknown(self.program) if rubs else find_slipping_motion(self.modelled)
+            return find_slipping_motion(self.modelled)
         if not self._rubs:
             return find_motion(self.modelled)
         if self.friction is not None:
@@ -313,6 +315,11 @@ class Verdict(InCells, Answer):
         # an unstable answer needs its motion, however little work its guarantee may take
         motion = find_motion_with_friction(self.modelled, max(self.effort, EFFORT))
         return unknown(self.program) if motion is None else motion
+
+    @property
+    def _not_modelled(self) -> bool:
+        """Whether no method finds the motion: straps or joints give way, or bonds slip."""
+        return bool(len(self.modelled.bounded) or (self.modelled.cohesion.any() and self._rubs))
 
     @property
     def _rubs(self) -> bool:
@@ -326,12 +333,27 @@ class Verdict(InCells, Answer):
         # the displacement program does not model the limit of a strap
         return (self.measures or not rubs) and not (self.brief or len(self.modelled.bounded))
 
-    @property
+    @cached_property
+    @on_one_thread
     def instability(self) -> float | None:
-        """Size kappa of the impending motion [-], 0 to 1; None with loads or without a motion."""
-        unclear = self.level in ("settles", "equilibrium") and self.guarantee == "open"
-        known = not (self.assembly.loads or self.assembly.straps or unclear) and self.motion.known
-        return self.motion.instability if known else None
+        """Size kappa of the impending motion [-], 0 to 1; None with loads or without a motion.
+
+        Like z and the displacements it ignores friction.
+        """
+        if self.assembly.loads or self.assembly.straps:
+            return None
+        smooth = self.motion if self._smooth or not self._grips else find_motion(self.modelled)
+        return smooth.instability if smooth.known else None
+
+    @property
+    def _smooth(self) -> bool:
+        """Whether forces without friction hold the assembly."""
+        return self.level is not None and self.friction is None
+
+    @property
+    def _grips(self) -> bool:
+        """Whether any of the certain contacts has friction or a bond with a limited shear."""
+        return bool(len(self.modelled.gripping))
 
     @property
     def forces(self) -> ContactForces:
@@ -387,8 +409,9 @@ class Verdict(InCells, Answer):
     @property
     def barely(self) -> str:
         """Warning if rounding of the coordinates may have caused the instability; else empty."""
-        kappa = self.instability
-        if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
+        kappa = self.motion.instability  # with friction, unlike `instability`
+        loaded = bool(self.assembly.loads or self.assembly.straps)
+        if self.verdict != "unstable" or loaded or not kappa < BARELY:
             return ""
         return (
             f"barely unstable (kappa {kappa:.1e}): rounding of the coordinates by about "
@@ -449,8 +472,9 @@ class Verdict(InCells, Answer):
         elif motion.gains is None or not motion.moves[k]:
             return UNKNOWN_MOTION[bool(motion.moves[k])]
         else:
-            twist = motion.gains[k] * np.repeat([metres, 1.0], 3)
-            sizes = np.linalg.norm(motion.gains[k].reshape(2, 3), axis=1)
+            gains = without_opening(self.program, motion.gains, k)
+            twist = gains * np.repeat([metres, 1.0], 3)
+            sizes = np.linalg.norm(gains.reshape(2, 3), axis=1)
             relative = sizes * [1.0, self.program.radius[k]]
         return motion_words(
             twist,
@@ -459,6 +483,7 @@ class Verdict(InCells, Answer):
             center=self.program.center[k],
             unit=metres,
             sizes=motion.known,
+            mantle=round_mantle(self.assembly.parts[k]),
         )
 
     @property
@@ -589,8 +614,9 @@ class Verdict(InCells, Answer):
         """Warnings of the verdict that depend on the motion and the displacements."""
         failed = self.measured and self.displacement.z is None
         unfinished = "no solver finished the displacement program: z and displacements are left out"
-        unknown_motion = NO_MOTION_BY_LAW if self._rubs else NO_MOTION
-        open_motion = [] if self.motion.known else [unknown_motion]
+        why = NO_MOTION_BY_LAW if self._rubs else NO_MOTION
+        why = NO_MOTION_OF_LIMITS if self._not_modelled else why
+        open_motion = [] if self.motion.known else [why]
         return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 
     def _part(self, k: int, moved_by_proof: Mask) -> PartData:

@@ -8,11 +8,12 @@ import numpy as np
 
 from kilter.analysis.decision.judge import Judgement
 from kilter.analysis.verdict.contact_forces import ContactForces
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, Joint
 from kilter.assembly.masses import DEFAULT_DENSITY
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import Program
+from kilter.mechanics.rows import DRAG, STOP
 
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
         DensityData,
         ForcesData,
         FrictionData,
+        JointForceData,
         PatchForceData,
     )
 
@@ -115,4 +117,29 @@ def forces_answer(
                 "forces": (forces.force[members] + 0.0).tolist(),
             }
         )
-    return {"least": forces.least, "residual": forces.residual, "patches": patches}
+    data: ForcesData = {"least": forces.least, "residual": forces.residual, "patches": patches}
+    joints = [
+        _guide_forces(forces, program, joint, number)
+        for number, joint in enumerate(contacts.assembly.joints)
+        if joint.guide
+    ]
+    return {**data, "joints": joints} if joints else data
+
+
+def _guide_forces(
+    forces: ContactForces, program: Program, joint: Joint, number: int
+) -> JointForceData:
+    """Forces or torques along the axis of a joint on its first part, as JSON data."""
+    mine = program.source == number
+    sizes = {}
+    for name, kind in (("stop", STOP), ("friction", DRAG)):
+        rows = np.flatnonzero(mine & (program.kind == kind))
+        # the force of a row acts on the second part along its normal
+        sizes[name] = 0.0 - float(program.normal[rows] @ joint.axis @ forces.row_forces[rows])
+    return {
+        "parts": list(joint.parts),
+        "kind": "prismatic" if joint.kind == "prismatic" else "revolute",
+        "stop": sizes["stop"],
+        "friction": sizes["friction"],
+        "spring": joint.stiffness * joint.rest,
+    }

@@ -71,6 +71,8 @@ class Facets:
         three by three.
     surface : ndarray of int, shape (F,)
         Row of the curved surface that the facet approximates; -1: a flat face.
+    piece : ndarray of int, shape (F,)
+        Piece of its part to which the facet belongs.
     curved : ndarray of bool, shape (F,)
         True if the facet approximates a part of a curved surface.
     corner_start, corners : ndarray of int, shape (F + 1,) and (C,)
@@ -87,6 +89,7 @@ class Facets:
     reach: Array
     convex: Mask
     surface: Index
+    piece: Index
     curved: Mask
     corner_start: Index
     corners: Index
@@ -136,6 +139,7 @@ def _facets_of_boxes(geometry: Geometry) -> Facets:
         reach=reach.reshape(-1),
         convex=np.ones(len(part), dtype=bool),
         surface=np.full(len(part), -1),
+        piece=np.zeros(len(part), dtype=np.int64),
         curved=np.zeros(len(part), dtype=bool),
         corner_start=4 * np.arange(len(part) + 1),
         corners=(BOX_QUADS + geometry.vertex_start[:-1, None, None]).reshape(-1),
@@ -165,23 +169,28 @@ def _planes_of_boxes(geometry: Geometry, boxes: Index) -> tuple[Array, Array, Ar
     return normal, origin, area, reach
 
 
-def _convex_block(part: Index, loops: Index, surface: Index | None = None) -> Block:
-    """A block of convex facets that have the same number of corners."""
+def _convex_block(part: Index, loops: Index, of: tuple[Index, Index] | None = None) -> Block:
+    """A block of convex facets that have the same number of corners.
+
+    `of` holds the curved surface and the piece of each facet, by default -1 and 0.
+    """
     count, corners = loops.shape
+    surface, piece = of or (np.full(count, -1), np.zeros(count, dtype=np.int64))
     return {
         "part": part,
         "convex": np.ones(count, dtype=bool),
         "length": np.full(count, corners),
         "corners": loops.reshape(-1),
-        "surface": np.full(count, -1) if surface is None else surface,
+        "surface": surface,
+        "piece": piece,
     }
 
 
 def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facets:
     """Sort blocks of facets by part, and compute the plane and size of each facet."""
-    part, convex, length, corners, surface = (
+    part, convex, length, corners, surface, piece = (
         np.concatenate([block[key] for block in blocks])
-        for key in ("part", "convex", "length", "corners", "surface")
+        for key in ("part", "convex", "length", "corners", "surface", "piece")
     )
     order = np.argsort(part, kind="stable")
     corners = corners[ragged(starts(length), order)[1]]
@@ -199,6 +208,7 @@ def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask)
         reach=np.sqrt(np.maximum.reduceat(np.einsum("ij,ij->i", offset, offset), first[:-1])),
         convex=convex,
         surface=surface,
+        piece=piece[order],
         curved=surface >= 0,
         corner_start=first,
         corners=corners,
@@ -251,6 +261,7 @@ def _facets_from_triangles(geometry: Geometry, parts: Index, convex_part: Mask) 
     """Find the facets of parts given by triangles; also set `convex_part` for convex parts."""
     owner, rows = ragged(geometry.triangle_start, parts)
     triangles, curved = geometry.triangles[rows], geometry.triangle_surface[rows]
+    piece = geometry.triangle_piece[rows]
     part = parts[owner]
     points = geometry.vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -265,12 +276,13 @@ def _facets_from_triangles(geometry: Geometry, parts: Index, convex_part: Mask) 
     first, second = edges[0] // 3, edges[1] // 3
     convex = _convex_parts(geometry.vertices, triangles, part, tolerance, rounding, first, second)
     convex_part[parts] = convex[parts]
-    alike = curved[first] == curved[second]
+    alike = (curved[first] == curved[second]) & (piece[first] == piece[second])
     group = _coplanar_groups(geometry.vertices, triangles, tolerance, first[alike], second[alike])
     inner = np.zeros(triangles.size, dtype=bool)
     within = group[first] == group[second]
     inner[edges[0][within]] = inner[edges[1][within]] = True
-    return _boundaries(geometry.vertices, triangles, (part, curved), group, tolerance, inner)
+    owners = part, curved, piece
+    return _boundaries(geometry.vertices, triangles, owners, group, tolerance, inner)
 
 
 def _convex_parts(
@@ -389,19 +401,19 @@ def _leaves_plane(points: Array, group: Index, tolerance: Array) -> Mask:
 def _boundaries(
     vertices: Array,
     triangles: Index,
-    owners: tuple[Index, Index],
+    owners: tuple[Index, Index, Index],
     group: Index,
     tolerance: Array,
     inner: Mask,
 ) -> list[Block]:
     """Build facets from groups of triangles: boundary loops if convex, else triangles.
 
-    `owners` holds part and curved surface of each triangle; `inner` marks half-edges inside a
-    facet.
+    `owners` holds part, curved surface and piece of each triangle; `inner` marks half-edges inside
+    a facet.
     """
     order = np.argsort(group, kind="stable")
     triangles, group = triangles[order], group[order]
-    part, surface, tolerance = owners[0][order], owners[1][order], tolerance[order]
+    (part, surface, piece), tolerance = (owner[order] for owner in owners), tolerance[order]
     inner = inner.reshape(-1, 3)[order].ravel()
     count = int(group[-1]) + 1
     first = np.searchsorted(group, np.arange(count))
@@ -418,7 +430,7 @@ def _boundaries(
     for size in np.unique(length[convex]):
         chosen = np.flatnonzero(convex & (length == size))
         of = first[chosen]
-        blocks.append(_convex_block(part[of], loops[chosen, :size], surface[of]))
+        blocks.append(_convex_block(part[of], loops[chosen, :size], (surface[of], piece[of])))
     rest = np.flatnonzero(~convex)
     if len(rest):
         number = np.diff(np.append(first, len(group)))
@@ -430,6 +442,7 @@ def _boundaries(
                 "length": 3 * number[rest],
                 "corners": triangles[rows].reshape(-1),
                 "surface": surface[first[rest]],
+                "piece": piece[first[rest]],
             }
         )
     return blocks

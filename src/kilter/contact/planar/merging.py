@@ -19,7 +19,9 @@ from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import PATCH_ANGLE, PATCH_CORNER, SLIVER
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import FacetFrame, Pieces
+from kilter.contact.planar.facets import Facets
 from kilter.contact.planar.polygons import convex_hull, tidy, width_of
+from kilter.contact.planar.round_areas import missing_areas
 
 __all__ = ["merge"]
 
@@ -36,6 +38,10 @@ class _PlanePatch(NamedTuple):
     area: float
     gap: tuple[float, float]
     points: Array
+
+
+WHOLE = 1e-9
+"""A patch covers a facet if its area is smaller by at most this share [-]."""
 
 
 def merge(
@@ -68,7 +74,7 @@ def merge(
             pair_row = shared_rows[begin][0]
             members = [(blocks[k], row) for _, k, row in shared_rows[begin:end]]
             limits = float(tolerance[pair_row]), float(blur[pair_row])
-            plane_patches, dropped = _merge_planes(frames, members, *limits)
+            plane_patches, dropped = _merge_planes(search.facets, frames, members, *limits)
             merged += plane_patches
             thin.extend(dropped)
             begin = end
@@ -111,6 +117,11 @@ def _make_patches(
     facet = np.column_stack([frames.i, frames.j])[frame]
     parts = search.pairs[pair]
     width = (facets.area[facet] / facets.reach[facet]).min(axis=1)
+    whole = area[:, None] >= (1 - WHOLE) * facets.area[facet]
+    if whole.any() and len(search.geometry.surfaces):
+        lacks = np.full(whole.shape, np.inf)
+        lacks[whole] = missing_areas(search.geometry, facets, facet[whole])
+        area = area + np.where(whole.any(axis=1), lacks.min(axis=1), 0.0)
     return Patches(
         pair=pair,
         parts=parts,
@@ -124,6 +135,7 @@ def _make_patches(
         start=starts(count),
         points=points,
         normals=np.repeat(normal, count, axis=0),
+        pieces=facets.piece[facet],
     )
 
 
@@ -157,14 +169,19 @@ def _single_patches(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -
 
 
 def _merge_planes(
-    frames: FacetFrame, members: list[tuple[Pieces, int]], tolerance: float, rounding: float
+    facets: Facets,
+    frames: FacetFrame,
+    members: list[tuple[Pieces, int]],
+    tolerance: float,
+    rounding: float,
 ) -> tuple[list[_PlanePatch], list[Pieces]]:
     """Merge the polygons of a pair to patches, plane by plane; also return too thin polygons.
 
-    The largest remaining piece defines the next plane. `tolerance` and `rounding` are those of the
-    pair [length unit].
+    The largest remaining polygon defines the next plane. Polygons of different pieces of a part
+    stay apart. `tolerance` and `rounding` are those of the pair [length unit].
     """
     frame = np.array([block.frame[row] for block, row in members])
+    piece_i, piece_j = facets.piece[frames.i[frame]], facets.piece[frames.j[frame]]
     area = np.array([block.area[row] for block, row in members])
     gap = np.array([block.gap[row] for block, row in members])
     count = np.array([block.count[row] for block, row in members])
@@ -183,6 +200,7 @@ def _merge_planes(
             continue
         same = remaining & (np.linalg.norm(normal - normal[seed], axis=1) <= PATCH_ANGLE)
         same &= np.abs((center - center[seed]) @ normal[seed]) <= 2 * tolerance
+        same &= (piece_i == piece_i[seed]) & (piece_j == piece_j[seed])
         same[seed] = True
         remaining &= ~same
         piece_rows = np.flatnonzero(same)

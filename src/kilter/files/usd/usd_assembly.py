@@ -18,13 +18,12 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.limits import Tally
 from kilter.files.one_body import compose, one_body
+from kilter.files.usd.usd_friction import collider_pieces, friction_of_parts
+from kilter.files.usd.usd_masses import mass_of_object
 from kilter.files.usd.usd_objects import UsdObject, find_objects
 from kilter.files.usd.usd_physics import (
     filtered_pairs,
     find_joints,
-    friction_of_parts,
-    mass_of_object,
-    static_friction,
 )
 from kilter.files.usd.usd_shapes import AXES, rigid_part, shape_of_prim
 from kilter.files.usd.usd_stage import (
@@ -98,13 +97,16 @@ def _assembly(
     if decoration:
         notes.append(f"shapes outside of rigid bodies and without a collider: {decoration} ignored")
     tally = Tally()
-    parts = [_part(scene, entry, notes, tally) for entry in objects if not _is_plane(entry)]
-    own = [static_friction(entry) for entry in objects if not _is_plane(entry)]
-    for entry in objects:
+    parts: list[Part] = []
+    materials = []
+    for entry in sorted(objects, key=_is_plane):
+        pieces, own = collider_pieces(entry)
         if _is_plane(entry):
             parts.append(_table(scene, entry, parts))
-            own.append(static_friction(entry))
-    friction, pairs = friction_of_parts(parts, own)
+        else:
+            parts.append(_part(scene, entry, pieces, notes, tally))
+        materials.append(own)
+    friction, pairs = friction_of_parts(parts, materials)
     bodies = {entry.path: entry for entry in objects if entry.instance < 0}
     return Assembly(
         parts,
@@ -124,8 +126,10 @@ def _is_plane(entry: UsdObject) -> bool:
     return all(shape.prim.GetTypeName() == "Plane" for shape in entry.chosen)
 
 
-def _part(scene: UsdScene, entry: UsdObject, notes: list[str], tally: Tally) -> Part:
-    """The part of an object."""
+def _part(
+    scene: UsdScene, entry: UsdObject, pieces: list[int], notes: list[str], tally: Tally
+) -> Part:
+    """The part of an object; its colliders belong to these pieces."""
     try:
         frame = _scaled(entry.matrix, scene.scale)
         pose = rigid_part(frame)
@@ -139,9 +143,10 @@ def _part(scene: UsdScene, entry: UsdObject, notes: list[str], tally: Tally) -> 
             shapes.append(shape_of_prim(each.prim, matrix, entry.name, notes))
             shape = shapes[-1][0]
             tally.add(len(shape.triangles) if isinstance(shape, Mesh) else 1)
-        shape, inner = one_body(shapes, entry.name, notes)
+        in_world = [(shape, compose(pose, place)) for shape, place in shapes]
+        shape, inner = one_body(shapes, entry.name, notes, pieces)
         placed = compose(pose, inner)
-        stated = mass_of_object(scene, entry, placed)
+        stated = mass_of_object(scene, entry, placed, in_world, notes)
         return Part(
             entry.name, shape, placed, grounded=entry.held, geometry=entry.geometry, **stated
         )

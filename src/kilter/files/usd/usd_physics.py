@@ -1,45 +1,29 @@
-"""Physics of USD objects: mass, friction and joints, by the schemas of UsdPhysics.
+"""Joints of USD objects and pairs that do not touch, by the schemas of UsdPhysics.
 
-The mass of an object is that of its body, else its density times volume, else that of its shapes,
-else the density of its material. USD does not state how the friction of two materials combines. The
-coefficient of a pair is here the mean of the static coefficients, as in PhysX without a combine
-mode. A pair with a single material has its coefficient. Drives and limits of joints are ignored.
+Drives and limits of joints are ignored.
 """
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import shapely
 
-from kilter.arrays import Index
-from kilter.assembly import Part
-from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
+from kilter.assembly.interactions import GivenContact, Joint
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError, visible
 from kilter.files.usd.usd_objects import UsdObject, matrix_of
 from kilter.files.usd.usd_shapes import AXES, rigid_part
 from kilter.files.usd.usd_stage import UsdScene
-from kilter.files.usd.usd_values import number_of, place_of, quaternion_of, token_of, vector_of
+from kilter.files.usd.usd_values import place_of, quaternion_of, token_of, vector_of
 from kilter.rigid import Pose
-from kilter.shape.primitives import surface
 
 __all__ = [
     "filtered_pairs",
     "find_joints",
-    "friction_of_parts",
-    "mass_of_object",
-    "static_friction",
 ]
 
-REACH = 1.0
-"""Distance of two parts up to which their friction is read [sizes of the smaller box]."""
-NOT_STATED = (-math.inf, -math.inf, -math.inf)
-"""Centre of mass in USD for "not stated"."""
 KINDS = {
     "PhysicsFixedJoint": "fixed",
     "PhysicsRevoluteJoint": "revolute",
@@ -47,130 +31,6 @@ KINDS = {
     "PhysicsSphericalJoint": "spherical",
 }
 """Kind of `Joint` for each type of joint in USD."""
-
-
-def mass_of_object(scene: UsdScene, entry: UsdObject, pose: Pose) -> dict[str, Any]:
-    """Mass, density and centre of mass that the stage states for an object, as fields of a part.
-
-    Parameters
-    ----------
-    scene : UsdScene
-    entry : UsdObject
-    pose : Pose
-        Frame of the part [length unit].
-    """
-    from pxr import UsdPhysics
-
-    per_volume = scene.kilograms / scene.metres**3
-    stated: dict[str, Any] = {}
-    owners = [entry.body] if entry.body is not None else []
-    for prim in owners:
-        if not prim.HasAPI(UsdPhysics.MassAPI):
-            continue
-        values = UsdPhysics.MassAPI(prim)
-        mass, density = number_of(values.GetMassAttr(), 0), number_of(values.GetDensityAttr(), 0)
-        if mass:
-            stated["mass"] = mass * scene.kilograms
-        elif density:
-            stated["density"] = density * per_volume
-        center = vector_of(values.GetCenterOfMassAttr(), 3, NOT_STATED)
-        if np.isfinite(center).all():
-            place = entry.matrix @ np.append(center, 1.0)
-            world = place[:3] * scene.scale
-            stated["center_of_mass"] = pose.matrix.T @ (world - pose.position)
-    if "mass" in stated or "density" in stated:
-        return stated
-    masses = [_own_mass(shape.prim) for shape in entry.chosen]
-    if all(masses):
-        return {**stated, "mass": sum(masses) * scene.kilograms}
-    material = _material(entry.chosen[0].prim)
-    density = 0.0 if material is None else number_of(material.GetDensityAttr(), 0)
-    if density:
-        stated["density"] = density * per_volume
-    return stated
-
-
-def _own_mass(prim: Any) -> float:
-    """Mass that a shape states, in the unit of the stage; 0 without any."""
-    from pxr import UsdPhysics
-
-    if not prim.HasAPI(UsdPhysics.MassAPI):
-        return 0.0
-    return number_of(UsdPhysics.MassAPI(prim).GetMassAttr(), 0)
-
-
-def _material(prim: Any) -> Any:
-    """The physics material that is bound to a shape; None without any."""
-    from pxr import UsdPhysics, UsdShade
-
-    found, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
-    if not found or not found.GetPrim().HasAPI(UsdPhysics.MaterialAPI):
-        return None
-    return UsdPhysics.MaterialAPI(found.GetPrim())
-
-
-def static_friction(entry: UsdObject) -> float | None:
-    """Least static friction coefficient of the shapes of an object [-]; None without a material.
-
-    The dynamic coefficient replaces a static coefficient that is not stated.
-    """
-    found = []
-    for shape in entry.chosen:
-        material = _material(shape.prim)
-        if material is not None:
-            static, dynamic = material.GetStaticFrictionAttr(), material.GetDynamicFrictionAttr()
-            chosen = static if static.HasAuthoredValue() else dynamic
-            found.append(number_of(chosen, 0))
-    return min(found) if found else None
-
-
-def friction_of_parts(
-    parts: Sequence[Part], own: Sequence[float | None]
-) -> tuple[float, list[FrictionPair]]:
-    """The most frequent friction coefficient, and the near pairs with another coefficient.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-    own : sequence of float or None
-        Static friction coefficient of each part [-].
-    """
-    value = np.array([math.nan if mu is None else mu for mu in own])
-    if np.isnan(value).all():
-        return 0.0, []
-    if not np.isnan(value).any() and np.ptp(value) == 0.0:
-        return float(value[0]), []
-    first, second = _near_pairs(parts).T
-    free = np.array([not part.grounded for part in parts])
-    counts = free[first] | free[second]
-    first, second = first[counts], second[counts]
-    a, b = value[first], value[second]
-    mu = np.where(np.isnan(a), b, np.where(np.isnan(b), a, (a + b) / 2))
-    known = ~np.isnan(mu)
-    first, second, mu = first[known], second[known], mu[known]
-    bare = not known.all()  # pairs without any material have the friction of the assembly
-    usual = 0.0 if bare or not len(mu) else Counter(mu.tolist()).most_common(1)[0][0]
-    return usual, [
-        FrictionPair((parts[i].name, parts[k].name), mu)
-        for i, k, mu in zip(first.tolist(), second.tolist(), mu.tolist(), strict=True)
-        if mu != usual
-    ]
-
-
-def _near_pairs(parts: Sequence[Part]) -> Index:
-    """Pairs of parts whose boxes are nearer than `REACH` sizes of the smaller box, (n, 2)."""
-    corners = [part.pose.apply(surface(part.shape)[0]) for part in parts]
-    low = np.array([points.min(axis=0) for points in corners])
-    high = np.array([points.max(axis=0) for points in corners])
-    reach = REACH * np.linalg.norm(high - low, axis=1)
-    flat = shapely.box(*low[:, :2].T, *high[:, :2].T)
-    wide = shapely.box(*(low[:, :2] - reach[:, None]).T, *(high[:, :2] + reach[:, None]).T)
-    a, b = shapely.STRtree(flat).query(wide, predicate="intersects")
-    near = (a != b) & (reach[a] <= reach[b])
-    a, b = a[near], b[near]
-    near = (low[a, 2] - reach[a] <= high[b, 2]) & (high[a, 2] + reach[a] >= low[b, 2])
-    pairs: Index = np.unique(np.sort(np.column_stack([a[near], b[near]]), axis=1), axis=0)
-    return pairs
 
 
 def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[str]) -> list[Joint]:

@@ -23,7 +23,7 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.answer.oscillation import growth_rate
 from kilter.second_order.answer.second_order_answer import SecondOrder, answer_of, open_answer
-from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.joint_forms import of_joints
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import free_span, moving_free
@@ -257,7 +257,7 @@ def _sliding(facts: ClusterFacts, critical: Critical | None, work: Work) -> Seco
 
 def _stopped_or_none(facts: ClusterFacts, work: Work) -> SecondOrder | None:
     """Answer "free" if stops keep sliding parts from falling off; None without a proof."""
-    if on_joints(facts.program).any():
+    if of_joints(facts.program).any():
         return None
     question = stop_question(facts)
     proof = find_stopped(*question, work=work)
@@ -348,7 +348,7 @@ def _falling(
     )
     return replace(
         answer_of(program, problem, replace(decision, proof=path)),
-        rate=growth_rate(program, problem, path),
+        rate=growth_rate(program, problem, path, find_critical(problem, work=work)),
         motion=motion / sizes.max(),
         moving=np.flatnonzero(sizes > 1e-6 * sizes.max(initial=TINY)),
         configuration=configuration,

@@ -7,8 +7,11 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
 from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.minimum_proof import MinimumProof
 from kilter.second_order.proofs.paths import Path
+from kilter.second_order.searches.critical import Critical
+from kilter.second_order.second_order_tolerances import ACROSS, LEVEL
 from kilter.units import metres_per_unit
 
 __all__ = ["growth_rate", "least_frequency"]
@@ -28,10 +31,44 @@ def least_frequency(program: Program, problem: Stationary, proof: object) -> flo
     return float(np.sqrt(max(least, 0.0))) * _per_second(program)
 
 
-def growth_rate(program: Program, problem: Stationary, path: Path) -> float:
-    """Exponential growth rate of a small push along a path that leads down [1/s]."""
-    growth = path.power / float(path.first @ _mass(program, problem) @ path.first)
+def growth_rate(
+    program: Program, problem: Stationary, path: Path, critical: Critical | None
+) -> float:
+    """Exponential growth rate of a small push [1/s]: of the fastest mode of touching motions.
+
+    The modes solve K c = -s^2 M c in the basis of the critical motions, with the curvature K of the
+    energy under the contact forces. The rate is that of `path`, which may be slower, if the fastest
+    mode closes a contact in both senses or makes a corner slip off a face, or if the forces are not
+    unique and K depends on them.
+    """
+    mass = _mass(program, problem)
+    growth = path.power / float(path.first @ mass @ path.first)
+    if critical is not None:
+        touching = critical.basis @ null_space(critical.sides, problem.blur)
+        for basis in (critical.basis, touching):
+            growth = max(growth, _fastest(problem, critical, basis, mass))
     return float(np.sqrt(growth)) * _per_second(program)
+
+
+def _fastest(problem: Stationary, critical: Critical, basis: Array, mass: Array) -> float:
+    """Square of the rate of the fastest mode in a basis, scaled; 0 if it is not certain."""
+    stresses = null_space(problem.rows[critical.carries].T, problem.blur)
+    if not basis.shape[1]:
+        return 0.0
+    curvature = problem.curvature(critical.forces, basis)
+    level = LEVEL * max(float(np.abs(curvature).max()), 1.0)
+    for stress in stresses.T:
+        forces = np.zeros(len(problem.rows))
+        forces[critical.carries] = stress
+        if np.abs(problem.curvature(forces, basis)).max() > level:
+            return 0.0
+    lower = np.linalg.inv(np.linalg.cholesky(basis.T @ mass @ basis))
+    values, vectors = np.linalg.eigh(lower @ curvature @ lower.T)
+    mode = basis @ (lower.T @ vectors[:, 0])
+    mode = mode / float(np.linalg.norm(mode))
+    sides = critical.sides @ (critical.basis.T @ mode)
+    opens = min(float(-sides.min(initial=0.0)), float(sides.max(initial=0.0))) <= ACROSS
+    return max(-float(values[0]), 0.0) if opens and problem.one_form(mode[:, None]).all() else 0.0
 
 
 def _mass(program: Program, problem: Stationary) -> Array:

@@ -14,12 +14,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT, JOINT, POSSIBLE
+from kilter.mechanics.rows import CONTACT, OF_JOINTS, POSSIBLE
 from kilter.second_order.answer.second_order_answer import (
     LATE,
     SPENT,
@@ -27,7 +27,7 @@ from kilter.second_order.answer.second_order_answer import (
     open_answer,
 )
 from kilter.second_order.gaps.features_of import features_of
-from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.joint_forms import of_joints
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.bending import bending_bodies, round_rows
 from kilter.second_order.motions.rolling import rolling_of, worst_rolling
@@ -50,8 +50,10 @@ from kilter.second_order.searches.held_search import find_held
 from kilter.second_order.searches.level_rest_search import find_level_rest
 from kilter.work import PER_EFFORT, Work
 
-__all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
+__all__ = ["MOST_IN_ALL", "MOST_PARTS", "NEEDS_FRICTION", "find_second_order", "with_rolling"]
 
+NEEDS_FRICTION = "the curvature of the energy was not examined, because the proof needs friction"
+"""Reason of an open answer for a cluster that forces without friction do not balance."""
 MOST_PARTS = 20
 """Largest number of free parts in a cluster that is decided by second derivatives of gaps."""
 MOST_STRICT = 60
@@ -84,6 +86,7 @@ def find_second_order(
     *,
     work: Work | None = None,
     strict: bool = False,
+    resting: Mask | None = None,
 ) -> SecondOrder | None:
     """Second-order answer for an assembly in equilibrium; None if no motion is neutral.
 
@@ -101,6 +104,9 @@ def find_second_order(
         limit. Without, there is no limit.
     strict : bool
         Whether the check requires level strict, for which more work is done.
+    resting : ndarray of bool, shape (N,), optional
+        Free parts of the clusters that forces without friction balance, if not all of them rest.
+        The other clusters are open.
     """
     if not program.free.any():
         return None
@@ -116,13 +122,18 @@ def find_second_order(
         forces = np.append(forces, np.zeros(len(program.kind) - len(forces)))
         forces = forces[groups.between(program, assembly)] if groups.tied else forces
     search = _ClusterSearch(assembly, contacts, whole, forces, work)
-    beyond = why_beyond(whole) or search.unmodelled
-    at_once = None if beyond else search.by_forces(whole, forces)
+    beyond = why_beyond(whole, assembly) or search.unmodelled
+    at_once = None if beyond or resting is not None else search.by_forces(whole, forces)
     # a proof that round or jointed parts are held is part of the proof of the verdict
     bends = bool(round_rows(whole, contacts).any())
     if at_once is not None:
         return _of_parts(at_once, groups) if at_once.neutral or bends else None
-    answers = tuple(search.answer(cluster) for cluster in clusters(whole))
+    answers = tuple(
+        search.answer(cluster)
+        if resting is None or resting[cluster.program.free].all()
+        else open_answer(NEEDS_FRICTION, cluster.program)
+        for cluster in clusters(whole)
+    )
     held = all(answer.state == "minimum" and not answer.neutral for answer in answers)
     if held and not bends:
         return None
@@ -168,7 +179,7 @@ def with_rolling(
         return second_order
     features = features_of(program, contacts)
     answers = tuple(
-        replace(answer, rolling=rolling_of(cluster, features, answer.names_alone, assembly.joints))
+        replace(answer, rolling=rolling_of(cluster, features, assembly, answer.names_alone))
         if answer.state == "balanced"
         else answer
         for answer, cluster in zip(answers, parted, strict=True)
@@ -202,7 +213,8 @@ class _ClusterSearch:
     def answer(self, cluster: Cluster) -> SecondOrder:
         """Second-order answer for a cluster."""
         program, count = cluster.program, int(cluster.program.free.sum())
-        why = why_unmodelled(self.assembly, self.unmodelled, program.free) or why_beyond(program)
+        why = why_unmodelled(self.assembly, self.unmodelled, program.free)
+        why = why or why_beyond(program, self.assembly)
         if why:
             return open_answer(why, program)
         if count < self.program.free.sum():
@@ -231,13 +243,13 @@ class _ClusterSearch:
         Held parts only take motions away, so it is a fall of the cluster, whatever stands beside.
         """
         program = cluster.program
-        certain = np.isin(program.kind, (CONTACT, JOINT))
+        certain = np.isin(program.kind, (CONTACT, *OF_JOINTS))
         if self.forces is None or not round_rows(program, self.contacts).any():
             return None
         forces = self.forces[cluster.rows][certain]
         bending = bending_bodies(
-            self.contacts, self.assembly.joints, program.taking(certain), forces, curves=True
-        )
+            self.assembly, self.contacts, program.taking(certain), forces, curves=True
+        ).bending
         if bending[program.free].all() or not bending.any():
             return None
         # imported late: level faces and held parts do not need these modules
@@ -260,7 +272,7 @@ class _ClusterSearch:
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
         """Answer from contact forces alone, if parts rest on horizontal faces or are held."""
         count = int(program.free.sum())
-        jointed = bool(on_joints(program).any())
+        jointed = bool(of_joints(program).any())
         if count <= MOST_LEVEL and not (jointed or self.slanted[program.free].any()):
             level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
             rest = find_level_rest(program, level, forces, sharp, work=self.work)

@@ -15,6 +15,10 @@ the axis d of the joint, the equations and their second derivatives are
 
 with ta, tb the turns and v = v_b - v_a the velocity of b past a at x. Rows about turns are
 multiplied by a length (`Program.arm`), so that all gaps are lengths.
+
+The rows of a stop and of friction are those of the free motion: the fourth equation about the axis
+of a hinge, and the second along a rail. A stop keeps its gap at least 0. A joint whose friction is
+below its limit does not move, so its row is an equation.
 """
 
 from __future__ import annotations
@@ -26,26 +30,49 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import Joint
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import JOINT
+from kilter.mechanics.rows import DRAG, JOINT, OF_JOINTS, STOP
 from kilter.rigid import skew, turn_of
 from kilter.second_order.gaps.gap_form import arms_of, relative_motion, swing
 
-__all__ = ["close_joints", "joint_errors", "joint_forms", "joints_closed", "on_joints"]
+__all__ = [
+    "close_joints",
+    "joint_errors",
+    "joint_forms",
+    "joints_closed",
+    "of_joints",
+    "on_joints",
+    "slipping",
+]
 
 ROUNDS = 60
 """Largest number of corrections that close the joints of a configuration."""
 CLOSED = 1e-12
 """Largest error of closed joints, over the length of the assembly [-]."""
+YIELDS = 1e-6
+"""Friction of a joint within this share of its limit may yield to a small push [-]."""
 
 
 def on_joints(program: Program) -> Mask:
-    """Mask of the rows of joints, shape (K,)."""
-    rows: Mask = program.kind == JOINT
+    """Mask of the rows that are equations: those of joints and of their friction, shape (K,)."""
+    rows: Mask = np.isin(program.kind, (JOINT, DRAG))
+    return rows
+
+
+def of_joints(program: Program) -> Mask:
+    """Mask of the rows of joints, with their stops and friction, shape (K,)."""
+    rows: Mask = np.isin(program.kind, OF_JOINTS)
+    return rows
+
+
+def slipping(program: Program, forces: Array) -> Mask:
+    """Mask of the rows of joint friction whose force, of forces (K,), is at its limit, (K,)."""
+    limit = (1 - YIELDS) * program.capacity
+    rows: Mask = (program.kind == DRAG) & ~(np.abs(forces) < limit)
     return rows
 
 
 def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
-    """Second derivatives of the joint equations, shape (K, 12, 12); 0 for other rows.
+    """Second derivatives of the gaps of joints and stops, (K, 12, 12); 0 for other rows.
 
     Parameters
     ----------
@@ -60,7 +87,7 @@ def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
         In (r_a, theta_a, r_b, theta_b) about the centres of mass, world frame [length unit].
     """
     result = np.zeros((len(program.kind), 12, 12))
-    rows = np.flatnonzero(on_joints(program))
+    rows = np.flatnonzero(of_joints(program))
     if not len(rows):
         return result
     slides, axes, has_axis = _kinds(program, joints, rows)
@@ -85,8 +112,8 @@ def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
 
 
 def joint_errors(program: Program, joints: Sequence[Joint], motion: Array) -> Array:
-    """Errors of the joint equations after a motion, shape (N, 6), exactly; (k,) [length unit]."""
-    rows = np.flatnonzero(on_joints(program))
+    """Gaps of joints and stops after a motion, shape (N, 6), exactly; (k,) [length unit]."""
+    rows = np.flatnonzero(of_joints(program))
     slides, axes, has_axis = _kinds(program, joints, rows)
     normal, padded = program.normal[rows], np.vstack([motion, np.zeros((1, 6))])
     turns = np.array([turn_of(six[3:]) for six in padded])
@@ -115,9 +142,14 @@ def joint_errors(program: Program, joints: Sequence[Joint], motion: Array) -> Ar
 
 
 def joints_closed(program: Program, joints: Sequence[Joint], motion: Array, length: float) -> bool:
-    """True if all joints are closed after a motion, (N, 6), but for rounding."""
+    """True if all joints are closed, and all within limits, after a motion, (N, 6).
+
+    Rounding is allowed for.
+    """
     errors = joint_errors(program, joints, motion)
-    return bool(np.abs(errors).max(initial=0.0) <= CLOSED * length)
+    stops = program.kind[of_joints(program)] == STOP
+    off = np.where(stops, np.maximum(-errors, 0.0), np.abs(errors))
+    return bool(off.max(initial=0.0) <= CLOSED * length)
 
 
 def close_joints(
@@ -138,7 +170,7 @@ def close_joints(
     for _ in range(ROUNDS):
         if joints_closed(program, joints, motion, length):
             return motion
-        errors = joint_errors(program, joints, motion)
+        errors = joint_errors(program, joints, motion)[chosen[of_joints(program)]]
         motion = motion - program.full(scale * (inverse @ errors))
     return None
 
@@ -151,6 +183,7 @@ def _kinds(program: Program, joints: Sequence[Joint], rows: Index) -> tuple[Mask
     chosen = [joints[k] for k in program.source[rows]]
     slides = np.array([joint.kind in ("prismatic", "cylindrical") for joint in chosen], dtype=bool)
     turns = np.array([joint.kind in ("revolute", "cylindrical") for joint in chosen], dtype=bool)
+    turns &= program.kind[rows] == JOINT
     axes = np.array(
         [joint.axis if turn else np.zeros(3) for joint, turn in zip(chosen, turns, strict=True)]
     ).reshape(-1, 3)

@@ -28,7 +28,7 @@ from kilter.assembly import Joint
 from kilter.mechanics.program import Program
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.gap_form import formed
-from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.joint_forms import of_joints
 from kilter.second_order.gaps.stationary import Stationary, problem_of
 
 __all__ = ["bounded", "formed_for_all"]
@@ -39,7 +39,7 @@ def formed_for_all(program: Program, features: Features) -> Mask:
     rows = formed(program, features)
     if features.doubted:
         rows &= formed(program, _bent(features, program.normal, -1.0))
-    return rows | on_joints(program)
+    return rows | of_joints(program)
 
 
 def bounded(

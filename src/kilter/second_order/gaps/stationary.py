@@ -5,15 +5,16 @@ gap of contact k is
 
     phi_k(z) = J_k z + 1/2 z.H_k z + O(3),      E(z) = -w.z,
 
-so that all curvature is that of the gaps. A contact needs phi_k >= 0. The row of a joint is
-two-sided: it needs phi_k = 0, and its force has either sign. The unknowns are (r, rho theta) over
-the length L. Forces are over the weight W, and energies over W L: no number here has a unit.
+so that all curvature is that of the gaps. Springs of joints add z.S z / 2 to E. A contact needs
+phi_k >= 0. The row of a joint is two-sided: it needs phi_k = 0, and its force has either sign. The
+unknowns are (r, rho theta) over the length L. Forces are over the weight W, and energies over W L:
+no number here has a unit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from kilter.mechanics.program import Program
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.gap_form import corner_slips, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
+from kilter.second_order.gaps.joint_springs import spring_form
 from kilter.second_order.second_order_tolerances import ACROSS
 
 __all__ = ["Stationary", "problem_of", "stationary"]
@@ -54,6 +56,10 @@ class Stationary:
         Turn and slip at flush corners (`corner_slips`); 0 for other rows.
     joined : ndarray of bool, shape (K,), optional
         Two-sided rows, which belong to joints; None if there are none.
+    limits : ndarray, shape (K,), optional
+        Largest force of each row, over the weight [-]: that of joint friction.
+    springs : ndarray, shape (n, n), optional
+        Second derivative S of the energy of springs.
     """
 
     rows: Array
@@ -67,6 +73,8 @@ class Stationary:
     on_plane: Mask | None = None
     slips: Array | None = None
     joined: Mask | None = None
+    limits: Array | None = None
+    springs: Array | None = None
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -85,6 +93,8 @@ class Stationary:
             None if self.on_plane is None else self.on_plane[rows],
             None if self.slips is None else self.slips[rows],
             None if self.joined is None else self.joined[rows],
+            None if self.limits is None else self.limits[rows],
+            self.springs,
         )
 
     @property
@@ -144,10 +154,24 @@ class Stationary:
         stays: Mask = np.minimum(moved[:, :2].max(axis=1), moved[:, 2:].max(axis=1)) < ACROSS
         return stays
 
-    def curvature(self, forces: Array, basis: Array) -> Array:
-        """Second derivative of the energy under contact forces, in a basis Z, shape (d, d)."""
+    def stress_curvature(self, forces: Array, basis: Array) -> Array:
+        """Second derivative of the energy by self-stress, in a basis Z, shape (d, d)."""
         weighted = np.tensordot(forces, self.restricted(basis), axes=1)
         return -(weighted + weighted.T) / 2
+
+    def spring_curvature(self, basis: Array) -> Array:
+        """Second derivative of the energy of springs, in a basis Z, shape (d, d)."""
+        if self.springs is None:
+            return np.zeros((basis.shape[1],) * 2)
+        return np.asarray(basis.T @ self.springs @ basis)
+
+    def curvature(self, forces: Array, basis: Array) -> Array:
+        """Second derivative of the energy under contact forces, in a basis Z, shape (d, d)."""
+        return self.stress_curvature(forces, basis) + self.spring_curvature(basis)
+
+    def spring_cost(self, motion: Array) -> float:
+        """Second derivative of the energy of springs along a motion, shape (n,)."""
+        return float(self.spring_curvature(motion[:, None])[0, 0])
 
     def imbalance(self, forces: Array) -> float:
         """Largest imbalance of contact forces, over the largest entry of the load [-].
@@ -162,7 +186,11 @@ def problem_of(program: Program, features: Features, joints: Sequence[Joint] = (
     """Build the gaps and the load of a program to second order, without friction."""
     forms = np.nan_to_num(gap_forms(program, features)) + joint_forms(program, joints)
     slips = corner_slips(program, features) if features.flush.any() else None
-    return stationary(program, forms, slips)
+    problem, springs = stationary(program, forms, slips), spring_form(program, joints)
+    if springs is None or problem.scale is None:
+        return problem
+    units = np.outer(problem.scale, problem.scale) / (problem.weight * problem.length)
+    return replace(problem, springs=springs * units)
 
 
 def stationary(program: Program, forms: Array, slips: Array | None = None) -> Stationary:
@@ -204,4 +232,5 @@ def stationary(program: Program, forms: Array, slips: Array | None = None) -> St
         scale,
         slips=slips,
         joined=joined if joined.any() else None,
+        limits=program.capacity / (program.arm * weight) if len(program.bounded) else None,
     )

@@ -33,9 +33,10 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.mechanics.rows import JOINT
 from kilter.rigid import skew
 from kilter.second_order.gaps.features import EDGE, FACE, VERTEX, Features
-from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.joint_forms import of_joints
 
 __all__ = [
     "AXIS",
@@ -118,7 +119,7 @@ def touched_surfaces(
     joints : sequence of Joint
         Joints to which the other rows belong.
     """
-    joined = on_joints(program)
+    joined = of_joints(program)
     patch = np.where(joined, -1, program.source)
     kinds = np.append(contacts.patch_kind, "joint")[patch]
     parts = np.vstack([contacts.patch_parts, [-1, -1]])[patch]
@@ -136,7 +137,9 @@ def touched_surfaces(
         side.point[flat] = program.point[flat]
         for row in np.flatnonzero(joined):
             joint = joints[program.source[row]]
-            side.kind[row] = OF_JOINT.get(joint.kind, UNKNOWN)
+            # along a stop, friction or a spring no motion leaves forces and energy as they are
+            moves = program.kind[row] == JOINT and not joint.stiffness
+            side.kind[row] = OF_JOINT.get(joint.kind, UNKNOWN) if moves else UNKNOWN
             side.point[row] = program.point[row]
             side.direction[row] = program.normal[row] if joint.axis is None else joint.axis
     return first, second

@@ -16,7 +16,13 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import SIX, Form, keys, named, nullable
-from kilter.second_order.gaps.joint_forms import close_joints, joints_closed, on_joints
+from kilter.second_order.gaps.joint_forms import (
+    close_joints,
+    joints_closed,
+    of_joints,
+    on_joints,
+)
+from kilter.second_order.gaps.joint_springs import spring_excess
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.free_span import scaled_columns
 from kilter.second_order.motions.sharp_points import opens_points
@@ -125,7 +131,7 @@ class Fall:
         apart = separation_at(facts.assembly, facts.contacts, program, problem, self.place)
         if apart is None or not apart > APART * problem.length:
             wrong.append("parts penetrate each other in its configuration")
-        if not problem.load @ columns > APART:
+        if not -_energy(facts.assembly, program, problem, columns, self.place) > APART:
             wrong.append("the energy of its configuration is not lower")
         return wrong
 
@@ -135,7 +141,7 @@ def by_path_alone(facts: ClusterFacts) -> bool:
 
     So it is for given contacts, and for surfaces that were recognised in meshes.
     """
-    patches = facts.program.source[~on_joints(facts.program)]
+    patches = facts.program.source[~of_joints(facts.program)]
     given = facts.contacts.patch_kind[patches] == "given"
     return facts.features.doubted or bool(len(given) and given.all())
 
@@ -148,7 +154,7 @@ def separation_at(
     Rigid groups move as their first parts. None if the separation of some surfaces is unknown.
     """
     groups = RigidGroups.of(assembly)
-    touching = ~on_joints(program)
+    touching = ~of_joints(program)
     return least_separation(
         assembly,
         groups.apart(program.taking(touching), assembly, contacts),
@@ -176,6 +182,17 @@ def is_on(path: Path, columns: Array, *, jointed: bool = False) -> bool:
     return bool(step <= near * (1 + ACROSS) and off <= far)
 
 
+def _energy(
+    assembly: Assembly, program: Program, problem: Stationary, columns: Array, place: Array
+) -> float:
+    """Energy of loads and springs at a place, over the weight and the length [-].
+
+    `columns`, shape (n,), are the scaled unknowns of `place`, shape (N, 6).
+    """
+    springs = spring_excess(program, assembly.joints, place)
+    return springs / (problem.weight * problem.length) - float(problem.load @ columns)
+
+
 def find_configuration(
     assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, path: Path
 ) -> tuple[Configuration | None, str]:
@@ -201,7 +218,9 @@ def find_configuration(
         columns = scaled_columns(program, problem, motion[None])[:, 0]
         if not is_on(path, columns, jointed=bool(on_joints(program).any())):
             continue
-        energy = -float(problem.load @ columns)
+        if not joints_closed(program, assembly.joints, motion, problem.length):
+            continue
+        energy = _energy(assembly, program, problem, columns, motion)
         apart = separation_at(assembly, contacts, program, problem, motion)
         if apart is None:
             return (

@@ -1,8 +1,9 @@
 """Proof that parts are held to first order: equilibrium forces leave no motion neutral.
 
 With f >= 0 and J^T f + w = 0, the neutral motions are those that keep every contact with f > 0, and
-every joint, closed. If their rows have full rank, there are none: the energy rises to first order
-along every motion, a strict minimum.
+every joint, closed. A joint whose friction is below its limit does not move either. If their rows
+have full rank, there are none: the energy rises to first order along every motion, a strict
+minimum.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from kilter.arrays import TINY, Array, read_only
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import NUMBER, Form, keys, list_of
 from kilter.mechanics.rows import POSSIBLE
-from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.joint_forms import on_joints, slipping
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.carrying import all_carry
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
@@ -63,6 +64,8 @@ def judge_held(program: Program, proof: Held) -> str:
     joined = on_joints(program)
     if (forces[~joined] < 0).any():
         return "a contact force pulls"
+    if slipping(program, forces).any():
+        return "the friction of a joint is at its limit"
     limit = max(BALANCED, float(program.tolerance.max(initial=0.0)))
     if not unbalanced(program, forces) <= limit:
         return "its forces do not balance the load"

@@ -127,7 +127,7 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
     free, across = shifts(problem)
     if np.abs(problem.load @ free).max(initial=0.0) > ACROSS:
         return "its shifts cost energy"
-    if not definite(problem.curvature(scaled, across)):
+    if not definite(problem.stress_curvature(scaled, across)):
         return "its self-stress does not exclude every turn"
     return ""
 

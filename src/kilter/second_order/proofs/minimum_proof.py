@@ -5,11 +5,12 @@ space Z of the carrying rows, because the terms f_k J_k z >= 0 sum to -w.z = 0. 
 {z = Z y, R y >= 0} that together cover the critical motions, with separate forces f and weights
 N >= 0 for each cone,
 
-    -Z^T H(f) Z - R^T N R  positive definite        (Cholesky)
+    Z^T (S - H(f)) Z - R^T N R  positive definite        (Cholesky)
 
-proves z.L'' z > 0 on the cone (Ioffe; Ben-Tal): a strict local minimum of the energy over all
-admissible configurations, under any contact law that creates no energy. Motions that are proved
-free (`motions.free_motions`) are divided out first: Z is then across them.
+with the second derivative S of the energy of springs, proves z.L'' z > 0 on the cone (Ioffe;
+Ben-Tal): a strict local minimum of the energy over all admissible configurations, under any contact
+law that creates no energy. Motions that are proved free (`motions.free_motions`) are divided out
+first: Z is then across them.
 
 The cones are the leaves of a tree. Its roots are the orthants of y, those with positive first
 coordinate if both signs of a motion are critical. A cone is split in two at the middle of two of
@@ -28,6 +29,7 @@ import numpy as np
 from kilter.arrays import Array, Mask, unit_rows
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import COUNT, NUMBER, SIX, Form, keys, list_of, named, nullable
+from kilter.second_order.gaps.joint_forms import YIELDS
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import free_span, moving_free
@@ -255,6 +257,8 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
         return "it does not have a finite force for each contact"
     if (forces[~problem.two_sided] < 0).any():
         return "a contact force pulls"
+    if problem.limits is not None and not (np.abs(forces) < (1 - YIELDS) * problem.limits).all():
+        return "the friction of a joint is at its limit"
     balanced = problem.imbalance(forces) <= max(BALANCED, problem.blur)
     return "" if balanced else "its forces do not balance the load"
 

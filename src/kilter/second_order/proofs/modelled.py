@@ -29,7 +29,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT, JOINT, POSSIBLE
+from kilter.mechanics.rows import CONTACT, OF_JOINTS, POSSIBLE
 from kilter.second_order.motions.sharp_points import sharp_pushes
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import AGREE, KEEPS
@@ -83,11 +83,12 @@ def why_unmodelled(
     return f"the contact of {assembly.names[a]} and {assembly.names[b]} {why}{more}"
 
 
-def why_beyond(program: Program) -> str:
-    """Reason why second order cannot model a cluster's bonds or loads; else empty."""
-    if program.has_strength:
+def why_beyond(program: Program, assembly: Assembly) -> str:
+    """Reason why second order cannot model a cluster's bonds, straps or loads; else empty."""
+    strapped = bool(assembly.straps) and bool(program.clamp.any())
+    if strapped or program.pull.any() or program.cohesion.any():
         return "second order does not model bonds and straps"
-    if not np.isin(program.kind, (CONTACT, POSSIBLE, JOINT)).all():
+    if not np.isin(program.kind, (CONTACT, POSSIBLE, *OF_JOINTS)).all():
         return "second order does not model bonds and straps"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
         return OFF_CENTRE

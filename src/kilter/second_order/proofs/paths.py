@@ -1,12 +1,13 @@
 """Falling paths z(t) = t dp + t^2 d2 / 2 along which no gap closes and energy decreases.
 
-    J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0;   w.d2 >= m,   m > 0
+    J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0;
+    w.d2 - dp.S dp >= m,   m > 0
 
 Then each gap is at least m t^2 / 2 + O(t^3), or opens to first order, and the energy is
--t^2 w.d2 / 2: the configuration is no minimum. With rounded numbers both statements hold only from
-some t on. A gap that opens to first order must not close again too soon after that t. The gaps may
-close at first only by the rounding of the data: a configuration in a shallow hollow is a minimum,
-however strongly the wall of the hollow curves.
+-t^2 (w.d2 - dp.S dp) / 2, with the springs S: the configuration is no minimum. With rounded numbers
+both statements hold only from some t on. A gap that opens to first order must not close again too
+soon after that t. The gaps may close at first only by the rounding of the data: a configuration in
+a shallow hollow is a minimum, however strongly the wall of the hollow curves.
 
 Joints stay closed: J_k dp = 0 and J_k d2 + dp.H_k dp = 0 for their rows. The error that is left is
 of third order.
@@ -51,7 +52,7 @@ class Path:
     opens : float
         Least second derivative of a gap that stays closed to first order.
     power : float
-        w.d2.
+        w.d2 - dp.S dp.
     slips : float
         Largest of -J dp and |w.dp|.
     lasts : float
@@ -98,7 +99,7 @@ def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
     parted = float(np.abs(second_opens[joined]).max(initial=0.0))
     opens = second_opens[later & ~kept]
     least = float(opens.min()) if len(opens) else 1.0
-    power = float(problem.load @ second)
+    power = float(problem.load @ second) - problem.spring_cost(first)
     blurred = problem.blur * float(np.abs(second).max(initial=0.0))
     one_form = bool(problem.one_form(first[:, None]).all())
     slack = max(ACROSS, problem.blur)

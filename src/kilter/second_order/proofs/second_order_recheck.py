@@ -28,7 +28,7 @@ from kilter.mechanics.proof_form import (
 )
 from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.gaps.features_of import features_of
-from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.joint_forms import of_joints, on_joints
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.free_motions import FreeMotions
 from kilter.second_order.motions.free_span import moving_free, scaled_columns
@@ -181,7 +181,7 @@ def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted:
     kind, program = _kind_of(entry), facts.program
     if "alone" in entry and kind is not Fall:
         return "only a fall is proved with other parts held"
-    word = why_beyond(program)
+    word = why_beyond(program, facts.assembly)
     counted = slanted if kind is LevelRest else off
     if not word and kind is not Held and counted[program.free].any():
         word = OFF_CENTRE
@@ -195,7 +195,7 @@ def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted:
 def _wrong_proof(facts: ClusterFacts, entry: dict[str, Any]) -> str:
     """Reason why a proof about all contacts of a cluster fails; empty if it is valid."""
     kind = _kind_of(entry)
-    if kind in (LevelRest, Stopped) and on_joints(facts.program).any():
+    if kind in (LevelRest, Stopped) and of_joints(facts.program).any():
         return "it does not model joints"
     if word := _wrong_surfaces(kind.SURFACES, facts):
         return word
@@ -231,6 +231,8 @@ def _wrong_without_idle(facts: ClusterFacts, entry: dict[str, Any]) -> str:
     if max(entry["idle"], default=-1) >= len(kept) or min(entry["idle"], default=0) < 0:
         raise MalformedProof("it leaves out contacts that do not exist")
     kept[entry["idle"]] = False
+    if on_joints(program)[~kept].any():
+        return "joints may not be left out"
     if _kind_of(entry) is not MinimumProof or kept.all():
         return "contacts may be left out only of a proof of a minimum"
     word = _wrong_proof(facts.taking(kept), entry)
@@ -285,7 +287,7 @@ def _wrong_rolling(
     states = []
     for cluster, entry in zip(parted, entries, strict=True):
         if entry is not None and entry["state"] == "balanced":
-            states.append(rolling_of(cluster, features, entry.get("alone"), assembly.joints).state)
+            states.append(rolling_of(cluster, features, assembly, entry.get("alone")).state)
             if entry.get("rolling", "open") != states[-1]:
                 return ["its claim about rolling is wrong"]
     agrees = worst_rolling(states) == data.get("rolling", "open")

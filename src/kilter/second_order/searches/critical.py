@@ -25,6 +25,10 @@ from kilter.work import Work
 __all__ = ["Critical", "carrying_forces", "find_critical"]
 
 
+WITHIN = 0.999
+"""Largest friction of a joint that is sought, over its limit [-]."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Critical:
     """Cone of the critical motions, as a basis with inequalities, and the forces that prove it.
@@ -50,7 +54,11 @@ class Critical:
 def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical | None:
     """Compute the cone of critical motions; None if no equilibrium forces were found."""
     answer = carrying_forces(
-        csr_array(problem.rows), problem.load, two_sided=problem.joined, work=work
+        csr_array(problem.rows),
+        problem.load,
+        two_sided=problem.joined,
+        limits=problem.limits,
+        work=work,
     )
     if answer is None:
         return None
@@ -65,7 +73,12 @@ def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical 
 
 
 def carrying_forces(
-    rows: csr_array, load: Array, *, two_sided: Mask | None = None, work: Work | None
+    rows: csr_array,
+    load: Array,
+    *,
+    two_sided: Mask | None = None,
+    limits: Array | None = None,
+    work: Work | None,
 ) -> tuple[Array, Mask] | None:
     """Equilibrium forces, positive on every row that can carry force, and a mask of these rows.
 
@@ -78,6 +91,8 @@ def carrying_forces(
     load : ndarray, shape (n,)
     two_sided : ndarray of bool, shape (K,), optional
         Rows of joints: they count as rows that carry, and their forces have either sign.
+    limits : ndarray, shape (K,), optional
+        Forces of rows are below these limits, with a margin (`WITHIN`).
     """
     count, freedoms = rows.shape
     if count == 0:
@@ -87,13 +102,18 @@ def carrying_forces(
     above = hstack([eye_array(count), csc_array((count, 1)), -eye_array(count)])
     joined = np.zeros(count, dtype=bool) if two_sided is None else two_sided
     free = np.where(joined, -np.inf, 0.0)
+    rubs = np.flatnonzero(np.isfinite(limits)) if limits is not None else np.zeros(0, dtype=int)
+    one = csc_array((np.ones(len(rubs)), (np.arange(len(rubs)), rubs)), shape=(len(rubs), count))
+    most = csc_array(WITHIN * (np.zeros(0) if limits is None else limits[rubs])[:, None])
+    rest = csc_array((len(rubs), count))
+    within = vstack([hstack([-one, most, rest]), hstack([one, most, rest])])
     cost = np.concatenate([np.zeros(count + 1), -np.ones(count)])
     x = optimum(
         LinearProgram(
             cost,
-            csc_array(vstack([balance, above], format="csc")),
-            np.concatenate([np.zeros(freedoms), free]),
-            np.concatenate([np.zeros(freedoms), np.full(count, np.inf)]),
+            csc_array(vstack([balance, above, within], format="csc")),
+            np.concatenate([np.zeros(freedoms), free, np.zeros(2 * len(rubs))]),
+            np.concatenate([np.zeros(freedoms), np.full(count + 2 * len(rubs), np.inf)]),
             np.concatenate([free, [1.0], np.zeros(count)]),
             np.concatenate([np.full(count + 1, np.inf), np.where(joined, 0.0, 1.0)]),
         ),

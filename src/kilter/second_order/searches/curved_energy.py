@@ -2,7 +2,7 @@
 
 Over the critical motions z = Z y with sides R y >= 0, and H(f) = sum of f_k H_k:
 
-    max e:  -Z^T H(f) Z - R^T N R >= e I,   J^T f + w = 0,  f >= 0,  N >= 0 entrywise
+    max e:  Z^T (S - H(f)) Z - R^T N R >= e I,   J^T f + w = 0,  f >= 0,  N >= 0 entrywise
 
 e > 0 proves a strict minimum: each z in C has -z.H(f) z >= e |y|^2 + (R y).N (R y). Without sides N
 is left out. The multiplier X of the matrix shows the motions along which a proof fails.
@@ -70,7 +70,7 @@ def best_curvature(
         np.vstack([_bounds_of_forces(problem, unknowns, most), np.eye(unknowns)[1 + count : -1]]),
         np.concatenate([[0.0], ~problem.two_sided, np.zeros(len(pairs)), [0.0]]),
         most,
-        (-forms, np.eye(unknowns)[-1]),
+        (np.concatenate([problem.spring_curvature(basis)[None], -forms]), np.eye(unknowns)[-1]),
         work,
     )
     if solution is None:
@@ -96,7 +96,8 @@ def blocking_stress(problem: Stationary, basis: Array, *, work: Work) -> Array |
     gain = np.concatenate([[0.0], np.trace(forms, axis1=1, axis2=2)])
     total = np.concatenate([[0.0], ~problem.two_sided])
     positive = _bounds_of_forces(problem, unknowns, 1.0)
-    solution = _solve(_independent(balance), positive, total, 1.0, (forms, gain), work)
+    bodies = np.concatenate([np.zeros_like(forms[:1]), forms])
+    solution = _solve(_independent(balance), positive, total, 1.0, (bodies, gain), work)
     return None if solution is None else problem.pushes(solution[0][1:])
 
 
@@ -128,8 +129,7 @@ def _solve(
     order = bodies.shape[1]
     column, row = np.tril_indices(order)
     weight = np.where(row == column, 1.0, np.sqrt(2.0))
-    square = np.zeros((len(row), len(gain)))
-    square[:, 1:] = (bodies[:, row, column] * weight).T
+    square = (bodies[:, row, column] * weight).T
     within = -total
     within[0] = most
     answer = solve_semidefinite(

@@ -144,8 +144,12 @@ class _Question:
         return np.zeros((len(self.sides), len(self.sides)))
 
     def _without_flat(self) -> Array:
-        """Basis of the critical motions without those for which no contact has curvature."""
-        forms = self.carrying.restricted(self.across)
+        """Basis of the critical motions without those for which no contact has curvature.
+
+        Springs curve the energy as contacts do.
+        """
+        springs = self.carrying.spring_curvature(self.across)[None]
+        forms = np.concatenate([self.carrying.restricted(self.across), springs])
         stacked = forms.reshape(-1, forms.shape[2])
         size = float(np.abs(forms).max(initial=0.0))
         if size < FLAT:
@@ -161,7 +165,7 @@ class _Question:
             stress = blocking_stress(self.carrying, basis, work=self.work)
             if stress is None:
                 break
-            curvature = self.carrying.curvature(stress, basis)
+            curvature = self.carrying.stress_curvature(stress, basis)
             values, vectors = np.linalg.eigh(curvature)
             blocked = values > 1e-4 * max(1e-2, values.max(initial=0.0))
             size = float(np.abs(self.carrying.rows.T @ stress).max(initial=0.0))

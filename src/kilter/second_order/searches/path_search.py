@@ -1,6 +1,7 @@
 """Search for a falling path along a critical motion, by choice of its second derivative.
 
-    max m:   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0,   w.d2 >= m,   |d2| <= reach
+    max m:   J_k d2 + dp.H_k dp >= m for rows with J_k dp = 0
+             w.d2 - dp.S dp >= m,   |d2| <= reach,   with S of springs
              J_k d2 + dp.H_k dp  = 0 for rows of joints
 
 By duality a d2 with m = 0 exists iff no forces of equilibrium curve the energy upward along dp.
@@ -58,11 +59,13 @@ def find_path(
 def _held_up(problem: Stationary, motion: Array, balancing: Array | None) -> bool:
     """True if known equilibrium forces exclude a falling path along a motion, shape (n,).
 
-    w.d2 = -f.J d2 <= sum of f_k z.H_k z: the power is at most the curvature of the energy, negated.
+    w.d2 = -f.J d2 <= sum of f_k z.H_k z: the power is at most the curvature of the energy, negated,
+    and springs take up z.S z.
     """
     if balancing is None or not len(balancing):
         return False
-    return bool((balancing @ problem.bends(motion)).min() < DROPS)
+    released = balancing @ problem.bends(motion) - problem.spring_cost(motion)
+    return bool(released.min() < DROPS)
 
 
 def _along_planes(
@@ -85,7 +88,10 @@ def _along_planes(
     if _held_up(problem, first, balancing):
         return None
     loose = replace(
-        problem.taking(~keep), rows=problem.rows[~keep] @ within, load=problem.load @ within
+        problem.taking(~keep),
+        rows=problem.rows[~keep] @ within,
+        load=problem.load @ within,
+        springs=None if problem.springs is None else problem.spring_curvature(within),
     )
     path = None
     for reach in REACHES:
@@ -125,7 +131,7 @@ def _second_derivative(
 ) -> Array | None:
     """Second derivative of a path that opens and falls as fast as possible, (n,); or None.
 
-    J d2 + dp.H dp >= m for rows that dp keeps closed,  w.d2 >= m,  |d2| <= reach.
+    J d2 + dp.H dp >= m for rows that dp keeps closed,  w.d2 - dp.S dp >= m,  |d2| <= reach.
     """
     closed = (problem.rows @ first <= DROPS) | problem.two_sided
     rows = problem.rows[closed]
@@ -143,7 +149,7 @@ def _second_derivative(
         LinearProgram(
             np.append(np.zeros(freedoms), -1.0),
             csc_array(matrix),
-            np.append(-bends, 0.0),
+            np.append(-bends, problem.spring_cost(first)),
             np.append(np.where(joined, -bends, np.inf), np.inf),
             -bound,
             bound,

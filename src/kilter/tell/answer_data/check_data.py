@@ -146,7 +146,9 @@ class CertificateData(TypedDict):
 
     kind: Literal["forces", "motion"] | None
     residual: float | None
-    power: float | None
+    power: Annotated[
+        float | None, Field(description="of the motion if its fastest part moves at 1 m/s [W]")
+    ]
     violation: float | None
 
 
@@ -202,18 +204,34 @@ class PatchForceData(TypedDict):
     resultant: Vector
     normal_force: float
     center: Annotated[Vector | None, Field(description="centre of pressure [length unit]")]
-    utilisation: Annotated[float | None, Field(description="share of the friction [-]")]
+    utilisation: Annotated[
+        float | None, Field(description="least share of the friction that its points need [-]")
+    ]
     bond_utilisation: Annotated[float | None, Field(description="share of the bond [-]")]
     points: Annotated[Lines, Field(description="[length unit], world frame")]
     forces: Annotated[Lines, Field(description="[N], world frame")]
 
 
+class JointForceData(TypedDict):
+    """Forces along the axis of a prismatic joint on its first part [N].
+
+    Of a revolute joint, torques about the axis [N x length unit].
+    """
+
+    parts: PairNames
+    kind: Literal["revolute", "prismatic"]
+    stop: Annotated[float, Field(description="of the limit at which the joint stands, else 0")]
+    friction: float
+    spring: float
+
+
 class ForcesData(TypedDict):
-    """Contact forces that balance every part."""
+    """Contact forces that balance every part, and forces of joints with limits and the like."""
 
     least: bool
     residual: float
     patches: list[PatchForceData]
+    joints: NotRequired[list[JointForceData]]
 
 
 class CheckToleranceData(ToleranceData):

@@ -59,6 +59,26 @@ class JointData(TypedDict):
     parts: PairNames
     kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
     why: NotRequired[Annotated[str, Field(description="reason for a fastened joint")]]
+    limits: NotRequired[
+        Annotated[
+            list[float], Field(description="least and largest position [rad] or [length unit]")
+        ]
+    ]
+    friction: NotRequired[
+        Annotated[float, Field(description="largest friction [N x length unit] or [N]")]
+    ]
+    stiffness: NotRequired[
+        Annotated[
+            float,
+            Field(description="of the spring [N x length unit / rad] or [N / length unit]"),
+        ]
+    ]
+    rest: NotRequired[
+        Annotated[
+            float,
+            Field(description="position without a force of the spring [rad] or [length unit]"),
+        ]
+    ]
 
 
 class PlainOpenPairData(TypedDict):

@@ -32,6 +32,7 @@ class PatchData(TypedDict):
     gap_range: Annotated[list[float], Field(min_length=2, max_length=2)]
     normal: Annotated[Vector, Field(description="from the first part to the second")]
     mu: float
+    pieces: Annotated[list[int] | None, Field(description="pieces of the parts; null if unknown")]
     pull: Annotated[float | None, Field(description="largest tension of a bond [N]")]
     points: Annotated[Lines, Field(description="[length unit], world frame")]
 
@@ -68,7 +69,7 @@ class FitData(TypedDict):
 
 
 class HistogramData(TypedDict):
-    """Numbers of gaps between edges [length unit]; null for an infinite edge."""
+    """Numbers of gaps between edges [size of the smaller part]; null for an infinite edge."""
 
     edges: list[float | None]
     counts: list[int]

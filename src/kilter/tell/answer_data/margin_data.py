@@ -52,7 +52,10 @@ class LevelLimitsData(TypedDict):
 class AboutData(TypedDict):
     """Limit of a turn of gravity about an axis."""
 
-    tilt_deg: Annotated[float | None, Field(description="[deg]")]
+    axis: Annotated[Vector, Field(description="the other sense has the opposite axis")]
+    tilt_deg: Annotated[
+        float | None, Field(description="by the right-hand rule [deg]; null: a full turn is held")
+    ]
     limit: LimitData
 
 
@@ -137,7 +140,10 @@ class HelpData(TypedDict):
     of: Literal["tilt", "load factor"]
     what: Literal["hold", "friction", "mass"]
     parts: list[str]
-    gain: float | None
+    by: Annotated[
+        float | None, Field(description="more mu, or share of the mass; null: a part is held")
+    ]
+    gain: Annotated[float | None, Field(description="of a second margin; null: unlimited")]
     sentence: str
 
 

@@ -49,7 +49,9 @@ class VerifyData(TypedDict):
     claimed: Annotated[str | None, Field(description="level that the file claims")]
     require: Annotated[str | None, Field(description="null: the claimed level")]
     residual: Annotated[float | None, Field(description="largest imbalance over the weight [-]")]
-    power: Annotated[float | None, Field(description="[W]")]
+    power: Annotated[
+        float | None, Field(description="of the motion if its fastest part moves at 1 m/s [W]")
+    ]
     reasons: list[str]
     notes: list[str]
     held: list[str]

@@ -166,7 +166,15 @@ class ChosenStrapData(TypedDict):
     parts: list[str]
     tension: Annotated[float | None, Field(description="[N]")]
     capacity: Annotated[float | None, Field(description="[N]")]
-    pull: Annotated[float | None, Field(description="tension, or computed pull [N]")]
+    pull: Annotated[float | None, Field(description="tension, or largest computed pull [N]")]
+
+
+class StrapCaseData(TypedDict):
+    """A direction of a code of load securing, and the level with the straps of the answer."""
+
+    name: str
+    acceleration: Annotated[Vector, Field(description="of the carrier [m/s^2]")]
+    level: LevelWord | None
 
 
 class HoldData(TypedDict):
@@ -182,6 +190,10 @@ class HoldData(TypedDict):
     straps: Annotated[
         list[ChosenStrapData] | None, Field(description="null: straps were no candidates")
     ]
+    code: Annotated[
+        str | None, Field(description="code of load securing; null: the load as it is given")
+    ]
+    cases: Annotated[list[StrapCaseData], Field(description="directions of the code")]
     least: int
     fewest: bool
     motions: list[StoppedMotionData]

@@ -74,12 +74,12 @@ class PolarData(TypedDict):
     """Boundary of the horizontal accelerations at which contact forces can hold the parts."""
 
     axes: list[Vector]
-    points: list[list[float]]
+    points: Annotated[list[list[float]], Field(description="along the axes [g]")]
     limited: list[bool]
     proved: list[bool]
     normals: list[list[float]]
-    reach: list[float]
-    gap: float | None
+    reach: Annotated[list[float], Field(description="farthest acceleration along each normal [g]")]
+    gap: Annotated[float | None, Field(description="from the points to the bounding lines [g]")]
 
 
 class CollapseData(TypedDict):
@@ -155,6 +155,7 @@ class TransportData(TypedDict):
     alpha: list[CollapseData]
     fc: Annotated[float | None, Field(description="confidence factor FC [-]")]
     code: str | None
+    forward: Annotated[Vector | None, Field(description="direction of travel of the code")]
     cases: list[CaseData]
     straps: list[StrapUseData]
     speed: Annotated[PathData | None, Field(description="of a path")]

@@ -141,6 +141,8 @@ class Fixture(AnswerInWords):
                 for entry, push in zip(self.supports, forces, strict=True)
             ],
             "straps": None,
+            "code": None,
+            "cases": [],
             "least": self.least,
             "fewest": self.fewest,
             "motions": [

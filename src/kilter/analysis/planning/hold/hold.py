@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.planning.hold.fixture import Fixture
-from kilter.analysis.planning.hold.least_straps import Lashing, find_least_straps
+from kilter.analysis.planning.hold.lashing import Lashing
+from kilter.analysis.planning.hold.least_straps import find_least_straps
 from kilter.analysis.planning.hold.least_supports import LeastSupports, find_least_supports
 from kilter.analysis.planning.hold.support_candidates import candidates_of
 from kilter.analysis.planning.hold.supported import Supported
@@ -51,6 +52,8 @@ def hold(
     floor: bool | float | None = None,
     candidates: Iterable[str | Support] = ("grips",),
     straps: Iterable[Strap] | None = None,
+    code: str | None = None,
+    forward: ArrayLike = (1.0, 0.0, 0.0),
     most: int | None = None,
     require: str = REQUIRE,
     effort: float = EFFORT,
@@ -73,6 +76,11 @@ def hold(
     straps : iterable of Strap, optional
         Candidates of the only kind, in place of `candidates`: the answer is a `Lashing`, the fewest
         of these straps beside those of the assembly. The proof is one of equilibrium.
+    code : str, optional
+        With `straps`: the same straps must hold the load at every acceleration of this code of load
+        securing, as in `kilter.transport`.
+    forward : array_like, shape (3,)
+        Direction of travel, for `code`.
     most : int, optional
         Largest number of supports to consider.
     require : {"equilibrium", "settles", "proved"}
@@ -86,7 +94,8 @@ def hold(
     Raises
     ------
     InputError
-        If no candidate exists, or a candidate does not fit the assembly.
+        If no candidate exists, a candidate does not fit the assembly, the code does not exist, or
+        it is given without straps.
 
     See Also
     --------
@@ -107,6 +116,12 @@ def hold(
     )
     if straps is None:
         require_no_bonds(assembly, "hold", NOT_SET)
+        if code is not None:
+            raise InputError(
+                "a code of load securing needs candidate straps",
+                hint="give straps=[...]",
+                option="give them with --straps FILE.json",
+            )
     require = require_level(require)
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
         raise InputError(f"most is {most!r:.40}", hint="give a whole number, 0 or more")
@@ -127,7 +142,14 @@ def hold(
             return check(lashed, contacts=touching, require=require, effort=effort).level
 
         return find_least_straps(
-            assembly, contacts, tuple(straps), require=require, level_of=level_of, progress=progress
+            assembly,
+            contacts,
+            tuple(straps),
+            code=code,
+            forward=forward,
+            require=require,
+            level_of=level_of,
+            progress=progress,
         )
     asked = [candidates] if isinstance(candidates, str | Support) else candidates
     given = Supported(assembly, contacts, candidates_of(assembly, contacts, asked))

@@ -1,0 +1,78 @@
+"""Numbers of the answers of `kilter.settle` and `kilter.scene`, in millimetres, by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.scenes.pieces import block
+
+TABLE = block("table", [-500, -500, -10], [500, 500, 0], grounded=True)
+
+
+def box(
+    name: str, at: list[float], size: tuple[float, ...] = (100, 100, 100), **more: bool
+) -> Part:
+    return Part(name, Box(size), at, **more)
+
+
+def settled(*parts: Part, **more: object) -> dict:
+    return kilter.settle(Assembly([TABLE, *parts], units="mm", friction=0.3), **more).to_dict()
+
+
+def test_a_box_that_hangs_and_one_that_is_sunk_move_by_their_gap() -> None:
+    answer = settled(box("a", [0, 0, 50.5]), box("b", [300, 0, 49.9]))
+    moved = {one["part"]: (one["distance"], one["angle_deg"]) for one in answer["moved"]}
+    assert moved["a"] == pytest.approx((0.5, 0), abs=1e-6)
+    assert moved["b"] == pytest.approx((0.1, 0), abs=1e-6)
+    assert 0 <= answer["widest_gap"] <= answer["tolerance"]
+    assert 0 <= answer["deepest_overlap"] <= answer["tolerance"]
+    assert (answer["depth"], answer["dropped"]) == (0, 0)
+
+
+def test_a_box_falls_by_its_height_above_the_table() -> None:
+    answer = settled(box("a", [0, 0, 80]), drop=True)
+    assert answer["moved"][0]["distance"] == pytest.approx(30, abs=1e-6)
+    assert answer["dropped"] == pytest.approx(30, rel=1e-4)
+
+
+def test_a_box_between_two_walls_that_are_closer_overlaps_each_by_half_of_the_rest() -> None:
+    walls = [box(name, [x, 0, 50], grounded=True) for name, x in (("l", -100), ("r", 100))]
+    answer = settled(*walls, box("wide", [0, 0, 50], (101, 100, 100)))
+    assert answer["depth"] == pytest.approx(0.5, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_a_bar_on_a_higher_and_a_lower_block_tilts_by_their_difference() -> None:
+    """It touches the outer edge of the lower block and the inner edge of the higher one."""
+    low, high = box("low", [-150, 0, 50]), box("high", [150, 0, 50.25], (100, 100, 100.5))
+    answer = settled(low, high, box("bar", [0, 0, 110.5], (500, 100, 20)))
+    (bar,) = [one for one in answer["moved"] if one["part"] == "bar"]
+    turn = math.atan(0.5 / (200 + 100))
+    assert bar["angle_deg"] == pytest.approx(math.degrees(turn), rel=1e-5)
+    # its lower side passes through (-200, 100) and (100, 100.5), and its centre is 10 above it
+    height = (100 + 200 * math.tan(turn)) + 10 / math.cos(turn)
+    assert 110.5 - height <= bar["distance"] <= 110.5 - height + 0.1
+
+
+@pytest.mark.slow
+def test_objects_of_a_scene_state_their_height_and_their_place_below() -> None:
+    turned = Pose([0, 0, 80], [math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
+    parts = [
+        TABLE, Part("a", Box([100, 60, 100]), turned), box("b", [300, 0, 40]),
+        box("c", [-300, 0, 50]),
+    ]  # fmt: skip
+    scene = Assembly(parts, units="mm", friction=0.3)
+    answer = kilter.scene(scene).to_dict()
+    found = {one["name"]: one for one in answer["objects"]}
+    assert [found[name]["gap"] for name in "abc"] == [pytest.approx(30), pytest.approx(-10), None]
+    assert found["a"]["move"]["position"] == pytest.approx([0, 0, 50])
+    assert found["a"]["move"]["rotation"] == pytest.approx(turned.rotation)
+    assert answer["counts"] == {"held": 1, "floats": 1, "overlaps": 1, "at-rest": 1}
+    assert answer["geometry"] == {"as-drawn": 4}
+    assert (answer["gravity"], answer["friction"]) == ([0, 0, -9.81], 0.3)
+    moved = kilter.scene(scene, settle=True).to_dict()["moved"]
+    assert moved == {"a": pytest.approx(30), "b": pytest.approx(10)}
