@@ -179,7 +179,7 @@ class _Pushed:
         load = smooth.load[np.ix_(smooth.free, smooth.freedoms)].reshape(-1)
         least = np.linalg.lstsq(smooth.jacobian().T.toarray(), -load, rcond=None)[0]
         for forces in (self.forces[part.rows], least):
-            if check_forces(smooth, forces).holds:
+            if check_forces(smooth, forces).holds and not slipping(smooth, forces).any():
                 bends = bending_bodies(self.assembly, self.contacts, smooth, forces, curves=True)
                 return not bends.bending.any()
         return False
