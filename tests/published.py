@@ -31,6 +31,8 @@ WRITERS = {
     "verify": "kilter.analysis.verification.Verification",
 }
 """Class of each answer, whose method `to_dict` writes the data."""
+MORE = {"hold": "kilter.analysis.planning.hold.lashing.Lashing"}
+"""Second classes of answers."""
 
 
 @functools.cache
@@ -44,7 +46,7 @@ def validator(verb: str) -> Callable[[Any], Any]:
 def judged_answers() -> Iterator[None]:
     """Validate the data of each `to_dict` of an answer while the context lasts."""
     with ExitStack() as stack:
-        for verb, place in WRITERS.items():
+        for verb, place in [*WRITERS.items(), *MORE.items()]:
             module, _, name = place.rpartition(".")
             writer = getattr(import_module(module), name)
             judged = _judged(verb, writer.to_dict)

@@ -49,6 +49,7 @@ def test_a_cube_past_the_edge_turns_about_it() -> None:
     assert opening >= -answer["certificate"]["violation"] - 1e-15
     # the motion has a speed of 1 mm/s, and the power is that at 1 m/s
     assert answer["certificate"]["power"] == pytest.approx(in_millimetres)
+    assert kilter.verify(assembly, proof).to_dict()["power"] == pytest.approx(in_millimetres)
     speed = np.linalg.norm(proof["motion"]["past"] * np.repeat([1, radius * 1000], 3))
     assert speed == pytest.approx(1)
 

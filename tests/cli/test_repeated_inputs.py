@@ -16,6 +16,7 @@ from kilter.scenes.pieces import block
 
 BASE = block("base", [-500, -500, -10], [500, 500, 0], grounded=True)
 BOX = Part("box", Box([100, 200, 30]), [0, 0, 15], density=1234.0)
+MORE = Part("more", Box([10, 10, 10]), [200, 0, 5])
 PLAIN = Assembly([BASE, BOX], units="mm", friction=0.5, gravity=[0, 0, -3.7])
 BONDED = Assembly(
     [BASE, BOX, Part("top", Box([50, 50, 50]), [0, 0, 55], mass=0.3)],
@@ -28,11 +29,11 @@ STRAPPED = Assembly([BASE, BOX], units="mm", friction=0.5, straps=[ANCHORED])
 CASES: dict[str, tuple[Callable[[], Any], dict[str, Any]]] = {
     "check": (
         lambda: kilter.check(
-            PLAIN, tolerance=Tolerance(gap=0.02, angle=0.01, clearance=0.3)
+            PLAIN.with_parts([MORE]), tolerance=Tolerance(gap=0.02, angle=0.01, clearance=0.3)
         ),
         {
             "gravity": [0, 0, -3.7], "down": [0, 0, -1],
-            "density.given": [1234, 1234], "density.default": None, "tolerance.gap": 0.02,
+            "density.given": [1234, 1234], "density.default": 1000, "tolerance.gap": 0.02,
             "tolerance.angle_deg": 0.5729577951308232, "tolerance.clearance": 0.3,
         },
     ),

@@ -54,7 +54,9 @@ def test_a_box_tips_over_its_lower_edge() -> None:
     assert push["direction"][2] > 0
     # mechanisms turn about the edge; shift and turn times radius have the length 1 mm together
     turn = 1 / math.hypot(arm, math.hypot(50, 100, 150))
-    for limit in (answer["tilt_limit"], push["limit"], *answer["load_limits"]):
+    about = answer["about"]["limit"]
+    for limit in (answer["tilt_limit"], push["limit"], about, *answer["load_limits"]):
+        near(limit)
         moved = np.array(limit["mechanism"]["box"])
         sense = math.copysign(1, moved[4])
         expected = turn * np.array([150 * sense, 0, 50, 0, sense, 0])

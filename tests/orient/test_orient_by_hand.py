@@ -82,3 +82,14 @@ def test_a_second_cube_at_a_gap_has_the_region_of_the_corner_if_it_is_joined() -
         assert np.array(sorted(joined[key])) == pytest.approx(-np.eye(3), abs=1e-6)
     assert (joined["lines"], joined["equations"]) == ([], [])
     assert joined["half_angle_deg"] == pytest.approx(HALF, abs=1e-6)
+
+
+def test_a_second_cube_in_a_channel_has_the_region_of_the_channel_if_it_is_joined() -> None:
+    """Walls on both sides along x: gravity may lie in the plane of x and z, and not point upward."""
+    right = block("right", [100, -100, 0], [200, 300, 200], grounded=True)
+    parts = [WALLS[0], WALLS[1], right, CUBE, block("near", [0, 100.01, 0], [100, 200.01, 100])]
+    joined = kilter.region(Assembly(parts, units="mm")).to_dict()["if_joined"]
+    assert np.abs(joined["lines"]) == pytest.approx(np.array([[1, 0, 0]]), abs=1e-9)
+    assert np.abs(joined["equations"]) == pytest.approx(np.array([[0, 1, 0]]), abs=1e-9)
+    for key in ("rays", "facets"):
+        assert np.array(joined[key]) == pytest.approx(np.array([[0, 0, -1]]), abs=1e-9)

@@ -81,6 +81,10 @@ def test_a_carrier_that_turns_or_brakes() -> None:
     (case,) = kilter.transport(HIGH, turn=turn).to_dict()["cases"]
     assert case["factor"] == pytest.approx(TIPS[0] * G, rel=1e-6)
     assert (case["angular_velocity"], case["about"]) == ([0, 0, 1], [-1000, 0, 0])
+    # it tips outwards over its edge at x = 50; the fastest part moves by 1 mm
+    unit = 1 / math.hypot(50, 150, math.hypot(50, 100, 150))
+    expected = unit * np.array([150, 0, 50, 0, 1, 0])
+    assert case["limit"]["mechanism"]["box"] == pytest.approx(expected, abs=1e-6)
     answer = kilter.transport(HIGH, code="en12195", mu_range=(0.9, 1.1)).to_dict()
     assert answer["mu_range"] == [0.9, 1.1]
     for case, axis, size in zip(answer["cases"], "xxyy", (0.8, 0.5, 0.5, 0.5), strict=True):
