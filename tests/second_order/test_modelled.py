@@ -143,7 +143,6 @@ def refused(assembly: Assembly, of: Assembly, state: str = "open") -> tuple[str,
     return kilter.verify(assembly, proof).reasons
 
 
-@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("plain", "more", "why"),
     [
