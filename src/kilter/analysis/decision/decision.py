@@ -34,7 +34,7 @@ class Decision:
     friction : FrictionAnswer or None
         The guarantee of friction; None if the verdict does not rest on friction.
     second_order : SecondOrder or None
-        The answer of second order; None unless the verdict holds without friction.
+        The answer of second order; None if no cluster rests without friction.
     reasons : tuple of str
         Reasons why the verdict is undecided, in words.
     question : OpenQuestion or None

@@ -121,8 +121,8 @@ class Verdict(InCells, Answer):
     measures : bool
         Whether z, kappa and the displacements are reported although friction plays a part.
     second_order : SecondOrder or None
-        Answer of second order: whether a neutral assembly is at a minimum of its energy. None
-        unless the verdict holds without friction.
+        Answer of second order: whether a neutral assembly is at a minimum of its energy. None if no
+        cluster of touching parts rests without friction.
     decision : Decision or None
         The decision from which this verdict was made.
     seconds_left : float or None
