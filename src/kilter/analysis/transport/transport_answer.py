@@ -70,10 +70,10 @@ class DirectionLimit:
     lower: float
     limit: Limit
 
-    def to_dict(self, program: Program) -> DirectionLimitData:
+    def to_dict(self, assembly: Assembly, program: Program) -> DirectionLimitData:
         """The largest acceleration along the direction as JSON data."""
         along = CarrierMotion(program.g * self.direction)
-        motion = first_motions(program, self.limit, along)
+        motion = first_motions(assembly, program, self.limit, along)
         return {
             "name": self.name,
             "direction": self.direction.tolist(),
@@ -107,7 +107,7 @@ class CarriedCase:
     verdict: Verdict
     factor: Limit | None
 
-    def to_dict(self, program: Program, require: str) -> CaseData:
+    def to_dict(self, assembly: Assembly, program: Program, require: str) -> CaseData:
         """The decision on a carrier motion, at a required level, as JSON data."""
         size = float(np.linalg.norm(np.asarray(self.motion.acceleration)))
         return {
@@ -121,7 +121,7 @@ class CarriedCase:
             "factor": None if self.factor is None else finite(self.factor.value),
             "motion": []
             if self.factor is None
-            else first_motions(program, self.factor, self.motion),
+            else first_motions(assembly, program, self.factor, self.motion),
             "limit": None if self.factor is None else self.factor.to_dict(program),
         }
 
@@ -233,7 +233,7 @@ class Transport(AnswerInWords):
             "open_pairs": open_pairs_answer(self.assembly, self.contacts),
             "exact": self.exact,
             "limits": [
-                limit.to_dict(program)
+                limit.to_dict(self.assembly, program)
                 for limit in (*self.limits, *([] if self.least is None else [self.least]))
             ],
             "polar": None if self.polar is None else _polar_answer(self.polar),
@@ -241,7 +241,7 @@ class Transport(AnswerInWords):
             "fc": self.fc,
             "code": self.code,
             "forward": self.forward,
-            "cases": [case.to_dict(program, self.require) for case in self.cases],
+            "cases": [case.to_dict(self.assembly, program, self.require) for case in self.cases],
             "straps": strap_uses(self.assembly, self.program, self._verdicts()),
             "speed": None if self.path is None else self.path.to_dict(program),
             "missing": dict(self.missing),
