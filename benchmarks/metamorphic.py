@@ -133,7 +133,7 @@ def copies_of(base: Assembly, push: Array, seed: int) -> Iterator[tuple[str, Ass
     for name, make in COPIES.items():
         if not (base.bonds and name == "millimetres"):  # the strength of a bond is in newton
             yield name, make(base, rng), push
-    if base.bonds:  # only parts are mirrored and split
+    if base.bonds or base.contacts:  # only parts are mirrored and split
         return
     yield "mirrored", mirrored(base), push * [-1, 1, 1]
     if has_box(base):

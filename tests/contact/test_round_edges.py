@@ -149,3 +149,5 @@ def test_no_distance_is_proved_beyond_the_limit() -> None:
     assert held_distance(program, edges, known, 0.4 * (1 - 1e-9)) == pytest.approx(0.4, rel=1e-6)
     assert held_distance(program, edges, known, 0.4 * (1 + 1e-6)) == 0.0
     assert held_distance(program, edges, known[:8], 0.39) == 0.0  # a half of the directions
+    twice = [*known, known[3]]
+    assert held_distance(program, edges, twice, 0.4 * (1 - 1e-9)) == pytest.approx(0.4, rel=1e-6)

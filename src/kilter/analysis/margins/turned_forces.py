@@ -41,6 +41,8 @@ SHARES = (1e-9, 1e-8, 1e-7, 3e-7, 1e-6, 1e-5, 1e-4)
 """Shares of the forces at rest that are tested, the least first [-]."""
 WIDEST = np.pi / 4
 """Largest angle between neighbouring directions of an arc [rad]."""
+SAME = 1e-4
+"""Of directions closer than this only the first counts [rad]; closer nodes make larger errors."""
 FLAT = 1e-9
 """Normals of a flat patch differ by at most this [-]."""
 
@@ -67,6 +69,9 @@ def held_distance(
     """
     angle = np.array([np.arctan2(direction[1], direction[0]) for direction, _ in known])
     order = np.argsort(angle)
+    # the last direction comes before the first
+    apart = np.diff(angle[order], prepend=angle[order[-1]] - 2 * np.pi)
+    order = order[apart > SAME]
     angle, limits = angle[order], [known[k][1] for k in order]
     reach = np.array([limit.value for limit in limits])
     few = len(angle) < NODES + 1 or program.has_strength
