@@ -135,6 +135,8 @@ def test_forces_that_are_no_numbers_prove_nothing():
     for bad in (np.nan, np.inf, -np.inf):
         assert not check_forces(program, np.full(len(program.part_a), bad)).holds
         assert not check_motion(program, np.full((2, 6), bad)).holds
+    assert not check_motion(program, np.full((2, 6), 1e200)).holds  # its squares overflow
+    assert not check_motion(program, np.zeros((2, 6))).holds
 
 
 @pytest.mark.parametrize("gain", [1e-12, 1e-9, 1e-6, 1e-3, 1.0])

@@ -80,6 +80,7 @@ def test_a_beam_on_two_ridges_presses_on_each_by_its_lever(at: float) -> None:
         assert np.abs(np.array(patch["points"])[:, 1]).max() == pytest.approx(100)
 
 
+@pytest.mark.slow
 def test_a_block_that_only_a_squeeze_holds_falls_freely() -> None:
     """Between vertical walls nothing presses it against them: its motion has all of the power."""
     friction = kilter.check(kilter.example("squeezed-block"), require="proved").to_dict()[
@@ -95,6 +96,7 @@ def test_a_block_that_only_a_squeeze_holds_falls_freely() -> None:
     assert rests.to_dict()["friction"]["seating"]["residual"] <= 1e-9
 
 
+@pytest.mark.slow
 def test_the_motion_of_a_balanced_ball_is_a_fall_along_the_ball_below() -> None:
     """A pendulum upside down: u^2 / (R + r) is what the centre sinks by to second order."""
     below = Part("below", kilter.Sphere(300.0), Pose([0, 0, 0]), grounded=True)

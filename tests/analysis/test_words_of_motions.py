@@ -35,6 +35,8 @@ def test_a_round_part_on_a_rough_slope_rolls(name: str) -> None:
     assembly = kilter.Assembly([TABLE, part], friction=0.8).with_down(down)
     size = share * np.sin(steep)
     assert kilter.check(assembly).summary == f"{name} rolls down +x at {size:.4g} g"
+    carried = kilter.transport(kilter.Assembly([TABLE, part], friction=0.8), polar=False)
+    assert carried.to_dict()["limits"][0]["motion"][0]["words"] == "rolls"
     smooth = kilter.check(assembly.with_friction(0.0)).summary
     assert smooth == f"{name} slides down +x at {np.sin(steep):.4g} g"
 

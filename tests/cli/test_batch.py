@@ -373,6 +373,7 @@ def test_a_row_of_an_error_has_every_column() -> None:
     assert list(error_row(3, "a.json", "why")) == list(COLUMNS)
 
 
+@pytest.mark.slow
 def test_the_counts_of_a_run_are_those_of_its_tables(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -86,7 +86,7 @@ def test_a_vertex_is_optimal_exactly_between_its_limits(drawing: ModuleType) -> 
     flat = stability_map(program)
     best = drawing.optimal_when_upright(flat)
     low, high = drawing.turns(flat, best)
-    assert (low, high) == pytest.approx((-60, 0), abs=1e-9)
+    assert (low, high) == pytest.approx((0, 60), abs=1e-9)
     work = VirtualWork(program)
 
     def is_optimal(degrees: float) -> bool:

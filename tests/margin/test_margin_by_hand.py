@@ -32,6 +32,7 @@ def near(limit: dict) -> dict[str, float]:
     return {"rel": limit["gap"] + limit["residual"]}
 
 
+@pytest.mark.slow
 def test_a_box_tips_over_its_lower_edge() -> None:
     """The edge is 50 mm from the centre of mass, which is 150 mm above it."""
     answer = answered(BOX, push=[1, 0, 0], about=[0, 1, 0])

@@ -80,6 +80,7 @@ def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path: Path)
     assert (walls["inner_size"], walls["first"]) == ([2000, 400], 3)
 
 
+@pytest.mark.slow
 def test_a_pile_of_two_boxes_tips_about_the_foot_of_the_lower_one(tmp_path: Path) -> None:
     """4 kg at (200, 200) and 3 kg at (250, 600) stand on a foot from x = 0 to 400."""
     plan = tmp_path / "plan.csv"

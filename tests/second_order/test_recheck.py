@@ -26,7 +26,6 @@ from kilter.second_order.proofs.proof_numbers import by_part
 from kilter.second_order.searches.decide import decide
 
 
-@pytest.mark.quick(9)
 @pytest.mark.parametrize("kind", [kind for kind in BUILD if kind != "flat"])
 def test_a_true_proof_holds(kind: str) -> None:
     judge, data = proved(kind)
@@ -271,7 +270,6 @@ def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
             assert judge(data | {"motion": {"ball": way}}) == []
 
 
-@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("other", "holds"),
     [

@@ -282,7 +282,6 @@ def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
     assert kilter.verify(assembly, found.proof()).holds
 
 
-@pytest.mark.quick(1)
 @pytest.mark.parametrize("opens_at_once", [True, False])
 def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
     """The board tips, while the other post moves along, or separates only to second order."""

@@ -100,7 +100,6 @@ WALLS = [
 ]
 
 
-@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("parts", "neutral"),
     [

@@ -45,6 +45,7 @@ def test_a_box_between_two_walls_that_are_closer_overlaps_each_by_half_of_the_re
     assert answer["depth"] == pytest.approx(0.5, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_bar_on_a_higher_and_a_lower_block_tilts_by_their_difference() -> None:
     """It touches the outer edge of the lower block and the inner edge of the higher one."""
     low, high = box("low", [-150, 0, 50]), box("high", [150, 0, 50.25], (100, 100, 100.5))
@@ -57,6 +58,7 @@ def test_a_bar_on_a_higher_and_a_lower_block_tilts_by_their_difference() -> None
     assert 110.5 - height <= bar["distance"] <= 110.5 - height + 0.1
 
 
+@pytest.mark.slow
 def test_objects_of_a_scene_state_their_height_and_their_place_below() -> None:
     turned = Pose([0, 0, 80], [math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
     parts = [

@@ -30,6 +30,7 @@ def labels(figure: object) -> str:
     return " | ".join(t.get_text() for t in figure.findobj(Text) if t.get_text())
 
 
+@pytest.mark.slow
 def test_a_cube_past_an_edge_has_arrows_of_its_acceleration_and_of_its_turn() -> None:
     table = block("table", [-3000, -1000, -1000], [0, 1000, 0], grounded=True)
     past = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
@@ -83,6 +84,7 @@ def test_forces_on_a_beam_are_lines_in_proportion_at_their_ridges(at: float) -> 
     assert middles == pytest.approx(flat, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_boundary_of_carried_accelerations_and_its_weakest_direction() -> None:
     base = block("base", [-500, -500, -10], [500, 500, 0], grounded=True)
     box = Part("box", Box([100, 200, 300]), [0, 0, 150])
@@ -107,6 +109,7 @@ def test_the_boundary_of_carried_accelerations_and_its_weakest_direction() -> No
     assert np.diff(ticks) == pytest.approx(np.full(len(ticks) - 1, ticks[0]))
 
 
+@pytest.mark.slow
 def test_the_movement_to_the_pose_at_rest_is_magnified_by_the_stated_factor() -> None:
     table = block("table", [-500, -500, -10], [500, 500, 0], grounded=True)
     hangs = Part("hangs", Box([100, 100, 100]), [0, 0, 50.5])

@@ -132,6 +132,19 @@ def test_a_cube_past_an_edge_and_a_load() -> None:
 
 
 @pytest.mark.slow
+def test_a_torque_needs_friction_although_its_resultant_is_none() -> None:
+    """A slab is turned by 60 % of the torque of friction at its corners, 300 sqrt 2 mm away."""
+    slab = Part("slab", Box([600, 600, 20]), [-1500, 0, 10], mass=10.0)
+    torque = 0.6 * 0.5 * 10 * G * 300 * math.sqrt(2)
+    load = Load("slab", force=[0, 0, 0], torque=[0, 0, torque])
+    rows, data = paged(Assembly([TABLE, slab], units="mm", loads=[load], friction=0.5))
+    forces = data["given"]["forces"]
+    assert unpack(forces["use"]) == pytest.approx([0.6] * 4, abs=1e-4)
+    assert unpack(forces["forces"]).reshape(-1, 3).sum(axis=0)[:2] == pytest.approx(0, abs=1e-3)
+    assert numbers(row_of(rows, "table", "slab", length=6)[3]) == [60]
+
+
+@pytest.mark.slow
 def test_the_fall_of_a_ball_off_a_ball_loses_its_weight_times_its_height() -> None:
     below = Part("below", kilter.Sphere(300.0), grounded=True)
     above = Part("above", kilter.Sphere(100.0), [0, 0, 400], mass=2.0)

@@ -22,6 +22,7 @@ HIGH = Assembly([BASE, BOX], units="mm", friction=0.8)
 LOW = Assembly([BASE, Part("low", Box([200, 200, 20]), [0, 0, 10])], units="mm", friction=0.4)
 
 
+@pytest.mark.slow
 def test_a_box_tips_along_each_axis() -> None:
     answer = kilter.transport(HIGH).to_dict()
     assert answer["gravity"] == G

@@ -5,7 +5,8 @@
 // with n the normal at each point, N the part of the resultant along the normals and T the strength
 // of a bond at the point, as in `contact_forces` in Python. For a bonded patch the centre is
 // weighted by |n.f_k|, and `bond` is the largest -n.f_k / T_k. Without patches (`patch` is null),
-// or with `each`, every point is a patch of its own.
+// or with `each`, every point is a patch of its own. If the data have the use that the points of a
+// patch need, which is at least that of the resultant, it is taken instead.
 
 import { add, dot, norm, scaled } from "./vector.js";
 
@@ -15,7 +16,7 @@ const PRESSES = 1e-6; // smaller forces carry no thrust [largest force]
  * Resultants of the loaded patches: {parts, at, force, use, bond}. `use` is null without friction,
  * `bond` is null without a bond.
  */
-export function resultants(page, { points, parts, forces, patch, pull = null }, each = false) {
+export function resultants(page, { points, parts, forces, patch, pull = null, use = null }, each = false) {
   const { normals, normal, mu } = page.patches;
   const bonded = new Set(patch && pull ? [...patch].filter((_, k) => pull[k] > 0) : []);
   const alone = each || !patch;
@@ -32,6 +33,7 @@ export function resultants(page, { points, parts, forces, patch, pull = null }, 
     const most = bonded.has(p) ? pull[k] : 0;
     const weight = alone ? norm(force) : bonded.has(p) ? Math.abs(along) : along;
     sum.force = add(sum.force, force);
+    if (use && !alone) sum.needed = use[k];
     if (n) sum.across = add(sum.across, add(force, scaled(n, -along)));
     sum.moment = add(sum.moment, scaled(at3(points, k), weight));
     sum.size += weight;
@@ -40,14 +42,17 @@ export function resultants(page, { points, parts, forces, patch, pull = null }, 
   }
   return [...patches.values()]
     .filter((sum) => sum.size > 0)
-    .map(({ parts: pair, force, across, size, moment, mu: rough, pressed, bond }) => ({
+    .map(({ parts: pair, force, across, size, moment, mu: rough, pressed, bond, needed }) => ({
       parts: pair,
       force,
       at: scaled(moment, 1 / size),
-      use: rough > 0 && pressed > 0 ? norm(across) / (rough * pressed) : null,
+      use: useOf(rough > 0 && pressed > 0 ? (needed ?? norm(across) / (rough * pressed)) : NaN),
       bond,
     }));
 }
+
+/** A share, or null if it is no number. */
+const useOf = (share) => (Number.isNaN(share) ? null : share);
 
 /** The sums of a patch before its points are added. */
 const empty = (parts, mu) => ({
@@ -58,6 +63,7 @@ const empty = (parts, mu) => ({
   moment: [0, 0, 0],
   size: 0,
   pressed: 0,
+  needed: null,
   bond: null,
 });
 

@@ -25,6 +25,13 @@ test("a patch has one force at its centre of pressure, and its friction use", ()
   assert.ok(Math.abs(one.use - 1 / (0.5 * 4)) < 1e-12);
 });
 
+test("a given use is that of the patch, also if the forces across it cancel", () => {
+  const turned = { ...forces, forces: [0, 1, 2, 0, -1, 2, 0, 0, 0], use: [0.9, 0.9, NaN] };
+  assert.equal(resultants(page, turned)[0].use, 0.9);
+  assert.equal(resultants(page, turned, true)[0].use, null);
+  assert.equal(resultants(page, { ...turned, use: [NaN, NaN, NaN] })[0].use, null);
+});
+
 test("without patches, each point has its force", () => {
   const found = resultants(page, { ...forces, patch: null });
   assert.equal(found.length, 2);

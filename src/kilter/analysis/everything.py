@@ -87,6 +87,9 @@ class Balance:
         Force on the second part at each point, world frame [N].
     pull : ndarray, shape (K,), or None
         Strength of the bond in tension at each point [N]; None if the assembly has no bonds.
+    use : ndarray, shape (K,), or None
+        Least share of the friction that the patch of each point needs [-], nan without friction;
+        None if it is not known.
     """
 
     down: Array
@@ -94,6 +97,7 @@ class Balance:
     parts: Index
     forces: Array
     pull: Array | None = None
+    use: Array | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -310,6 +314,8 @@ def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
         parts,
         [force for patch in patches for force in patch["forces"]],
     )
+    uses = [patch["utilisation"] for patch in patches for _ in patch["points"]]
+    balance = replace(balance, use=np.array(uses, dtype=np.float64))
     if verdict.assembly.bonds and verdict.known_forces is not None:
         rows = verdict.forces.rows[np.argsort(verdict.forces.patch_of, kind="stable")]
         balance = replace(balance, pull=verdict.program.pull[rows])

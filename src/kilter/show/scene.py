@@ -276,8 +276,12 @@ def _fall(answer: Answered, assembly: Assembly) -> dict[str, Any] | None:
 
 
 def _balance(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:
-    pull = None if balance.pull is None else pack(balance.pull, "f8")
-    return {**_points(balance, contacts, center), "forces": pack(balance.forces), "pull": pull}
+    return {
+        **_points(balance, contacts, center),
+        "forces": pack(balance.forces),
+        "pull": None if balance.pull is None else pack(balance.pull, "f8"),
+        "use": None if balance.use is None else pack(balance.use),
+    }
 
 
 def _points(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:

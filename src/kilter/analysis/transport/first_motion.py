@@ -14,8 +14,9 @@ import numpy as np
 
 from kilter.analysis.margins.load_limit import Limit, starting, with_more
 from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
-from kilter.analysis.verdict.motion import find_motion_with_friction
+from kilter.analysis.verdict.motion import find_motion_with_friction, round_mantle
 from kilter.arrays import Array
+from kilter.assembly import Assembly
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
 from kilter.tell.words import motion_words
@@ -34,13 +35,16 @@ EFFORT = 0.2
 """Effort of the search for the motion at a limit: an answer has up to eight."""
 
 
-def first_motions(program: Program, limit: Limit, carried: CarrierMotion) -> list[FirstMotionData]:
+def first_motions(
+    assembly: Assembly, program: Program, limit: Limit, carried: CarrierMotion
+) -> list[FirstMotionData]:
     """How the parts start to move beyond a limit, seen from the carrier, the fastest first.
 
     As JSON data.
 
     Parameters
     ----------
+    assembly : Assembly
     program : Program
         The assembly at rest on its carrier.
     limit : Limit
@@ -64,7 +68,13 @@ def first_motions(program: Program, limit: Limit, carried: CarrierMotion) -> lis
         relative = np.array([np.linalg.norm(motion[k, :3]), turn])
         twist = np.concatenate([motion[k, :3] * metres, motion[k, 3:]])
         phrase = motion_words(
-            twist, relative, program.down, center=program.center[k], unit=metres, sizes=False
+            twist,
+            relative,
+            program.down,
+            center=program.center[k],
+            unit=metres,
+            sizes=False,
+            mantle=round_mantle(assembly.parts[k]),
         )
         phrase = kind_of_motion(phrase) if dilates else phrase
         words.append({"part": program.names[k], "words": phrase})

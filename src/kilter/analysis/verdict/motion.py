@@ -33,13 +33,16 @@ from kilter.analysis.analysis_tolerances import (
 )
 from kilter.analysis.verdict.part_answer import PartMotion
 from kilter.arrays import TINY, Array, Mask
+from kilter.assembly import Part
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
 from kilter.mechanics.program import Program
+from kilter.shape.primitives import Cylinder, Sphere
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.projection import solve_projection
+from kilter.tell.words import RoundMantle
 from kilter.units import metres_per_unit
 from kilter.work import Work, units_of
 
@@ -53,6 +56,7 @@ __all__ = [
     "find_motion_with_friction",
     "motion_of",
     "optimality",
+    "round_mantle",
     "still",
     "unknown",
     "without_opening",
@@ -350,3 +354,12 @@ def without_opening(program: Program, motion: Array, part: int) -> Array:
     if dilates.all() and np.abs(outward - outward[0]).max() <= MOVES:
         moved[:3] -= float(opening.mean()) * outward[0]
     return moved
+
+
+def round_mantle(part: Part) -> RoundMantle | None:
+    """Surface on which a sphere or a cylinder rolls; None for other shapes."""
+    if isinstance(part.shape, Sphere):
+        return RoundMantle(part.pose.position, None, part.shape.radius)
+    if isinstance(part.shape, Cylinder):
+        return RoundMantle(part.pose.position, part.pose.matrix[:, 2], part.shape.radius)
+    return None

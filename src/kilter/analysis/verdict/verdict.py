@@ -34,6 +34,7 @@ from kilter.analysis.verdict.motion import (
     find_motion,
     find_motion_with_friction,
     motion_of,
+    round_mantle,
     still,
     unknown,
     without_opening,
@@ -48,19 +49,18 @@ from kilter.analysis.verdict.verdict_answer import (
     friction_answer,
 )
 from kilter.arrays import Mask, sealed
-from kilter.assembly import Assembly, Part
+from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.hooks import hook
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE
-from kilter.shape.primitives import Cylinder, Sphere
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
-from kilter.tell.words import GAINS, NAMED, RoundMantle, motion_summary, motion_words
+from kilter.tell.words import GAINS, NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.values.guesses import GuessedAttribute
@@ -483,7 +483,7 @@ class Verdict(InCells, Answer):
             center=self.program.center[k],
             unit=metres,
             sizes=motion.known,
-            mantle=_mantle(self.assembly.parts[k]),
+            mantle=round_mantle(self.assembly.parts[k]),
         )
 
     @property
@@ -660,12 +660,3 @@ class Verdict(InCells, Answer):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update({**state, "seconds": MappingProxyType(state["seconds"])})
-
-
-def _mantle(part: Part) -> RoundMantle | None:
-    """Round surface of a sphere or cylinder; None for other shapes."""
-    if isinstance(part.shape, Sphere):
-        return RoundMantle(part.pose.position, None, part.shape.radius)
-    if isinstance(part.shape, Cylinder):
-        return RoundMantle(part.pose.position, part.pose.matrix[:, 2], part.shape.radius)
-    return None

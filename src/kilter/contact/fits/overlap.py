@@ -109,8 +109,11 @@ def _copy_key(assembly: Assembly, parts: tuple[int, int], tolerance: float) -> t
     return (id(a.shape), id(b.shape), tolerance, *place.tolist(), *angles.ravel().tolist())
 
 
-FINER = 2
+FINER = range(1, 5)
 """Rounds of refinement of triangles for the volume of an overlap; each halves the sides."""
+SETTLED = 0.01
+"""Relative change of the volume in a round below which the volume is extrapolated [-]. A smaller
+change takes more rounds, each of which takes about three times longer."""
 
 
 def _with_interference(
@@ -152,14 +155,25 @@ def _thickness(geometry: Geometry, part: int) -> float:
 
 
 def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
-    """Volume that two parts share, with refined triangles on curved surfaces [length unit^3]."""
+    """Volume that two parts share, extrapolated to exact curved surfaces [length unit^3].
+
+    The polyhedra are inside the surfaces by the square of their sides: a round leaves a quarter of
+    the error of the volume.
+    """
     slack = float(geometry.slack[list(parts)].sum())
     if not slack or not len(body.corners):
         return body.volume
     corners = body.corners.reshape(-1, 3)
     box = corners.min(axis=0) - slack, corners.max(axis=0) + slack
-    finer = shared_body(PartSolids(geometry, (FINER, box)), *parts)
-    return body.volume if finer is None else finer.volume
+    volume = body.volume
+    for rounds in FINER:
+        finer = shared_body(PartSolids(geometry, (rounds, box)), *parts)
+        if finer is None:
+            break
+        step, volume = finer.volume - volume, finer.volume
+        if rounds > FINER[0] and abs(step) <= SETTLED * volume:
+            return volume + step / 3
+    return volume
 
 
 def _general_overlap(

@@ -21,6 +21,7 @@ from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import FacetFrame, Pieces
 from kilter.contact.planar.facets import Facets
 from kilter.contact.planar.polygons import convex_hull, tidy, width_of
+from kilter.contact.planar.round_areas import missing_areas
 
 __all__ = ["merge"]
 
@@ -37,6 +38,10 @@ class _PlanePatch(NamedTuple):
     area: float
     gap: tuple[float, float]
     points: Array
+
+
+WHOLE = 1e-9
+"""A patch covers a facet if its area is smaller by at most this share [-]."""
 
 
 def merge(
@@ -112,6 +117,11 @@ def _make_patches(
     facet = np.column_stack([frames.i, frames.j])[frame]
     parts = search.pairs[pair]
     width = (facets.area[facet] / facets.reach[facet]).min(axis=1)
+    whole = area[:, None] >= (1 - WHOLE) * facets.area[facet]
+    if whole.any() and len(search.geometry.surfaces):
+        lacks = np.full(whole.shape, np.inf)
+        lacks[whole] = missing_areas(search.geometry, facets, facet[whole])
+        area = area + np.where(whole.any(axis=1), lacks.min(axis=1), 0.0)
     return Patches(
         pair=pair,
         parts=parts,
