@@ -181,6 +181,7 @@ def test_gravity_compensation_relieves_the_weight(share: float, falls: bool) -> 
     model = model_of(made)
     assembly = kilter.load(model)
     assert (kilter.check(assembly).verdict == "unstable") is falls
+    assert any("gravity compensation" in note for note in assembly.notes) is (share > 0)
     data = placed(model)
     assert sum(load.force[2] for load in assembly.loads) == pytest.approx(data.qfrc_passive[0])
 

@@ -140,6 +140,9 @@ class ModelScene:
         friction, pairs, apart = contact_entries(self.rules, parts, self.rows, near, self.notes)
         if unseen := sum(part.geometry == "visual" for part in parts):
             self.notes.append(f"no geom collides, so the visible geoms of {unseen} bodies count")
+        loads = relieving_loads(model, {b: self.names[k] for b, k in self.owner.items()})
+        if loads:
+            self.notes.append(f"the gravity compensation of {len(loads)} bodies is a load")
         left = self._ignored_features()
         return Assembly(
             parts,
@@ -150,7 +153,7 @@ class ModelScene:
             contacts=apart,
             detect=detect,
             joints=joints,
-            loads=relieving_loads(model, {b: self.names[k] for b, k in self.owner.items()}),
+            loads=loads,
             source=source,
             notes=[*self.notes, *([f"ignored: {left}"] if left else [])],
         )
