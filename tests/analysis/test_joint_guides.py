@@ -190,11 +190,24 @@ def test_second_order_does_not_count_friction_at_its_limit() -> None:
     assert verdict.verdict in ("potentially-stable", "undecided")
 
 
-def test_a_joint_beyond_its_limits_has_no_stop_and_a_note() -> None:
-    verdict = judged(drawer(limits=[-0.3, -0.1]))
+@pytest.mark.parametrize(
+    ("assembly", "distance"),
+    [
+        (drawer(limits=[-0.3, -1e-3]), "0.001 m"),
+        (rod(100, limits=[-1.7, -1e-3]), "0.001 rad"),
+    ],
+)
+def test_a_joint_beyond_its_limits_has_no_stop_and_a_note(
+    assembly: Assembly, distance: str
+) -> None:
+    """The gap of the note is the least, to its digits, that counts the stop."""
+    verdict = judged(assembly)
     assert verdict.verdict == "unstable"
-    assert any("drawn 0.1 m beyond its limits" in words for words in verdict.warnings)
-    assert any("0.2 rad beyond" in words for words in judged(rod(0, limits=[0.2, 1])).warnings)
+    (note,) = [words for words in verdict.warnings if f"drawn {distance} beyond" in words]
+    gap = float(note.split("--gap ")[1].split()[0])
+    for share, word in ((1.0, "stable"), (0.98, "unstable")):
+        again = kilter.check(assembly, tolerance=Tolerance(gap=share * gap))
+        assert again.verdict == word
 
 
 def test_the_stop_counts_within_the_tolerance_of_gaps() -> None:
@@ -236,3 +249,23 @@ def test_a_drawer_in_every_unit_and_pose_has_the_same_verdict() -> None:
     hinge = rod(30, friction=leaning(30) * 1.001)
     program = build_program(hinge, kilter.contacts(hinge))
     assert program.capacity.min() == pytest.approx(leaning(30) * 1.001)
+
+
+def forged(assembly: Assembly, other: Assembly, **second: Any) -> str:
+    """The first reason against the proof of `other` as a proof about `assembly`; empty if valid."""
+    proof = copy.deepcopy(kilter.check(other).proof())
+    for entry, joint in zip(proof["joints"], assembly.joints, strict=True):
+        entry.update(joint.guide)
+    proof["second_order"].update(second)
+    proof["digest"] = digest_of(proof)
+    return "; ".join(kilter.verify(assembly, proof).reasons)
+
+
+def test_a_forged_second_order_of_springs_and_friction_is_refused() -> None:
+    soft, stiff = (rod(0, stiffness=share * MOMENT) for share in (0.99, 1.01))
+    assert forged(stiff, stiff) == ""
+    assert "the energy does not curve upward" in forged(soft, stiff)
+    rough, limp = (drawer(friction=share * DOWNHILL) for share in (1.5, 1 + 1e-9))
+    assert forged(rough, rough) == ""
+    assert "the friction of a joint is at its limit" in forged(limp, rough)
+    assert "joints may not be left out" in forged(stiff, stiff, idle=[0])

@@ -53,7 +53,7 @@ WRONG = {
     "check-plan p.csv -o x.html": "'kilter report FILE -o x.html' writes a page",
     "plan a.kilter.json --floor -o x.docx": "'kilter report FILE -o x.html' writes a page",
     "scene a.kilter.json --floor -o x.usda": "'kilter scene' objects",
-    "transport a.kilter.json --floor --accelerate 1 2": "--accelerate needs X Y Z; see 'kilter transport",
+    "transport a.kilter.json --floor --accelerate 1 2": "--accelerate needs X Y Z; see 'kilter",
     "place a.kilter.json --floor --at 0 0 0 0": "a word too many: '0'; see 'kilter place",
     "place a.kilter.json --floor --box 1x1 --mass 1": "--box is '1x1'; give --box 400x300x250",
     "place a.kilter.json --floor --box 1x1x1": "mass of the box is not given; give",

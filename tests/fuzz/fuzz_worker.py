@@ -20,7 +20,6 @@ from typing import IO
 from fuzz_cases import case
 
 import kilter
-from kilter.cli import app
 from kilter.pipes import end_with_parent
 
 HANGS = 20.0
@@ -106,8 +105,6 @@ def load_all() -> None:
         if module.name != "kilter.__main__":
             with suppress(ImportError):  # what needs an extra that is not there
                 importlib.import_module(module.name)
-    # the parser of options is built once, and not for every case: most of the time of a small one
-    app.command = cache(app.command)
     gc.freeze()  # what is loaded is not looked through for garbage, and its pages stay shared
 
 

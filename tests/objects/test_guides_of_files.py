@@ -173,7 +173,7 @@ def test_a_kilter_file_keeps_limits_friction_and_springs(tmp_path: Path) -> None
         ("orient", "orient leaves out the friction and springs of 1 joint"),
         ("plan", "plan leaves out the friction and springs of 1 joint"),
         ("hold", "hold leaves out the friction and springs of 1 joint"),
-        ("settle", "settle leaves out the friction and springs and limits of 1 joint"),
+        ("settle", "settle leaves out the friction, springs and limits of 1 joint"),
     ],
 )
 def test_commands_without_joint_forces_say_so(verb: str, words: str) -> None:

@@ -26,7 +26,7 @@ def rolling_case(number: str) -> Case:
 def rolled(assembly: Assembly) -> tuple[Program, Rolling]:
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts)
-    return program, find_rolling(program, features_of(program, contacts))
+    return program, find_rolling(program, features_of(program, contacts), assembly)
 
 
 def in_the_plane(assembly: Assembly, mu: float = GRIP) -> Assembly:

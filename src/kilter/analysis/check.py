@@ -319,7 +319,8 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
     has_open_pairs = bool(still_open(contacts.open_pairs, assembly))
     second = decision.second_order
-    if second is not None and second.state == "balanced":
+    settled = friction is None or decision.verdict == "balanced"
+    if second is not None and second.state == "balanced" and settled:
         rolling = second.rolling.state if second.rolling is not None else None
         moving = [decision.program.names[k] for k in second.moving]
         return balanced_sentence(moving, rolling=rolling)

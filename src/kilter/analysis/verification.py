@@ -48,7 +48,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import proof_forces, recheck
-from kilter.second_order.proofs.push_recheck import wrong_about_push
+from kilter.second_order.proofs.push_recheck import rests_without_friction, wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds as holds_at
@@ -59,6 +59,9 @@ if TYPE_CHECKING:
     from kilter.tell.answer_data.other_data import VerifyData
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
+
+NEEDS_FORCES = "its second order needs a proof by forces without friction"
+"""Objection to second-order proofs of clusters that only friction holds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -426,10 +429,14 @@ def verify_proof(
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
     second = proof.get("second_order")
-    if not reasons and second is not None and ("forces" not in proof or friction is not None):
-        reasons = ["its second order needs a proof by forces without friction"]
+    if not reasons and second is not None and "forces" not in proof:
+        reasons = [NEEDS_FORCES]
     elif not reasons and second is not None:
         reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
+        if not reasons and friction is not None:
+            forces, _, _ = proof_forces(program, proof)
+            rest = rests_without_friction(assembly, contacts, program, forces, second)
+            reasons = [] if rest else [NEEDS_FORCES]
         notes += [] if reasons else [f"second order: {second['state']}"]
     claimed = level_of(proof["verdict"])
     level = None if reasons else claimed

@@ -41,7 +41,8 @@ def plain_joints(assembly: Assembly, verb: str) -> Assembly:
     if not any(odd):
         return assembly
     given = {name for joint in assembly.joints for name in names if name in joint.guide}
-    words = " and ".join(WORDS[name] for name in names if name in given)
+    *most, last = (WORDS[name] for name in names if name in given)
+    words = " and ".join(filter(None, [", ".join(most), last]))
     count = f"{sum(odd)} joint{'s' if sum(odd) > 1 else ''}"
     joints = [joint.without(*names) for joint in assembly.joints]
     note = f"{verb} leaves out the {words} of {count}"

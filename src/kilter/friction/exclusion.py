@@ -142,7 +142,8 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     why = refusal(program)
     if why:
         return Exclusion(False, None, 0, 0, 1.0, "", work.spent, why)
-    if _out_of_reach(program, work):
+    # fixed joints may leave no free body: nothing is excluded by power then
+    if not program.free.any() or _out_of_reach(program, work):
         return Exclusion(False, None, 0, 0, 1.0, "", work.spent)
     law = reduced_law(program)
     opening = opening_motion(law, work=work)

@@ -122,7 +122,7 @@ def _clip_to_cones(program: Program, forces: Array, friction: Array | None) -> t
     forces = np.where(np.isfinite(forces), forces, 0.0)
     least = np.where(program.two_sided, -program.capacity, 0.0)
     forces = np.clip(forces, least, program.capacity)
-    forces = program.equal_pulls(forces)
+    forces = program.by_stops(program.equal_pulls(forces))
     clipped = np.zeros((len(forces), 3))
     rough = program.gripping
     if friction is not None and len(rough):
@@ -147,8 +147,8 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
     sizes = part_sizes(program, motion, per_radius=False)
     largest = float(sizes.max(initial=0.0))
-    if largest == 0.0:
-        return MotionProof(motion, 0.0, 0.0, 0.0, False)
+    if largest == 0.0 or not np.isfinite(largest):
+        return MotionProof(np.zeros_like(motion), 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = program.power(motion)
     opening = row_openings(program, motion)

@@ -36,6 +36,7 @@ from kilter.mechanics.rows import (
     CONTACT,
     DRAG,
     KINDS,
+    STOP,
     STRAP,
     ForceRows,
     bonded_rows,
@@ -258,6 +259,23 @@ class Program:
             mean = np.bincount(strap, forces[pieces]) / np.bincount(strap)
             equal[pieces] = mean[strap]
         return equal
+
+    def by_stops(self, forces: Array) -> Array:
+        """Copy of row forces, shape (K,), in which stops carry as much as friction would beside.
+
+        The sum along the free motion of each joint stays, but for what exceeds the limits.
+        """
+        shared = forces.copy()
+        rows = np.flatnonzero(np.isin(self.kind, (STOP, DRAG)))
+        for joint in np.unique(self.source[rows]):
+            mine = rows[self.source[rows] == joint]
+            senses = self.normal[mine] @ self.normal[mine[0]]
+            left = float(senses @ forces[mine])
+            for row, sense in zip(mine, senses, strict=True):  # the stops come first
+                least = -self.capacity[row] if self.two_sided[row] else 0.0
+                shared[row] = min(max(sense * left, least), self.capacity[row])
+                left -= sense * shared[row]
+        return shared
 
     @property
     def has_limits(self) -> bool:

@@ -278,18 +278,16 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
 
 
 def _shared(program: Program, rows: Index, forces: Array) -> Array:
-    """Forces of a joint's rows in which friction, then the stops, carry the part along the axis.
+    """Forces of a joint's rows in which the part along the free motion counts once.
 
     Each of the rows along the free motion has this whole part in `forces`.
     """
-    shared, guides = forces.copy(), np.flatnonzero(program.kind[rows] != JOINT)[::-1]
-    left = 0.0 if not len(guides) else float(forces[guides[0]])
-    for k in guides:
-        row, sense = rows[k], float(program.normal[rows[k]] @ program.normal[rows[guides[0]]])
-        least = -program.capacity[row] if program.two_sided[row] else 0.0
-        shared[k] = min(max(sense * left, least), program.capacity[row])
-        left -= sense * shared[k]
-    return shared
+    guides = np.flatnonzero(program.kind[rows] != JOINT)
+    single = forces.copy()
+    single[guides[1:]] = 0.0
+    whole = np.zeros(len(program.part_a))
+    whole[rows] = single
+    return program.by_stops(whole)[rows]
 
 
 def proof_forces(program: Program, proof: dict[str, Any]) -> tuple[Array, Array, list[str]]:

@@ -21,6 +21,8 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from kilter.analysis.decision.decision import Decision, Word
 from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.decision.doubts import doubts_of
@@ -39,6 +41,8 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.detect import touching_words
 from kilter.contact.open_pairs import still_open
+from kilter.mechanics.certificate import check_forces
+from kilter.mechanics.clusters import clusters
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE
 from kilter.work import Work
@@ -109,7 +113,7 @@ def decide(
         work.fact("equilibrium", "it is stable to first order")
         decision = with_second_order(decision, assembly, contacts, require, work)
     elif second_order and decision.verdict in ("stable", "settles"):
-        decision = _with_push(decision, assembly, contacts, None)
+        decision = _beside_friction(decision, assembly, contacts, require, work)
     return dataclasses.replace(decision, units=work.total - before)
 
 
@@ -268,6 +272,44 @@ def with_second_order(
     if second is None or second.state in ("minimum", "free"):
         return dataclasses.replace(decision, second_order=second)
     program = build_program(assembly, contacts)
+    second = with_rolling(second, assembly, contacts, program)
+    if second.state == "balanced" and not second.held_by_friction:
+        return dataclasses.replace(decision, verdict="balanced", second_order=second)
+    return _with_push(decision, assembly, contacts, second, among=second.left)
+
+
+def _beside_friction(
+    decision: Decision, assembly: Assembly, contacts: ContactSet, require: str, work: Work
+) -> Decision:
+    """Extend a decision that needs friction by second order for the clusters that do not need it.
+
+    Clusters do not touch each other, so each keeps the answer that it has alone.
+    """
+    # imported late, since the import is slow
+    from kilter.second_order.answer.whole import find_second_order, with_rolling
+
+    program, proof, second = build_program(assembly, contacts), decision.judgement.forces, None
+    if proof is None or len(program.kind) != len(proof.forces):  # fitted normals
+        return _with_push(decision, assembly, contacts, None)
+    smooth, forces, friction = program.frictionless, proof.forces.copy(), proof.friction.copy()
+    resting = np.zeros(len(program.names), dtype=bool)
+    parted = clusters(smooth)
+    for cluster in parted if len(parted) > 1 else ():
+        judged = judge(cluster.program, work=work)
+        if judged.stable and judged.forces is not None:
+            resting |= cluster.program.free
+            forces[cluster.rows], friction[cluster.rows] = judged.forces.forces, 0.0
+    proof = check_forces(program, forces, friction)
+    if resting.any() and proof.holds:
+        second = find_second_order(
+            assembly, contacts, smooth, proof.forces, work=work, strict=require == "strict",
+            resting=resting,
+        )  # fmt: skip
+    if second is None:
+        return _with_push(decision, assembly, contacts, None)
+    # its proof shows that these clusters do not need friction
+    judgement = dataclasses.replace(decision.judgement, forces=proof)
+    decision = dataclasses.replace(decision, judgement=judgement)
     second = with_rolling(second, assembly, contacts, program)
     if second.state == "balanced" and not second.held_by_friction:
         return dataclasses.replace(decision, verdict="balanced", second_order=second)

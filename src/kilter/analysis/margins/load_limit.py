@@ -98,12 +98,16 @@ class Limit:
     gap : float
         Distance from `value`, which is proved to be held, to a share that is proved not to be held.
         It is relative to max(abs(value), 1) [-], and infinite if the second proof is missing.
+    refined : Program or None
+        The program with points of round edges to whose rows the forces belong, after the rows of
+        the given program; None if there are none.
     """
 
     value: float
     forces: ForceProof
     mechanism: MotionProof | None
     gap: float
+    refined: Program | None = None
 
     def to_dict(self, program: Program) -> LimitData:
         """JSON data that prove a load limit: residual of forces, gap, moving parts, mechanism."""

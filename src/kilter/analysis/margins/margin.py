@@ -36,7 +36,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.contact.round_edges import has_round_edges
+from kilter.contact.round_edges import RoundEdge, has_round_edges
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.json_answer import AnswerInWords
@@ -95,6 +95,8 @@ class Margin(AnswerInWords):
         Additional load straight down of each part; empty if it was not requested.
     push : ndarray, shape (3,), or None
         Direction of the body force of `load_factor`; None if the factor is that of the loads.
+    edges : tuple of RoundEdge
+        Round edges over which parts tip, in the tilt.
     missing : dict
         Requested limits without a value, "tilt", "about", "friction", "load_factor",
         "bracket", "push of NAME" or "load on NAME", and why: "none", proved that there is none (it
@@ -128,6 +130,7 @@ class Margin(AnswerInWords):
     pushes: tuple[Push, ...]
     loads: tuple[PartLoad, ...]
     push: Array | None
+    edges: tuple[RoundEdge, ...]
     missing: dict[str, Why]
     uncertainty: Uncertainty | None
     helps: tuple[Help, ...]
@@ -136,12 +139,17 @@ class Margin(AnswerInWords):
 
     @property
     def exact(self) -> bool:
-        """Whether the contacts are those of the solids: no open pair, no round edge of a face.
+        """Whether all limits are those of the solids: no open pair, and no polygon for a circle.
 
-        An edge of a circle counts as a polygon inside it, so the limits are slightly too small.
+        Only the tilt counts round edges as circles; every other limit is that of polygons inside.
         """
-        contacts = self.verdict.contacts
-        return not (contacts.open_pairs or has_round_edges(self.assembly, contacts))
+        if self.verdict.contacts.open_pairs:
+            return False
+        others = self.about, self.load_factor, self.bond, self.uncertainty, *self.pushes
+        tilts = self.tilt is not None and not (any(others) or self.loads)
+        tilts = tilts and (self.friction is None or self.friction.value == 0.0)
+        known = self.edges if tilts and self.tilt is not None and self.tilt.closed else ()
+        return not has_round_edges(self.assembly, self.contacts, known)
 
     def to_dict(self) -> MarginData:
         """The margin as JSON data, as ``kilter margin --json`` prints it."""
@@ -401,6 +409,7 @@ def _limits(
         "loads": part_loads,
         "uncertainty": worst,
         "helps": steps.helps(tilt, None if factor is None else factor[1]),
+        "edges": steps.edges,
         "missing": steps.missing,
         "warnings": tuple(warnings),
     }

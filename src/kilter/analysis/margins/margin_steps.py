@@ -25,6 +25,7 @@ from kilter.analysis.margins.tilt import (
 from kilter.analysis.margins.uncertainty import Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
 from kilter.analysis.verdict.verdict import Verdict
+from kilter.contact.round_edges import RoundEdge, round_edges
 from kilter.errors import TimeLimitReached, some_names
 from kilter.mechanics.certificate import MotionProof, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
@@ -99,7 +100,8 @@ class MarginSteps:
             return None
         # the verdict proves that no tilt limit exists, so that only the nearest direction is open
         falls = self._large and self._falls is not None
-        gravity = self._in_time(find_nearest_held if falls else _tilt_or_nearest, self.program)
+        find = find_nearest_held if falls else partial(_tilt_or_nearest, edges=self.edges)
+        gravity = self._in_time(find, self.program)
         if isinstance(gravity, NoLimit):
             self.missing["tilt"] = gravity.why
             return None
@@ -124,6 +126,13 @@ class MarginSteps:
             most = OPEN if few else COEFFICIENTS * max(self.work.allowed / PER_EFFORT, 1.0)
         find = partial(find_least_friction, failing=failing, programs=most)
         return self.limit("friction", find, fitted)
+
+    @property
+    def edges(self) -> tuple[RoundEdge, ...]:
+        """Round edges over which parts tip; none for a large or planar program."""
+        if self._large or self.program.planar:
+            return ()
+        return round_edges(self.question.assembly, self.verdict.contacts)
 
     @property
     def _large(self) -> bool:
@@ -212,7 +221,7 @@ class MarginSteps:
 
     def helps(self, tilt: TiltMargin | None, factor: Limit | None) -> tuple[Help, ...]:
         """Changes of the assembly that raise the tilt margin, or else the load factor, most."""
-        find = partial(what_helps, held=self.question.pushed)
+        find = partial(what_helps, held=self.question.pushed, edges=self.edges)
         helps = self.limit("what helps", find, self.program, tilt, factor, self.question.push)
         return helps or ()
 
@@ -250,9 +259,11 @@ def _limit_or_none(limit: T | NoLimit | None) -> T | None:
     return None if isinstance(limit, NoLimit) else limit
 
 
-def _tilt_or_nearest(program: Program) -> TiltMargin | NearestHeld | NoLimit:
+def _tilt_or_nearest(
+    program: Program, edges: tuple[RoundEdge, ...]
+) -> TiltMargin | NearestHeld | NoLimit:
     """The tilt margin; or the nearest held direction, if the given one is proved not held."""
-    tilt = find_tilt_margin(program)
+    tilt = find_tilt_margin(program, edges)
     if isinstance(tilt, TiltMargin):
         return tilt
     nearest = find_nearest_held(program)

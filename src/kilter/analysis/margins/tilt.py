@@ -15,11 +15,14 @@ do not turn with gravity, so they have no tilt margin of this kind.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
+from kilter.analysis.margins.edge_limits import limit_on_circles
 from kilter.analysis.margins.load_limit import (
     Limit,
     NoLimit,
@@ -27,6 +30,7 @@ from kilter.analysis.margins.load_limit import (
     find_limit,
     gravity_wrench,
 )
+from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (
     CONIC_SHARP,
@@ -36,6 +40,7 @@ from kilter.analysis.turning_tolerances import (
     TILT_AGREES,
 )
 from kilter.arrays import TINY, Array, across, angle_between, cross
+from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.certificate import MotionProof
 from kilter.mechanics.coulomb_cones import cone_problem, nearest_load
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
@@ -59,7 +64,10 @@ NEARER = 3
 """Number of held directions from which a search moves toward the given gravity."""
 PROGRAMS = 64
 """Programs after which the search ends with the gap that is left: at most about half the square
-of pi over their number, of the tangent, where the boundary is a circle around gravity."""
+of pi over their number, of the tangent, where the boundary is a circle around gravity. Forces that
+turn with the tilt close most such gaps earlier (`kilter.analysis.margins.turned_forces`)."""
+CLOSED = 2e-6
+"""Largest difference between a tilt and the proved lower angle of an exact tilt [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -115,6 +123,11 @@ class TiltMargin:
     limit: Limit
     programs: int
 
+    @property
+    def closed(self) -> bool:
+        """Whether the tilt is known from both sides."""
+        return self.angle - self.lower <= CLOSED
+
     def __repr__(self) -> str:
         over = "" if self.angle < np.pi / 2 else "over "
         return f"TiltMargin({over}{np.degrees(self.angle):.6g} deg)"
@@ -151,8 +164,10 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
     return np.inf, unlimited
 
 
-def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
+def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltMargin | NoLimit:
     """The least tilt of gravity beyond which nothing holds; no limit if not held without tilt.
+
+    Parts tip over the given round edges, and over the corners of all other contacts.
 
     Raises
     ------
@@ -174,17 +189,29 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     basis = across_gravity(program)
     opening, shared = Opening(cone_problem(program)), SharedCones(program)
     limits: list[Limit | NoLimit] = []
+    known: list[tuple[Array, Limit]] = []
 
     def shoot(direction: Array) -> SupportPoint | None:
         wrench = gravity_wrench(program, direction @ basis)
-        limit = held_limit(program, wrench, opening=opening, most=STEEPEST, shared=shared)
+        limit = held_limit(
+            program, wrench, opening=opening, most=STEEPEST, shared=shared, edges=edges
+        )
         limits.append(limit)
-        return None if isinstance(limit, NoLimit) else _boundary(program, basis, direction, limit)
+        if isinstance(limit, NoLimit):
+            return None
+        known.append((direction, limit))
+        return _boundary(program, basis, direction, limit)
 
     first = first_directions(len(basis))
     # what forces may leave is no difference
     face = nearest_face(
-        shoot, first, agree=TILT_AGREES, limit=PROGRAMS, most=STEEPEST, within=TOLERANCE
+        shoot,
+        first,
+        agree=TILT_AGREES,
+        limit=PROGRAMS,
+        most=STEEPEST,
+        within=TOLERANCE,
+        inside=None if program.planar else partial(held_distance, program, edges, known),
     )
     if face is None or NoLimit("none") in limits:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
@@ -216,9 +243,18 @@ def held_limit(
     opening: Opening,
     most: float,
     shared: SharedCones | None = None,
+    edges: Sequence[RoundEdge] = (),
 ) -> Limit | NoLimit:
     """Compute the load limit of a program; no limit if the program without the load is not held."""
-    limit = find_limit(program, wrench, opening=opening, most=most, shared=shared, from_none=True)
+
+    def find(refined: Program) -> Limit | NoLimit:
+        if refined is not program:
+            return find_limit(refined, wrench, most=most, from_none=True)
+        return find_limit(
+            program, wrench, opening=opening, most=most, shared=shared, from_none=True
+        )
+
+    limit = limit_on_circles(program, edges, find)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 

@@ -32,6 +32,7 @@ from kilter.analysis.turning_tolerances import (
     NO_GAIN,
 )
 from kilter.arrays import Array
+from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
@@ -95,6 +96,7 @@ def what_helps(
     push: Array | None,
     *,
     held: Sequence[int],
+    edges: Sequence[RoundEdge] = (),
 ) -> tuple[Help, ...]:
     """The most effective change of each kind, which raises the tilt margin or else the load factor.
 
@@ -107,6 +109,8 @@ def what_helps(
         The direction that it is of; None: of given loads.
     held : sequence of int
         Free parts, by position, of which those that drive the mechanism most are held in turn.
+    edges : sequence of RoundEdge
+        Round edges over which parts tip.
 
     Examples
     --------
@@ -128,7 +132,8 @@ def what_helps(
         if isinstance(limit, NoLimit):
             return ()
         before = float(np.degrees(tilt.angle))
-        return _helps(program, limit, along, True, _Gain("tilt", before, _tilt), held)
+        gain = _Gain("tilt", before, lambda changed: _tilt(changed, edges))
+        return _helps(program, limit, along, True, gain, held)
     if factor is None:
         return ()
     if push is not None:
@@ -159,9 +164,9 @@ class _Gain:
         return f"{gain:.3g} deg of tilt" if tilt else f"{gain:.3g} to the load factor"
 
 
-def _tilt(program: Program) -> float:
+def _tilt(program: Program, edges: Sequence[RoundEdge]) -> float:
     """Least tilt [deg] after which a part moves; NaN if it is not known."""
-    tilt = find_tilt_margin(program) if program.free.any() else None
+    tilt = find_tilt_margin(program, edges) if program.free.any() else None
     if isinstance(tilt, NoLimit):
         return np.nan
     return 90.0 if tilt is None else float(np.degrees(tilt.angle))

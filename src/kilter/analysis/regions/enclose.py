@@ -58,6 +58,12 @@ Oracle = Callable[[Array], SupportPoint | None]
 """Function from a unit direction, shape (d,), to a support point; None if its numbers failed."""
 
 
+PROVED_AFTER = (12, 16, 24, 32, 48)
+"""Numbers of queries after which another proof of the inner distance is tried."""
+PROVED_NEAR = 1e-6
+"""The search ends if that inner distance is shorter by at most this fraction [-]."""
+
+
 class KnownSet:
     """Known part of a convex set: its hull of known points, and planes that bound the set.
 
@@ -73,6 +79,8 @@ class KnownSet:
         Questions so far.
     failed : bool
         Whether the oracle failed in a direction.
+    proved : float
+        Radius of a ball about 0 that is inside the set by another proof.
     """
 
     def __init__(self, oracle: Oracle, hull: GrowingHull | None = None) -> None:
@@ -80,6 +88,7 @@ class KnownSet:
         self.outer, self.normal, self.answer = np.inf, np.zeros(0), -1
         self.asked = 0
         self.failed = False
+        self.proved = 0.0
         self._oracle = oracle
         size = 0 if hull is None else hull.points.shape[1]
         self._planes, self._levels = np.zeros((0, size)), np.zeros(0)
@@ -87,7 +96,7 @@ class KnownSet:
     @property
     def inner(self) -> float:
         """Radius of the largest ball about 0 that is proved to be inside the set."""
-        return 0.0 if self.hull is None else max(float(self.hull.offsets.min()), 0.0)
+        return self.proved if self.hull is None else max(self.hull.offsets.min(), self.proved)
 
     def ask(self, direction: Array) -> SupportPoint | None:
         """Query the oracle in a direction; add its plane; return its point, or None if it fails."""
@@ -114,7 +123,12 @@ class KnownSet:
         return True
 
     def close_nearest(
-        self, limit: int, agree: float = 0.0, most: float = np.inf, within: float = 0.0
+        self,
+        limit: int,
+        agree: float = 0.0,
+        most: float = np.inf,
+        within: float = 0.0,
+        inside: Callable[[float], float] | None = None,
     ) -> bool:
         """Refine the hull facet nearest to 0 until it is confirmed; False at the query limit.
 
@@ -127,8 +141,15 @@ class KnownSet:
             the outer one is `most`.
         within : float
             A difference that counts as none beside that fraction.
+        inside : callable, optional
+            From the outer distance to a radius that is inside the set by another proof. It is asked
+            after each of `PROVED_AFTER` queries, and the search ends if it is near the outer one.
         """
         while self.asked < limit:
+            if inside is not None and self.asked in PROVED_AFTER:
+                self.proved = max(self.proved, min(inside(self.outer), self.outer))
+                if self.proved >= self.outer * (1 - PROVED_NEAR):
+                    return True
             if self.hull is None or (self.outer >= most * (1 - agree) and most < np.inf):
                 return True
             agreed = agree > 0.0 and self.inner >= self.outer * (1 - agree) - within
@@ -183,6 +204,7 @@ def nearest_face(
     limit: int,
     most: float = np.inf,
     within: float = 0.0,
+    inside: Callable[[float], float] | None = None,
 ) -> Face | None:
     """Find the boundary point of a set that is nearest to 0; None if the first query fails.
 
@@ -199,6 +221,8 @@ def nearest_face(
         Distances from here on count as unlimited: the search ends.
     within : float
         The search also ends if they differ by at most this.
+    inside : callable, optional
+        As in `KnownSet.close_nearest`.
 
     Examples
     --------
@@ -224,6 +248,6 @@ def nearest_face(
     size = float(np.abs(np.array(points)).max(initial=0.0))
     tolerance = max(HULL_FINER * agree * min(known.outer, size), HULL_ROUNDING * size)
     known.hull = GrowingHull.of(np.array(points), tolerance)
-    known.close_nearest(limit, agree, most, within)
-    inner = min(known.inner, known.outer)
+    known.close_nearest(limit, agree, most, within, inside)
+    inner = float(min(known.inner, known.outer))
     return Face(inner, known.outer, known.normal, known.answer, known.asked, known.failed)

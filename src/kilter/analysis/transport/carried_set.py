@@ -18,17 +18,19 @@ directions of gravity that `kilter.region` finds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones, Why
 from kilter.analysis.margins.tilt import across_gravity, held_limit
+from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
 from kilter.analysis.transport.plane_section import SupportLine, enclose_section
 from kilter.analysis.turning_tolerances import TILT_AGREES
 from kilter.arrays import Array, Mask
+from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
@@ -115,6 +117,8 @@ class CarriedSet:
         Contacts with friction, loads and bonds, under gravity without acceleration.
     most : float
         Largest acceleration of a search [g].
+    edges : tuple of RoundEdge
+        Round edges of the contacts, over which parts tip.
 
     Examples
     --------
@@ -129,6 +133,7 @@ class CarriedSet:
 
     program: Program
     most: float = MOST
+    edges: tuple[RoundEdge, ...] = ()
 
     @cached_property
     def _opening(self) -> Opening:
@@ -170,12 +175,14 @@ class CarriedSet:
         """
         basis = across_gravity(self.program)
         whys: list[Why] = []
+        known: list[tuple[Array, Limit]] = []
 
         def reach(direction: Array) -> SupportPoint | None:
             limit = self.along(direction @ basis)
             if isinstance(limit, NoLimit):
                 whys.append(limit.why)
                 return None
+            known.append((direction, limit))
             support = self._support(basis, direction, limit)
             return SupportPoint(support.point, support.normal, support.reach)
 
@@ -186,6 +193,9 @@ class CarriedSet:
             limit=PROGRAMS,
             most=self.most,
             within=TOLERANCE,
+            inside=None
+            if len(basis) == 1
+            else partial(held_distance, self.program, self.edges, known),
         )
         if face is None or whys:
             return NoLimit("none" if "none" in whys else "failed")
@@ -242,7 +252,12 @@ class CarriedSet:
         """Largest factor of a carrier motion, with forces and mechanism at the limit."""
         wrench = carrier_wrench(self.program, motion)
         return held_limit(
-            self.program, wrench, opening=self._opening, most=self.most, shared=self._shared
+            self.program,
+            wrench,
+            opening=self._opening,
+            most=self.most,
+            shared=self._shared,
+            edges=self.edges,
         )
 
     def _support(self, axes: Array, direction: Array, limit: Limit) -> SupportLine:

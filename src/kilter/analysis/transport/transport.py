@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import Limit, NoLimit, Why
+from kilter.analysis.margins.load_limit import EXACT, Limit, NoLimit, Why
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration, Slice
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
@@ -38,6 +38,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
+from kilter.contact.round_edges import round_edges
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, level_rank, require_level
@@ -174,7 +175,10 @@ def transport(
             time_limit=work.seconds,
         )
     program = build_program(assembly, frictions[0])
-    carried = CarriedSet(program)
+    # a copy of a contact point would also copy its bond
+    round_ = not (program.planar or program.has_strength or len(program.part_a) > EXACT)
+    edges = round_edges(assembly, frictions[0]) if round_ else ()
+    carried = CarriedSet(program, edges=edges)
     missing: dict[str, Why] = {}
 
     def in_time(name: str, step: Callable[[], T | NoLimit]) -> T | None:
@@ -229,6 +233,7 @@ def transport(
         contacts=detected,
         rest=rest,
         program=program,
+        edges=edges,
         limits=tuple(limits),
         least=least,
         polar=section,

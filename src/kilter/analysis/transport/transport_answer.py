@@ -25,6 +25,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.contact.round_edges import RoundEdge, has_round_edges
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof, MotionProof
@@ -137,6 +138,8 @@ class Transport(AnswerInWords):
         The assembly without acceleration, at the level "equilibrium".
     program : Program
         The modelled contacts, with friction.
+    edges : tuple of RoundEdge
+        Round edges over which parts tip.
     limits : tuple of DirectionLimit
         Along the axes; empty if a question was asked, or if rest is not held.
     least : DirectionLimit or None
@@ -172,6 +175,7 @@ class Transport(AnswerInWords):
     contacts: ContactSet
     rest: Verdict
     program: Program
+    edges: tuple[RoundEdge, ...]
     limits: tuple[DirectionLimit, ...]
     least: DirectionLimit | None
     polar: Slice | None
@@ -227,7 +231,7 @@ class Transport(AnswerInWords):
             "mu_range": None if self.mu_range is None else list(self.mu_range),
             "joints": joints_answer(self.assembly),
             "open_pairs": open_pairs_answer(self.assembly, self.contacts),
-            "exact": not self.contacts.open_pairs,
+            "exact": self.exact,
             "limits": [
                 limit.to_dict(self.assembly, program)
                 for limit in (*self.limits, *([] if self.least is None else [self.least]))
@@ -246,6 +250,17 @@ class Transport(AnswerInWords):
         }
         answer["sentence"] = transport_sentence(answer)
         return answer
+
+    @property
+    def exact(self) -> bool:
+        """Whether all limits are those of the solids: no open pair, and no polygon for a circle.
+
+        The limits of a path, and those of large assemblies, count a round edge as a polygon inside.
+        """
+        if self.contacts.open_pairs:
+            return False
+        known = self.edges if self.path is None else ()
+        return not has_round_edges(self.assembly, self.contacts, known)
 
     @property
     def mechanism(self) -> MotionProof | None:

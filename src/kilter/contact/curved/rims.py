@@ -14,7 +14,7 @@ from kilter.contact.contact_set import PossibleContacts
 from kilter.contact.contact_tolerances import RIM_LEVEL
 from kilter.contact.patches import Patches
 
-__all__ = ["Force", "coaxial_clear", "possible_forces", "rim_contacts", "rims_clear"]
+__all__ = ["Force", "coaxial_clear", "possible_forces", "radius_at", "rim_contacts", "rims_clear"]
 
 Force = tuple[int, int, Array, Array]
 """Parts a and b, point, and unit direction of a force."""
@@ -148,7 +148,7 @@ def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Arra
     if kind == FREE or s.hollow[surface] or abs(float(axis @ normal)) < 1 - RIM_LEVEL:
         return None
     height = float((corners[0] - center) @ axis)
-    radius = _radius_at(s, surface, height)
+    radius = radius_at(s, surface, height)
     if radius is None:
         return None
     offsets = corners - center
@@ -161,7 +161,7 @@ def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Arra
     return np.where(on_rim[:, None], offsets, 0.0), radius / (radius - sagitta)
 
 
-def _radius_at(s: Surfaces, surface: int, height: float) -> float | None:
+def radius_at(s: Surfaces, surface: int, height: float) -> float | None:
     """Radius of the circle in which a plane at `height` cuts a surface; None without a circle.
 
     The plane is perpendicular to the axis.

@@ -1,30 +1,37 @@
 """Read MuJoCo models: bodies as parts, in the pose of a keyframe; the world is held.
 
-A body is one part with its colliding geoms, or with all geoms if none collides. Each geom of the
-world is a held part, and a body fixed to the world is held. A plane is a table. Masses and centres
-are those of the model. Hinges, slides and balls are joints without motors. Hinges and slides have
-their limits, friction and springs. The friction coefficient of a pair is the larger of the two, as
-in MuJoCo, and 0 if both have `condim` 1. Meshes keep their shape, although MuJoCo collides with
-their convex hulls. Pairs whose contacts the model filters do not touch: by the bits of their geoms,
-as parent and child, or as excluded pairs. Lengths are metres.
+A body is one part with its colliding geoms, or with all geoms if none collides; bodies without mass
+or geoms belong to a part that moves with them (`kilter.files.objects.mujoco_bodies`). Each geom of
+the world is a held part, and a body fixed to the world is held. A plane is a table. Masses, centres
+and inertia are those of the compiled model, and gravity compensation is a load. Hinges, slides and
+balls are joints without motors. Hinges and slides have their limits, friction and springs. Friction
+and filters of contacts are those of pairs of geoms (`kilter.files.objects.mujoco_contacts`). Meshes
+keep their shape, although MuJoCo collides with their convex hulls. Lengths are metres.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Index, Mask
+from kilter.arrays import Mask
 from kilter.assembly import Assembly, Part
-from kilter.assembly.interactions import FrictionPair, GivenContact, Joint
+from kilter.assembly.interactions import Joint
+from kilter.assembly.part import GROUND
 from kilter.errors import InputError
 from kilter.files.file_tolerances import PARALLEL
 from kilter.files.format_options import FormatOptions
 from kilter.files.naming import distinct
 from kilter.files.near_parts import near_pairs
+from kilter.files.objects.mujoco_bodies import (
+    held_bodies,
+    mass_fields,
+    owners,
+    relieving_loads,
+)
+from kilter.files.objects.mujoco_contacts import GeomRules, contact_entries
 from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
 from kilter.files.one_body import compose, one_body
 from kilter.rigid import Pose
@@ -78,22 +85,31 @@ class ModelScene:
             )
         self.model, self.notes = model, list[str](model.notes)
         self.names = distinct([name or f"body_{k}" for k, name in enumerate(model.body_names)])
-        self.collides: Mask = (model.geom_contype | model.geom_conaffinity) != 0
+        self.rules = GeomRules(model)
+        self.collides: Mask = self.rules.collides
+        self.owner = owners(model)
+        """The body whose part each body belongs to."""
+        self.members: dict[int, list[int]] = {}
+        """The bodies of each part, by its body."""
+        for body, owner in self.owner.items():
+            self.members.setdefault(owner, []).append(body)
         self.geoms = self._geoms()
         self.parts: list[Part] = []
         self.rows: list[list[int]] = []
         """The geoms of each part."""
+        self.bodies: list[int] = []
+        """The body of each part; 0 for geoms of the world."""
         self.guided: list[int] = []
         """MuJoCo joints whose limits, friction and springs are those of a joint."""
 
     def _geoms(self) -> dict[int, list[int]]:
-        """For each body, the geoms that form its part: those that collide, else all."""
-        model, collides = self.model, self.collides
-        geoms = {}
-        for body in range(model.nbody):
-            rows = int(model.body_geomadr[body]) + np.arange(int(model.body_geomnum[body]))
-            solid = rows[collides[rows]]
-            geoms[body] = (solid if len(solid) or body == 0 else rows).tolist()
+        """For each part, by its body, its geoms: those that collide, else all."""
+        geoms: dict[int, list[int]] = {body: [] for body in range(self.model.nbody)}
+        for geom, body in enumerate(self.model.geom_bodyid.tolist()):
+            geoms[self.owner.get(body, body)].append(geom)
+        for body, rows in geoms.items():
+            solid = [geom for geom in rows if self.collides[geom]]
+            geoms[body] = solid if solid or body == 0 else rows
         return geoms
 
     def assembly(self, source: str) -> Assembly:
@@ -102,20 +118,28 @@ class ModelScene:
         planes = [k for k in self.geoms[0] if model.geom_type[k] == PLANE]
         for geom in self.geoms[0]:
             if geom not in planes:
-                self._add(self._geom_name(geom), [geom], Pose(), held=True)
+                self._add(self._geom_name(geom), [geom], body=0, held=True)
+        held = held_bodies(model)
         for body in range(1, model.nbody):
             if self.geoms[body]:
-                pose = Pose(self.model.xpos[body], self.model.xquat[body])
-                held = int(model.body_weldid[body]) == 0
-                self._add(self.names[body], self.geoms[body], pose, held=held, body=body)
+                self._add(self.names[body], self.geoms[body], body=body, held=bool(held[body]))
         self._add_planes(planes)
         if not self.parts:
             raise self._emptiness(source)
         names = distinct([part.name for part in self.parts])
         parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
-        joints = self._joints({part.name for part in parts})
+        for name, body in zip(names, self.bodies, strict=True):
+            self.names[body] = name
+        self._require_gravity()
+        joints = self._joints()
         near = near_pairs(parts, REACH)
-        friction, pairs = self._friction(parts, near)
+        detect = not model.disabled & {"CONTACT", "CONSTRAINT"}
+        if not detect:
+            self.notes.append("the model disables all contacts")
+            near = near[0][:0], near[1][:0]
+        friction, pairs, apart = contact_entries(self.rules, parts, self.rows, near, self.notes)
+        if unseen := sum(part.geometry == "visual" for part in parts):
+            self.notes.append(f"no geom collides, so the visible geoms of {unseen} bodies count")
         left = self._ignored_features()
         return Assembly(
             parts,
@@ -123,11 +147,21 @@ class ModelScene:
             gravity=model.gravity,
             friction=friction,
             friction_pairs=pairs,
-            contacts=self._filtered(parts, near),
+            contacts=apart,
+            detect=detect,
             joints=joints,
+            loads=relieving_loads(model, {b: self.names[k] for b, k in self.owner.items()}),
             source=source,
             notes=[*self.notes, *([f"ignored: {left}"] if left else [])],
         )
+
+    def _require_gravity(self) -> None:
+        """Raise an InputError for a model without gravity."""
+        if "GRAVITY" in self.model.disabled or not self.model.gravity.any():
+            raise InputError(
+                "the model has no gravity",
+                hint='give <option gravity="0 0 -9.81"/>, and enable gravity in its flags',
+            )
 
     def _emptiness(self, source: str) -> InputError:
         """Error for a model without parts."""
@@ -144,30 +178,28 @@ class ModelScene:
         """Name of the geom with an index, for parts of the world body."""
         return distinct([self.model.geom_names[geom] or unnamed])[0]
 
-    def _add(
-        self, name: str, geoms: list[int], pose: Pose, *, held: bool, body: int | None = None
-    ) -> None:
-        """Add a part of the given geoms; with `body`, it has the mass and centre of that body."""
-        model = self.model
+    def _add(self, name: str, geoms: list[int], *, body: int, held: bool) -> None:
+        """Add the part of a body with the given geoms, or of a geom of the world (body 0)."""
+        model, pose = self.model, Pose(self.model.xpos[body], self.model.xquat[body])
+        shapes = []
         try:
-            shape, inner = one_body([self._shape(geom) for geom in geoms], name, self.notes)
+            for geom in geoms:
+                shape, place = self._shape(geom)
+                own = int(model.geom_bodyid[geom])
+                if own != body:
+                    outer = compose(pose.inverse(), Pose(model.xpos[own], model.xquat[own]))
+                    place = compose(outer, place)
+                shapes.append((shape, place))
+            shape, inner = one_body(shapes, name, self.notes, self.rules.pieces(geoms))
         except InputError as error:
             raise error.located(part=name) from None
-        mass = None if body is None else float(model.body_mass[body])
-        center = None
-        if mass:
-            center = (np.array(model.body_ipos[body]) - inner.position) @ inner.matrix
-        part = Part(
-            name,
-            shape,
-            compose(pose, inner),
-            grounded=held,
-            mass=mass or None,
-            center_of_mass=center,
-            geometry="collider" if self.collides[geoms].any() else "visual",
-        )
-        self.parts.append(part)
+        placed = compose(pose, inner)
+        collides = bool(self.collides[geoms].any())
+        fields = mass_fields(model, self.members.get(body, []), placed, held=held)
+        geometry = "collider" if collides else "visual"
+        self.parts.append(Part(name, shape, placed, grounded=held, geometry=geometry, **fields))
         self.rows.append(geoms)
+        self.bodies.append(body)
 
     def _shape(self, geom: int) -> tuple[Shape, Pose]:
         """Shape of a geom, and its pose relative to its body."""
@@ -217,39 +249,53 @@ class ModelScene:
             )
             self.parts.append(part)
             self.rows.append([geom])
+            self.bodies.append(0)
 
     # joints --------------------------------------------------------------------------
 
-    def _joints(self, parts: set[str]) -> list[Joint]:
+    def _joints(self) -> list[Joint]:
         """All joints of the model: those between bodies, and its equality constraints."""
         model = self.model
         joints = []
+        held = held_bodies(model)
         for body in range(1, model.nbody):
-            if int(model.body_weldid[body]) == 0:
+            if held[body]:
                 continue
             first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
             rows = list(range(first, first + count))
             if rows and model.jnt_type[rows[0]] == FREE:
                 continue
-            ends = (self.names[body], self._parent(body, parts))
-            if self.names[body] not in parts:
-                if rows:
-                    raise InputError(
-                        "it has a joint but no geom", part=self.names[body], hint="give it a geom"
-                    )
+            # the part that moves with the root of the bodies that move together
+            anchor = self.owner.get(int(model.body_weldid[body]))
+            if rows and anchor is None:
+                raise self._shapeless(body)
+            if anchor is None or not (rows or self.owner[body] == body != anchor):
                 continue
+            above = self.owner[int(model.body_parentid[body])] if not rows else self._parent(body)
+            ends = (self.names[anchor if rows else body], self.names[above] if above else GROUND)
             joints.append(self._joint(ends, rows))
-        return joints + self._equalities(parts)
+        return joints + self._equalities()
 
-    def _parent(self, body: int, parts: set[str]) -> str:
-        """Name of the nearest ancestor body that is a part; "ground" without such a body.
+    def _parent(self, body: int) -> int:
+        """The body of the nearest part above a body; 0 for the world. Fixed frames are passed.
 
-        Fixed bodies without geoms in between are passed.
+        Raises
+        ------
+        InputError
+            If a body in between has a joint, but neither it nor a body fixed to it has a geom.
         """
         parent = int(self.model.body_parentid[body])
-        while parent and self.names[parent] not in parts and not self.model.body_jntnum[parent]:
+        while parent and parent not in self.owner:
+            if self.model.body_jntnum[parent]:
+                raise self._shapeless(parent)
             parent = int(self.model.body_parentid[parent])
-        return self.names[parent] if self.names[parent] in parts and parent else "ground"
+        return self.owner.get(parent, 0)
+
+    def _shapeless(self, body: int) -> InputError:
+        """Error for a body that moves without a shape."""
+        return InputError(
+            "it has a joint but no geom", part=self.names[body], hint="give it a geom"
+        )
 
     def _joint(self, ends: tuple[str, str], rows: list[int]) -> Joint:
         """The joint between a body and its parent: fixed, cylindrical, or as in MuJoCo."""
@@ -286,20 +332,20 @@ class ModelScene:
             "rest": float(model.qpos_spring[model.jnt_qposadr[row]]) - at,
         }
 
-    def _equalities(self, parts: set[str]) -> list[Joint]:
+    def _equalities(self) -> list[Joint]:
         """Joints for the model's equality constraints between bodies (welds and connections)."""
         model = self.model
         joints = []
         for k in np.flatnonzero(model.eq_active0):
             kind = int(model.eq_type[k])
             ids = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
-            ends = [self.names[i] if self.names[i] in parts and i else "ground" for i in ids]
+            ends = [self.names[self.owner[i]] if i in self.owner else GROUND for i in ids]
             if kind not in (CONNECT, WELD) or int(model.eq_objtype[k]) != 1 or ends[0] == ends[1]:
                 self.notes.append(
                     "an equality other than a weld or connection of bodies is ignored"
                 )
                 continue
-            first, second = ends if ends[0] != "ground" else ends[::-1]
+            first, second = ends if ends[0] != GROUND else ends[::-1]
             point = None
             if kind == CONNECT:
                 pose = Pose(self.model.xpos[ids[0]], self.model.xquat[ids[0]])
@@ -308,66 +354,10 @@ class ModelScene:
             joints.append(Joint((first, second), joint, point=point))  # type: ignore[arg-type]
         return joints
 
-    # friction ------------------------------------------------------------------------
-
-    def _friction(
-        self, parts: list[Part], near: tuple[Index, Index]
-    ) -> tuple[float, list[FrictionPair]]:
-        """The most frequent friction coefficient, and the pairs with another coefficient."""
-        model = self.model
-        part_mu = np.array([max(self._mu(geom) for geom in geoms) for geoms in self.rows])
-        condim = [max(int(model.geom_condim[geom]) for geom in geoms) for geoms in self.rows]
-        slick = np.array(condim) == 1
-        first, second = near
-        mu = np.maximum(part_mu[first], part_mu[second])
-        mu[slick[first] & slick[second]] = 0.0
-        free = np.array([not part.grounded for part in parts])
-        counts = free[first] | free[second]
-        first, second, mu = first[counts], second[counts], mu[counts]
-        usual = Counter(mu.tolist()).most_common(1)
-        friction = usual[0][0] if usual else 0.0
-        return friction, [
-            FrictionPair((parts[a].name, parts[b].name), value)
-            for a, b, value in zip(first.tolist(), second.tolist(), mu.tolist(), strict=True)
-            if value != friction
-        ]
-
-    def _filtered(self, parts: list[Part], near: tuple[Index, Index]) -> list[GivenContact]:
-        """Near pairs with a free part that never touch in the model, as contacts without points."""
-        model = self.model
-        bits = np.zeros((2, len(self.rows)), dtype=np.int64)
-        for k, geoms in enumerate(self.rows):
-            bits[0, k] = np.bitwise_or.reduce(model.geom_contype[geoms])
-            bits[1, k] = np.bitwise_or.reduce(model.geom_conaffinity[geoms])
-        solid: Mask = (bits != 0).any(axis=0)  # parts without a collider have their visual shapes
-        weld = model.body_weldid[model.geom_bodyid[[geoms[0] for geoms in self.rows]]]
-        above = model.body_weldid[model.body_parentid[weld]]
-        free = np.array([not part.grounded for part in parts])
-        a, b = near
-        common: Index = (bits[0, a] & bits[1, b]) | (bits[0, b] & bits[1, a])
-        masked: Mask = solid[a] & solid[b] & (common == 0)
-        family = (weld[a] == weld[b]) & (weld[a] != 0)
-        if model.filters_parents:
-            family |= (above[a] == weld[b]) & (weld[b] != 0)
-            family |= (above[b] == weld[a]) & (weld[a] != 0)
-        bodies = model.geom_bodyid[[geoms[0] for geoms in self.rows]].astype(np.int64)
-        signs = np.minimum(bodies[a], bodies[b]) << 16 | np.maximum(bodies[a], bodies[b])
-        excluded = np.isin(signs, model.exclude_signature)
-        never: Mask = (masked | family | excluded) & (free[a] | free[b])
-        if never.any():
-            self.notes.append(f"pairs whose contacts the model filters: {int(never.sum())}")
-        return [
-            GivenContact((parts[i].name, parts[k].name), [], [0, 0, 1])
-            for i, k in zip(a[never].tolist(), b[never].tolist(), strict=True)
-        ]
-
-    def _mu(self, geom: int) -> float:
-        """Sliding friction coefficient of the geom with an index [-]."""
-        return float(self.model.geom_friction[geom][0])
-
     def _ignored_features(self) -> str:
         """List, as text, the model's features that affect motion but that kilter ignores."""
         model = self.model
+        apart = (model.geom_margin > 0) & self.collides
         left = np.delete(np.arange(len(model.jnt_type)), self.guided)
         friction = np.delete(model.dof_frictionloss, model.jnt_dofadr[self.guided])
         counts = {
@@ -376,5 +366,12 @@ class ModelScene:
             "joint limits": int(np.count_nonzero(model.jnt_limited[left])),
             "tendons": model.ntendon,
             "joint frictions": int(np.count_nonzero(friction)),
+            "margins of geoms": int(np.count_nonzero(apart)),
+            "margins of pairs": int(np.count_nonzero(model.pair_margin)),
+            "second sliding coefficients of pairs": self.rules.unequal,
+            "adhesive geoms": int(np.count_nonzero(model.geom_adhesion)),
+            "adhesive pairs": int(np.count_nonzero(model.pair_adhesion)),
+            "moving surfaces": int(np.count_nonzero(np.any(model.geom_surfacevel, axis=-1))),
+            "soft bodies": model.nflex,
         }
         return ", ".join(f"{count} {word}" for word, count in counts.items() if count)

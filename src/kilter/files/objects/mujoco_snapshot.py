@@ -15,31 +15,38 @@ from kilter.errors import InputError, nearest_name, some_names
 
 __all__ = ["Snapshot", "take_snapshot"]
 
-COUNTS = ("nbody", "nu", "ntendon")
+COUNTS = ("nbody", "nflex", "nu", "ntendon")
 ARRAYS = (
-    "body_geomadr", "body_geomnum", "body_ipos", "body_jntadr", "body_jntnum", "body_mass",
-    "body_parentid", "body_weldid", "dof_frictionloss", "eq_active0", "eq_data", "eq_obj1id",
-    "eq_obj2id", "eq_objtype", "eq_type", "exclude_signature", "geom_bodyid", "geom_conaffinity",
-    "geom_condim", "geom_contype", "geom_dataid", "geom_friction", "geom_pos", "geom_quat",
-    "geom_size", "geom_type", "jnt_dofadr", "jnt_limited", "jnt_qposadr", "jnt_range",
-    "jnt_stiffness", "jnt_type", "mesh_face", "mesh_faceadr", "mesh_facenum", "mesh_vert",
-    "mesh_vertadr", "mesh_vertnum", "qpos_spring",
+    "body_geomnum", "body_gravcomp", "body_inertia", "body_jntadr", "body_jntnum", "body_mass",
+    "body_mocapid", "body_parentid", "body_weldid", "dof_frictionloss", "eq_active0", "eq_data",
+    "eq_obj1id", "eq_obj2id", "eq_objtype", "eq_type", "exclude_signature", "geom_bodyid",
+    "geom_conaffinity", "geom_condim", "geom_contype", "geom_dataid", "geom_friction",
+    "geom_margin", "geom_pos", "geom_priority", "geom_quat", "geom_size", "geom_type", "jnt_dofadr",
+    "jnt_limited", "jnt_qposadr", "jnt_range", "jnt_stiffness", "jnt_type", "mesh_face",
+    "mesh_faceadr", "mesh_facenum", "mesh_vert", "mesh_vertadr", "mesh_vertnum", "pair_dim",
+    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos_spring",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
-PLACES = ("qpos", "xpos", "xquat", "xanchor", "xaxis")
-"""Fields of the data: positions of joints, and poses of bodies, anchors and axes in the world."""
+PLACES = ("qpos", "xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")
+"""Fields of the data: positions of joints; poses and principal axes of bodies, and joints."""
+NEWER = ("geom_adhesion", "geom_surfacevel", "pair_adhesion")
+"""Fields that older versions of MuJoCo do not have."""
 DISABLED = {
-    "jnt_limited": "mjDSBL_LIMIT",
-    "jnt_stiffness": "mjDSBL_SPRING",
-    "dof_frictionloss": "mjDSBL_FRICTIONLOSS",
+    "jnt_limited": ("LIMIT", "CONSTRAINT"),
+    "jnt_stiffness": ("SPRING",),
+    "dof_frictionloss": ("FRICTIONLOSS", "CONSTRAINT"),
+    "eq_active0": ("EQUALITY", "CONSTRAINT"),
 }
-"""Fields that a flag of a model switches off."""
+"""Fields that flags of a model switch off."""
+FLAGS = ("CONSTRAINT", "CONTACT", "FILTERPARENT", "GRAVITY")
+"""Further flags of a model that kilter obeys if they are disabled."""
 
 
 class Snapshot(SimpleNamespace):
     """Fields of a MuJoCo model and of its data, by the names that they have in MuJoCo.
 
-    In addition: names of bodies and geoms, `gravity`, `disableflags`, and notes about the pose.
+    In addition: names of bodies and geoms, `gravity`, the disabled flags, the friction that
+    overrides that of all contacts, and notes about the pose.
     """
 
 
@@ -65,21 +72,28 @@ def take_snapshot(mujoco: Any, model: Any, data: Any, keyframe: str | None) -> S
     if data is None or keyframe is not None:
         _set_pose(mujoco, model, placed, keyframe, notes)
     mujoco.mj_kinematics(model, placed)
+    mujoco.mj_comPos(model, placed)
+    every = {*FLAGS, *(flag for flags in DISABLED.values() for flag in flags)}
+    bits = {flag: int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}", 0)) for flag in every}
+    disabled = {flag for flag, bit in bits.items() if model.opt.disableflags & bit}
     arrays = {name: np.array(getattr(model, name)) for name in ARRAYS}
-    for name, flag in DISABLED.items():
-        if model.opt.disableflags & int(getattr(mujoco.mjtDisableBit, flag, 0)):
+    for name, flags in DISABLED.items():
+        if not disabled.isdisjoint(flags):
             arrays[name][:] = 0
     bent = np.count_nonzero(getattr(model, "jnt_stiffnesspoly", 0))
     if bent:
         notes.append("the springs of joints count with their linear stiffness only")
+    overrides = model.opt.enableflags & int(mujoco.mjtEnableBit.mjENBL_OVERRIDE)
     return Snapshot(
         **{name: int(getattr(model, name)) for name in COUNTS},
         **arrays,
         **{name: np.array(getattr(placed, name)) for name in PLACES},
         body_names=[model.body(k).name for k in range(model.nbody)],
         geom_names=[model.geom(k).name for k in range(model.ngeom)],
+        **{name: np.array(getattr(model, name, ())) for name in NEWER},
         gravity=np.array(model.opt.gravity),
-        filters_parents=not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT),
+        disabled=disabled,
+        common_friction=float(min(model.opt.o_friction[:2])) if overrides else None,
         notes=notes,
     )
 

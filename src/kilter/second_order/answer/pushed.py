@@ -8,11 +8,10 @@ import numpy as np
 
 from kilter.mechanics.program import Program
 from kilter.second_order.answer.second_order_answer import SecondOrder, open_answer
+from kilter.second_order.answer.whole import NEEDS_FRICTION
 from kilter.second_order.motions.small_push import SmallPush
 
 __all__ = ["pushed_answer"]
-
-MAY_FALL = "the curvature of the energy was not examined, because the proof needs friction"
 
 
 def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) -> SecondOrder:
@@ -28,11 +27,12 @@ def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) 
         Answer without friction; None if friction is needed to hold the parts.
     """
     why = push.rolling.why if push.rolling is not None else ""
-    answer = known or open_answer(why or MAY_FALL, program)
+    answer = known or open_answer(why or NEEDS_FRICTION, program)
     parts = np.flatnonzero(push.parts)
     if push.state != "falls":
-        return replace(answer, bending=parts, why=answer.why or why or MAY_FALL)
+        return replace(answer, bending=parts, why=answer.why or why or NEEDS_FRICTION)
     motion = push.rolling.motion if push.rolling is not None else None
     if answer.state == "open":  # its path, if any, is no proof
         answer = replace(answer, decision=None)
-    return replace(answer, state="balanced", rolling=push.rolling, motion=motion, moving=parts)
+    rolling = push.rolling if push.rough else None
+    return replace(answer, state="balanced", rolling=rolling, motion=motion, moving=parts)

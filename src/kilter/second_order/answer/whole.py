@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster, clusters
@@ -50,8 +50,10 @@ from kilter.second_order.searches.held_search import find_held
 from kilter.second_order.searches.level_rest_search import find_level_rest
 from kilter.work import PER_EFFORT, Work
 
-__all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
+__all__ = ["MOST_IN_ALL", "MOST_PARTS", "NEEDS_FRICTION", "find_second_order", "with_rolling"]
 
+NEEDS_FRICTION = "the curvature of the energy was not examined, because the proof needs friction"
+"""Reason of an open answer for a cluster that forces without friction do not balance."""
 MOST_PARTS = 20
 """Largest number of free parts in a cluster that is decided by second derivatives of gaps."""
 MOST_STRICT = 60
@@ -84,6 +86,7 @@ def find_second_order(
     *,
     work: Work | None = None,
     strict: bool = False,
+    resting: Mask | None = None,
 ) -> SecondOrder | None:
     """Second-order answer for an assembly in equilibrium; None if no motion is neutral.
 
@@ -101,6 +104,9 @@ def find_second_order(
         limit. Without, there is no limit.
     strict : bool
         Whether the check requires level strict, for which more work is done.
+    resting : ndarray of bool, shape (N,), optional
+        Free parts of the clusters that forces without friction balance, if not all of them rest.
+        The other clusters are open.
     """
     if not program.free.any():
         return None
@@ -117,12 +123,17 @@ def find_second_order(
         forces = forces[groups.between(program, assembly)] if groups.tied else forces
     search = _ClusterSearch(assembly, contacts, whole, forces, work)
     beyond = why_beyond(whole, assembly) or search.unmodelled
-    at_once = None if beyond else search.by_forces(whole, forces)
+    at_once = None if beyond or resting is not None else search.by_forces(whole, forces)
     # a proof that round or jointed parts are held is part of the proof of the verdict
     bends = bool(round_rows(whole, contacts).any())
     if at_once is not None:
         return _of_parts(at_once, groups) if at_once.neutral or bends else None
-    answers = tuple(search.answer(cluster) for cluster in clusters(whole))
+    answers = tuple(
+        search.answer(cluster)
+        if resting is None or resting[cluster.program.free].all()
+        else open_answer(NEEDS_FRICTION, cluster.program)
+        for cluster in clusters(whole)
+    )
     held = all(answer.state == "minimum" and not answer.neutral for answer in answers)
     if held and not bends:
         return None
@@ -168,7 +179,7 @@ def with_rolling(
         return second_order
     features = features_of(program, contacts)
     answers = tuple(
-        replace(answer, rolling=rolling_of(cluster, features, answer.names_alone, assembly.joints))
+        replace(answer, rolling=rolling_of(cluster, features, assembly, answer.names_alone))
         if answer.state == "balanced"
         else answer
         for answer, cluster in zip(answers, parted, strict=True)
@@ -237,8 +248,8 @@ class _ClusterSearch:
             return None
         forces = self.forces[cluster.rows][certain]
         bending = bending_bodies(
-            self.contacts, self.assembly.joints, program.taking(certain), forces, curves=True
-        )
+            self.assembly, self.contacts, program.taking(certain), forces, curves=True
+        ).bending
         if bending[program.free].all() or not bending.any():
             return None
         # imported late: level faces and held parts do not need these modules

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, unit_rows
+from kilter.arrays import Array, Index, across, unit_rows
 from kilter.assembly import Feature
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
@@ -15,7 +15,7 @@ from kilter.rigid import unit
 from kilter.second_order.gaps.features import EDGE, FACE, FEATURES, OPEN, Features
 from kilter.second_order.gaps.gap_form import formed
 from kilter.second_order.gaps.part_features import part_features
-from kilter.second_order.second_order_tolerances import CROSSING
+from kilter.second_order.second_order_tolerances import CROSSING, ROUND
 
 __all__ = ["FLAT", "detected_rows", "features_of"]
 
@@ -99,7 +99,7 @@ def _set_side(
 
 FLAT = ("plane", "edge-edge", "edge-face", "vertex-face")
 """Kinds of patch between flat faces, straight edges and corners."""
-ROUND = ("sphere", "cylinder", "cone", "torus")
+ROUND_KINDS = ("sphere", "cylinder", "cone", "torus")
 """Kinds of patch on curved surfaces."""
 
 
@@ -107,7 +107,7 @@ def detected_rows(program: Program, contacts: ContactSet) -> Index:
     """Indices of rows of detected contacts with a closed gap and an exact normal, shape (k,)."""
     rows = np.flatnonzero((program.kind == CONTACT) & (program.doubt == 0))
     patch = program.source[rows]
-    known = np.isin(contacts.patch_kind, (*FLAT, *ROUND))
+    known = np.isin(contacts.patch_kind, (*FLAT, *ROUND_KINDS))
     closed = np.abs(contacts.patch_gap).max(axis=1, initial=0.0) <= contacts.gap
     detected: Index = rows[(known & closed)[patch]]
     return detected
@@ -121,7 +121,7 @@ def _set_detected(
     reach = 2 * (contacts.tolerance.gap_of(geometry.size) + geometry.accuracy)
     parts = contacts.patch_parts[program.source[rows]]
     region = contacts.patch_area[program.source[rows]] > 0
-    meshes = np.isin(contacts.patch_kind[program.source[rows]], ROUND) & recognised
+    meshes = np.isin(contacts.patch_kind[program.source[rows]], ROUND_KINDS) & recognised
     for side, part, sense in (("a", parts[:, 0], 1.0), ("b", parts[:, 1], -1.0)):
         outward = sense * program.normal[rows]
         point = program.point[rows]
@@ -138,7 +138,8 @@ def _set_conformal(
     """Mark contact points of faces that fit each other (shaft in hole) as conformal.
 
     These are corners of a flat patch on an edge of both parts or within a rim, and points of round
-    patches along which the surfaces touch everywhere. Lines of contact that end within both faces,
+    patches along which the surfaces touch everywhere. If they touch along a curve only, as a ball
+    in a cone, the curve is a line of contact. Straight lines of contact that end within both faces,
     or on both parts at once, get the feature of their inner points at the ends.
     """
     left = rows[~formed(program, Features(**columns))[rows]]
@@ -146,20 +147,34 @@ def _set_conformal(
     flat = contacts.patch_kind[patch] == "plane"
     count = np.diff(contacts.patch_start)[patch]
     faces = (columns["kind_a"][left] == FACE) & (columns["kind_b"][left] == FACE)
-    fit = np.isin(contacts.patch_kind[patch], ROUND) & (count > 2) & faces
+    fit = np.isin(contacts.patch_kind[patch], ROUND_KINDS) & (count > 2) & faces
     fit &= (columns["doubt_a"][left] == 0) & (columns["doubt_b"][left] == 0)
-    columns["conformal"][left[flat | fit]] = True
+    along = _common_directions(columns, program.normal[left], left)
+    curve = fit & along.any(axis=1)
+    columns["fibre"][left[curve]] = along[curve]
+    columns["conformal"][left[flat | (fit & ~curve)]] = True
     first = contacts.patch_start[patch]
     last = np.minimum(first + count, len(contacts.points)) - 1
     line = unit_rows(contacts.points[last] - contacts.points[first])
-    ends = np.isin(contacts.patch_kind[patch], ROUND) & (count == 2)
+    ends = np.isin(contacts.patch_kind[patch], ROUND_KINDS) & (count == 2)
     for side in "ab":
-        across = np.abs(np.einsum("ij,ij->i", columns[f"edge_{side}"][left], line))
+        crossing = np.abs(np.einsum("ij,ij->i", columns[f"edge_{side}"][left], line))
         kind = columns[f"kind_{side}"][left]
-        ends &= (kind == FACE) | ((kind == EDGE) & (across < CROSSING))
+        ends &= (kind == FACE) | ((kind == EDGE) & (crossing < CROSSING))
     columns["fibre"][left[ends]] = line[ends]
     columns["flush"][left[(flat | ends) & ~faces]] = True
     for side in "ab":
         columns[f"kind_{side}"][left[flat | ends]] = FACE
         columns[f"edge_{side}"][left[flat | ends]] = 0.0
         columns[f"curvature_{side}"][left[flat]] = 0.0
+
+
+def _common_directions(columns: dict[str, Any], normal: Array, rows: Index) -> Array:
+    """Unit tangents along which alone the surfaces of both parts curve alike, (k, 3); else 0."""
+    total = columns["curvature_a"][rows] + columns["curvature_b"][rows]
+    size = np.abs(columns["curvature_a"][rows]).max(axis=(1, 2))
+    frame = np.stack(across(normal), axis=1)
+    values, vectors = np.linalg.eigh(frame @ total @ frame.swapaxes(1, 2))
+    lone = (np.abs(values[:, 0]) <= ROUND * size) & (values[:, 1] > ROUND * size)
+    along = np.einsum("ki,kij->kj", vectors[:, :, 0], frame)
+    return np.asarray(np.where(lone[:, None], along, 0.0))

@@ -178,7 +178,7 @@ def _of_surfaces(
     _, rho, away = s.polar(surface, x)
     on = (s.kind[surface] != FREE) & (np.abs(s.distance(surface, x)) <= far)
     along = on & (_dot(s.outward(surface, x), m) > np.cos(CROSSING))
-    end = _at_ends(geometry, surface, x, far) & on & ~s.hollow[surface] & (rho > far)
+    end = _at_ends(geometry, surface, x, far) & on & (rho > far)
     rim = end & (np.abs(_dot(cross(s.axis[surface], away), m)) < CROSSING)
     touching = np.bincount(row, along, minlength=count)
     rims = np.bincount(row, rim, minlength=count)

@@ -7,48 +7,50 @@ with the second derivatives H_k of the gaps, the energy of frictionless forces f
     E = -Z^T (sum of f_k H_k) Z
 
 Round and jointed parts bend along a motion of negative curvature. Along a motion without curvature
-they bend, too, unless it is harmless: each of them moves level, and spins about its centre of mass,
+they bend, too, unless it is harmless (`harmless`). If motions move a pair whose curvature is
+unknown, E is not used. Loads off the centres of mass add their own curvature (`load_forms`).
 
-- its spin keeps all its touched surfaces in place, or is that of a part of revolution: a ball, a
-  shaft in its bore
-- its level motion against each part that it touches keeps the surface of one of both in place, or
-  level lines that cross: an edge over an edge or over a cylinder
-
-Then gaps and energy stay, to all orders. If motions move a pair whose curvature is unknown, and
-neither part encloses the other, E is not used. Three rules add rows and leave out unknowns, at any
-number of parts:
+Three rules add rows and leave out unknowns, at any number of parts:
 
 - the wrench of a patch may be spread over its points, which then all press
-- contacts of two parts that enclose each other, as a bore its shaft, stay closed without forces:
-  some s > 0 with J^T s = 0 exists for their rows alone, so J z >= 0 implies J z = 0
+- contacts of two bodies that enclose each other, as a bore its shaft, stay closed without forces
+  (`fits`)
 - a part whose centre of pressure is within level faces below moves level only (`steady_parts`)
+
+A contact presses only if the load needs it. If a bore and its shaft have no resultant force, or if
+joints between the same two bodies can carry the force of a face, the face may be free of force, so
+that its friction holds nothing: a plate on an upright hinge beside a wall that it touches falls.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import diags_array
 
-from kilter.arrays import TINY, Array, Index, Mask, across
-from kilter.assembly import Joint
+from kilter.arrays import TINY, Array, Index, Mask, across, read_only
+from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import clusters
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.rigid import skew
+from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.fits import body_pairs, find_fits, stressed, wrenches
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
 from kilter.second_order.gaps.joint_springs import spring_form
-from kilter.second_order.gaps.touched_surfaces import LINE, touched_surfaces
-from kilter.second_order.motions.free_span import spins_unseen
+from kilter.second_order.gaps.load_forms import swings_of
+from kilter.second_order.gaps.touched_surfaces import touched_surfaces
+from kilter.second_order.motions.harmless import Harmless, level_screws
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.motions.steady import spread_over, steady_parts
 from kilter.second_order.second_order_tolerances import BEARS, BENDS
 
-__all__ = ["bending_bodies", "round_rows"]
+__all__ = ["Bends", "bending_bodies", "round_rows"]
 
 STRAIGHT = ("plane", "edge-edge", "edge-face", "vertex-face")
 """Kinds of patch that are curved only if a part has curved surfaces."""
@@ -57,21 +59,26 @@ MOST = 1500
 """
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Bends:
+    """Parts that an open motion may bend, and all parts that neutral motions move; masks, (N,)."""
+
+    bending: Mask
+    moved: Mask
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+
 def bending_bodies(
-    contacts: ContactSet,
-    joints: Sequence[Joint],
-    program: Program,
-    forces: Array,
-    *,
-    curves: bool,
-) -> Mask:
-    """Mask of the round or jointed parts that an open motion may bend, shape (N,).
+    assembly: Assembly, contacts: ContactSet, program: Program, forces: Array, *, curves: bool
+) -> Bends:
+    """Find the round or jointed parts that an open motion may bend.
 
     Parameters
     ----------
+    assembly : Assembly
     contacts : ContactSet
-    joints : sequence of Joint
-        Joints of the assembly.
     program : Program
         Contacts and joints only; rigid groups are merged. Rows with friction do not slip.
     forces : ndarray, shape (K,)
@@ -79,16 +86,18 @@ def bending_bodies(
     curves : bool
         Whether these forces have no friction.
     """
-    bending = np.zeros(len(program.names), dtype=bool)
+    bending, moved = np.zeros((2, len(program.names)), dtype=bool)
     if not round_rows(program, contacts).any():
-        return bending
+        return Bends(bending, moved)
     for cluster in clusters(program):
         rounds = round_rows(cluster.program, contacts)
         if rounds.any():
             mine = forces[cluster.rows]
-            search = _Bending(contacts, joints, cluster.program, mine, rounds)
-            bending |= search.parts(curves=curves)
-    return bending
+            search = _Bending(assembly, contacts, cluster.program, mine, rounds)
+            found = search.parts(curves=curves)
+            bending |= found.bending
+            moved |= found.moved
+    return Bends(bending, moved)
 
 
 def round_rows(program: Program, contacts: ContactSet) -> Mask:
@@ -112,24 +121,36 @@ def round_rows(program: Program, contacts: ContactSet) -> Mask:
     return rounds
 
 
+def _with_play(program: Program, contacts: ContactSet, curved: Index) -> Index:
+    """Rows of cylinders and spheres whose play counts as closed, among the given rows."""
+    patch = program.source[curved]
+    wide = np.abs(contacts.patch_gap[patch]).max(axis=1, initial=0.0) > contacts.gap
+    return np.asarray(curved[wide & np.isin(contacts.patch_kind[patch], ("cylinder", "sphere"))])
+
+
 class _Bending:
     """Neutral motions of a cluster, and the round or jointed parts that they bend."""
 
     def __init__(
         self,
+        assembly: Assembly,
         contacts: ContactSet,
-        joints: Sequence[Joint],
         program: Program,
         forces: Array,
         rounds: Mask,
     ) -> None:
-        self.contacts, self.joints, self.program = contacts, joints, program
+        self.assembly, self.contacts, self.program = assembly, contacts, program
+        self.swings = swings_of(assembly, program)
         self.rounds, self.joined = rounds, on_joints(program)
         self.forces = forces / program.arm
         self.blur = max(1e-9, float(program.tolerance.max(initial=0.0)))
         size = max(float(np.abs(self.forces).max(initial=0.0)), TINY)
         self.presses = ~self.joined & (self._spread_out() > BEARS * self.blur * size)
-        self.enclosed = self._enclosed()
+        curved = np.flatnonzero(~self.joined & rounds)
+        curved = curved[~np.isin(contacts.patch_kind[program.source[curved]], STRAIGHT)]
+        self.fits = find_fits(program, curved, _with_play(program, contacts, curved))
+        self.enclosed = self.fits.enclosed
+        self.presses &= ~self._may_be_idle()
         self.closed = self.joined | self.presses | self.enclosed
         self.steady = steady_parts(program, self.forces, ~rounds)
         free = np.flatnonzero(program.free)
@@ -140,27 +161,34 @@ class _Bending:
         self.round_parts[np.concatenate(ends)] = True
         self.round_parts = self.round_parts[:-1] & program.free
 
-    def parts(self, *, curves: bool) -> Mask:
-        """Mask of the parts that an open motion may bend, shape (N,).
+    @cached_property
+    def features(self) -> Features:
+        """Features of all rows, with the common surfaces of fits."""
+        return self.fits.of_features(features_of(self.program, self.contacts, recognised=True))
+
+    def parts(self, *, curves: bool) -> Bends:
+        """Parts that an open motion may bend, and parts that neutral motions move.
 
         `curves`: whether the forces are frictionless, so that the energy curves by the gaps alone.
         """
         bending = np.zeros(len(self.program.names), dtype=bool)
         if not (self.rounds & self.closed).any():
-            return bending
+            return Bends(bending, bending)
         motions = self._neutral_motions()
         if motions is None:
-            return self.round_parts
+            return Bends(self.round_parts, self.program.free)
         if not motions.shape[1]:
-            return bending
+            return Bends(bending, bending)
         flat = motions
         if curves and not self._moves_unknown(motions):
             values, axes = np.linalg.eigh(self._curvature(motions))
-            # motions of length 1 at forces of 1
-            falls, level = values < -BENDS, np.abs(values) <= BENDS
+            # motions of length 1 at forces of 1, up to the accuracy of the coordinates
+            least = max(BENDS, self.blur)
+            falls, level = values < -least, np.abs(values) <= least
             bending |= self.round_parts & self._moved(motions @ axes[:, falls])
             flat = motions @ axes[:, level]
-        return bending | (self.round_parts & self._moved(self._harmful(flat)))
+        bending |= self.round_parts & self._moved(self._harmful(flat))
+        return Bends(bending, self._moved(motions))
 
     def _moved(self, motions: Array) -> Mask:
         """Mask of the parts that scaled motions, (n, d), move, shape (N,)."""
@@ -171,9 +199,10 @@ class _Bending:
 
     def _moves_unknown(self, motions: Array) -> bool:
         """True if motions move a pair at a pressed contact of unknown curvature."""
-        rows = np.flatnonzero(self.rounds & self.presses & ~self.enclosed)
-        part = self.program.taking(rows)
-        known = formed(part, features_of(part, self.contacts, recognised=True))
+        if self.swings.torques[self.program.free].any():
+            return True
+        rows = np.flatnonzero(self.rounds & self.closed & ~self.joined)
+        known = formed(self.program.taking(rows), self.features.take(rows))
         for k in rows[~known].tolist():
             ends = [int(self.program.part_a[k]), int(self.program.part_b[k])]
             six = [self._of_part(end, motions) for end in ends]
@@ -207,9 +236,8 @@ class _Bending:
         between = fixed[self.program.part_a] & fixed[self.program.part_b] & ~self.rounds
         rows = np.flatnonzero((self.forces != 0) & ~between)
         part = self.program.taking(rows)
-        forms = np.nan_to_num(
-            gap_forms(part, features_of(part, self.contacts, recognised=True))
-        ) + joint_forms(part, self.joints)
+        forms = np.nan_to_num(gap_forms(part, self.features.take(rows)))
+        forms += joint_forms(part, self.assembly.joints)
         ends = [
             np.array([self._of_part(int(end), motions) for end in side]).reshape(
                 len(rows), 6, motions.shape[1]
@@ -218,7 +246,10 @@ class _Bending:
         ]
         both = np.concatenate(ends, axis=1)
         total = -np.einsum("k,kai,kab,kbj->ij", self.forces[rows], both, forms, both)
-        springs = spring_form(self.program, self.joints)
+        for k in np.flatnonzero(self.program.free & self.swings.forms.any(axis=(1, 2))).tolist():
+            turn = self._of_part(k, motions)[3:]
+            total += turn.T @ self.swings.forms[k] @ turn
+        springs = spring_form(self.program, self.assembly.joints)
         if springs is not None:
             moved = self.scale[:, None] * motions
             total += moved.T @ springs @ moved
@@ -228,111 +259,37 @@ class _Bending:
 
     def _harmful(self, motions: Array) -> Array:
         """Rest of scaled motions, (n, d), that is no harmless motion of the round parts."""
-        program, per = self.program, len(self.program.freedoms)
-        rounds = np.flatnonzero(self.round_parts)
+        program = self.program
         touching = np.append(self.round_parts, False)
         rows = np.flatnonzero(self.closed & (touching[program.part_a] | touching[program.part_b]))
-        part = program.taking(rows)
-        features = features_of(part, self.contacts, recognised=True)
-        touched = touched_surfaces(part, features, self.contacts, self.joints)
-        origin = program.center[rounds].mean(axis=0)
-        keeps = [side.conditions(origin, 1.0) for side in touched]
-        blocks, level = [], self._level_screws()
-        columns = 0
-        for k in rounds.tolist():
-            mine = [keeps[0][i] for i in np.flatnonzero(part.part_a == k)]
-            mine += [keeps[1][i] for i in np.flatnonzero(part.part_b == k)]
-            arm = program.center[k] - origin
-            stays = np.hstack([np.eye(3), -skew(arm)])
-            spins = null_space(np.vstack([stays, *mine]), 1e-9)
-            spins = np.hstack([spins, self._own_spins(k, arm)])
-            blocks.append((k, level.shape[1], np.hstack([level, spins]), arm))
-            columns += level.shape[1] + spins.shape[1]
-        for k in np.flatnonzero(program.free & ~self.round_parts).tolist():
-            blocks.append((k, -1, level, program.center[k] - origin))
-            columns += level.shape[1]
-        spanned = np.zeros((len(motions), columns))
-        place: dict[int, slice] = {}
-        column = 0
-        for k, count, screws, arm in blocks:
-            six = np.vstack([screws[:3] - skew(arm) @ screws[3:], screws[3:]])[program.freedoms]
-            at = per * int(program.free[:k].sum())
-            here = slice(column, column + screws.shape[1])
-            spanned[at : at + per, here] = six / self.scale[at : at + per, None]
-            if count >= 0:
-                place[k] = slice(column, column + count)
-            column += screws.shape[1]
-        # level motions keep the distance of level lines that cross
-        upright = np.linalg.norm(np.cross(part.normal, program.down), axis=1) < BENDS
-        lines = (touched[0].kind == LINE) & (touched[1].kind == LINE)
-        crossing = upright & lines & formed(part, features)
-        rules = [
-            self._level_rule(part, keeps, row, place, level, columns)
-            for row in np.flatnonzero(~crossing).tolist()
-        ]
-        kept = np.repeat(self.round_parts[program.free], per)
-        wanted = motions
-        alone = motions @ null_space(motions[kept], 1e-9)  # no round part moves
-        pad = np.zeros((sum(len(rule) for rule in rules), alone.shape[1]))
-        whole = np.hstack([np.vstack([spanned, *rules]), np.vstack([alone, pad])])
-        right = np.vstack([wanted, np.zeros((len(whole) - len(wanted), motions.shape[1]))])
-        found = np.linalg.lstsq(whole, right, rcond=1e-9)[0]
-        off = np.abs(whole @ found - right).max(axis=0, initial=0.0) > BENDS
-        return np.where(kept[:, None], wanted, 0.0)[:, off]
+        part, features = program.taking(rows), self.features.take(rows)
+        sides = touched_surfaces(part, features, self.contacts, self.assembly.joints)
+        first, second = (self.fits.of_touched(side, rows) for side in sides)
+        harmless = Harmless(
+            self.assembly, self.contacts, part, features, (first, second), self.round_parts,
+            self.swings, self.blur,
+        )  # fmt: skip
+        return harmless.rest_of(motions, self.scale)
 
-    def _own_spins(self, part: int, arm: Array) -> Array:
-        """Spins of a part of revolution about its axis, as screws (v, omega), shape (6, s).
-
-        `arm`: vector from the origin of the screws to its centre of mass.
-        """
-        assembly = self.contacts.assembly
-        names = {name for joint in self.joints if joint.kind == "fixed" for name in joint.parts}
-        surfaces = assembly.geometry.surfaces
-        if self.program.planar or assembly.names[part] in names:
-            return np.zeros((6, 0))
-        axes = surfaces.axis[surfaces.start[part] : surfaces.start[part + 1]]
-        spins = [
-            np.append(np.cross(arm, axis), axis)
-            for axis in np.unique(axes.round(12), axis=0)
-            if axis.any() and spins_unseen(assembly, part, np.append(np.zeros(3), axis))
-        ]
-        return np.array(spins).reshape(-1, 6).T
-
-    def _level_screws(self) -> Array:
-        """Screws (v, omega) that move level, shape (6, 3), or (6, 1) in the plane."""
-        down = self.program.down
-        six = np.zeros((6, 3))
-        if self.program.planar:
-            six[:3, 0] = np.cross(down, [0.0, 1.0, 0.0])
-            return six[:, :1]
-        first, second = across(down[None])
-        six[:3, 0], six[:3, 1], six[3:, 2] = first[0], second[0], down
-        return six
-
-    def _level_rule(
-        self,
-        part: Program,
-        keeps: list[list[Array]],
-        row: int,
-        place: dict[int, slice],
-        level: Array,
-        columns: int,
-    ) -> Array:
-        """Conditions, (c, columns), that the relative level motion at a row keeps a surface.
-
-        The level motions of parts without curved contacts are not known, so none is required there.
-        """
-        ends = int(part.part_a[row]), int(part.part_b[row])
-        known = [end < 0 or not self.program.free[end] or end in place for end in ends]
-        if not all(known):
-            return np.zeros((0, columns))
-        kept = np.hstack([null_space(side[row], 1e-9) for side in keeps])
-        outside = null_space(kept.T, 1e-9).T if kept.shape[1] else np.eye(6)
-        rule = np.zeros((len(outside), columns))
-        for end, sense in zip(ends, (-1.0, 1.0), strict=True):
-            if end in place:
-                rule[:, place[end]] += sense * outside @ level
-        return rule
+    def _may_be_idle(self) -> Mask:
+        """Mask of the rows whose forces the load does not need, shape (K,)."""
+        program, idle = self.program, np.zeros(len(self.program.kind), dtype=bool)
+        pair = body_pairs(program)
+        for number in np.unique(pair[self.enclosed]):
+            rows = np.flatnonzero(self.enclosed & (pair == number))
+            force = self.forces[rows]
+            resultant = np.abs(force @ wrenches(program, rows)).max()
+            idle[rows] = resultant <= BENDS * np.abs(force).sum()
+        for number in np.unique(pair[self.joined]):
+            joint = np.flatnonzero(self.joined & (pair == number))
+            rows = np.flatnonzero((program.kind == CONTACT) & (pair == number) & ~self.enclosed)
+            if len(rows):
+                both = wrenches(program, np.concatenate([joint, rows]))
+                beyond = both[len(joint) :] @ null_space(both[: len(joint)], BENDS)
+                size = np.linalg.norm(both[len(joint) :], axis=1)
+                carried = np.linalg.norm(beyond, axis=1) <= BENDS * size
+                idle[rows] = carried | stressed(beyond)
+        return idle
 
     def _spread_out(self) -> Array:
         """Forces that are spread over all points of each patch, if these then press alike, (K,).
@@ -360,7 +317,7 @@ class _Bending:
         between = fixed[program.part_a] & fixed[program.part_b] & ~self.rounds
         rows = np.flatnonzero(self.closed & ~between)
         touched = np.unique(np.concatenate([program.part_a[rows], program.part_b[rows]]))
-        level = self._level_screws()[program.freedoms]
+        level = level_screws(program)[program.freedoms]
         at = [(i, k) for i, k in enumerate(free.tolist()) if k in set(touched.tolist())]
         blocks = [level if self.steady[k] else np.eye(per) for _, k in at]
         count = sum(block.shape[1] for block in blocks)
@@ -381,22 +338,3 @@ class _Bending:
         rough = rows[self.presses[rows] & (self.program.mu[rows] > 0)]
         pair = self.program.taking(np.tile(rough, 2))
         return pair.with_rows(normal=np.concatenate(across(self.program.normal[rough])))
-
-    def _enclosed(self) -> Mask:
-        """Mask of the rows of pairs that enclose each other at curved contacts, shape (K,)."""
-        program = self.program
-        enclosed = np.zeros(len(program.kind), dtype=bool)
-        curved = np.flatnonzero(~self.joined & self.rounds)
-        kinds = self.contacts.patch_kind[program.source[curved]]
-        curved = curved[~np.isin(kinds, STRAIGHT)]
-        count = len(program.names) + 1
-        pair = (program.part_a % count) * count + program.part_b % count
-        for number in np.unique(pair[curved]):
-            rows = curved[pair[curved] == number]
-            part = max(program.part_a[rows[0]], program.part_b[rows[0]])
-            lever = program.lever(rows, np.full(len(rows), part))[:, program.freedoms]
-            lever = lever / np.where(program.freedoms < 3, 1.0, program.radius[part])
-            ones = np.ones(len(rows))
-            stress = ones - lever @ np.linalg.lstsq(lever, ones, rcond=1e-9)[0]
-            enclosed[rows] = stress.min() > BENDS
-        return enclosed

@@ -17,37 +17,56 @@ K is symmetric if rolling is holonomic; then the energy curves by K. Only proved
 reported, for forces that are strictly within the friction cones, so that no contact slips at first:
 
     holds   K is positive definite, if rolling is holonomic: all turns are about parallel axes, or
-            of dimension 1 or 0; and f is unique
+            of dimension 1 or 0; and no force of equilibrium lets a contact slip
     falls   K has an eigenvalue for Z^T M Z that is negative or not real, so that a push grows
             exponentially; self-stress, up to which f is known, does not change K
 
-A single body on two points has f up to a squeeze along their line, which does no work. Points of a
-body slip alike along their line, so if an f is within the cones, no other f makes a point slip: a
-slip straight across the line needs the friction across it, which is unique, at its limit, and any
-other slip moves both points to the same side, each with all the friction that is left of the limit.
+Parts that do not move relative to each other along Z need no curvature where they touch. Loads off
+the centres of mass add their curvature to K (`load_forms`). Contacts without friction of bodies
+that enclose each other (`fits`) are two-sided, as joints are.
 
-`guarantee` decides whether another motion starts from rest. An assembly that is stable without
-friction, as `check` requires here, has no other start.
+No contact slips if the self-stress of all rows leaves the normal force of every single contact, and
+the resultant of the normal forces of every face on which parts stick, as it is. Let f* be forces of
+equilibrium with which a motion z slips, and f those of an equilibrium without friction. By the
+first, friction takes power from z: w.z = sum of mu f*_n |slip| >= 0. By the second, w.z = -(sum of
+f_n times opening) <= 0. So z opens no contact with f_n > 0, and slips only where f*_n = 0. A single
+contact has f*_n = f_n > 0. A face that slips has at most one point without slip, where f*_n cannot
+act alone, because its resultant is strictly within the face. Thus z slips nowhere. For example, a
+body on two points has f up to a squeeze along their line, and a box on a plank on a roller has f up
+to the distribution over its corners.
+
+If friction is needed to hold the parts, `guarantee` decides whether another motion can start.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, cross, read_only
-from kilter.assembly import Joint
+from kilter.arrays import TINY, Array, Index, Mask, read_only
+from kilter.assembly import Assembly
 from kilter.mechanics.clusters import Cluster
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, JOINT
-from kilter.second_order.gaps.features import EDGE, FACE, Features
+from kilter.second_order.gaps.features import Features
+from kilter.second_order.gaps.fits import find_fits
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms
 from kilter.second_order.gaps.joint_springs import sprung_rows
+from kilter.second_order.gaps.load_forms import swings_of
 from kilter.second_order.motions.null_space import null_space
+from kilter.second_order.motions.slips import (
+    contact_shifts,
+    contact_slips,
+    rolling_shifts,
+    slip_axes,
+    slip_changes,
+    slip_rows,
+)
+from kilter.second_order.motions.steady import spread_wrench
 from kilter.second_order.parts.cluster_states import falling_alone
 from kilter.second_order.second_order_tolerances import BALANCED, CURVED, SLIPS
 
@@ -98,8 +117,8 @@ def worst_rolling(states: Iterable[Rolls]) -> Rolls:
 def rolling_of(
     cluster: Cluster,
     features: Features,
+    assembly: Assembly,
     alone: Iterable[str] | None = None,
-    joints: Sequence[Joint] = (),
 ) -> Rolling:
     """Rolling of a cluster, or of the parts of it that fall alone while its other parts are held.
 
@@ -109,21 +128,23 @@ def rolling_of(
         Cluster with friction.
     features : Features
         Features of all rows of the assembly.
+    assembly : Assembly
     alone : iterable of str, optional
         Names of the parts that fall alone.
-    joints : sequence of Joint
-        Joints of the assembly.
     """
+    if not (cluster.program.mu > 0).any():
+        return open_rolling(cluster.program, "no contact has friction")
     mine = features.take(cluster.rows)
     part = None if alone is None else falling_alone(cluster.program, alone)
-    if part is None:
-        return find_rolling(cluster.program, mine, joints)
-    found = find_rolling(part.program, mine.take(part.rows), joints)
+    if part is not None:
+        found = find_rolling(part.program, mine.take(part.rows), assembly)
+        if found.state == "falls":
+            return found
     # the other parts may move, too, so that friction may fail there
-    return replace(found, state="open") if found.state == "holds" else found
+    return find_rolling(cluster.program, mine, assembly)
 
 
-def find_rolling(program: Program, features: Features, joints: Sequence[Joint] = ()) -> Rolling:
+def find_rolling(program: Program, features: Features, assembly: Assembly) -> Rolling:
     """Decide whether friction holds a balanced cluster against rolling without slip.
 
     Parameters
@@ -132,13 +153,12 @@ def find_rolling(program: Program, features: Features, joints: Sequence[Joint] =
         Contacts of the cluster, with friction, and joints.
     features : Features
         Features of its rows.
-    joints : sequence of Joint
-        Joints of the assembly.
+    assembly : Assembly
     """
-    why = _unmodelled_reason(program, features, joints)
+    why = _unmodelled_reason(program, assembly)
     if why:
-        return _open(program, why)
-    return _RollingForces(program, features, joints).result()
+        return open_rolling(program, why)
+    return _RollingForces(program, features, assembly).result()
 
 
 class _RollingForces:
@@ -148,15 +168,19 @@ class _RollingForces:
     gaps of other contacts and of joints.
     """
 
-    def __init__(self, program: Program, features: Features, joints: Sequence[Joint]) -> None:
-        self.program, self.features = program, features
+    def __init__(self, program: Program, features: Features, assembly: Assembly) -> None:
+        self.program, contact = program, program.kind == CONTACT
+        bent = np.abs(features.curvature_a).max(axis=(1, 2), initial=0.0) > 0
+        fits = find_fits(program, np.flatnonzero(contact & (features.open | bent)))
+        self.features, self.enclosed = fits.of_features(features), fits.enclosed
+        self.swings = swings_of(assembly, program)
         self.rough = np.flatnonzero(program.mu > 0)
         self.other = np.flatnonzero(program.mu == 0)
-        self.forms = np.nan_to_num(gap_forms(program, features))[self.other]
-        self.forms += joint_forms(program, joints)[self.other]
-        self.inverse = _rolls_over(program, features)[self.rough]
+        self.forms = np.nan_to_num(gap_forms(program, self.features))[self.other]
+        self.forms += joint_forms(program, assembly.joints)[self.other]
+        self.inverse = rolling_shifts(program, self.features)[self.rough]
         self.scale = _scale(program)
-        slips = _grip(program.taking(self.rough)) if len(self.rough) else None
+        slips = slip_rows(program.taking(self.rough)) if len(self.rough) else None
         gaps = program.taking(self.other).jacobian().toarray() * program.arm[self.other, None]
         self.rows = (gaps if slips is None else np.vstack([slips, gaps])) * self.scale
 
@@ -168,33 +192,111 @@ class _RollingForces:
         rank = int((sizes > BALANCED * sizes.max(initial=TINY)).sum())
         components = np.linalg.lstsq(rows.T, -load, rcond=None)[0]
         if np.abs(rows.T @ components + load).max() > BALANCED * np.abs(load).max():
-            return _open(program, "no forces balance it")
-        if not self._presses(components):
-            return _open(program, "its forces are not within the cones of friction")
+            return open_rolling(program, "no forces balance it")
         basis = null_space(rows, BALANCED) * self.scale[:, None]
+        still = self._still(basis)
+        if self.swings.torques[program.free].any():
+            return open_rolling(program, "rolling is not modelled with torques")
+        if not self._modelled(still):
+            return open_rolling(program, "the curvature of its surfaces at a contact is not known")
+        faces = self._faces(still)
+        if not self._presses(components, faces):
+            return open_rolling(program, "its forces are not within the cones of friction")
         each = self._stiffness_of_each(basis)
-        stiffness = np.tensordot(components, each, axes=1)
+        stiffness = np.tensordot(components, each, axes=1) + self._swinging(basis)
         stressed = np.tensordot(left[:, rank:].T, each, axes=1)
         size = np.abs(stiffness).max(initial=0.0) / max(np.abs(components).max(), TINY)
         same = np.abs(stressed).max(initial=0.0) <= SLIPS * size
-        unique = rank == len(rows)
-        return self._judged(basis, stiffness, self._forces(components), same=same, unique=unique)
+        sure = self._sticks(left[:, rank:], faces)
+        return self._judged(basis, stiffness, self._forces(components), same=same, sure=sure)
 
-    def _presses(self, components: Array) -> bool:
+    def _still(self, basis: Array) -> Mask:
+        """Mask of the rows whose parts do not move relative to each other along Z, (K,)."""
+        program = self.program
+        still = np.ones(len(program.kind), dtype=bool)
+        for column in basis.T:
+            motion = program.full(column)
+            turns = np.vstack([motion, np.zeros((1, 6))])[:, 3:]
+            turn = turns[program.part_b] - turns[program.part_a]
+            size = float(np.abs(motion[:, :3]).max() + np.abs(motion[:, 3:]).max() * self._length)
+            moved = np.abs(contact_slips(program, motion)) + np.abs(turn) * self._length
+            still &= moved.max(axis=1) <= SLIPS * size
+        return still
+
+    @property
+    def _length(self) -> float:
+        """Radius of the largest free part [length unit]."""
+        return float(self.program.radius[self.program.free].max())
+
+    def _modelled(self, still: Mask) -> bool:
+        """True if the gaps of all contacts that move are known to second order."""
+        program, features = self.program, self.features
+        fits = self.enclosed & (program.mu == 0)
+        known = still | (formed(program, features) & (fits | ~features.conformal))
+        known &= ~self.enclosed | fits
+        return bool(known[program.kind == CONTACT].all())
+
+    def _faces(self, still: Mask) -> list[Index]:
+        """Rows of each face with friction on which two parts stick together."""
+        group = np.where(still & (self.program.mu > 0), self.features.group, -1)
+        faces = [np.flatnonzero(group == number) for number in np.unique(group[group >= 0])]
+        least = 2 if self.program.planar else 3
+        return [rows for rows in faces if len(rows) >= least and self._wide(rows)]
+
+    def _wide(self, rows: Index) -> bool:
+        """True if points of a patch span a plane, or in the plane a line."""
+        off = self.program.point[rows] - self.program.point[rows].mean(axis=0)
+        sizes = np.linalg.svd(off, compute_uv=False)
+        flat = np.abs(off @ self.program.normal[rows[0]]).max() <= SLIPS * sizes[0]
+        return bool(flat and (self.program.planar or sizes[1] > SLIPS * sizes[0]))
+
+    def _sticks(self, stress: Array, faces: list[Index]) -> bool:
+        """True if self-stress, (C, q), changes no normal force and no resultant of a face."""
+        program = self.program
+        normal = np.array([
+            np.einsum("ki,ki->k", self._forces(column), program.normal) for column in stress.T
+        ]).reshape(-1, len(program.kind))  # fmt: skip
+        single = (program.kind == CONTACT) & ~self.enclosed
+        for rows in faces:
+            single[rows] = False
+            lever = program.lever(rows, np.full(len(rows), self._body(rows)))
+            size = np.abs(lever).max(axis=0)
+            if (np.abs(normal[:, rows] @ lever) > SLIPS * np.maximum(size, TINY)).any():
+                return False
+        return bool((np.abs(normal[:, single]) <= SLIPS).all())
+
+    def _body(self, rows: Index) -> int:
+        """A free part at rows of a patch."""
+        return int(max(self.program.part_a[rows[0]], self.program.part_b[rows[0]]))
+
+    def _swinging(self, basis: Array) -> Array:
+        """Stiffness by the loads off the centres of mass, shape (d, d)."""
+        turns = np.array([self.program.full(column)[:, 3:] for column in basis.T])
+        turns = turns.reshape(basis.shape[1], len(self.program.names), 3)
+        forms = np.where(self.program.free[:, None, None], self.swings.forms, 0.0)
+        return np.asarray(np.einsum("inx,nxy,jny->ij", turns, forms, turns))
+
+    def _presses(self, components: Array, faces: list[Index]) -> bool:
         """True if contacts press, those with friction strictly within their cones."""
         program, forces = self.program, self._forces(components)
         along = np.einsum("ki,ki->k", forces, program.normal)
         aside = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)
+        for rows in faces:
+            lever = program.lever(rows, np.full(len(rows), self._body(rows)))
+            lever = lever / np.where(np.arange(6) < 3, 1.0, program.radius[self._body(rows)])
+            spread = spread_wrench(lever, lever.T @ along[rows], float(along[rows].sum()))
+            along[rows] = along[rows] if spread is None else spread
         weight = float(program.weight[program.free].max())
         within = aside < (1 - SLIPS) * program.mu * along
         within[self.other] = True
-        return bool(((along > SLIPS * weight) & within)[program.kind == CONTACT].all())
+        pressing = ((along > SLIPS * weight) & within) | self.enclosed
+        return bool(pressing[program.kind == CONTACT].all())
 
     def _forces(self, components: Array) -> Array:
         """Forces on part b at the rows of the program, shape (K, 3); 0 at torques of joints."""
         program = self.program
         forces = np.zeros((len(program.kind), 3))
-        axes = _directions(program)
+        axes = slip_axes(program)
         split = len(self.rough) * len(axes)
         forces[self.rough] = components[:split].reshape(-1, len(axes)) @ axes
         forces[self.other] = components[split:, None] * program.normal[self.other]
@@ -209,10 +311,10 @@ class _RollingForces:
         rough = program.taking(self.rough)
         turned = np.zeros((dimension, dimension, len(self.rough), 3))
         for j, along in enumerate(motions):
-            moved = _contact_shifts(rough, self.inverse, along)
+            moved = contact_shifts(rough, self.inverse, along)
             for i, virtual in enumerate(motions):
-                turned[i, j] = _turning(rough, moved, virtual)
-        axes = _directions(program)
+                turned[i, j] = slip_changes(rough, moved, virtual)
+        axes = slip_axes(program)
         slips = (turned @ axes.T).reshape(dimension, dimension, len(self.rough) * len(axes))
         six = np.concatenate([motions, np.zeros((dimension, 1, 6))], axis=1)
         ends = [six[:, end[self.other]] for end in (program.part_a, program.part_b)]
@@ -221,7 +323,7 @@ class _RollingForces:
         return -np.moveaxis(np.concatenate([slips, bent], axis=2), 2, 0)
 
     def _judged(
-        self, basis: Array, stiffness: Array, forces: Array, *, same: bool, unique: bool
+        self, basis: Array, stiffness: Array, forces: Array, *, same: bool, sure: bool
     ) -> Rolling:
         """Result about rolling, from the stiffness of small rolling motions."""
         program, dimension = self.program, basis.shape[1]
@@ -238,8 +340,6 @@ class _RollingForces:
             falls = symmetric and least < -CURVED
             if falls or (not symmetric and _grows(program, basis, curved)):
                 return Rolling("falls", dimension, least, "", forces, motion)
-        # a squeeze of a single body on two points does no work
-        sure = unique or (len(program.kind) == 2 and program.free.sum() == 1)
         if sure and holonomic and symmetric and (not dimension or least > CURVED):
             return Rolling("holds", dimension, least, "", forces, motion)
         why = "its rolling depends on the path, which is not modelled"
@@ -274,26 +374,21 @@ def _grows(program: Program, basis: Array, curved: Array) -> bool:
     return bool((values.real < -SLIPS * size).any() or (np.abs(values.imag) > SLIPS * size).any())
 
 
-def _open(program: Program, why: str) -> Rolling:
+def open_rolling(program: Program, why: str) -> Rolling:
+    """Make an open result with its reason."""
     none = np.zeros((len(program.part_a), 3)), np.zeros((len(program.names), 6))
     return Rolling("open", 0, 0.0, why, *none)
 
 
-def _unmodelled_reason(program: Program, features: Features, joints: Sequence[Joint]) -> str:
+def _unmodelled_reason(program: Program, assembly: Assembly) -> str:
     """Reason why rolling of a cluster cannot be modelled; empty if it can."""
-    contact = program.kind == CONTACT
-    if program.pull.any() or program.tied.any():
+    if program.has_strength or program.tied.any() or program.cohesion.any():
         return "rolling is not modelled with bonds"
-    if not (contact | (program.kind == JOINT)).all() or len(sprung_rows(program, joints)):
+    known = np.isin(program.kind, (CONTACT, JOINT)).all()
+    if not known or len(sprung_rows(program, assembly.joints)):
         return "rolling is not modelled with stops, friction and springs of joints"
-    if not (program.mu > 0).any():
-        return "no contact has friction"
     if 3 * len(program.kind) > MOST:
         return "its contacts are too many to decide whether it rolls"
-    if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
-        return "rolling is not modelled with loads beside a centre of mass"
-    if not formed(program, features)[contact].all() or features.conformal.any():
-        return "the curvature of its surfaces at a contact is not known"
     return ""
 
 
@@ -301,76 +396,3 @@ def _scale(program: Program) -> Array:
     """Displacement for one unit of each unknown, shape (n,): 1 for shifts, 1 / radius for turns."""
     units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
     return np.asarray(units[:, program.freedoms].reshape(-1))
-
-
-def _directions(program: Program) -> Array:
-    """Unit directions in which contact points must not slip, as rows: three, or two planar."""
-    return np.eye(3)[[0, 2]] if program.planar else np.eye(3)
-
-
-def _grip(program: Program) -> Array:
-    """Matrix G from motions of the free parts to slips at all contacts."""
-    columns = np.eye(len(program.columns))
-    slips = [_slip(program, program.full(column)) for column in columns]
-    return np.array([(slip @ _directions(program).T).reshape(-1) for slip in slips]).T
-
-
-def _velocity(program: Program, motion: Array, part: Index) -> Array:
-    """Velocities at the contact points of the material of the given parts, shape (K, 3).
-
-    Points of the ground have the velocity 0.
-    """
-    padded = np.vstack([motion, np.zeros((1, 6))])[part]
-    center = np.vstack([program.center, np.zeros((1, 3))])[part]
-    return padded[:, :3] + cross(padded[:, 3:], program.point - center)
-
-
-def _slip(program: Program, motion: Array) -> Array:
-    """Velocity of part b relative to part a at each contact point, shape (K, 3)."""
-    over = _velocity(program, motion, program.part_b)
-    return over - _velocity(program, motion, program.part_a)
-
-
-def _contact_shifts(program: Program, inverse: Array, motion: Array) -> tuple[Array, Array]:
-    """Velocity of each contact point past the centres of parts a and b along a rolling, (K, 3)."""
-    padded = np.vstack([motion, np.zeros((1, 6))])
-    a, b = padded[program.part_a], padded[program.part_b]
-    turn = cross(program.normal, b[:, 3:] - a[:, 3:])
-    at = _velocity(program, motion, program.part_a) - np.einsum("kij,kj->ki", inverse, turn)
-    return at - a[:, :3], at - b[:, :3]
-
-
-def _turning(program: Program, shifts: tuple[Array, Array], motion: Array) -> Array:
-    """Change of the slip of a motion at each contact by shifts of the contact point, (K, 3)."""
-    padded = np.vstack([motion, np.zeros((1, 6))])[:, 3:]
-    over_a, over_b = shifts
-    return np.asarray(cross(padded[program.part_b], over_b) - cross(padded[program.part_a], over_a))
-
-
-def _rolls_over(program: Program, features: Features) -> Array:
-    """Inverse of the sum of both curvatures, within their common directions, (K, 3, 3)."""
-    total = features.curvature_a + features.curvature_b
-    inverse = np.zeros_like(total)
-    for k in range(len(total)):
-        axes = _common(program, features, k)
-        if axes.size:
-            inverse[k] = axes.T @ np.linalg.inv(axes @ total[k] @ axes.T) @ axes
-    return inverse
-
-
-def _common(program: Program, features: Features, k: int) -> Array:
-    """Unit tangents along which both features of contact k extend, as rows."""
-    away = [program.normal[k]]
-    for kind, edge in (
-        (features.kind_a[k], features.edge_a[k]),
-        (features.kind_b[k], features.edge_b[k]),
-    ):
-        if kind == EDGE:
-            away.append(np.cross(program.normal[k], edge))
-        elif kind != FACE:
-            return np.zeros((0, 3))
-    if features.fibre[k].any():
-        away.append(features.fibre[k])
-    if program.planar:
-        away.append(np.array([0.0, 1.0, 0.0]))
-    return null_space(np.array(away), BALANCED).T

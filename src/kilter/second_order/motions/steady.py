@@ -9,7 +9,7 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.second_order_tolerances import BENDS, SPREAD
 
-__all__ = ["spread_over", "steady_parts"]
+__all__ = ["spread_over", "spread_wrench", "steady_parts"]
 
 SHARE, ROUNDS = 1e-3, 60
 """Least force of a point of a patch, over the mean force [-], and number of rounds to reach it."""
@@ -67,13 +67,20 @@ def spread_over(lever: Array, forces: Array) -> Array | None:
     total = float(forces.sum())
     if total <= 0.0 or (forces < 0).any():
         return None
-    least = SHARE * total / len(forces)
-    if forces.min() > least:
+    if forces.min() > SHARE * total / len(forces):
         return forces
+    return spread_wrench(lever, lever.T @ forces, total)
+
+
+def spread_wrench(lever: Array, wrench: Array, total: float) -> Array | None:
+    """Forces of a given total that press at every point with a given wrench, (k,); or None."""
+    if total <= 0.0:
+        return None
+    least = SHARE * total / len(lever)
     inverse = np.linalg.pinv(lever.T, rcond=1e-9)
-    spread = np.full(len(forces), total / len(forces))
+    spread = np.full(len(lever), total / len(lever))
     for _ in range(ROUNDS):
-        spread = spread + inverse @ (lever.T @ (forces - spread))
+        spread = spread + inverse @ (wrench - lever.T @ spread)
         if spread.min() > least:
             return np.asarray(spread)
         spread = np.maximum(spread, 2 * least)

@@ -15,13 +15,14 @@ from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.errors import some
+from kilter.mechanics.certificate import check_forces
 from kilter.mechanics.clusters import clusters
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.motions.sharp_points import with_sharp
 from kilter.second_order.motions.small_push import small_push
 from kilter.second_order.parts.rigid_groups import RigidGroups
 
-__all__ = ["wrong_about_push"]
+__all__ = ["rests_without_friction", "wrong_about_push"]
 
 
 def wrong_about_push(
@@ -64,6 +65,35 @@ def wrong_about_push(
         return _differs(verdict, "balanced", f": a small push makes {names} fall")
     why = f": a small push may make {names} roll, rock or swing on"
     return _differs(verdict, "potentially-stable", why)
+
+
+def rests_without_friction(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    forces: Array,
+    second: Mapping[str, Any],
+) -> bool:
+    """True if the normal forces of a proof balance every cluster that has a second-order proof.
+
+    Parameters
+    ----------
+    program : Program
+        Program of the proof, with friction.
+    forces : ndarray, shape (K,)
+        Forces of the proof along its rows [N].
+    second : mapping
+        Data of its second order, of valid form.
+    """
+    groups, smooth = RigidGroups.of(assembly), program.frictionless
+    left = _without_proof(assembly, contacts, program, second)
+    whole = groups.merged(smooth, assembly)
+    own = forces[groups.between(smooth, assembly)] if groups.tied else forces
+    return all(
+        check_forces(cluster.program, own[cluster.rows]).holds
+        for cluster in clusters(whole)
+        if left is None or not left[cluster.program.free].any()
+    )
 
 
 def _differs(verdict: str, proved: str, why: str) -> list[str]:

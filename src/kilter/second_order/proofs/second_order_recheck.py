@@ -287,7 +287,7 @@ def _wrong_rolling(
     states = []
     for cluster, entry in zip(parted, entries, strict=True):
         if entry is not None and entry["state"] == "balanced":
-            states.append(rolling_of(cluster, features, entry.get("alone"), assembly.joints).state)
+            states.append(rolling_of(cluster, features, assembly, entry.get("alone")).state)
             if entry.get("rolling", "open") != states[-1]:
                 return ["its claim about rolling is wrong"]
     agrees = worst_rolling(states) == data.get("rolling", "open")
