@@ -167,6 +167,15 @@ DAMAGED = {
         body(inside="float physics:mass = nan"),
         "mass has a number that is not finite",
     ),
+    "an infinite inertia": (
+        body(inside="float3 physics:diagonalInertia = (inf, 1, 1)"),
+        "diagonalInertia is .*; give finite numbers",
+    ),
+    "a mode of friction": (
+        BOUND + 'def Material "m" (prepend apiSchemas = ["PhysicsMaterialAPI"])\n{\n'
+        'uniform token physxMaterial:frictionCombineMode = "most"\n}\n',
+        "frictionCombineMode is 'most'; use average, min, multiply, max",
+    ),
     "a negative mass": (body(inside="float physics:mass = -1"), "mass"),
     "a mass as a word": (
         body(inside='string physics:mass = "1"'),

@@ -87,3 +87,21 @@ def test_each_pair_of_colliders_has_the_friction_of_the_rules(seed: int, tmp_pat
     found = {int(x > 0): patch.mu for patch in contacts for x in patch.points[:, 0]}
     expected = {k: combined(stage, f"{floor}/tile{k}", f"{bench}/foot{k}") for k in range(2)}
     assert found == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("named", ["foot0", ""], ids=["collider", "body"])
+def test_a_filtered_collider_touches_nothing_and_the_others_do(named: str, tmp_path: Path) -> None:
+    from pxr import UsdGeom, UsdPhysics
+
+    stage = Stage(tmp_path / "a.usda")
+    floor = stage.box("floor", (0, 0, -0.5), (9, 9, 1), static=True)
+    bench = stage.body("bench", (0, 0, 0), mass=3.0)
+    for k, x in enumerate((-2.0, 2.0)):
+        foot = UsdGeom.Xformable(stage.shape(f"{bench}/foot{k}", size=1.0))
+        foot.AddTranslateOp().Set((x, 0, 0.5))
+    filtered = stage.stage.GetPrimAtPath(f"{bench}/{named}".rstrip("/"))
+    UsdPhysics.FilteredPairsAPI.Apply(filtered).CreateFilteredPairsRel().AddTarget(floor)
+    stage.save()
+    contacts = kilter.contacts(kilter.load(tmp_path / "a.usda"))
+    sides = {int(x > 0) for patch in contacts for x in patch.points[:, 0]}
+    assert sides == ({1} if named else set())

@@ -21,8 +21,8 @@ from kilter.assembly.side_by_side import SideBySide, join_geometry
 from kilter.assembly.surfaces import FEWEST, join_surfaces
 from kilter.assembly.unknown_surfaces import UnknownSurfaces
 from kilter.shape.closed import flat_faces
-from kilter.shape.primitives import Mesh
 from kilter.shape.nested_shells import count_shells
+from kilter.shape.primitives import Mesh
 from kilter.units import metres_per_unit
 
 __all__ = ["arrays_side_by_side"]

@@ -24,8 +24,8 @@ from kilter.assembly.part import Part
 from kilter.errors import InputError
 from kilter.shape.closed import is_evenly_paired, open_edges, orient_faces, weld
 from kilter.shape.convex_hull import hull_surface
-from kilter.shape.primitives import Mesh
 from kilter.shape.nested_shells import body_of_shells, count_shells
+from kilter.shape.primitives import Mesh
 from kilter.shape.sound import weld_valid_meshes
 
 __all__ = ["MeshSurface", "close_holes", "mesh_surface", "mesh_surfaces"]

@@ -9,8 +9,10 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.assembly.inertia import inertia_fault, inertia_matrix
 from kilter.assembly.mass_properties import MassProperties
+from kilter.errors import InputError
 from kilter.files.urdf_elements import Element, numbers_of, origin_of
 from kilter.rigid import Pose
+from kilter.validate import number
 
 __all__ = ["Inertial", "read_inertial"]
 
@@ -37,12 +39,25 @@ def read_inertial(link: Element, notes: list[str]) -> Inertial | None:
 
     A note is appended for a mass of zero, and for an inertia that no body has. An inertia of zeros
     counts as not stated.
+
+    Raises
+    ------
+    InputError
+        If a number is invalid or the mass is negative; the error names the link.
     """
+    try:
+        return _inertial(link, notes)
+    except InputError as error:
+        raise error.located(part=link.get("name")) from None
+
+
+def _inertial(link: Element, notes: list[str]) -> Inertial | None:
+    """The result of `read_inertial`; errors do not name the link."""
     inertial = link.find("inertial")
     element = None if inertial is None else inertial.find("mass")
     if inertial is None or element is None:
         return None
-    mass = numbers_of(element, "value", 1, "0")[0]
+    mass = number(numbers_of(element, "value", 1, "0")[0], "mass", lowest=0)
     name = f"{link.get('name', '')!r:.80}"
     if mass == 0:
         notes.append(f"the mass of {name} is 0, so it has its density")

@@ -17,11 +17,15 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, connected
+from kilter.arrays import Array, Index, Mask, connected, starts
+from kilter.errors import InputError
 from kilter.shape.closed import contains, signed_volume
 from kilter.shape.shape_tolerances import COMMON_VOLUME
 
 __all__ = ["body_of_shells", "count_shells"]
+
+MOST_PAIRS = 20_000
+"""Most pairs of shells of a mesh whose boxes may overlap; each takes about a millisecond."""
 
 
 def count_shells(triangles: Index, vertex_start: Index) -> Index:
@@ -71,20 +75,21 @@ def body_of_shells(vertices: Array, triangles: Index) -> tuple[Array, Index, lis
     (7.0, ['hollows whose faces pointed outwards: 1, reversed'])
     """
     label = _shell_of_vertices(triangles, len(vertices))[triangles[:, 0]]
-    shells = [triangles[label == k] for k in range(int(label.max()) + 1)]
+    rows = np.argsort(label, kind="stable")
+    first = np.flatnonzero(np.diff(label[rows], prepend=-1))
+    shells = np.split(triangles[rows], first[1:])
     volume = np.array([signed_volume(vertices, shell) for shell in shells])
     outward = [s if v > 0 else s[:, ::-1] for s, v in zip(shells, volume, strict=True)]
-    inside, crossing = _arrangement(vertices, outward, np.abs(volume))
-    depth = inside.sum(axis=0)
+    depth, crosses = _arrangement(vertices, outward, np.abs(volume))
     wrong = (volume > 0) == (depth % 2 == 1)
     if wrong.all():  # the whole mesh is inside out, which its volume shows
         volume, wrong = -volume, ~wrong
-    if crossing.any():
-        matter = (depth % 2 == 0) & ((volume > 0) | ~crossing.any(axis=0))
+    if crosses.any():
+        matter = (depth % 2 == 0) & ((volume > 0) | ~crosses)
         united = _united(vertices, outward, depth, matter)
         if united is not None:
-            return *united, [f"overlapping shells: {int(crossing.any(axis=0).sum())}, united"]
-    flip = wrong & ~crossing.any(axis=0)
+            return *united, [f"overlapping shells: {int(crosses.sum())}, united"]
+    flip = wrong & ~crosses
     turned = np.where(flip[label][:, None], triangles[:, ::-1], triangles)
     hollows, apart = int((flip & (depth % 2 == 1)).sum()), int((flip & (depth % 2 == 0)).sum())
     notes = [f"hollows whose faces pointed outwards: {hollows}, reversed"] if hollows else []
@@ -92,33 +97,80 @@ def body_of_shells(vertices: Array, triangles: Index) -> tuple[Array, Index, lis
     return vertices, turned, notes
 
 
-def _arrangement(vertices: Array, shells: Sequence[Index], volume: Array) -> tuple[Mask, Mask]:
-    """Which shell contains which other, and which pairs cross, two masks of shape (n, n).
+def _arrangement(vertices: Array, shells: Sequence[Index], volume: Array) -> tuple[Index, Mask]:
+    """Depth of each shell, and a mask of the shells that cross others, each of shape (n,).
 
-    ``inside[i, j]``: shell i contains shell j. Shells that touch neither contain nor cross
-    each other. `shells` are wound outwards; `volume` is that inside each.
+    `shells` are wound outwards; `volume` is that inside each.
+
+    Raises
+    ------
+    InputError
+        If too many shells overlap.
     """
-    count = len(shells)
-    inside, crossing = np.zeros((2, count, count), dtype=bool)
-    corners = [vertices[np.unique(shell)] for shell in shells]
-    low = np.array([points.min(axis=0) for points in corners])
-    high = np.array([points.max(axis=0) for points in corners])
-    near = ((low[:, None] < high[None]) & (low[None] < high[:, None])).all(axis=2)
+    depth, crosses = np.zeros(len(shells), dtype=np.int64), np.zeros(len(shells), dtype=bool)
     solids: dict[int, Any] = {}
-    for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True):
-        for k in (i, j):
+    for larger, smaller in _near_shells(vertices, shells, volume):
+        for k in (larger, *smaller):
             if k not in solids:
                 solids[k] = _solid(vertices, shells[k])
-        larger, smaller = (i, j) if volume[i] >= volume[j] else (j, i)
-        if solids[i] is None or solids[j] is None:
-            inside[larger, smaller] = contains(vertices, shells[larger], corners[smaller][0])
-            continue
-        common = (solids[i] ^ solids[j]).volume()
-        if common > (1 - COMMON_VOLUME) * volume[smaller]:
-            inside[larger, smaller] = True
-        elif common > COMMON_VOLUME * volume[smaller]:
-            crossing[i, j] = crossing[j, i] = True
-    return inside, crossing
+        # usually a shell contains all its smaller neighbours, or none of them
+        share = _common_share(solids[larger], [solids[k] for k in smaller])
+        for k in smaller:
+            if share is None or COMMON_VOLUME < share <= 1 - COMMON_VOLUME:
+                own = _common_share(solids[larger], [solids[k]])
+                if own is None:
+                    point = vertices[shells[k][0, 0]]
+                    own = float(contains(vertices, shells[larger], point))
+            else:
+                own = share
+            depth[k] += own > 1 - COMMON_VOLUME
+            if COMMON_VOLUME < own <= 1 - COMMON_VOLUME:
+                crosses[[larger, k]] = True
+    return depth, crosses
+
+
+def _near_shells(
+    vertices: Array, shells: Sequence[Index], volume: Array
+) -> list[tuple[int, list[int]]]:
+    """Each shell with the smaller shells whose bounding boxes overlap its own.
+
+    Raises
+    ------
+    InputError
+        If there are more than `MOST_PAIRS` such pairs.
+    """
+    import shapely
+
+    corners = vertices[np.vstack(shells)]
+    first = starts([len(shell) for shell in shells])[:-1]
+    low = np.minimum.reduceat(corners.min(axis=1), first)
+    high = np.maximum.reduceat(corners.max(axis=1), first)
+    boxes = shapely.box(*low[:, :2].T, *high[:, :2].T)
+    tree, rank, pairs = shapely.STRtree(boxes), np.argsort(np.argsort(-volume, kind="stable")), 0
+    near = []
+    for i, box in enumerate(boxes):
+        others = tree.query(box)
+        others = others[rank[others] > rank[i]]
+        others = others[((low[i] < high[others]) & (low[others] < high[i])).all(axis=1)]
+        pairs += len(others)
+        if pairs > MOST_PAIRS:
+            raise InputError(
+                f"more than {MOST_PAIRS} pairs of its {len(shells)} shells may overlap",
+                hint="divide the mesh into parts",
+            )
+        if len(others):
+            near.append((i, others.tolist()))
+    return near
+
+
+def _common_share(solid: Any, others: Sequence[Any]) -> float | None:
+    """Share of the union of other solids that a solid contains [-]; None without a manifold."""
+    import manifold3d
+
+    if solid is None or any(other is None for other in others):
+        return None
+    union = manifold3d.Manifold.batch_boolean(others, manifold3d.OpType.Add)
+    return float((solid ^ union).volume() / union.volume())
 
 
 def _united(

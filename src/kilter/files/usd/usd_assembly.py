@@ -22,6 +22,7 @@ from kilter.files.usd.usd_friction import collider_pieces, friction_of_parts
 from kilter.files.usd.usd_masses import mass_of_object
 from kilter.files.usd.usd_objects import UsdObject, find_objects
 from kilter.files.usd.usd_physics import (
+    filtered_ends,
     filtered_pairs,
     find_joints,
 )
@@ -99,8 +100,12 @@ def _assembly(
     tally = Tally()
     parts: list[Part] = []
     materials = []
+    pieces_of: dict[str, list[int]] = {}
+    ends = filtered_ends(scene)
+    named = {path for each in ends for path in each}
     for entry in sorted(objects, key=_is_plane):
-        pieces, own = collider_pieces(entry)
+        pieces, own = collider_pieces(entry, named)
+        pieces_of[entry.path] = pieces
         if _is_plane(entry):
             parts.append(_table(scene, entry, parts))
         else:
@@ -115,7 +120,7 @@ def _assembly(
         friction=friction,
         friction_pairs=pairs,
         joints=find_joints(scene, bodies, notes),
-        contacts=filtered_pairs(scene, bodies),
+        contacts=filtered_pairs(ends, bodies, pieces_of),
         source=shown,
         notes=notes,
     )

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ from kilter.assembly import Part
 from kilter.assembly.interactions import FrictionPair
 from kilter.files.usd.usd_masses import bound_material
 from kilter.files.usd.usd_objects import UsdObject
-from kilter.files.usd.usd_values import number_of, token_of
+from kilter.files.usd.usd_values import number_of, paths_above, token_of
 from kilter.shape.primitives import surface
 
 __all__ = ["FrictionMaterial", "collider_pieces", "friction_of_parts"]
@@ -54,14 +54,22 @@ Materials = Sequence[FrictionMaterial | None]
 """Material of each piece of a part; None without any."""
 
 
-def collider_pieces(entry: UsdObject) -> tuple[list[int], Materials]:
+def collider_pieces(
+    entry: UsdObject, filtered: Collection[str] = ()
+) -> tuple[list[int], Materials]:
     """The piece to which each collider of an object belongs, and the material of each piece.
 
-    Colliders with equal friction belong to the same piece.
+    Colliders with equal friction belong to the same piece, if the same `filtered` paths name them.
     """
-    found = [_material(shape.prim) for shape in entry.chosen]
+    found = [
+        (
+            _material(shape.prim),
+            tuple(path for path in paths_above(str(shape.prim.GetPath())) if path in filtered),
+        )
+        for shape in entry.chosen
+    ]
     distinct = list(dict.fromkeys(found))
-    return [distinct.index(material) for material in found], distinct
+    return [distinct.index(key) for key in found], [material for material, _ in distinct]
 
 
 def _material(prim: Any) -> FrictionMaterial | None:

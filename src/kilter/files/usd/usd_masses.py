@@ -13,7 +13,7 @@ A zero mass, density or inertia, and an infinite centre, count as not stated.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,7 @@ from kilter.files.usd.usd_stage import UsdScene
 from kilter.files.usd.usd_values import number_of, quaternion_of, vector_of
 from kilter.rigid import Pose
 from kilter.shape.primitives import Shape
+from kilter.validate import finite
 
 __all__ = ["bound_material", "mass_of_object"]
 
@@ -120,9 +121,10 @@ def _sum(
     """
     pieces = []
     for stated, density, (shape, pose) in zip(own, densities, shapes, strict=True):
-        part = Part(name, shape, pose, density=density or None, units=units)
+        mass = stated.mass or None
+        part = Part(name, shape, pose, density=density or None, mass=mass, units=units)
         try:
-            piece = MassProperties.of_part(replace(part, given_mass=stated.mass or None))
+            piece = MassProperties.of_part(part)
         except InputError:
             continue
         if stated.center is not None:
@@ -142,7 +144,9 @@ def _stated(scene: UsdScene, prim: Any, matrix: Array, name: str, notes: list[st
         return _StatedMass()
     values = UsdPhysics.MassAPI(prim)
     center = vector_of(values.GetCenterOfMassAttr(), 3, NOT_STATED)
-    moments = vector_of(values.GetDiagonalInertiaAttr(), 3, (0, 0, 0))
+    moments = finite(
+        vector_of(values.GetDiagonalInertiaAttr(), 3, (0, 0, 0)), (3,), "diagonalInertia"
+    )
     inertia = None
     if moments.any():
         axes = quaternion_of(values.GetPrincipalAxesAttr())

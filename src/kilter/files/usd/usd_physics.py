@@ -5,7 +5,7 @@ Drives and limits of joints are ignored.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,13 +16,10 @@ from kilter.errors import InputError, visible
 from kilter.files.usd.usd_objects import UsdObject, matrix_of
 from kilter.files.usd.usd_shapes import AXES, rigid_part
 from kilter.files.usd.usd_stage import UsdScene
-from kilter.files.usd.usd_values import place_of, quaternion_of, token_of, vector_of
+from kilter.files.usd.usd_values import paths_above, place_of, quaternion_of, token_of, vector_of
 from kilter.rigid import Pose
 
-__all__ = [
-    "filtered_pairs",
-    "find_joints",
-]
+__all__ = ["filtered_ends", "filtered_pairs", "find_joints"]
 
 KINDS = {
     "PhysicsFixedJoint": "fixed",
@@ -95,38 +92,83 @@ def _bodies(scene: UsdScene, relation: Any, objects: Mapping[str, UsdObject]) ->
     return targets
 
 
-def filtered_pairs(scene: UsdScene, objects: Mapping[str, UsdObject]) -> list[GivenContact]:
-    """Pairs of objects that never touch in the stage, as contacts without points.
+def filtered_ends(scene: UsdScene) -> list[tuple[str, str]]:
+    """Paths of the prims that never touch each other in the stage.
 
-    These are the bodies of a joint, unless it enables their collision, and filtered pairs.
+    These are the bodies of a joint, unless it enables their collision, and filtered pairs of bodies
+    or of single colliders.
     """
     from pxr import UsdPhysics
 
-    pairs: set[tuple[str, str]] = set()
+    ends: list[tuple[str, str]] = []
     for prim in scene.stage.Traverse():
-        ends: list[tuple[str, str]] = []
         if prim.IsA(UsdPhysics.Joint):
             entry = UsdPhysics.Joint(prim)
             if not entry.GetCollisionEnabledAttr().Get():
                 first, second = entry.GetBody0Rel().GetTargets(), entry.GetBody1Rel().GetTargets()
-                ends = [(str(a), str(b)) for a in first for b in second]
+                ends += [(str(a), str(b)) for a in first for b in second]
         if prim.HasAPI(UsdPhysics.FilteredPairsAPI):
             targets = UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets()
             ends += [(str(prim.GetPath()), str(path)) for path in targets]
-        for each in ends:
-            a, b = (_owner(path, objects) for path in each)
-            if a is not None and b is not None and a is not b:
-                pairs.add((min(a.name, b.name), max(a.name, b.name)))
-    return [GivenContact(pair, [], [0, 0, 1]) for pair in sorted(pairs)]
+    return ends
+
+
+def filtered_pairs(
+    ends: Sequence[tuple[str, str]],
+    objects: Mapping[str, UsdObject],
+    pieces: Mapping[str, Sequence[int]],
+) -> list[GivenContact]:
+    """Pairs of parts, or of their pieces, that never touch, as contacts without points.
+
+    Parameters
+    ----------
+    ends : sequence of (str, str)
+        Result of `filtered_ends`.
+    objects : mapping from str to UsdObject
+        Objects by the path of their prim.
+    pieces : mapping from str to sequence of int
+        Piece of each collider of an object, by the path of its prim.
+    """
+    found: set[tuple[str, str, tuple[int, int] | None]] = set()
+    for each in ends:
+        a, b = (_owner(path, objects) for path in each)
+        if a is None or b is None or a is b:
+            continue
+        sides = sorted(
+            (
+                entry.name,
+                _named_pieces(entry, path, pieces[entry.path]),
+                len(set(pieces[entry.path])),
+            )
+            for entry, path in zip((a, b), each, strict=True)
+        )
+        (first, left, most), (second, right, count) = sides
+        if len(left) == most and len(right) == count:
+            found.add((first, second, None))
+        else:
+            found |= {(first, second, (i, k)) for i in left for k in right}
+    whole = {entry[:2] for entry in found if entry[2] is None}
+    rows = [entry for entry in found if entry[2] is None or entry[:2] not in whole]
+    return [
+        GivenContact((first, second), [], [0, 0, 1], pieces=pair)
+        for first, second, pair in sorted(rows, key=lambda row: (row[:2], row[2] or ()))
+    ]
+
+
+def _named_pieces(entry: UsdObject, path: str, pieces: Sequence[int]) -> list[int]:
+    """Pieces of the colliders at or below a path; all pieces if it is that of the object."""
+    return sorted(
+        {
+            piece
+            for shape, piece in zip(entry.chosen, pieces, strict=True)
+            if path == entry.path or path in paths_above(str(shape.prim.GetPath()))
+        }
+    )
 
 
 def _owner(path: str, objects: Mapping[str, UsdObject]) -> UsdObject | None:
     """The object to which a prim belongs: that of its path, or of a path above it."""
-    while path:
-        if path in objects:
-            return objects[path]
-        path = path.rpartition("/")[0]
-    return None
+    return next((objects[above] for above in paths_above(path) if above in objects), None)
 
 
 def _joint(

@@ -16,6 +16,7 @@ from kilter.errors import InputError, visible
 __all__ = [
     "array_of",
     "number_of",
+    "paths_above",
     "place_of",
     "quaternion_of",
     "require_finite_transform",
@@ -23,6 +24,18 @@ __all__ = [
     "token_of",
     "vector_of",
 ]
+
+
+def paths_above(path: str) -> list[str]:
+    """A path of a prim, and the paths above it.
+
+    Examples
+    --------
+    >>> paths_above("/World/table/leg")
+    ['/World/table/leg', '/World/table', '/World']
+    """
+    words = path.strip("/").split("/")
+    return ["/" + "/".join(words[:count]) for count in range(len(words), 0, -1)]
 
 
 def place_of(attribute: Any) -> str:
