@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Part, Sphere
+from kilter import Assembly, Box, Part, Sphere
 from kilter.tell.hold_words import hold_facts
 from kilter.tell.packing_words import packing_sentence
 from kilter.tell.scene_words import scene_sentence
@@ -144,20 +144,6 @@ def test_a_layer_over_another_file_than_usd_is_refused(say: Any) -> None:
     assert "a USD layer moves the objects of a USD file" in error
     assert "export it anew" not in error
     assert not Path("rest.usda").exists()
-
-
-@pytest.mark.parametrize(("shape", "exact"), [(Box(2, 2, 4), True), (Cylinder(1, 4), False)])
-def test_a_round_edge_is_not_called_exact(shape: Any, exact: bool) -> None:
-    """The tower tips at atan(1 / 2); a circle counts as a polygon inside it."""
-    import math
-
-    tower = Assembly([TABLE, Part("tower", shape, [0, 0, 2])], friction=2)
-    margin = kilter.margin(tower)
-    tips = math.degrees(math.atan(1 / 2))
-    assert margin.exact is exact is margin.to_dict()["exact"]
-    assert margin.tilt_deg is not None
-    assert margin.tilt_deg <= tips + 1e-6
-    assert (abs(margin.tilt_deg - tips) < 1e-4) is exact
 
 
 def test_a_packing_list_is_a_file_of_every_command(say: Any) -> None:
