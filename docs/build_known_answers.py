@@ -177,7 +177,7 @@ def rolls(assembly: Assembly | None) -> str:
         return "-"
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts)
-    return find_rolling(program, features_of(program, contacts)).state
+    return find_rolling(program, features_of(program, contacts), assembly).state
 
 
 def rests(assembly: Assembly) -> str:
