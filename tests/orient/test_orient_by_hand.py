@@ -85,7 +85,7 @@ def test_a_second_cube_at_a_gap_has_the_region_of_the_corner_if_it_is_joined() -
 
 
 def test_a_second_cube_in_a_channel_has_the_region_of_the_channel_if_it_is_joined() -> None:
-    """Walls on both sides along x: gravity may lie in the plane of x and z, and not point upward."""
+    """Walls on both sides along x: gravity lies in the plane of x and z, not upward."""
     right = block("right", [100, -100, 0], [200, 300, 200], grounded=True)
     parts = [WALLS[0], WALLS[1], right, CUBE, block("near", [0, 100.01, 0], [100, 200.01, 100])]
     joined = kilter.region(Assembly(parts, units="mm")).to_dict()["if_joined"]
