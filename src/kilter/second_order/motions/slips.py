@@ -68,13 +68,18 @@ def slip_changes(program: Program, shifts: tuple[Array, Array], motion: Array) -
 
 
 def rolling_shifts(program: Program, features: Features) -> Array:
-    """Inverse of the sum of both curvatures, within their common directions, (K, 3, 3)."""
+    """Inverse of the sum of both curvatures, within their common directions, (K, 3, 3).
+
+    Along a direction in which both surfaces are equally curved, as a rim in a cone along itself,
+    they touch on a whole line, and no point of contact shifts.
+    """
     total = features.curvature_a + features.curvature_b
     inverse = np.zeros_like(total)
     for k in range(len(total)):
         axes = _common(program, features, k)
         if axes.size:
-            inverse[k] = axes.T @ np.linalg.inv(axes @ total[k] @ axes.T) @ axes
+            within = axes @ total[k] @ axes.T
+            inverse[k] = axes.T @ np.linalg.pinv(within, BALANCED, hermitian=True) @ axes
     return inverse
 
 
