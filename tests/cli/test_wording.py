@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import kilter
-from kilter import Assembly, Box, Part, Sphere
+from kilter import Assembly, Box, Cylinder, Part, Sphere
 from kilter.tell.hold_words import hold_facts
 from kilter.tell.packing_words import packing_sentence
 from kilter.tell.scene_words import scene_sentence
