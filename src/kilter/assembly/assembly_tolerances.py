@@ -21,6 +21,7 @@ __all__ = [
     "ON_GRID",
     "PLANAR_AXIS",
     "RESOLVED",
+    "SAME_DOWN",
     "SAME_SURFACE",
     "SMOOTH",
     "STRAP_OFF_PART",
@@ -79,3 +80,5 @@ the part [-]. A larger value accepts points that are farther away."""
 STRAP_THROUGH = 1e-3
 """Depth to which a strap may pass through a part, relative to its size [-]. A larger value accepts
 straps that cut deeper."""
+SAME_DOWN = 1e-12
+"""Largest distance of two unit vectors that count as the same direction of gravity [-]."""

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.assembly.assembly import Assembly, require_assembly
+from kilter.assembly.assembly_tolerances import SAME_DOWN
 from kilter.assembly.plain_joints import plain_joints
 from kilter.errors import InputError
 from kilter.hooks import hook
@@ -79,8 +80,6 @@ KEYWORDS = {
 """Shared keywords by name."""
 CHANGES = ("friction", "down", "ground", "floor")
 """Keywords that change the assembly before the question."""
-PARALLEL = 1e-12
-"""Largest distance of two unit vectors that count as the same direction of gravity [-]."""
 
 
 def asked_assembly(
@@ -168,7 +167,7 @@ def on_floor(assembly: Assembly, floor: bool | float | None, down: ArrayLike | N
     if down is None:
         return assembly
     turned = assembly.with_down(down)
-    if not has_floor or np.linalg.norm(turned.down - assembly.down) <= PARALLEL:
+    if not has_floor or np.linalg.norm(turned.down - assembly.down) <= SAME_DOWN:
         return turned
     note = (
         f"the floor lies across the up direction of the file, {in_brackets(-assembly.down)}, and "
