@@ -6,8 +6,10 @@ implies J z = 0.
 
 If all normals meet an axis and are across it, or meet in a point, both surfaces are cylinders about
 the axis, or spheres about the point, with the radius of the contact points. This also describes a
-fit with play that counts as closed, whose true surfaces have two radii. All held parts are a single
-body.
+fit with play that counts as closed, whose true surfaces have two radii. If the only motion that
+keeps bodies closed that enclose each other turns about an axis, as that of a screw in a nut whose
+thread is drawn as rings, both surfaces are surfaces of revolution about it. All held parts are a
+single body.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ class Fits:
     ----------
     enclosed : ndarray of bool, shape (K,)
     kind : ndarray of int, shape (K,)
-        LINE for a cylinder and POINT for a sphere; UNKNOWN for any other surface.
+        LINE for a surface of revolution and POINT for a sphere; UNKNOWN for any other surface.
     point, direction : ndarray, shape (K, 3)
         Point of the axis, or centre; direction of the axis.
     curvature : ndarray, shape (K, 3, 3)
@@ -103,6 +105,8 @@ def find_fits(program: Program, curved: Index, play: Index | None = None) -> Fit
         enclosed[rows] = stressed(wrenches(program, rows))
         if enclosed[rows[0]] or (play is not None and np.isin(rows, play).all()):
             found = _common_surface(program.point[rows], program.normal[rows])
+            if found is None and enclosed[rows[0]]:
+                found = _revolved_surface(program.point[rows], program.normal[rows])
             if found is not None:
                 kind[rows], point[rows], direction[rows], curvature[rows] = found
     return Fits(enclosed, kind, point, direction, curvature)
@@ -153,3 +157,32 @@ def _common_surface(point: Array, normal: Array) -> tuple[int, Array, Array, Arr
     kind = LINE if axis.shape[1] else POINT
     direction = axis[:, 0] if axis.shape[1] else normal[0]
     return kind, centre, direction, tangent / radius[:, None, None]
+
+
+def _revolved_surface(point: Array, normal: Array) -> tuple[int, Array, Array, Array] | None:
+    """Kind, point, direction and curvatures (k, 3, 3) of a surface of revolution at points.
+
+    The normals keep a turn about its axis closed, and no other motion. The curvature along the
+    meridian does not count: no motion goes along it.
+    """
+    middle = point.mean(axis=0)
+    size = float(np.linalg.norm(point - middle, axis=1).max())
+    away = (point - middle) / size
+    twist = null_space(np.hstack([normal, cross(away, normal)]), BENDS)
+    if twist.shape[1] != 1:
+        return None
+    move, turn = twist[:3, 0], twist[3:, 0]
+    rate = float(turn @ turn)
+    if rate < BENDS or abs(move @ turn) > BENDS * rate:
+        return None
+    axis = turn / np.sqrt(rate)
+    centre = np.cross(turn, move) / rate
+    arms = away - centre
+    arms = arms - np.outer(arms @ axis, axis)
+    radius = np.linalg.norm(arms, axis=1)
+    if radius.min() < BENDS:
+        return None
+    around = cross(axis, arms) / radius[:, None]
+    bent = np.einsum("ij,ij->i", arms, normal) / (radius**2 * size)
+    curvature = bent[:, None, None] * around[:, :, None] * around[:, None, :]
+    return LINE, middle + size * centre, axis, curvature
