@@ -177,8 +177,9 @@ def followed(seed: int) -> float | None:
     """Length of the fall of a random assembly without overlaps [width of the part], or None."""
     assembly = random_balance(seed)
     verdict = kilter.check(assembly)
-    if verdict.second_order is None or verdict.second_order.state != "balanced":
-        return None
+    second = verdict.second_order
+    if second is None or second.state != "balanced" or second.decision is None:
+        return None  # some fall by rule, without a path
     found, path = path_of(assembly)
     assert found.program is not None
     for motion, apart in zip(path.motions[1:], path.apart, strict=True):
