@@ -66,7 +66,7 @@ def doubt() -> float:
     ],
 )
 def test_near_a_limit_it_is_open(doubts: float, state: str) -> None:
-    """The radius of curvature is known within 4 doubts, so below the limit the state is open there."""
+    """The radius of curvature is known within 4 doubts: the state is open below the limit."""
     assert state_of(weeble(doubts * doubt()))[0] == state
 
 
