@@ -2,8 +2,8 @@
 
 holds   no motion that keeps the pressed contacts bends, or friction holds all that roll
 falls   the energy decreases along a rolling
-open    a part may roll, rock or swing, and nothing is proved about it: a round or jointed part, or one
-        that stands exactly above an edge (`tipping`)
+open    a round or jointed part may roll, rock or swing, and nothing is proved about it; or a part
+        stands exactly above an edge (`tipping`)
 
 If no other part of a cluster moves along a neutral motion, the bending parts are examined alone,
 while the others are held: friction that others need does not matter to them. A ball in a bowl, on a

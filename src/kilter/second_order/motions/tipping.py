@@ -24,6 +24,7 @@ from kilter.mechanics.rows import CONTACT
 from kilter.second_order.gaps.fits import body_pairs
 from kilter.second_order.motions.bending import Bending, round_rows
 from kilter.second_order.second_order_tolerances import BENDS, SLIPS
+from kilter.solvers.nonnegative import nonnegative
 
 __all__ = ["tipping_parts"]
 
@@ -120,12 +121,4 @@ def _possible(opened: Array, turn: Array) -> bool:
     size = float(np.linalg.norm(turn))
     if size <= BENDS:
         return False
-    if not len(opened):
-        return True
-    # imported late, since the import of scipy.optimize is slow
-    from scipy.optimize import nnls
-
-    try:
-        return bool(nnls(opened.T, -turn)[1] > BENDS * size)
-    except RuntimeError:  # nnls reached its iteration limit
-        return True
+    return nonnegative(opened, -turn)[1] > BENDS * size
