@@ -36,7 +36,7 @@ from kilter.second_order.motions.rolling import (
 from kilter.second_order.motions.tipping import tipping_parts
 from kilter.second_order.parts.rigid_groups import RigidGroups
 
-__all__ = ["SmallPush", "small_push"]
+__all__ = ["ABOVE_EDGE", "SmallPush", "small_push"]
 
 ABOVE_EDGE = "the weight acts exactly above an edge of a flat face"
 
