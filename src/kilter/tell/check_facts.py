@@ -39,7 +39,7 @@ WHY = {
     "squeeze": "it holds only if forces other than its weight press the parts together",
     "balanced": "the slightest push makes it fall",
     "not-asked": "settling and other motions were not examined",
-    "push-open": "whether a small push makes round or jointed parts fall is not decided",
+    "push-open": "whether a small push makes parts fall is not decided",
     "not-found": "whether its own weight can hold it was not determined",
 }
 UNDONE = "not every try was finished for lack of {}"

@@ -29,6 +29,7 @@ from kilter.mechanics.proof_form import (
     nullable,
     one_of,
 )
+from kilter.solvers.nonnegative import nonnegative
 from kilter.tell.numbers import number
 
 __all__ = ["region_notes", "require_region_form", "wrong_region"]
@@ -114,13 +115,11 @@ def _gaps_deg(assembly: Assembly, contacts: ContactSet, bundle: Entry) -> tuple[
     the directions in which its power exceeds the power that a proof needs: the second angle is the
     largest by which these lie beyond their facet.
     """
-    from scipy.optimize import nnls
-
     held = _directions(bundle, ("ray", "line"))
     normals, beyond = _excluded_sides(assembly, contacts, bundle)
     worst = 0.0
     for direction in _generators(assembly, normals):
-        distance = nnls(held.T, direction)[1] if len(held) else 1.0
+        distance = nonnegative(held, direction)[1]
         worst = max(worst, float(np.arcsin(min(distance, 1.0))))
     return float(np.degrees(worst)), float(np.degrees(beyond))
 

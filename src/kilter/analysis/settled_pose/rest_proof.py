@@ -27,6 +27,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.contact_tolerances import ROUNDINGS
 from kilter.contact.planar.facets import Facets, find_facets
 from kilter.errors import some_names
+from kilter.solvers.nonnegative import nonnegative
 
 __all__ = ["ClosedContacts", "closed_contacts", "closed_gap", "closed_points", "deepest_overlap"]
 
@@ -191,9 +192,7 @@ def _in_cone(rays: Array, direction: Array, angle: float) -> bool:
         return False
     if float(np.linalg.norm(rays - direction, axis=1).min()) <= angle:
         return True
-    from scipy.optimize import nnls
-
-    return bool(nnls(rays.T, direction)[1] <= angle)
+    return nonnegative(rays, direction)[1] <= angle
 
 
 def _with_contacts(assembly: Assembly, parts: Index, points: NearPoints) -> Assembly:

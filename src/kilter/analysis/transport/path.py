@@ -51,6 +51,7 @@ from kilter.arrays import Array, Mask
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.solvers.nonnegative import nonnegative
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.transport_data import PathData
@@ -232,8 +233,6 @@ class _PathSearch:
         points = self.carried
         if not len(points):
             return False
-        from scipy.optimize import nnls  # slow to import
-
         cone = not (self.program.has_strength or self.program.applied.any())
         size = np.maximum(np.abs(points).max(axis=0), np.abs(load))
         used = size > 0.0
@@ -241,8 +240,8 @@ class _PathSearch:
         right = load[used] / size[used]
         if not cone:
             left, right = np.vstack([left, np.ones(len(points))]), np.append(right, 1.0)
-        weights, residual = nnls(left, right)
-        return bool(residual <= LEFT) and bool(weights.any())
+        weights, residual = nonnegative(left.T, right)
+        return residual <= LEFT and bool(weights.any())
 
 
 def find_path_limit(

@@ -9,7 +9,7 @@ import numpy as np
 from kilter.mechanics.program import Program
 from kilter.second_order.answer.second_order_answer import SecondOrder, open_answer
 from kilter.second_order.answer.whole import NEEDS_FRICTION
-from kilter.second_order.motions.small_push import SmallPush
+from kilter.second_order.motions.small_push import ABOVE_EDGE, SmallPush
 
 __all__ = ["pushed_answer"]
 
@@ -30,7 +30,8 @@ def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) 
     answer = known or open_answer(why or NEEDS_FRICTION, program)
     parts = np.flatnonzero(push.parts)
     if push.state != "falls":
-        return replace(answer, bending=parts, why=answer.why or why or NEEDS_FRICTION)
+        known_why = "" if why == ABOVE_EDGE else answer.why
+        return replace(answer, bending=parts, why=known_why or why or NEEDS_FRICTION)
     motion = push.rolling.motion if push.rolling is not None else None
     if answer.state == "open":  # its path, if any, is no proof
         answer = replace(answer, decision=None)

@@ -50,7 +50,7 @@ from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.motions.steady import spread_over, steady_parts
 from kilter.second_order.second_order_tolerances import BEARS, BENDS
 
-__all__ = ["Bends", "bending_bodies", "round_rows"]
+__all__ = ["Bending", "Bends", "bending_bodies", "round_rows"]
 
 STRAIGHT = ("plane", "edge-edge", "edge-face", "vertex-face")
 """Kinds of patch that are curved only if a part has curved surfaces."""
@@ -93,7 +93,7 @@ def bending_bodies(
         rounds = round_rows(cluster.program, contacts)
         if rounds.any():
             mine = forces[cluster.rows]
-            search = _Bending(assembly, contacts, cluster.program, mine, rounds)
+            search = Bending(assembly, contacts, cluster.program, mine, rounds)
             found = search.parts(curves=curves)
             bending |= found.bending
             moved |= found.moved
@@ -128,7 +128,7 @@ def _with_play(program: Program, contacts: ContactSet, curved: Index) -> Index:
     return np.asarray(curved[wide & np.isin(contacts.patch_kind[patch], ("cylinder", "sphere"))])
 
 
-class _Bending:
+class Bending:
     """Neutral motions of a cluster, and the round or jointed parts that they bend."""
 
     def __init__(
@@ -174,7 +174,7 @@ class _Bending:
         bending = np.zeros(len(self.program.names), dtype=bool)
         if not (self.rounds & self.closed).any():
             return Bends(bending, bending)
-        motions = self._neutral_motions()
+        motions = self.neutral_motions()
         if motions is None:
             return Bends(self.round_parts, self.program.free)
         if not motions.shape[1]:
@@ -309,7 +309,7 @@ class _Bending:
                 spread[rows] = spread[rows] if mine is None else mine
         return spread
 
-    def _neutral_motions(self) -> Array | None:
+    def neutral_motions(self) -> Array | None:
         """Basis of the motions that keep closed contacts, in scaled unknowns; None if too large."""
         program, per = self.program, len(self.program.freedoms)
         free = np.flatnonzero(program.free)

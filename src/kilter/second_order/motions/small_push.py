@@ -2,7 +2,8 @@
 
 holds   no motion that keeps the pressed contacts bends, or friction holds all that roll
 falls   the energy decreases along a rolling
-open    a round or jointed part may roll, rock or swing, and nothing is proved about it
+open    a round or jointed part may roll, rock or swing, and nothing is proved about it; or a part
+        stands exactly above an edge (`tipping`)
 
 If no other part of a cluster moves along a neutral motion, the bending parts are examined alone,
 while the others are held: friction that others need does not matter to them. A ball in a bowl, on a
@@ -32,9 +33,12 @@ from kilter.second_order.motions.rolling import (
     open_rolling,
     worst_rolling,
 )
+from kilter.second_order.motions.tipping import tipping_parts
 from kilter.second_order.parts.rigid_groups import RigidGroups
 
-__all__ = ["SmallPush", "small_push"]
+__all__ = ["ABOVE_EDGE", "SmallPush", "small_push"]
+
+ABOVE_EDGE = "the weight acts exactly above an edge of a flat face"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,9 +99,14 @@ def small_push(
     whole, forces = whole.taking(certain), forces[certain]
     bends = bending_bodies(assembly, contacts, whole, forces, curves=curves)
     bending = bends.bending.copy()
+    held = bonded[:-1].copy()
     if among is not None:
         bending &= among
+        held |= ~among
     results: list[tuple[Rolls, Rolling | None, Mask]] = []
+    tips = tipping_parts(assembly, contacts, whole, forces, held)
+    if tips.any():
+        results.append(("open", open_rolling(whole, ABOVE_EDGE), tips))
     for cluster in clusters(whole) if bending.any() else []:
         mine = bending & cluster.program.free
         if mine.any():

@@ -37,6 +37,7 @@ from kilter.second_order.searches.curved_energy import best_curvature, blocking_
 from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.path_search import find_path
 from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
+from kilter.solvers.nonnegative import nonnegative
 from kilter.work import Work
 
 __all__ = ["EXACT_DIMENSION", "decide"]
@@ -306,9 +307,7 @@ class _Question:
         y, sides = basis.T @ motion, self.sides_of(basis)
         sides = sides[np.linalg.norm(sides, axis=1) > FLAT]  # the basis does not open the others
         if len(sides):
-            from scipy.optimize import nnls  # takes its time
-
-            push, _ = nnls(sides.T, -y)
+            push, _ = nonnegative(sides, -y)
             y = y + sides.T @ push
         size = float(np.linalg.norm(y))
         return basis @ (y / size) if size > 1e-6 else None
