@@ -143,7 +143,9 @@ class _Robot:
         joints = [joint for name in solid for joint in self._joint(name, bearers)]
         moving = sum(joint.kind != "fixed" for joint in joints)
         if moving:
-            self.notes.append(f"{moving} joints have no motor: they move within their limits")
+            self.notes.append(f"joints without motors, which move within their limits: {moving}")
+        if held and len(parts) == 1:
+            self.notes.append("the robot is its held root link: --base floating frees it")
         return Assembly(parts, units="m", joints=joints, source=source, notes=self.notes)
 
     def _fixed_above(self, name: str) -> str | None:

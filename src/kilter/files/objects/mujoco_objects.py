@@ -139,10 +139,12 @@ class ModelScene:
             near = near[0][:0], near[1][:0]
         friction, pairs, apart = contact_entries(self.rules, parts, self.rows, near, self.notes)
         if unseen := sum(part.geometry == "visual" for part in parts):
-            self.notes.append(f"no geom collides, so the visible geoms of {unseen} bodies count")
+            self.notes.append(
+                f"bodies without colliding geoms, whose visible geoms count: {unseen}"
+            )
         loads = relieving_loads(model, {b: self.names[k] for b, k in self.owner.items()})
         if loads:
-            self.notes.append(f"the gravity compensation of {len(loads)} bodies is a load")
+            self.notes.append(f"bodies whose gravity compensation is a load: {len(loads)}")
         left = self._ignored_features()
         return Assembly(
             parts,
