@@ -138,6 +138,12 @@ def test_a_mass_of_zero_is_a_note(tmp_path: Path) -> None:
     assert found.geometry.mass.tolist() == [1000.0]
 
 
+def test_a_capsule_is_a_cylinder_with_round_ends(tmp_path: Path) -> None:
+    found = kilter.load(robot(tmp_path, link("a", '<capsule radius=".5" length="2"/>')))
+    exact = np.pi * (0.5**2 * 2 + 4 / 3 * 0.5**3)
+    assert found.geometry.volume[0] == pytest.approx(exact, rel=0.01)
+
+
 def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
     two = """<link name="ell"><collision><geometry><box size="2 1 1"/></geometry></collision>
     <collision><origin xyz=".5 0 .5"/><geometry><box size="1 1 2"/></geometry></collision></link>"""
@@ -157,6 +163,16 @@ def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
             r"part 'a': mesh files of type \.dae cannot be read; write",
         ),
         ([BASE, joint("base", "arm", "fixed", "0 0 0")], "the child 'arm' of the joint .* is not"),
+        (
+            [
+                BASE,
+                '<link name="b"/>',
+                link("a", '<box size="1 1 1"/>'),
+                joint("base", "b", "revolute", "0 0 0"),
+                joint("b", "a", "revolute", "0 0 0"),
+            ],
+            "part 'a': 2 moving joints connect it to 'base' over links without shapes; give",
+        ),
         (
             [BASE, link("a", '<box size="1 1 1"/>'), joint("base", "a", "planar", "0 0 0")],
             "part 'a': its joint has the type planar; use one of fixed",

@@ -15,9 +15,9 @@ from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.rigid import Pose, matrix_to_quaternion
 from kilter.shape.convex_hull import hull_surface
-from kilter.shape.primitives import Mesh, Shape, surface
+from kilter.shape.primitives import Cylinder, Mesh, Shape, Sphere, surface
 
-__all__ = ["compose", "one_body"]
+__all__ = ["capsule", "compose", "one_body"]
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
@@ -92,6 +92,23 @@ def one_body(
     numbers = np.repeat([piece_of[k] for k in mesh.run_original_id], runs)
     triangles = np.asarray(mesh.tri_verts).astype(np.int64)
     return Mesh(vertices, triangles, pieces=numbers), Pose()
+
+
+def capsule(radius: float, height: float) -> Shape:
+    """A cylinder about z with its middle at the origin, and a half-ball at each end.
+
+    Parameters
+    ----------
+    radius : float
+        [m].
+    height : float
+        Length of the cylinder [m]; 0 for a ball.
+    """
+    ball = Sphere(radius)
+    if not height > 0:
+        return ball
+    ends = [(ball, Pose([0, 0, z])) for z in (-height / 2, height / 2)]
+    return one_body([(Cylinder(radius, height), Pose()), *ends], "capsule", [])[0]
 
 
 def _manifold(vertices: Array, triangles: Index, pose: Pose) -> Any:

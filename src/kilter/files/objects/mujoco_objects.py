@@ -33,7 +33,7 @@ from kilter.files.objects.mujoco_bodies import (
 )
 from kilter.files.objects.mujoco_contacts import GeomRules, contact_entries
 from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
-from kilter.files.one_body import compose, one_body
+from kilter.files.one_body import capsule, compose, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
@@ -218,9 +218,7 @@ class ModelScene:
         if kind == BOX:
             return Box(2 * size), pose
         if kind == CAPSULE:
-            ends = [(Sphere(float(size[0])), Pose([0, 0, z])) for z in (-size[1], size[1])]
-            side = Cylinder(float(size[0]), 2 * float(size[1]))
-            return one_body([(side, Pose()), *ends], "capsule", self.notes)[0], pose
+            return capsule(float(size[0]), 2 * float(size[1])), pose
         if kind == ELLIPSOID:
             vertices, triangles = surface(Sphere(1.0))
             return Mesh(vertices * size, triangles), pose
