@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,6 +80,16 @@ def test_an_arm_at_the_side_is_held_as_its_joint_holds(
     assert kilter.check(found).stable is stable
     assert np.allclose(np.abs(found["arm"].pose.matrix[:, 2]), [1, 0, 0], atol=1e-6)
     assert bool(found.notes) is (kind != "fixed")
+
+
+@pytest.mark.parametrize(("contacts", "verdict"), [(None, "unstable"), ("geometry", "undecided")])
+def test_links_that_overlap_at_their_joint_do_not_touch(
+    tmp_path: Path, contacts: Any, verdict: str
+) -> None:
+    arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .4", "0 0 .4")
+    place = "0.5 0 0", f"0 {np.pi / 2} 0", "0 1 0"
+    path = robot(tmp_path, BASE, arm, joint("base", "arm", "continuous", *place))
+    assert kilter.check(kilter.load(path, contacts=contacts)).verdict == verdict
 
 
 def test_a_base_that_floats_stands_on_the_floor_or_tips(tmp_path: Path) -> None:

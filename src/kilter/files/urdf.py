@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from kilter.assembly import Assembly, Part
-from kilter.assembly.interactions import Joint
+from kilter.assembly.interactions import GivenContact, Joint
 from kilter.assembly.mass_properties import MassProperties
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError, some_names
@@ -143,10 +143,17 @@ class _Robot:
         joints = [joint for name in solid for joint in self._joint(name, bearers)]
         moving = sum(joint.kind != "fixed" for joint in joints)
         if moving:
-            self.notes.append(f"joints without motors, which move within their limits: {moving}")
+            self.notes.append(
+                f"joints without motors, which move within their limits: {moving}; "
+                "links of a joint do not touch each other"
+            )
         if held and len(parts) == 1:
             self.notes.append("the robot is its held root link: --base floating frees it")
-        return Assembly(parts, units="m", joints=joints, source=source, notes=self.notes)
+        pairs = [joint.parts for joint in joints if GROUND not in joint.parts]
+        apart = [GivenContact(pair, [], [0, 0, 1]) for pair in pairs]
+        return Assembly(
+            parts, units="m", joints=joints, contacts=apart, source=source, notes=self.notes
+        )
 
     def _fixed_above(self, name: str) -> str | None:
         """The link to which a fixed joint connects a link; None without one."""

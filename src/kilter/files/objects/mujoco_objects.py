@@ -338,15 +338,13 @@ class ModelScene:
     def _equalities(self) -> list[Joint]:
         """Joints for the model's equality constraints between bodies (welds and connections)."""
         model = self.model
-        joints = []
+        joints, ignored = [], 0
         for k in np.flatnonzero(model.eq_active0):
             kind = int(model.eq_type[k])
             ids = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
             ends = [self.names[self.owner[i]] if i in self.owner else GROUND for i in ids]
             if kind not in (CONNECT, WELD) or int(model.eq_objtype[k]) != 1 or ends[0] == ends[1]:
-                self.notes.append(
-                    "an equality other than a weld or connection of bodies is ignored"
-                )
+                ignored += 1
                 continue
             first, second = ends if ends[0] != GROUND else ends[::-1]
             point = None
@@ -355,6 +353,10 @@ class ModelScene:
                 point = pose.apply(model.eq_data[k][:3][None])[0]
             joint = "fixed" if kind == WELD else "spherical"
             joints.append(Joint((first, second), joint, point=point))  # type: ignore[arg-type]
+        if ignored:
+            self.notes.append(
+                f"ignored equalities other than welds and connections of bodies: {ignored}"
+            )
         return joints
 
     def _ignored_features(self) -> str:
