@@ -145,7 +145,7 @@ class _Robot:
         if moving:
             self.notes.append(
                 f"joints without motors, which move within their limits: {moving}; "
-                "links of a joint do not touch each other"
+                "links of a joint do not touch each other without --contacts geometry"
             )
         if held and len(parts) == 1:
             self.notes.append("the robot is its held root link: --base floating frees it")

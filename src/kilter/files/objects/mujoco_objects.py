@@ -365,11 +365,13 @@ class ModelScene:
         apart = (model.geom_margin > 0) & self.collides
         left = np.delete(np.arange(len(model.jnt_type)), self.guided)
         friction = np.delete(model.dof_frictionloss, model.jnt_dofadr[self.guided])
+        holding = int(np.count_nonzero((model.tendon_limited != 0) | (model.tendon_stiffness > 0)))
         counts = {
             "motors": model.nu,
             "springs": int(np.count_nonzero(model.jnt_stiffness[left])),
             "joint limits": int(np.count_nonzero(model.jnt_limited[left])),
-            "tendons": model.ntendon,
+            "tendons with limits or springs, which may hold parts": holding,
+            "other tendons": model.ntendon - holding,
             "joint frictions": int(np.count_nonzero(friction)),
             "margins of geoms": int(np.count_nonzero(apart)),
             "margins of pairs": int(np.count_nonzero(model.pair_margin)),
