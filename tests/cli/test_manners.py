@@ -118,6 +118,17 @@ def test_a_written_answer_is_reported_with_its_path(capsys: pytest.CaptureFixtur
         assert capsys.readouterr().err == ""
 
 
+@pytest.mark.parametrize("command", ["check", "check tower.kilter.json", "contacts"])
+def test_a_file_that_ends_like_json_gets_json(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kilter.dump(kilter.example("tower"), "tower.kilter.json")
+    name, *more = command.split()
+    main([name, *more, "tower.kilter.json", "-o", "x.json"])
+    assert capsys.readouterr().out == ""
+    assert json.loads(Path("x.json").read_text(encoding="utf-8"))
+
+
 def test_an_example_prints_the_answer_of_check(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["example", "paper-figure-8"]) == 0
     path, sentence, step = capsys.readouterr().out.splitlines()

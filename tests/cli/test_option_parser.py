@@ -86,6 +86,9 @@ def test_values_of_a_line(line: str, expected: dict[str, Any]) -> None:
         ("batch a.json", "-o/--output is missing"),
         ("chek a.json", "there is no command 'chek'; did you mean 'check'?"),
         ("--jsn", "there is no option '--jsn'; see 'kilter --help'"),
+        ("a.json", "there is no command 'a.json'; type 'kilter check a.json'"),
+        ("help plan", "there is no command 'help'; type 'kilter plan --help'"),
+        ("--down plan a.json", "options follow the command: kilter plan FILE --down"),
     ],
 )
 def test_a_wrong_line_is_a_sentence(

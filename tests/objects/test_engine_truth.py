@@ -186,13 +186,28 @@ def test_gravity_compensation_relieves_the_weight(share: float, falls: bool) -> 
     assert sum(load.force[2] for load in assembly.loads) == pytest.approx(data.qfrc_passive[0])
 
 
+def test_a_held_body_needs_no_compensation_of_its_weight() -> None:
+    made = BODY.format("b", "0 0 0", "<freejoint/>", BOX.format("")).replace(
+        '"b"', '"b" gravcomp="1"'
+    )
+    assembly = kilter.load(model_of(made), ground="b")
+    assert not assembly.loads
+    assert "loads on held parts, without effect: 'b'" in assembly.notes
+
+
 FREE = BODY.format("b", "0 0 .1", "<freejoint/>", SOLE.format("{}"))
+TENDON = (
+    '<worldbody><site name="s"/><body pos="0 0 9"><site name="t"/></body></worldbody>'
+    '<tendon><spatial {}><site site="s"/><site site="t"/></spatial></tendon>'
+)
 NOTES = {
     "torsional and rolling friction is ignored: 1 pairs": ('condim="4"', "", ""),
     "ignored: 1 margins of geoms": ('margin=".01"', "", ""),
     "ignored: 1 second sliding": ("", PAIR.format(".4", 3).replace(".4 .4", ".4 .5"), ""),
+    "1 tendons with limits or springs, which may hold": ("", TENDON.format('range="0 1"'), ""),
+    "ignored: 1 other tendons": ("", TENDON.format(""), ""),
     "the model disables all contacts": ("", "", "contact"),
-    "the visible geoms of 1 bodies": ('contype="0" conaffinity="0"', "", ""),
+    "whose visible geoms count: 1": ('contype="0" conaffinity="0"', "", ""),
 }
 
 

@@ -31,16 +31,19 @@ def test_shapes_that_overlap_count_once() -> None:
 
 def test_the_hull_replaces_an_open_mesh_among_several_shapes() -> None:
     notes: list[str] = []
-    shape, _ = one_body([(Box([1, 1, 1]), Pose([3, 0, 0])), (OPEN, Pose())], "p", notes)
-    assert volume_of(shape) == pytest.approx(2.0)
-    assert notes == ["part 'p': a mesh among its 2 shapes is not closed; its convex hull is used"]
+    away = Pose([0, 0, 9])
+    shape, _ = one_body(
+        [(Box([1, 1, 1]), Pose([3, 0, 0])), (OPEN, Pose()), (OPEN, away)], "p", notes
+    )
+    assert volume_of(shape) == pytest.approx(3.0)
+    assert notes == ["part 'p': open shapes replaced by their convex hulls: 2 of 3"]
 
 
 def test_a_flat_mesh_among_several_shapes_is_left_out() -> None:
     notes: list[str] = []
     shape, _ = one_body([(Box([1, 1, 1]), Pose([3, 0, 0])), (FLAT, Pose())], "p", notes)
     assert volume_of(shape) == pytest.approx(1.0)
-    assert "it is flat, so it is left out" in notes[0]
+    assert notes == ["part 'p': flat shapes left out: 1 of 2"]
     with pytest.raises(InputError, match="all of its meshes are flat"):
         one_body([(FLAT, Pose()), (FLAT, Pose([1, 0, 0]))], "p", notes)
 

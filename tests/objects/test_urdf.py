@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,6 +82,16 @@ def test_an_arm_at_the_side_is_held_as_its_joint_holds(
     assert bool(found.notes) is (kind != "fixed")
 
 
+@pytest.mark.parametrize(("contacts", "verdict"), [(None, "unstable"), ("geometry", "undecided")])
+def test_links_that_overlap_at_their_joint_do_not_touch(
+    tmp_path: Path, contacts: Any, verdict: str
+) -> None:
+    arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .4", "0 0 .4")
+    place = "0.5 0 0", f"0 {np.pi / 2} 0", "0 1 0"
+    path = robot(tmp_path, BASE, arm, joint("base", "arm", "continuous", *place))
+    assert kilter.check(kilter.load(path, contacts=contacts)).verdict == verdict
+
+
 def test_a_base_that_floats_stands_on_the_floor_or_tips(tmp_path: Path) -> None:
     for reach, stable in ((0.4, True), (3.5, False)):
         arm = link("arm", '<box size=".2 .2 .2"/>', 10)
@@ -133,8 +144,15 @@ def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
 
 def test_a_mass_of_zero_is_a_note(tmp_path: Path) -> None:
     found = kilter.load(robot(tmp_path, link("base", '<box size="1 1 1"/>', 0)))
-    assert found.notes == ("the mass of 'base' is 0, so it has its density",)
+    assert found.notes[0] == "the mass of 'base' is 0, so it has its density"
+    assert found.notes[1:] == ("the robot is its held root link: --base floating frees it",)
     assert found.geometry.mass.tolist() == [1000.0]
+
+
+def test_a_capsule_is_a_cylinder_with_round_ends(tmp_path: Path) -> None:
+    found = kilter.load(robot(tmp_path, link("a", '<capsule radius=".5" length="2"/>')))
+    exact = np.pi * (0.5**2 * 2 + 4 / 3 * 0.5**3)
+    assert found.geometry.volume[0] == pytest.approx(exact, rel=0.01)
 
 
 def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
@@ -156,6 +174,16 @@ def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
             r"part 'a': mesh files of type \.dae cannot be read; write",
         ),
         ([BASE, joint("base", "arm", "fixed", "0 0 0")], "the child 'arm' of the joint .* is not"),
+        (
+            [
+                BASE,
+                '<link name="b"/>',
+                link("a", '<box size="1 1 1"/>'),
+                joint("base", "b", "revolute", "0 0 0"),
+                joint("b", "a", "revolute", "0 0 0"),
+            ],
+            "part 'a': 2 moving joints connect it to 'base' over links without shapes; give",
+        ),
         (
             [BASE, link("a", '<box size="1 1 1"/>'), joint("base", "a", "planar", "0 0 0")],
             "part 'a': its joint has the type planar; use one of fixed",

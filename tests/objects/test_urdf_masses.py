@@ -107,7 +107,7 @@ def test_an_inertia_that_no_body_has_is_replaced_by_that_of_the_shape(
     path.write_text(
         f'<robot><link name="a">{MASS.format(inertia)}{BOX.format(size="1 1 1")}</link></robot>'
     )
-    found = kilter.load(path)
+    found = kilter.load(path, base="floating")
     assert np.allclose(found.geometry.inertia[0], np.eye(3) / 3)
     assert [note[: len(word)] for note, word in zip(found.notes, words, strict=True)] == words
 

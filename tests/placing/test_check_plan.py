@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -186,6 +188,13 @@ def test_wrong_walls_are_a_sentence(
     error = capsys.readouterr().err
     assert said.replace("item 2", "line 3") in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("walls", [True, 3.0, (1,), ("a", "b"), (0, 1), (math.inf, 1)])
+def test_walls_of_another_form_are_a_sentence(walls: Any) -> None:
+    plan = PackingPlan((PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1),), "m")
+    with pytest.raises(InputError, match="the walls"):
+        check_plan(plan, walls=walls)
 
 
 def test_a_box_list_is_planned_from_above(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.assembly.assembly_tolerances import SAME_DOWN
 from kilter.assembly.plain_joints import plain_joints
-from kilter.errors import InputError
+from kilter.errors import InputError, some_names
 from kilter.hooks import hook
 from kilter.rigid import in_brackets
 from kilter.tell.levels import REQUIRE
@@ -32,6 +32,7 @@ __all__ = [
     "AssemblyOrPath",
     "Keyword",
     "asked_assembly",
+    "holding",
     "on_floor",
     "require_unchanged",
 ]
@@ -135,8 +136,27 @@ def asked_assembly(
         assembly = assembly.with_friction(friction)
     names = name_list(ground, "ground")
     if names:
-        assembly = assembly.with_grounded(names)
+        assembly = holding(assembly, names)
     return plain_joints(on_floor(assembly, floor, down), verb)
+
+
+def holding(assembly: Assembly, patterns: Iterable[str]) -> Assembly:
+    """The assembly with further held parts; a note names those whose loads have no effect.
+
+    Examples
+    --------
+    >>> from kilter import Box, Load, Part
+    >>> cube = Assembly([Part("cube", Box(1, 1, 1))], loads=[Load("cube", [0, 0, -1])])
+    >>> holding(cube, ["cube"]).notes
+    ("loads on held parts, without effect: 'cube'",)
+    """
+    chosen = assembly.matching(patterns)
+    loaded = sorted({load.part for load in assembly.loads if load.part in chosen})
+    held = assembly.with_grips(chosen)
+    if not loaded:
+        return held
+    note = f"loads on held parts, without effect: {some_names(loaded)}"
+    return dataclasses.replace(held, notes=[*held.notes, note])
 
 
 def on_floor(assembly: Assembly, floor: bool | float | None, down: ArrayLike | None) -> Assembly:

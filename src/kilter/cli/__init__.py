@@ -18,7 +18,14 @@ from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.known_facts import begin_facts, interruption_words
 from kilter.cli.streams import is_full, open_closed_streams
-from kilter.errors import NO_MEMORY, InputError, fault_words, message_line, nearest_name
+from kilter.errors import (
+    NO_MEMORY,
+    InputError,
+    fault_words,
+    message_line,
+    nearest_name,
+    shell_words,
+)
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -158,10 +165,25 @@ def _result(words: list[str]) -> int:
     if option == COMPLETION:
         print(completion(shell if equals else " ".join(rest)))
         return WRITTEN
-    kind = "option" if name.startswith("-") else "command"
-    near = nearest_name(name, COMMANDS)
+    raise _no_command(name, rest)
+
+
+def _no_command(name: str, rest: list[str]) -> InputError:
+    """The error for a first word that is no command."""
+    from kilter.cli.commands import COMMANDS
+    from kilter.cli.option_parser import is_file
+
+    kind, near = "command", nearest_name(name, COMMANDS)
     hint = f"did you mean {near!r}?" if near else "see 'kilter --help'"
-    raise InputError(f"there is no {kind} {name!r:.60}", hint=hint)
+    if name == "help":
+        hint = f"type 'kilter {rest[0]} --help'" if rest and rest[0] in COMMANDS else hint
+    elif name.startswith("-"):
+        kind = "option"
+        typed = next((word for word in rest if word in COMMANDS), None)
+        hint = hint if typed is None else f"options follow the command: kilter {typed} FILE {name}"
+    elif near is None and is_file(name):
+        hint = f"type 'kilter check {shell_words((name,))}' for its verdict"
+    return InputError(f"there is no {kind} {name!r:.60}", hint=hint)
 
 
 def _print_error(message: str) -> None:

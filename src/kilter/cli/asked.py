@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.arguments import ToleranceOptions, reading_of, straps_of
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.known_facts import known_words
-from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, tell_written, write_whole
+from kilter.cli.output import (
+    as_json,
+    emit,
+    keep_apart,
+    tell_warnings,
+    tell_written,
+    write_whole,
+    writes_json,
+)
 from kilter.cli.quantities import material_of
 from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.errors import InputError, TimeLimitReached, shell_words
@@ -171,9 +179,14 @@ class Asked:
             "time_limit": self.limit,
             "warnings": [],
         }
-        emit(as_json(answer) if self.json else sentence, self.output)
+        emit(as_json(answer) if self.writes_json else sentence, self.output)
         tell_written(self.output, "incomplete answer", self.quiet)
         return VERDICT["undecided"]
+
+    @property
+    def writes_json(self) -> bool:
+        """Whether the answer is JSON."""
+        return writes_json(self.json, self.output)
 
     def of_file(self, file: str) -> Asked:
         """Copy of these options for another file, whose time limit starts now.
@@ -297,9 +310,9 @@ class Asked:
         from kilter.tell.facts import kind_of
         from kilter.tell.text import text_of
 
-        content = f"answer of {kind_of(answer)} as {'JSON' if self.json else 'text'}"
+        content = f"answer of {kind_of(answer)} as {'JSON' if self.writes_json else 'text'}"
         tell_warnings(answer.get("warnings", ()), self.quiet or self.json)
-        if self.json:
+        if self.writes_json:
             emit(as_json(answer), self.output)
             tell_written(self.output, content, self.quiet)
             return

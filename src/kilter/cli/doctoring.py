@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kilter.cli.exit_codes import DOCTOR
 from kilter.cli.options import Json, Output
-from kilter.cli.output import as_json, emit
+from kilter.cli.output import as_json, emit, writes_json
 
 __all__ = ["doctor"]
 
@@ -21,5 +21,5 @@ def doctor(json: Json = False, output: Output = None) -> int:
     from kilter.tell.health_text import health_text
 
     answer = look().to_dict()
-    emit(as_json(answer) if json else health_text(answer), output)
+    emit(as_json(answer) if writes_json(json, output) else health_text(answer), output)
     return DOCTOR[answer["works"]]

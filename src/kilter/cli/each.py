@@ -53,7 +53,7 @@ def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answ
         codes.add(code)
         moves = plain(answer["summary"], WIDE) if answer.get("verdict") == "unstable" else ""
         rows.append((file, answer.get("verdict", "error"), moves))
-    text = as_json(answers) if asked.json else "\n".join(aligned(rows))
+    text = as_json(answers) if asked.writes_json else "\n".join(aligned(rows))
     emit(text, asked.output)
     tell_written(asked.output, f"answers of check about {len(files)} files", asked.quiet)
     return next(code for code in WORST if code in codes)

@@ -13,7 +13,15 @@ from kilter.cli.declarations import Argument, Option
 from kilter.cli.each import check_each, code_of
 from kilter.cli.exit_codes import HOLDS, INVALID, LOWER, WRITTEN
 from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks
-from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_written, write_whole
+from kilter.cli.output import (
+    Progress,
+    as_json,
+    emit,
+    keep_apart,
+    tell_written,
+    write_whole,
+    writes_json,
+)
 from kilter.errors import InputError, visible
 from kilter.tell.levels import REQUIRE
 
@@ -103,7 +111,7 @@ def check(
         )
     verdict, answer = _check_file(asked, require, measures, settled)
     after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
-    if not suggest and verdict.verdict != "stable" and not asked.json:
+    if not suggest and verdict.verdict != "stable" and not asked.writes_json:
         after = _joint_hint(verdict) + after
     if suggest:
         joints = suggest_joints(verdict.assembly, verdict.contacts)
@@ -239,8 +247,9 @@ def verify(
     with Progress(quiet) as progress:
         result = recompute(file, proof, require=require, progress=progress)
     answer = result.to_dict()
-    emit(as_json(answer) if json else text_of(answer), output)
-    tell_written(output, f"answer of verify as {'JSON' if json else 'text'}", quiet)
+    as_data = writes_json(json, output)
+    emit(as_json(answer) if as_data else text_of(answer), output)
+    tell_written(output, f"answer of verify as {'JSON' if as_data else 'text'}", quiet)
     if result.holds:
         return HOLDS
     return INVALID if result.reasons or result.level is None else LOWER

@@ -24,7 +24,15 @@ from kilter.cli.overview import PURPOSE
 from kilter.errors import InputError, nearest_name
 from kilter.values.guesses import meant_word, remedy_of
 
-__all__ = ["COMPLETION", "completion", "help_text", "parser_of", "values_of", "with_values"]
+__all__ = [
+    "COMPLETION",
+    "completion",
+    "help_text",
+    "is_file",
+    "parser_of",
+    "values_of",
+    "with_values",
+]
 
 COMPLETION = "--print-completion"
 """Option of the program that writes a script for a shell."""
@@ -181,7 +189,7 @@ def with_values(words: Sequence[str], options: Mapping[str, Declared]) -> list[s
             result.append(f"{word}={rest.popleft() if height else _lowest()}")
         elif each is not None and each.is_list:
             names: list[str] = []
-            while rest and not rest[0].startswith("-") and not (names and _is_file(rest[0])):
+            while rest and not rest[0].startswith("-") and not (names and is_file(rest[0])):
                 names.append(rest.popleft())
             result += [f"{word}={name}" for name in names] or [word]
         elif word.startswith("--no-") and word not in options and _saved(word[5:]):
@@ -203,7 +211,7 @@ def _saved(name: str) -> bool:
     return name.replace("-", "_") in OFF
 
 
-def _is_file(word: str) -> bool:
+def is_file(word: str) -> bool:
     """Whether a word exists as a path, or ends like a file that kilter reads."""
     from kilter.files.file_content import ENDINGS
 

@@ -412,7 +412,7 @@ Output = Annotated[
         "-o",
         "--output",
         metavar="FILE",
-        help="Write the answer to this file instead of standard output.",
+        help="Write the answer to this file instead of standard output; to x.json as JSON.",
         rich_help_panel=FORM,
         show_default=False,
     ),

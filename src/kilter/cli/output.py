@@ -25,6 +25,7 @@ __all__ = [
     "tell_warnings",
     "tell_written",
     "write_whole",
+    "writes_json",
 ]
 
 EACH = 1.0
@@ -71,6 +72,11 @@ def emit(text: str, output: Path | None, answer: Mapping[str, Any] | None = None
     if answer is not None:
         text = in_colour(text, answer)
     sys.stdout.write(text if text.endswith("\n") else text + "\n")
+
+
+def writes_json(json: bool, output: Path | None) -> bool:
+    """Whether an answer is JSON: by option, or because its file ends like JSON."""
+    return json or (output is not None and output.suffix.lower() == ".json")
 
 
 def tell_written(output: Path | None, content: str, quiet: bool) -> None:

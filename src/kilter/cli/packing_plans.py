@@ -16,6 +16,7 @@ from kilter.cli.output import (
     require_answer_file,
     tell_warnings,
     tell_written,
+    writes_json,
 )
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
@@ -118,8 +119,9 @@ def check_plan(
         )
     answer = checked.to_dict()
     tell_warnings(answer["warnings"], quiet or json)
-    emit(as_json(answer) if json else text_of(answer), output)
-    tell_written(output, f"answer of check-plan as {'JSON' if json else 'text'}", quiet)
+    as_data = writes_json(json, output)
+    emit(as_json(answer) if as_data else text_of(answer), output)
+    tell_written(output, f"answer of check-plan as {'JSON' if as_data else 'text'}", quiet)
     if checked.first is not None or checked.overload is not None:
         return PACKING["falls"]
     if checked.undecided:

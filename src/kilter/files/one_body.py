@@ -15,9 +15,9 @@ from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.rigid import Pose, matrix_to_quaternion
 from kilter.shape.convex_hull import hull_surface
-from kilter.shape.primitives import Mesh, Shape, surface
+from kilter.shape.primitives import Cylinder, Mesh, Shape, Sphere, surface
 
-__all__ = ["compose", "one_body"]
+__all__ = ["capsule", "compose", "one_body"]
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
@@ -47,9 +47,8 @@ def one_body(
     name : str
         Name of the part.
     notes : list of str
-        A note is appended for each mesh among several shapes that is not closed: its convex hull
-        replaces it, which is also the shape that MuJoCo and Bullet use for contacts. A flat mesh
-        is left out.
+        A note counts the meshes among several shapes that are not closed. The convex hull replaces
+        such a mesh, as for contacts in MuJoCo and Bullet. A flat mesh is left out.
     pieces : sequence of int, optional
         Number of the piece to which each shape belongs, for the friction of its surface; default 0.
 
@@ -68,23 +67,22 @@ def one_body(
         return shapes[0]
     import manifold3d
 
-    solids = []
+    solids, hulls, flat = [], 0, 0
     piece_of: dict[int, int] = {}
     for (shape, pose), piece in zip(shapes, pieces or [0] * len(shapes), strict=True):
         vertices, triangles = surface(shape)
         solid = _manifold(vertices, triangles, pose)
-        effect = "its convex hull is used"
         if solid is None:
             try:
                 solid = _manifold(*hull_surface(vertices), pose)
+                hulls += 1
             except InputError:
-                effect = "it is flat, so it is left out"
-            notes.append(
-                f"part {name!r}: a mesh among its {len(shapes)} shapes is not closed; {effect}"
-            )
+                flat += 1
         if solid is not None:
             solids.append(solid.as_original())
             piece_of[solids[-1].original_id()] = piece
+    effects = {"open shapes replaced by their convex hulls": hulls, "flat shapes left out": flat}
+    notes += [f"part {name!r}: {what}: {n} of {len(shapes)}" for what, n in effects.items() if n]
     if not solids:
         raise InputError("all of its meshes are flat", hint="give closed solids")
     mesh = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
@@ -94,6 +92,23 @@ def one_body(
     numbers = np.repeat([piece_of[k] for k in mesh.run_original_id], runs)
     triangles = np.asarray(mesh.tri_verts).astype(np.int64)
     return Mesh(vertices, triangles, pieces=numbers), Pose()
+
+
+def capsule(radius: float, height: float) -> Shape:
+    """A cylinder about z with its middle at the origin, and a half-ball at each end.
+
+    Parameters
+    ----------
+    radius : float
+        [m].
+    height : float
+        Length of the cylinder [m]; 0 for a ball.
+    """
+    ball = Sphere(radius)
+    if not height > 0:
+        return ball
+    ends = [(ball, Pose([0, 0, z])) for z in (-height / 2, height / 2)]
+    return one_body([(Cylinder(radius, height), Pose()), *ends], "capsule", [])[0]
 
 
 def _manifold(vertices: Array, triangles: Index, pose: Pose) -> Any:

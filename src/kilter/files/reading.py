@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
-from kilter.assembly.verb_keywords import on_floor
+from kilter.assembly.verb_keywords import holding, on_floor
 from kilter.errors import InputError, some_names
 from kilter.files.choices import LOWEST, Choices, find_choices
 from kilter.files.choices_off import require_off, require_saved
@@ -311,7 +311,7 @@ class Reading:
             assembly = assembly.with_down([-x for x in UP[self.up]])
         here = here.released(assembly.names)
         if here.ground:
-            assembly = assembly.with_grounded(here.ground)
+            assembly = holding(assembly, here.ground)
         directed = self.up is not None or self.down is not None or "gravity" in self.entries
         if not directed and not content.states_gravity:
             notes = note_on_up(assembly)

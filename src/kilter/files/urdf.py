@@ -21,14 +21,14 @@ from typing import Any
 import numpy as np
 
 from kilter.assembly import Assembly, Part
-from kilter.assembly.interactions import Joint
+from kilter.assembly.interactions import GivenContact, Joint
 from kilter.assembly.mass_properties import MassProperties
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError, some_names
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import MESHES, read_bodies
 from kilter.files.limits import Tally, named_path, require_regular
-from kilter.files.one_body import compose, one_body
+from kilter.files.one_body import capsule, compose, one_body
 from kilter.files.placed import join_meshes, transform_mesh
 from kilter.files.urdf_elements import (
     Element,
@@ -143,8 +143,17 @@ class _Robot:
         joints = [joint for name in solid for joint in self._joint(name, bearers)]
         moving = sum(joint.kind != "fixed" for joint in joints)
         if moving:
-            self.notes.append(f"{moving} joints have no motor: they move within their limits")
-        return Assembly(parts, units="m", joints=joints, source=source, notes=self.notes)
+            self.notes.append(
+                f"joints without motors, which move within their limits: {moving}; "
+                "links of a joint do not touch each other without --contacts geometry"
+            )
+        if held and len(parts) == 1:
+            self.notes.append("the robot is its held root link: --base floating frees it")
+        pairs = [joint.parts for joint in joints if GROUND not in joint.parts]
+        apart = [GivenContact(pair, [], [0, 0, 1]) for pair in pairs]
+        return Assembly(
+            parts, units="m", joints=joints, contacts=apart, source=source, notes=self.notes
+        )
 
     def _fixed_above(self, name: str) -> str | None:
         """The link to which a fixed joint connects a link; None without one."""
@@ -236,10 +245,16 @@ class _Robot:
         if not moving:
             return [Joint((name, above))]
         kind = MOVING.get(moving[0].get("type", ""))
-        if len(moving) > 1 or kind is None:
-            words = " and ".join(str(element.get("type")) for element in moving)
+        if len(moving) > 1:
             raise InputError(
-                f"its joint has the type {words}",
+                f"{len(moving)} moving joints connect it to {above!r:.60} "
+                "over links without shapes",
+                part=name,
+                hint="give these links shapes, or fix all joints but one",
+            )
+        if kind is None:
+            raise InputError(
+                f"its joint has the type {moving[0].get('type')}",
                 part=name,
                 hint="use one of fixed, floating, revolute, continuous, prismatic",
             )
@@ -281,10 +296,10 @@ class _Robot:
         geometry = row.find("geometry")
         inner = geometry[0] if geometry is not None and len(geometry) else None
         kind = "" if inner is None else inner.tag
-        if inner is None or kind not in ("box", "sphere", "cylinder", "mesh"):
+        if inner is None or kind not in ("box", "sphere", "cylinder", "capsule", "mesh"):
             raise InputError(
                 f"a shape has the type {kind!r}" if kind else "a geometry has no shape",
-                hint="give a box, cylinder, sphere or mesh",
+                hint="give a box, cylinder, capsule, sphere or mesh",
             )
         if kind == "box":
             return Box(numbers_of(inner, "size", 3))
@@ -293,7 +308,8 @@ class _Robot:
         radius = numbers_of(inner, "radius", 1)[0]
         if kind == "sphere":
             return Sphere(radius)
-        return Cylinder(radius, numbers_of(inner, "length", 1)[0])
+        length = numbers_of(inner, "length", 1)[0]
+        return capsule(radius, length) if kind == "capsule" else Cylinder(radius, length)
 
     def _mesh(self, row: Element) -> Mesh:
         """Read the mesh file that a `mesh` element names."""

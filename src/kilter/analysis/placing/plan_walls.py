@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
 from kilter.assembly import Part
@@ -12,6 +11,7 @@ from kilter.errors import InputError
 from kilter.files.packing_lists import PackingPlan
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
+from kilter.validate import finite
 
 __all__ = ["THICK", "given_walls", "walls_around"]
 
@@ -37,11 +37,14 @@ def walls_around(low: Array, high: Array, top: float) -> list[Part]:
     return walls
 
 
-def given_walls(plan: PackingPlan, size: Sequence[float]) -> list[Part]:
+def given_walls(plan: PackingPlan, size: ArrayLike) -> list[Part]:
     """Held walls of a given inner size; an error if a box lies beyond them."""
-    if not (len(size) == 2 and min(size) > 0):
-        raise InputError(f"walls are {size}", hint="give an inner length and width above 0")
-    slack = BEYOND * max(size)
+    size = finite(size, (2,), "the walls")
+    if not size.min() > 0:
+        raise InputError(
+            f"the walls are {size.tolist()}", hint="give an inner length and width above 0"
+        )
+    slack = BEYOND * float(size.max())
     for box in plan.boxes:
         if any(
             box.corner[k] < -slack or box.corner[k] + box.size[k] > size[k] + slack for k in (0, 1)

@@ -98,7 +98,7 @@ FREE = ("eumos",)
 
 
 def code_cases(name: str) -> tuple[CodeCase, ...]:
-    """Required accelerations of a code, by its name such as "en12195" or "eumos:0.4".
+    """Required accelerations of a code, by its name such as "EN 12195-1" or "eumos:0.4".
 
     Raises
     ------
@@ -107,14 +107,15 @@ def code_cases(name: str) -> tuple[CodeCase, ...]:
 
     Examples
     --------
-    >>> [(case.name, case.size) for case in code_cases("en12195")][:2]
+    >>> [(case.name, case.size) for case in code_cases("EN 12195-1")][:2]
     [('forward', 0.8), ('backward', 0.5)]
     >>> code_cases("eumos:0.4")[0].size
     0.4
     """
-    if name in CODES:
-        return CODES[name]
-    head, colon, tail = name.partition(":")
+    plain = name.lower().replace(" ", "").replace("en12195-1", "en12195")
+    if plain in CODES:
+        return CODES[plain]
+    head, colon, tail = plain.partition(":")
     if colon and head in FREE:
         try:
             size = float(tail)
@@ -126,11 +127,9 @@ def code_cases(name: str) -> tuple[CodeCase, ...]:
                 hint=f"write {head}:0.5 for half of gravity",
             )
         return _road(size, size, size)
-    near = nearest_name(name, CODES)
-    meant = f"; did you mean {near}?" if near else ""
-    raise InputError(
-        f"the rule {name!r:.60} does not exist{meant}", hint=f"use one of {', '.join(CODES)}"
-    )
+    near = nearest_name(plain, CODES)
+    hint = f"did you mean {near}?" if near else f"use one of {', '.join(CODES)}"
+    raise InputError(f"the rule {name!r:.60} does not exist", hint=hint)
 
 
 def code_accelerations(

@@ -170,7 +170,9 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cau
     names = parts[larger].name, parts[smaller].name
     if any(parts[k].table for k in first.parts):
         how = "give the floor a lower height"
-        option = f"{how}: --floor HEIGHT, or --floor alone"
+        option = (
+            f"{how}: --floor HEIGHT, or --floor alone; --without NAME leaves out a plane of a scene"
+        )
         return _Cause("the table is too high", how, option, rejects=True)
     if first.why == SAME_BODY and len(overlaps) < MANY:
         copy = _copies(contacts, overlaps[:1])

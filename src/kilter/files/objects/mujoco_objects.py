@@ -33,7 +33,7 @@ from kilter.files.objects.mujoco_bodies import (
 )
 from kilter.files.objects.mujoco_contacts import GeomRules, contact_entries
 from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
-from kilter.files.one_body import compose, one_body
+from kilter.files.one_body import capsule, compose, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
@@ -139,10 +139,12 @@ class ModelScene:
             near = near[0][:0], near[1][:0]
         friction, pairs, apart = contact_entries(self.rules, parts, self.rows, near, self.notes)
         if unseen := sum(part.geometry == "visual" for part in parts):
-            self.notes.append(f"no geom collides, so the visible geoms of {unseen} bodies count")
+            self.notes.append(
+                f"bodies without colliding geoms, whose visible geoms count: {unseen}"
+            )
         loads = relieving_loads(model, {b: self.names[k] for b, k in self.owner.items()})
         if loads:
-            self.notes.append(f"the gravity compensation of {len(loads)} bodies is a load")
+            self.notes.append(f"bodies whose gravity compensation is a load: {len(loads)}")
         left = self._ignored_features()
         return Assembly(
             parts,
@@ -216,9 +218,7 @@ class ModelScene:
         if kind == BOX:
             return Box(2 * size), pose
         if kind == CAPSULE:
-            ends = [(Sphere(float(size[0])), Pose([0, 0, z])) for z in (-size[1], size[1])]
-            side = Cylinder(float(size[0]), 2 * float(size[1]))
-            return one_body([(side, Pose()), *ends], "capsule", self.notes)[0], pose
+            return capsule(float(size[0]), 2 * float(size[1])), pose
         if kind == ELLIPSOID:
             vertices, triangles = surface(Sphere(1.0))
             return Mesh(vertices * size, triangles), pose
@@ -338,15 +338,13 @@ class ModelScene:
     def _equalities(self) -> list[Joint]:
         """Joints for the model's equality constraints between bodies (welds and connections)."""
         model = self.model
-        joints = []
+        joints, ignored = [], 0
         for k in np.flatnonzero(model.eq_active0):
             kind = int(model.eq_type[k])
             ids = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
             ends = [self.names[self.owner[i]] if i in self.owner else GROUND for i in ids]
             if kind not in (CONNECT, WELD) or int(model.eq_objtype[k]) != 1 or ends[0] == ends[1]:
-                self.notes.append(
-                    "an equality other than a weld or connection of bodies is ignored"
-                )
+                ignored += 1
                 continue
             first, second = ends if ends[0] != GROUND else ends[::-1]
             point = None
@@ -355,6 +353,10 @@ class ModelScene:
                 point = pose.apply(model.eq_data[k][:3][None])[0]
             joint = "fixed" if kind == WELD else "spherical"
             joints.append(Joint((first, second), joint, point=point))  # type: ignore[arg-type]
+        if ignored:
+            self.notes.append(
+                f"ignored equalities other than welds and connections of bodies: {ignored}"
+            )
         return joints
 
     def _ignored_features(self) -> str:
@@ -363,11 +365,13 @@ class ModelScene:
         apart = (model.geom_margin > 0) & self.collides
         left = np.delete(np.arange(len(model.jnt_type)), self.guided)
         friction = np.delete(model.dof_frictionloss, model.jnt_dofadr[self.guided])
+        holding = int(np.count_nonzero((model.tendon_limited != 0) | (model.tendon_stiffness > 0)))
         counts = {
             "motors": model.nu,
             "springs": int(np.count_nonzero(model.jnt_stiffness[left])),
             "joint limits": int(np.count_nonzero(model.jnt_limited[left])),
-            "tendons": model.ntendon,
+            "tendons with limits or springs, which may hold parts": holding,
+            "other tendons": model.ntendon - holding,
             "joint frictions": int(np.count_nonzero(friction)),
             "margins of geoms": int(np.count_nonzero(apart)),
             "margins of pairs": int(np.count_nonzero(model.pair_margin)),

@@ -24,7 +24,8 @@ ARRAYS = (
     "geom_margin", "geom_pos", "geom_priority", "geom_quat", "geom_size", "geom_type", "jnt_dofadr",
     "jnt_limited", "jnt_qposadr", "jnt_range", "jnt_stiffness", "jnt_type", "mesh_face",
     "mesh_faceadr", "mesh_facenum", "mesh_vert", "mesh_vertadr", "mesh_vertnum", "pair_dim",
-    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos_spring",
+    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos_spring", "tendon_limited",
+    "tendon_stiffness",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
 PLACES = ("qpos", "xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")
@@ -34,6 +35,8 @@ NEWER = ("geom_adhesion", "geom_surfacevel", "pair_adhesion")
 DISABLED = {
     "jnt_limited": ("LIMIT", "CONSTRAINT"),
     "jnt_stiffness": ("SPRING",),
+    "tendon_limited": ("LIMIT", "CONSTRAINT"),
+    "tendon_stiffness": ("SPRING",),
     "dof_frictionloss": ("FRICTIONLOSS", "CONSTRAINT"),
     "eq_active0": ("EQUALITY", "CONSTRAINT"),
 }

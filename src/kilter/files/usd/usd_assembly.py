@@ -145,7 +145,7 @@ def _part(
         for each in entry.chosen:
             # a shape keeps its own numbers; lengths of the stage become those of the assembly
             matrix = inverse @ _scaled(each.matrix, scene.scale)
-            shapes.append(shape_of_prim(each.prim, matrix, entry.name, notes))
+            shapes.append(shape_of_prim(each.prim, matrix))
             shape = shapes[-1][0]
             tally.add(len(shape.triangles) if isinstance(shape, Mesh) else 1)
         in_world = [(shape, compose(pose, place)) for shape, place in shapes]

@@ -62,7 +62,7 @@ def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[s
         joints.append(_joint(scene, prim, entry, kind, names, targets))
     moving = sum(joint.kind != "fixed" for joint in joints)
     if moving:
-        notes.append(f"{moving} joints are free to move: drives and limits are ignored")
+        notes.append(f"joints that move freely, without their drives and limits: {moving}")
     if ignored:
         notes.append(f"ignored joints: {ignored}")
     return joints

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array, Index, cross
 from kilter.errors import InputError
 from kilter.files.file_tolerances import FLAT_POLYGON, STRAIGHT_AXES
-from kilter.files.one_body import one_body
+from kilter.files.one_body import capsule
 from kilter.files.placed import transform_mesh
 from kilter.files.usd.usd_values import array_of, size_of, token_of
 from kilter.rigid import Pose, matrix_to_quaternion
@@ -57,7 +57,7 @@ def rigid_part(matrix: Array) -> Pose:
     return Pose(matrix[:3, 3], matrix_to_quaternion(axes))
 
 
-def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tuple[Shape, Pose]:
+def shape_of_prim(prim: Any, matrix: Array) -> tuple[Shape, Pose]:
     """Shape of a prim, and its pose, after a transform.
 
     Parameters
@@ -66,9 +66,6 @@ def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tupl
         A shape (`Gprim`).
     matrix : ndarray, shape (4, 4)
         Transform of the prim to the frame of its object, for column vectors [length unit].
-    name : str
-        Name of the object, for notes.
-    notes : list of str
 
     Raises
     ------
@@ -112,11 +109,7 @@ def shape_of_prim(prim: Any, matrix: Array, name: str, notes: list[str]) -> tupl
         return _meshed(Cylinder(radius, height), turn, matrix)
     if kind == "Cone":
         return _meshed(_cone(radius, height), turn, matrix)
-    ends = [(Sphere(radius), Pose([0, 0, z])) for z in (-height / 2, height / 2)]
-    parts: list[tuple[Shape, Pose]] = [*ends]
-    if height > 0:
-        parts.insert(0, (Cylinder(radius, height), Pose()))
-    return _meshed(one_body(parts, name, notes)[0], turn, matrix)
+    return _meshed(capsule(radius, height), turn, matrix)
 
 
 def _meshed(shape: Shape, turn: Array, matrix: Array) -> tuple[Shape, Pose]:
