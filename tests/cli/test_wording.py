@@ -128,6 +128,22 @@ def test_held_parts_that_touch_each_other_are_no_warning(say: Any) -> None:
     assert "is held, but touches nothing: 'sign'" in say("check b.kilter.json")[2]
 
 
+@pytest.mark.parametrize(
+    ("heights", "step"),
+    [([0.5, 3], "scene a.kilter.json --settle"), ([3, 4], "scene a.kilter.json --settle"),
+     ([0.5, 1.5], "hold a.kilter.json")],
+    ids=["one floats", "a group floats", "one falls"],
+)  # fmt: skip
+def test_the_step_after_a_scene_that_floats_moves_it_to_rest(
+    heights: list[float], step: str, say: Any
+) -> None:
+    boxes = [Part(f"b{k}", Box(1, 1, 1), [0.6 * k, 0, z]) for k, z in enumerate(heights)]
+    kilter.dump(Assembly([TABLE, *boxes]), "a.kilter.json")
+    code, out, _ = say("check a.kilter.json")
+    assert code == 1
+    assert f"next: kilter {step}\n" in out
+
+
 def test_a_plan_that_is_written_as_a_page_prints_its_sentence(say: Any) -> None:
     kilter.dump(kilter.example("arch").without("voussoir-1?"), "a.kilter.json")
     sentence = kilter.plan("a.kilter.json", floor=True).sentence
