@@ -36,6 +36,23 @@ def test_headlines_name_no_paper() -> None:
     assert verdict.sentence == "Stable: it cannot start to move, even without friction."
 
 
+READ_TWICE = (
+    "at a lower level than required", "Stable within the accuracy", "beyond the accuracy of its",
+    "whatever the open pairs do", "With its certain contacts", "computed without the open pairs",
+    "another set may also be enough", "without forces at its open pairs, it holds",
+    "has the level equilibrium", "can move freely without any change",
+)  # fmt: skip
+
+
+def test_no_sentence_has_the_words_that_were_read_twice() -> None:
+    written = " ".join(
+        " ".join(re.sub(r'"\s*f?"', "", path.read_text("utf-8")).split())
+        for path in (ROOT / "src/kilter/tell").glob("*.py")
+    )
+    assert "as drawn it falls" in written
+    assert not [words for words in READ_TWICE if words in written]
+
+
 @pytest.mark.parametrize(
     ("verdict", "begins"),
     [
