@@ -30,6 +30,7 @@ a = stack()
 WRONG: dict[str, tuple[Callable[[], Any], str]] = {
     "save an assembly": (lambda: kilter.save(a, "x.json"), "kilter.dump(assembly, path)"),
     "place a box": (lambda: kilter.place(a, CUBE), "give kilter.Part(name, shape"),
+    "parts by name": (lambda: a.parts["upper"], "use assembly['upper']"),
     "a part named ground": (lambda: Part("ground", CUBE), "the world in joints and straps"),
     "poses of a rest": (lambda: kilter.settle(a).poses, 'assembly["name"].pose'),
     "qpos of a rest": (lambda: kilter.settle(a).qpos, 'assembly["name"].pose'),

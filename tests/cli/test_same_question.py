@@ -59,6 +59,7 @@ def test_hold_names_the_straps_that_an_acceleration_needs(capsys):
     braking = json.loads(answered(capsys, 0, "hold", *asked, "--json"))
     (strap,) = braking["straps"]
     assert strap["candidate"] == 2
+    assert "kilter plan" not in answered(capsys, 0, "hold", *asked)  # plan refuses straps
     along = np.array([3.5, 0, -1]) / np.linalg.norm([3.5, 0, -1])
     assert strap["pull"] * (along[0] - MU * along[2]) >= MASS * G * (0.5 - MU) * (1 - 1e-9)
 

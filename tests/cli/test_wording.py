@@ -36,6 +36,23 @@ def test_headlines_name_no_paper() -> None:
     assert verdict.sentence == "Stable: it cannot start to move, even without friction."
 
 
+READ_TWICE = (
+    "at a lower level than required", "Stable within the accuracy", "beyond the accuracy of its",
+    "whatever the open pairs do", "With its certain contacts", "computed without the open pairs",
+    "another set may also be enough", "without forces at its open pairs, it holds",
+    "has the level equilibrium", "can move freely without any change",
+)  # fmt: skip
+
+
+def test_no_sentence_has_the_words_that_were_read_twice() -> None:
+    written = " ".join(
+        " ".join(re.sub(r'"\s*f?"', "", path.read_text("utf-8")).split())
+        for path in (ROOT / "src/kilter/tell").glob("*.py")
+    )
+    assert "as drawn it falls" in written
+    assert not [words for words in READ_TWICE if words in written]
+
+
 @pytest.mark.parametrize(
     ("verdict", "begins"),
     [
@@ -126,6 +143,22 @@ def test_held_parts_that_touch_each_other_are_no_warning(say: Any) -> None:
     apart = Part("sign", Box(1, 1, 1), [9, 0, 0.5], grounded=True)
     kilter.dump(Assembly([TABLE, box, apart]), "b.kilter.json")
     assert "is held, but touches nothing: 'sign'" in say("check b.kilter.json")[2]
+
+
+@pytest.mark.parametrize(
+    ("heights", "step"),
+    [([0.5, 3], "scene a.kilter.json --settle"), ([3, 4], "scene a.kilter.json --settle"),
+     ([0.5, 1.5], "hold a.kilter.json")],
+    ids=["one floats", "a group floats", "one falls"],
+)  # fmt: skip
+def test_the_step_after_a_scene_that_floats_moves_it_to_rest(
+    heights: list[float], step: str, say: Any
+) -> None:
+    boxes = [Part(f"b{k}", Box(1, 1, 1), [0.6 * k, 0, z]) for k, z in enumerate(heights)]
+    kilter.dump(Assembly([TABLE, *boxes]), "a.kilter.json")
+    code, out, _ = say("check a.kilter.json")
+    assert code == 1
+    assert f"next: kilter {step}\n" in out
 
 
 def test_a_plan_that_is_written_as_a_page_prints_its_sentence(say: Any) -> None:

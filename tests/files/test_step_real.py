@@ -11,6 +11,7 @@ import pytest
 
 pytest.importorskip("OCP")
 
+import kilter
 from kilter.assembly import Assembly
 from kilter.contact import detect
 from kilter.files import from_dict, load, to_dict
@@ -143,3 +144,10 @@ def test_a_file_with_faces_that_the_mesher_leaves_out_is_read_whole() -> None:
         corners = shape.vertices[shape.triangles]
         cut = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
         assert shape.volume == pytest.approx(cut, rel=0.01)
+
+
+@pytest.mark.slow
+def test_with_its_bolts_joined_it_is_stable_although_shafts_turn_in_their_bores() -> None:
+    held = load(FILE, ground=["plate"], friction=0.3)
+    verdict = kilter.check(kilter.fastened(held, suggested=True))
+    assert (verdict.verdict, verdict.level) == ("stable", "proved")

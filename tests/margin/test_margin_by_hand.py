@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from margins import program_of
 
 import kilter
-from kilter import Assembly, Box, Part
+from kilter import Assembly, Box, Part, Prism
+from kilter.analysis.margins.pushes import find_push
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.scenes.pieces import block
 
@@ -150,3 +152,22 @@ def test_a_box_settles_up_to_each_limit_of_equilibrium() -> None:
         assert found["inside"] <= value * (1 + 1e-9), key
         assert found["outside"] >= value * (1 - 1e-9), key
     assert limits["friction"]["inside"] == 0
+
+
+@pytest.mark.parametrize("angle", [1e-3, 2e-5, 5e-6])
+def test_a_push_above_a_hundred_thousand_weights_is_unlimited(angle: float) -> None:
+    """A board that is pushed up a slope of this angle less than that at which friction jams it."""
+    steep = math.pi / 2 - math.atan(MU) - angle
+    high, aside = 200.0, 200.0 / math.tan(steep)
+    board = Prism([(0, 0), (1000, 0), (1000 + aside, high), (0, high)], 1000)
+    wall = Prism([(1000, 0), (4000, 0), (4000, high), (1000 + aside, high)], 1000)
+    parts = [
+        block("base", [-5000, -5000, -10], [5000, 5000, 0], grounded=True),
+        Part("board", board, density=2000.0),
+        Part("wall", wall, grounded=True),
+    ]
+    assembly = Assembly(parts, units="mm", friction=MU)
+    push = find_push(program_of(assembly), 1, np.array([1.0, 0.0, 0.0]))
+    most = 1 / math.tan(angle)
+    expected = most * assembly["board"].mass * G if most < 1e5 else math.inf
+    assert push.force == pytest.approx(expected, rel=1e-6)

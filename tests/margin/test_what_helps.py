@@ -152,4 +152,5 @@ def test_holding_a_part_gains_what_it_says():
     after = find_tilt_margin(program_of(dataclasses.replace(tower, parts=parts)))
     gained = np.degrees(after.angle - before.angle)
     assert gained == pytest.approx(found.gain, abs=1e-6)
+    assert found.sentence.startswith(f"fix '{found.parts[0]}' so that it cannot move at all: ")
     assert gained > 0

@@ -161,6 +161,7 @@ class Assembly(ChangedCopies):
         if any(part.units != self.units for part in self.parts):
             parts = tuple(dataclasses.replace(part, units=self.units) for part in self.parts)
             object.__setattr__(self, "parts", parts)
+        object.__setattr__(self, "parts", _Parts(self.parts))
         if not self.parts:
             raise InputError("the assembly has no parts", hint="give at least one part")
         if len(self.index) < len(self.parts):
@@ -493,6 +494,17 @@ class Assembly(ChangedCopies):
             "with assembly.with_floor()",
             option=f"hold a part with --ground {lowest!r}, or put a table under them with --floor",
         )
+
+
+class _Parts(tuple[Part, ...]):
+    """The parts of an assembly; a name as an index is answered with the right call."""
+
+    __slots__ = ()
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, str):
+            raise InputError("parts have positions, not names", hint=f"use assembly[{key!r}]")
+        return super().__getitem__(key)
 
 
 def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:

@@ -74,6 +74,8 @@ RESTING = NextStep(("check", "--settle"), "decides at which level the pose at re
 SETTLED = NextStep(
     ("scene", "--settle"), "moves floating and overlapping objects to rest, and judges them again"
 )
+FLOATS = ("touches nothing: ", "touch no other part: ")
+"""Begin of the warnings about free parts, and about groups of them, that lie on nothing."""
 CHECK = NextStep(
     ("check",),
     "decides whether it stays together under gravity; if nothing is held, add --ground NAME or "
@@ -193,7 +195,8 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     falling = [remedy for remedy in tried if remedy["leads_to"] == "unstable"]
     best = next(iter([*holding, *further, *falling]), None)
     if best is None:
-        return AFTER_CHECK[answer["verdict"]]
+        floats = any(text.startswith(FLOATS) for text in answer["warnings"])
+        return SETTLED if floats else AFTER_CHECK[answer["verdict"]]
     option = best["option"]
     purpose = "asks the next question" if best["leads_to"] == "undecided" else "decides it"
     return NextStep(("check", *shlex.split(option)), f"{purpose} if {_meaning(option)}")

@@ -65,7 +65,7 @@ MEANT = {word: name for name, words in WORDS.items() for word in words}
 READ = "kilter.load(path)"
 WRITE = 'kilter.dump(assembly, "a.kilter.json")'
 PICTURE = 'kilter.draw({}, "picture.svg")'
-POSES = 'answer.assembly["name"].pose is the pose of a part at rest'
+POSES = 'answer.assembly["name"].pose, the pose of a part at rest'
 DETECTS = (
     "kilter.check(assembly, tolerance=kilter.Tolerance({}=...)): the detection has the tolerances"
 )
