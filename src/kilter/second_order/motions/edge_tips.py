@@ -19,12 +19,12 @@ from kilter.arrays import Array, Index, Mask, across, connected
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import clusters
+from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.gaps.fits import body_pairs
 from kilter.second_order.motions.bending import Bending, round_rows
 from kilter.second_order.second_order_tolerances import BENDS, SLIPS
-from kilter.solvers.nonnegative import nonnegative
 
 __all__ = ["tipping_parts"]
 
