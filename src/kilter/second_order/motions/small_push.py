@@ -38,7 +38,7 @@ from kilter.second_order.parts.rigid_groups import RigidGroups
 
 __all__ = ["ABOVE_EDGE", "SmallPush", "small_push"]
 
-ABOVE_EDGE = "the weight acts exactly above an edge of a flat face"
+ABOVE_EDGE = "the weight acts exactly above an edge, or a single point, of contact"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
