@@ -5,6 +5,9 @@ may open. A part between flat faces may slide, but if such a motion turns it abo
 not vertical, it tips. For each turn c, multipliers l >= 0 exclude the sense c z > 0: with the rows
 A z >= 0 of the contacts that may open, A^T l = -c.
 
+Forces that friction squeezes between parts may press contacts that the load does not need; such a
+contact counts as pressed, so that a tip may be missed beside it.
+
 Parts that pressed points with friction fix to held parts do not move. Round and jointed parts count
 as held: `bending` judges them. Bonded parts count as held, too.
 """
