@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from kilter.solvers.nonnegative import nonnegative
+from kilter.mechanics.nonnegative import nonnegative
 
 
 def test_the_distance_is_that_of_the_weights() -> None:

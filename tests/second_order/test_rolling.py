@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,11 +11,12 @@ from balance_cases import GRIP, ROLLING, Case
 from places import side_by_side
 
 import kilter
-from kilter import Assembly
+from kilter import Assembly, Box, Part, Pose, Sphere
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.motions.rolling import Rolling, find_rolling
+from kilter.second_order.motions.slips import rolling_shifts
 
 OFF = 1e-6
 
@@ -184,3 +186,20 @@ def test_a_proof_says_of_rolling_what_is_found_again() -> None:
             changed["digest"] = digest_of(changed)
             assert not kilter.verify(assembly, changed).holds
     assert [one.get("rolling") for one in proof["second_order"]["clusters"]] == [None, "falls"]
+
+
+@pytest.mark.parametrize(("play", "expected"), [(0.0, 0.0), (1e-14, 0.0), (1e-3, 1e3)])
+def test_equal_curvatures_shift_no_contact_up_to_their_rounding(
+    play: float, expected: float
+) -> None:
+    """A ball in a socket of nearly one radius: the inverse of the difference of curvatures."""
+    floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    ball = Part("ball", Sphere(1), Pose([0, 0, 1]))
+    assembly = Assembly([floor, ball], friction=0.5)
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    features = features_of(program, contacts)
+    round_side = features.curvature_a + features.curvature_b
+    close = replace(features, curvature_a=round_side, curvature_b=-round_side * (1 - play))
+    found = rolling_shifts(program, close)
+    assert np.abs(found).max() == pytest.approx(expected, rel=1e-6)

@@ -331,7 +331,8 @@ def _in_patch(patch: _Patch, sums: Array, part: float) -> bool:
         if not _positive(patch.mu * push - size):
             return False
         torque = spin - (moment[:, 0] * drag[:, 1] - moment[:, 1] * drag[:, 0]) / push
-        if np.abs(torque).max() > part * patch.grip:
+        most = part * patch.grip
+        if not (_positive(most - torque) and _positive(most + torque)):
             return False
     if any(not _positive(h * push - moment @ [x, y]) for x, y, h in patch.lines):
         return False

@@ -17,6 +17,7 @@ from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import check_motion
+from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof_form import (
     NUMBER,
@@ -29,7 +30,6 @@ from kilter.mechanics.proof_form import (
     nullable,
     one_of,
 )
-from kilter.solvers.nonnegative import nonnegative
 from kilter.tell.numbers import number
 
 __all__ = ["region_notes", "require_region_form", "wrong_region"]

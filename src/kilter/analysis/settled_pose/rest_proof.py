@@ -27,7 +27,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.contact_tolerances import ROUNDINGS
 from kilter.contact.planar.facets import Facets, find_facets
 from kilter.errors import some_names
-from kilter.solvers.nonnegative import nonnegative
+from kilter.mechanics.nonnegative import nonnegative
 
 __all__ = ["ClosedContacts", "closed_contacts", "closed_gap", "closed_points", "deepest_overlap"]
 

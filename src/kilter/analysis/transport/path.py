@@ -49,9 +49,9 @@ from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.analysis.turning_tolerances import NOT_HELD
 from kilter.arrays import Array, Mask
 from kilter.mechanics.coulomb_cones import cone_problem
+from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
-from kilter.solvers.nonnegative import nonnegative
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.transport_data import PathData

@@ -79,7 +79,12 @@ def rolling_shifts(program: Program, features: Features) -> Array:
         axes = _common(program, features, k)
         if axes.size:
             within = axes @ total[k] @ axes.T
-            inverse[k] = axes.T @ np.linalg.pinv(within, BALANCED, hermitian=True) @ axes
+            values, along = np.linalg.eigh(within)
+            # equal curvatures cancel up to rounding of their own size
+            size = max(np.abs(features.curvature_a[k]).max(), np.abs(features.curvature_b[k]).max())
+            bent = np.abs(values) > BALANCED * size
+            along = axes.T @ along[:, bent]
+            inverse[k] = along / values[bent] @ along.T
     return inverse
 
 

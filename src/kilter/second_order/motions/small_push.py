@@ -3,7 +3,7 @@
 holds   no motion that keeps the pressed contacts bends, or friction holds all that roll
 falls   the energy decreases along a rolling
 open    a round or jointed part may roll, rock or swing, and nothing is proved about it; or a part
-        stands exactly above an edge (`tipping`)
+        stands exactly above an edge (`edge_tips`)
 
 If no other part of a cluster moves along a neutral motion, the bending parts are examined alone,
 while the others are held: friction that others need does not matter to them. A ball in a bowl, on a
@@ -26,6 +26,7 @@ from kilter.mechanics.rows import CONTACT, OF_JOINTS
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.joint_forms import slipping
 from kilter.second_order.motions.bending import bending_bodies
+from kilter.second_order.motions.edge_tips import tipping_parts
 from kilter.second_order.motions.rolling import (
     Rolling,
     Rolls,
@@ -33,12 +34,11 @@ from kilter.second_order.motions.rolling import (
     open_rolling,
     worst_rolling,
 )
-from kilter.second_order.motions.tipping import tipping_parts
 from kilter.second_order.parts.rigid_groups import RigidGroups
 
 __all__ = ["ABOVE_EDGE", "SmallPush", "small_push"]
 
-ABOVE_EDGE = "the weight acts exactly above an edge of a flat face"
+ABOVE_EDGE = "the weight acts exactly above an edge, or a single point, of contact"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

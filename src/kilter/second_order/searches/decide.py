@@ -21,6 +21,7 @@ from typing import Literal
 import numpy as np
 
 from kilter.arrays import TINY, Array
+from kilter.mechanics.nonnegative import nonnegative
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.minimum_proof import (
@@ -37,7 +38,6 @@ from kilter.second_order.searches.curved_energy import best_curvature, blocking_
 from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.path_search import find_path
 from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
-from kilter.solvers.nonnegative import nonnegative
 from kilter.work import Work
 
 __all__ = ["EXACT_DIMENSION", "decide"]

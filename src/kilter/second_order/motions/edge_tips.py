@@ -5,6 +5,9 @@ may open. A part between flat faces may slide, but if such a motion turns it abo
 not vertical, it tips. For each turn c, multipliers l >= 0 exclude the sense c z > 0: with the rows
 A z >= 0 of the contacts that may open, A^T l = -c.
 
+Forces that friction squeezes between parts may press contacts that the load does not need; such a
+contact counts as pressed, so that a tip may be missed beside it.
+
 Parts that pressed points with friction fix to held parts do not move. Round and jointed parts count
 as held: `bending` judges them. Bonded parts count as held, too.
 """
@@ -19,12 +22,12 @@ from kilter.arrays import Array, Index, Mask, across, connected
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import clusters
+from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.gaps.fits import body_pairs
 from kilter.second_order.motions.bending import Bending, round_rows
 from kilter.second_order.second_order_tolerances import BENDS, SLIPS
-from kilter.solvers.nonnegative import nonnegative
 
 __all__ = ["tipping_parts"]
 
