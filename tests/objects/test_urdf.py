@@ -82,6 +82,27 @@ def test_an_arm_at_the_side_is_held_as_its_joint_holds(
     assert bool(found.notes) is (kind != "fixed")
 
 
+def test_links_near_a_joint_do_not_touch_and_points_are_no_shapes(tmp_path: Path) -> None:
+    """The cover is fixed to the arm, which a joint connects to the base; the marker is a point."""
+    arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .4", "0 0 .4")
+    path = robot(
+        tmp_path,
+        BASE,
+        arm,
+        link("cover", '<box size=".3 .3 .3"/>', 1),
+        link("marker", '<box size="0 0 0.0"/>', 1),
+        joint("base", "arm", "continuous", "0.5 0 0", f"0 {np.pi / 2} 0", "0 1 0"),
+        joint("arm", "cover", "fixed", "0 0 0"),
+        joint("cover", "marker", "fixed", "0 0 0"),
+    )
+    found = kilter.load(path)
+    assert found.names == ("base", "arm", "cover")
+    assert {frozenset(each.parts) for each in found.contacts} == {
+        frozenset(pair) for pair in (("base", "arm"), ("base", "cover"), ("arm", "cover"))
+    }
+    assert kilter.check(found).verdict == "unstable"
+
+
 @pytest.mark.parametrize(("contacts", "verdict"), [(None, "unstable"), ("geometry", "undecided")])
 def test_links_that_overlap_at_their_joint_do_not_touch(
     tmp_path: Path, contacts: Any, verdict: str

@@ -15,6 +15,7 @@ ROS, urdf/XML: link, joint. Roll, pitch and yaw are rotations about fixed axes, 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from kilter.files.one_body import capsule, compose, one_body
 from kilter.files.placed import join_meshes, transform_mesh
 from kilter.files.urdf_elements import (
     Element,
+    has_size,
     joints_by_child,
     numbers_of,
     origin_of,
@@ -149,8 +151,7 @@ class _Robot:
             )
         if held and len(parts) == 1:
             self.notes.append("the robot is its held root link: --base floating frees it")
-        pairs = [joint.parts for joint in joints if GROUND not in joint.parts]
-        apart = [GivenContact(pair, [], [0, 0, 1]) for pair in pairs]
+        apart = [GivenContact(pair, [], [0, 0, 1]) for pair in _near_pairs(solid, joints)]
         return Assembly(
             parts, units="m", joints=joints, contacts=apart, source=source, notes=self.notes
         )
@@ -285,7 +286,7 @@ class _Robot:
 
     def _shapes(self, link: Element) -> list[tuple[Shape, Pose]]:
         """Collision shapes of a link, else its visual shapes, with their poses in its frame."""
-        rows = link.findall("collision") or link.findall("visual")
+        rows = [row for row in link.findall("collision") or link.findall("visual") if has_size(row)]
         try:
             return [(self._shape(row), origin_of(row)) for row in rows]
         except InputError as error:
@@ -335,3 +336,26 @@ class _Robot:
                     return named_path(folder, inner)
         require_regular(self.folder / plain)
         return self.folder / plain
+
+
+def _near_pairs(links: list[str], joints: list[Joint]) -> list[tuple[str, str]]:
+    """Pairs of links of the same rigid group, or of two groups that a joint connects.
+
+    Fixed joints connect the links of a group. Simulators let such pairs not touch.
+    """
+    above = dict(joint.parts for joint in joints if joint.kind == "fixed")
+    top = {}
+    for link in [*links, GROUND]:
+        first = link
+        while first in above:
+            first = above[first]
+        top[link] = first
+    groups: dict[str, list[str]] = {}
+    for link in links:
+        groups.setdefault(top[link], []).append(link)
+    pairs: list[tuple[str, str]] = []
+    for a, b in dict.fromkeys(
+        (top[child], top[parent]) for child, parent in (j.parts for j in joints)
+    ):
+        pairs += combinations(groups[a], 2) if a == b else product(groups[a], groups.get(b, []))
+    return pairs

@@ -10,7 +10,7 @@ import numpy as np
 from kilter.errors import InputError
 from kilter.rigid import Pose
 
-__all__ = ["Element", "joints_by_child", "numbers_of", "origin_of", "text_of"]
+__all__ = ["Element", "has_size", "joints_by_child", "numbers_of", "origin_of", "text_of"]
 
 Element = ElementTree.Element
 
@@ -36,6 +36,13 @@ def numbers_of(element: Element | None, key: str, count: int, default: str = "")
             f"{key} of <{tag}> is {' '.join(words)!r:.60}", hint=f"give {count} numbers"
         )
     return values
+
+
+def has_size(row: Element) -> bool:
+    """Whether a shape is no mere point, such as a box of size 0 0 0 that marks a frame."""
+    inner = row.find("geometry/*")
+    words = [] if inner is None else f"{inner.get('size', '')} {inner.get('radius', '')}".split()
+    return not words or any(word.strip("+-0.") for word in words)
 
 
 def origin_of(element: Element) -> Pose:
