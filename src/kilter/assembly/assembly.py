@@ -161,7 +161,7 @@ class Assembly(ChangedCopies):
         if any(part.units != self.units for part in self.parts):
             parts = tuple(dataclasses.replace(part, units=self.units) for part in self.parts)
             object.__setattr__(self, "parts", parts)
-        object.__setattr__(self, "parts", _Parts(self.parts))
+        object.__setattr__(self, "parts", _NamedParts(self.parts))
         if not self.parts:
             raise InputError("the assembly has no parts", hint="give at least one part")
         if len(self.index) < len(self.parts):
@@ -496,7 +496,7 @@ class Assembly(ChangedCopies):
         )
 
 
-class _Parts(tuple[Part, ...]):
+class _NamedParts(tuple[Part, ...]):
     """The parts of an assembly; a name as an index is answered with the right call."""
 
     __slots__ = ()
