@@ -208,3 +208,17 @@ def test_the_readme_counts_the_blocks_of_its_first_command() -> None:
     words = {2: "two", 3: "three", 4: "four", 5: "five"}
     free = sum(not part.grounded for part in example)
     assert re.search(rf"checks an example of {words[free]} free blocks", readme)
+
+
+def test_a_stack_that_a_simulator_sank_is_not_proposed_to_be_joined(say: Any) -> None:
+    """It topples: the upper cube hangs over the lower one by more than half of its width."""
+    cube = Box(0.1, 0.1, 0.1)
+    low, high = Part("low", cube, [0, 0, 0.0497]), Part("high", cube, [0.06, 0, 0.1492])
+    table = Part("table", Box(1, 1, 0.1), [0, 0, -0.05], grounded=True)
+    stack = Assembly([table, low, high], friction=0.5)
+    kilter.dump(stack, "sunk.kilter.json")
+    code, out, _ = say("check sunk.kilter.json")
+    assert code == 4
+    assert "next: kilter settle sunk.kilter.json" in out
+    assert "--fasten" not in out
+    assert kilter.check(stack).remedies == ()

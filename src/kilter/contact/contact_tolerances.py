@@ -252,3 +252,6 @@ larger value is less accurate, a smaller value is rounded more."""
 SUPPORT_BESIDE = 1e-3
 """Largest distance of a support's point from the box of its part, as a fraction of the part's size
 [-]."""
+SUNK = 1e-2
+"""Depth of an overlap over the size of the smaller part, and its share of the volume, up to which
+parts that are no exact solids are merely sunk: simulators let every contact sink [-]."""

@@ -74,6 +74,9 @@ RESTING = NextStep(("check", "--settle"), "decides at which level the pose at re
 SETTLED = NextStep(
     ("scene", "--settle"), "moves floating and overlapping objects to rest, and judges them again"
 )
+SETTLE = NextStep(
+    ("settle",), "moves parts that overlap until they touch, or names those that fall"
+)
 FLOATS = ("touches nothing: ", "touch no other part: ")
 """Begin of the warnings about free parts, and about groups of them, that lie on nothing."""
 CHECK = NextStep(
@@ -196,7 +199,9 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     best = next(iter([*holding, *further, *falling]), None)
     if best is None:
         floats = any(text.startswith(FLOATS) for text in answer["warnings"])
-        return SETTLED if floats else AFTER_CHECK[answer["verdict"]]
+        overlap = any(pair["kind"] == "overlap" for pair in answer["open_pairs"])
+        sunk = answer["verdict"] == "undecided" and overlap
+        return SETTLED if floats else SETTLE if sunk else AFTER_CHECK[answer["verdict"]]
     option = best["option"]
     purpose = "asks the next question" if best["leads_to"] == "undecided" else "decides it"
     return NextStep(("check", *shlex.split(option)), f"{purpose} if {_meaning(option)}")

@@ -26,7 +26,7 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import parts_to_leave_out
 from kilter.contact.fits.fastening import fastened
-from kilter.contact.fits.suggestions import suggest_joints
+from kilter.contact.fits.suggestions import merely_sunk, suggest_joints
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError, shell_words
 from kilter.tell.levels import holds
@@ -259,6 +259,9 @@ def find_remedies(
     if not remedies and decision.question is not None:
         # no tolerance closes these pairs, such as threads with play; the user may join them
         names, question = assembly.names, decision.question
+        sunk = _sunk_pairs(assembly, contacts)
+        if any({names[k] for k in p.parts} in sunk for p in question.deciding.pairs):
+            return ()
         pairs = tuple((names[p.parts[0]], names[p.parts[1]]) for p in question.deciding.pairs)
         return (Remedy(_Change(fasten=pairs).option, question.verdict, question.level),)
     return remedies
@@ -406,7 +409,9 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
     if joined:  # a thread or a press fit is more evidence of a joint than a clearance
         yield likely
     if decision.question is not None:
+        sunk = _sunk_pairs(assembly, contacts)
         pairs = open_pairs_answer(assembly, contacts, decision.question)
+        pairs = [pair for pair in pairs if set(pair["parts"]) not in sunk]
         yield _settling_change(open_options(pairs))
         known = {frozenset(pair) for pair in joined}
         rest = [
@@ -436,6 +441,15 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
         yield _Change(friction=FRICTION)
     if smooth and joined:
         yield replace(likely, friction=FRICTION)
+
+
+def _sunk_pairs(assembly: Assembly, contacts: ContactSet) -> list[set[str]]:
+    """Names of the pairs that are merely sunk into each other, which nobody should join."""
+    return [
+        {assembly.names[k] for k in overlap.parts}
+        for overlap in contacts.overlaps
+        if merely_sunk(assembly, overlap)
+    ]
 
 
 def _closing_gap(contacts: ContactSet) -> float | None:

@@ -29,14 +29,15 @@ import numpy as np
 
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, ContactSet, Overlap
-from kilter.contact.contact_tolerances import ANGLE, AXIS_ROUNDING, GAP, PRESS_FIT, THREAD
+from kilter.contact.contact_tolerances import ANGLE, AXIS_ROUNDING, GAP, PRESS_FIT, SUNK, THREAD
 from kilter.contact.fits.coaxial import Fit, coaxial_fits, is_tube
 from kilter.errors import shell_words
+from kilter.shape.solid import Solid
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.check_data import SuggestionData
 
-__all__ = ["Kind", "Suggestion", "suggest_joints", "touching_pairs"]
+__all__ = ["Kind", "Suggestion", "merely_sunk", "suggest_joints", "touching_pairs"]
 
 Kind = Literal["thread", "press fit", "insert", "overlap", "same body", "size on size"]
 RANK = {kind: rank for rank, kind in enumerate(get_args(Kind))}
@@ -107,7 +108,8 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     """Suggest joints for pairs that look fastened and have none, the most certain pairs first.
 
     They are all pairs that overlap, and solid cylinders in coaxial hollow cylinders of the same
-    radius within the tolerance; but no pair of held parts, and not the table of `with_floor`.
+    radius within the tolerance; but no pair of held parts, not the table of `with_floor`, and no
+    parts that are merely sunk into each other.
     """
     near_pairs = [*touching_pairs(contacts), *(r.parts for r in contacts.rejected)]
     overlaps = {_key(overlap.parts): overlap for overlap in contacts.overlaps}
@@ -128,7 +130,8 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     fits = {key: fit for key, fit in fits.items() if fit.tight or key not in overlaps}
     suggestions = [_from_fit(assembly, contacts, fit) for fit in fits.values()]
     for key, overlap in overlaps.items():
-        if key not in fits and _may_join(assembly, overlap.parts):
+        joinable_pair = key not in fits and _may_join(assembly, overlap.parts)
+        if joinable_pair and not merely_sunk(assembly, overlap):
             suggestions.append(_from_overlap(assembly, overlap))
     return sorted(suggestions, key=lambda suggestion: RANK[suggestion.kind])
 
@@ -144,6 +147,21 @@ def _may_join(assembly: Assembly, pair: tuple[int, int]) -> bool:
         return False
     names = {first.name, second.name}
     return not any(names == set(joint.parts) for joint in assembly.joints)
+
+
+def merely_sunk(assembly: Assembly, overlap: Overlap) -> bool:
+    """Whether parts overlap so little that they are sunk, as in a simulator, and not joined.
+
+    Exact solids and parts whose names say that they are fastened are drawn with care.
+    """
+    pair, geometry = list(overlap.parts), assembly.geometry
+    drawn = any(isinstance(assembly.parts[k].shape, Solid) for k in pair)
+    names = [_short_name(assembly.names[k]) for k in pair]
+    if drawn or any(one.search(name) for one in (INSERT, THREADED, HOLLOW) for name in names):
+        return False
+    small = overlap.share is not None and overlap.share <= SUNK
+    plain = overlap.why not in (SAME_BODY, INTERFERE)
+    return plain and small and overlap.depth <= SUNK * float(geometry.size[pair].min())
 
 
 def _from_fit(assembly: Assembly, contacts: ContactSet, fit: Fit) -> Suggestion:
