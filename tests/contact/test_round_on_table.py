@@ -145,8 +145,7 @@ def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
     shape, down, count = RESTING[name]
     verdict = check(on_table(shape, down, seed))
     assert verdict.first_order == "stable"
-    assert verdict.first_order == "stable"
-    assert (verdict.verdict == "balanced") == (name == "capsule, standing")
+    assert (verdict.verdict == "balanced") == (name in ("capsule, standing", "torus, standing"))
     assert verdict.contacts.unsupported == ()
     assert np.abs(verdict.contacts.patch_gap).max() < 1e-13
     assert verdict.to_dict()["neutral"] == {"two_sided": count, "one_sided": 0}

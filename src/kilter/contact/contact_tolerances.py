@@ -255,3 +255,9 @@ SUPPORT_BESIDE = 1e-3
 SUNK = 1e-2
 """Depth of an overlap over the size of the smaller part, and its share of the volume, up to which
 parts that are no exact solids are merely sunk: simulators let every contact sink [-]."""
+WHOLE = 1e-9
+"""A patch covers a facet if its area is smaller by at most this share [-]."""
+STRAIGHT = 1e-9
+"""An edge is straight if its height over its chord is below this share of the chord [-]."""
+SAME_CORNER = 1e-9
+"""A contact point within this share of the size of a part is a corner of this part [-]."""

@@ -21,14 +21,12 @@ from kilter.arrays import Array, Mask, across
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.contact_tolerances import RIM_LEVEL
+from kilter.contact.contact_tolerances import RIM_LEVEL, SAME_CORNER
 from kilter.contact.curved.rims import radius_at
 from kilter.shape.covering import covered
 
 __all__ = ["RoundEdge", "has_round_edges", "round_edges"]
 
-SAME_CORNER = 1e-9
-"""A contact point within this share of the size of a part is a corner of this part [-]."""
 WIDEST = np.pi / 4
 """Largest angle of an arc between two neighbouring corners [rad]; a wider gap is a cut."""
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected, starts
 from kilter.contact.contact_search import ContactSearch
-from kilter.contact.contact_tolerances import PATCH_ANGLE, PATCH_CORNER, SLIVER
+from kilter.contact.contact_tolerances import PATCH_ANGLE, PATCH_CORNER, SLIVER, WHOLE
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import FacetFrame, Pieces
 from kilter.contact.planar.facets import Facets
@@ -38,10 +38,6 @@ class _PlanePatch(NamedTuple):
     area: float
     gap: tuple[float, float]
     points: Array
-
-
-WHOLE = 1e-9
-"""A patch covers a facet if its area is smaller by at most this share [-]."""
 
 
 def merge(

@@ -18,13 +18,11 @@ from kilter.arrays import Array, Index, cross, unit_rows
 from kilter.assembly.edge_curves import Chords
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
+from kilter.contact.contact_tolerances import STRAIGHT
 from kilter.contact.planar.facets import Facets, facet_triangles
 from kilter.shape.closed import shared_edges
 
 __all__ = ["missing_areas"]
-
-STRAIGHT = 1e-9
-"""An edge is straight if its height over its chord is below this share of the chord [-]."""
 
 
 def missing_areas(geometry: Geometry, facets: Facets, chosen: Index) -> Array:
