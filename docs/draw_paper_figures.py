@@ -164,7 +164,8 @@ def figure_6() -> tuple[Figure, str]:
         along = np.array([ray[2], -ray[0]])
         ends = q[best] + np.outer([-1.2, 1.2], along)
         axes.plot(*ends.T, color=INK, linestyle=(0, (5, 3)), linewidth=1.2)
-        axes.text(*ends[ends[:, 1].argmin()] + [0.03, 0.05], "limit", fontsize=9, color=INK)
+        shown = ends[ends[:, 0] < 2.0]  # within the axes
+        axes.text(*shown[shown[:, 1].argmin()] + [0.03, 0.05], "limit", fontsize=9, color=INK)
     axes.plot(*q[best], "o", color=INK, markersize=6)
     axes.text(*q[best] - 0.16, "optimal vertex", ha="right", fontsize=9, color=INK)
     axes.text(*middle, "displacements\nthat the contacts allow", ha="center", va="center",
