@@ -159,10 +159,10 @@ def test_a_broken_file(
         ),
         (
             ["check", "a.json", "--down", "0", "0", "z"],
-            "the value of '--down' is not a number; see",
+            "--down has 'z', not a number; write --down X Y Z",
         ),
-        (["view", "a.json", "--port", "x"], "the value of '--port' is not a whole number; see"),
-        (["draw", "a.json", "--what", "y"], "'--what': 'y' is not one of 'assembly', 'region'"),
+        (["view", "a.json", "--port", "x"], "--port has 'x', not a whole number; write --port N"),
+        (["draw", "a.json", "--what", "y"], "--what has 'y', not one of assembly|region"),
         (["check", "a.json", "--ground", "cubes"], "did you mean 'cube'"),
         (["check", "a.json", "--without", "c?be", "--without", "table"], "all parts are left out"),
         (["check", "a.json", "--gap", "0"], "--gap"),

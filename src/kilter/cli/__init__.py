@@ -123,6 +123,8 @@ def _run(words: list[str]) -> int:
     try:
         result = _result(words)
         sys.stdout.flush()
+        if result == INTERRUPTED:  # the command has printed what it found until then
+            raise KeyboardInterrupt
         return result
     except EOFError:
         raise KeyboardInterrupt from None

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
+import math
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -305,9 +306,7 @@ class Reading:
         here, _ = self.for_parts(assembly.names)  # choices about parts that are left out
         if self.friction is not None:
             assembly = with_friction(assembly, self.friction)
-        if "gravity" in self.entries:
-            assembly = dataclasses.replace(assembly, gravity=self.entries["gravity"])
-        elif self.up is not None:
+        if self.up is not None:
             assembly = assembly.with_down([-x for x in UP[self.up]])
         here = here.released(assembly.names)
         if here.ground:
@@ -318,7 +317,12 @@ class Reading:
             if notes:  # an unchanged assembly keeps the geometry that it has computed
                 assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
         floor = self.floor if self.floor is None else self.floor == LOWEST or float(self.floor)
-        assembly = on_floor(assembly, floor, self.down)
+        gravity = self.entries.get("gravity")
+        assembly = on_floor(assembly, floor, gravity if self.down is None else self.down)
+        if gravity is not None:  # of a typed direction only the size is saved
+            size = math.hypot(*gravity)
+            felt = gravity if self.down is None else (size * assembly.down).tolist()
+            assembly = dataclasses.replace(assembly, gravity=felt)
         assembly = with_loads(with_interactions(assembly, here.entries), self.load)
         return on_carrier(assembly, self.accelerate)
 

@@ -45,7 +45,7 @@ def figure_2() -> Assembly:
     "paper-figure-3-plane",
     "two vertices that meet, with a plane assumed for their contact",
     source="F3(d)",
-    answer="stable",
+    answer="potentially-stable",
     kind="d",
 )
 @listed(
