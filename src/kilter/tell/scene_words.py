@@ -69,6 +69,8 @@ def scene_sentence(answer: Answer) -> str:
     'All 2 free objects are at rest (level proved).'
     >>> scene_sentence({"objects": [{"state": "floats"}], "require": "settles"})
     'The free object floats.'
+    >>> scene_sentence({"objects": [at_rest], "require": "strict", "level": "proved"})
+    'The free object is at rest, but below the required level strict.'
     """
     free = [entry for entry in answer["objects"] if entry["state"] != "held"]
     if not free:
@@ -89,6 +91,8 @@ def scene_sentence(answer: Answer) -> str:
         at_rest = f"{counts['at-rest']} of {objects} {_are(counts['at-rest'])} at rest"
         return f"{at_rest}: {', '.join(faults)}."
     lower = sum(not holds(entry["level"], answer["require"]) for entry in free)
+    if lower and len(free) == 1:
+        return f"The free object is at rest, but below the required level {answer['require']}."
     if lower:
         return (
             f"All {objects} are at rest, but {lower} {'does' if lower == 1 else 'do'} not reach "
