@@ -91,8 +91,8 @@ def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monke
     assert main(["margin", *words]) == 0
     assert "times their strength is needed; arm-1 on post fails first" in capsys.readouterr().out
     for wrong, why in (
-        (["--bond", "arm*", "post"], "--bond needs two names and newtons"),
-        (["--bond", "arm*", "post", "much"], "give two names and newtons"),
+        (["--bond", "arm*", "post"], "--bond needs NAME NAME T"),
+        (["--bond", "arm*", "post", "much"], "write --bond NAME NAME T"),
         (["--bond", "arm*", "pst", "1"], "did you mean 'post'"),
     ):
         assert main(["check", "a.kilter.json", *wrong]) == 2

@@ -95,7 +95,8 @@ def small_push(
         forces = forces[groups.between(program, assembly)]
     certain = np.isin(whole.kind, (CONTACT, *OF_JOINTS)) & ~slipping(whole, forces)
     bonded = np.zeros(len(whole.names) + 1, dtype=bool)
-    bonded[np.concatenate([whole.part_a[~certain], whole.part_b[~certain]])] = True
+    glued = ~certain | (whole.pull > 0) | whole.tied | np.isfinite(whole.shear)
+    bonded[np.concatenate([whole.part_a[glued], whole.part_b[glued]])] = True
     whole, forces = whole.taking(certain), forces[certain]
     bends = bending_bodies(assembly, contacts, whole, forces, curves=curves)
     bending = bends.bending.copy()
