@@ -23,6 +23,7 @@ __all__ = [
     "LEVEL",
     "REACHES",
     "ROUND",
+    "ROUNDED",
     "SLIPS",
     "SPLITS",
     "SPREAD",
@@ -78,3 +79,5 @@ SPREAD = 1e-10
 (1, u, v), u and v over the size of the part, is above this [-]."""
 APART = 1e-12
 """Least separation over the length, and least loss of energy, of a lower configuration [-]."""
+ROUNDED = 1e-8
+"""Tolerance of parts above which their coordinates are rounded, as in single precision [-]."""

@@ -35,6 +35,7 @@ from kilter.second_order.motions.rolling import (
     worst_rolling,
 )
 from kilter.second_order.parts.rigid_groups import RigidGroups
+from kilter.second_order.second_order_tolerances import ROUNDED
 
 __all__ = ["ABOVE_EDGE", "SmallPush", "small_push"]
 
@@ -105,7 +106,9 @@ def small_push(
         bending &= among
         held |= ~among
     results: list[tuple[Rolls, Rolling | None, Mask]] = []
-    tips = tipping_parts(assembly, contacts, whole, forces, held)
+    # coarse coordinates do not tell an edge from a place beside it
+    exact = float(whole.tolerance[whole.free].max(initial=0.0)) <= ROUNDED
+    tips = tipping_parts(assembly, contacts, whole, forces, held) if exact else np.zeros_like(held)
     if tips.any():
         results.append(("open", open_rolling(whole, ABOVE_EDGE), tips))
     for cluster in clusters(whole) if bending.any() else []:
