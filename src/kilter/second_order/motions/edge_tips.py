@@ -8,7 +8,8 @@ A z >= 0 of the contacts that may open, A^T l = -c.
 Forces that friction squeezes between parts may press contacts that the load does not need; such a
 contact counts as pressed, so that a tip may be missed beside it.
 
-Parts that pressed points with friction fix to held parts do not move. Round and jointed parts count
+Parts that pressed points with friction fix to held parts do not move. Parts that pressed faces
+connect to held parts only slide and spin about normals. Round and jointed parts count
 as held: `bending` judges them. Bonded parts count as held, too.
 """
 
@@ -56,21 +57,22 @@ def tipping_parts(
         loose = part.free & ~search.steady
         if not loose.any():
             continue
-        still = _stuck_parts(part, search.presses)
+        still = _stuck_parts(part, search.presses & (part.mu > 0))
+        flat = _stuck_parts(part, search.presses)  # these slide, and spin about the normal
         bent = rounds & search.closed
         ends = np.concatenate([part.part_a[bent], part.part_b[bent]])
         still[ends[ends >= 0]] = True
         still &= part.free
         if not still.any():
-            tips |= _tipping(search, loose)
+            tips |= _tipping(search, loose & ~flat)
         elif (loose & ~still).any():
             tips |= tipping_parts(assembly, contacts, part, mine, still)
     return tips
 
 
 def _stuck_parts(program: Program, presses: Mask) -> Mask:
-    """Mask of the free parts that pressed points with friction fix to held parts, (N,)."""
-    rows = np.flatnonzero(presses & (program.mu > 0) & (program.kind == CONTACT))
+    """Mask of the free parts that pressed faces connect to held parts, (N,)."""
+    rows = np.flatnonzero(presses & (program.kind == CONTACT))
     if not len(rows):
         return np.zeros_like(program.free)
     count = len(program.free)
