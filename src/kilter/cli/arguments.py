@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kilter.cli.quantities import number_of
 from kilter.errors import InputError
 
 if TYPE_CHECKING:
@@ -82,23 +83,18 @@ def _bond(bond: tuple[str, str, float]) -> tuple[str, str, float]:
     return bond
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
 def _number_or_word(word: str | None) -> float | str | None:
     """A word as a number, if it is a number; else the word itself."""
-    return float(word) if word is not None and _is_number(word) else word
+    number = None if word is None else number_of(word)
+    return word if number is None else number
 
 
 def _height(floor: str) -> float | str:
     """Height of the floor as a number, or the word for the lowest point."""
+    from kilter.files.choices import LOWEST
+
     try:
-        return floor if floor == _lowest() else float(floor)
+        return floor if floor == LOWEST else float(floor)
     except ValueError:
         raise InputError(
             f"--floor has {floor!r}, which is not a height", hint="give a number or no value"
@@ -168,13 +164,6 @@ class ToleranceOptions:
                 )
             kept[name] = old if value is None else value
         return ToleranceOptions(**kept, loose=self.loose or choices.loose), replaced
-
-
-def _lowest() -> str:
-    """The value of `--floor` for a floor under the lowest point."""
-    from kilter.files.choices import LOWEST
-
-    return LOWEST
 
 
 def named_numbers(option: str, words: str, count: int, example: str) -> tuple[Any, ...]:

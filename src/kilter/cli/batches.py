@@ -33,7 +33,7 @@ def batch(
             "--output",
             metavar="DIR",
             help="Folder of the tables. Existing rows of the same batch are kept.",
-            rich_help_panel=FORM,
+            panel=FORM,
             show_default=False,
         ),
     ],

@@ -29,7 +29,7 @@ class Declaration:
         Its sentence in the help text of the command.
     metavar : str
         Its values in the help text, such as "X Y Z". An option with several names ends with "...".
-    rich_help_panel : str
+    panel : str
         Heading of its group in the help text.
     show_default : bool
         Whether the help text has its default.
@@ -40,7 +40,7 @@ class Declaration:
     names: tuple[str, ...]
     help: str = ""
     metavar: str = ""
-    rich_help_panel: str = "Options"
+    panel: str = "Options"
     show_default: bool = True
     reads: Callable[[str], Any] | None = None
 
@@ -52,7 +52,7 @@ def Option(*names: str, **settings: Any) -> Any:
 
 def Argument(**settings: Any) -> Any:
     """Declare an argument of a command: a word that follows no option."""
-    return Declaration((), rich_help_panel="Arguments", **settings)
+    return Declaration((), panel="Arguments", **settings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,13 +116,17 @@ class Declared:
         return self.declaration.metavar
 
     def value(self, words: Any) -> Any:
-        """Value of the words that the parser collected: a word, or nested lists of words.
+        """Value of what the parser collected: a word, nested lists of words, True, or None.
 
         Raises
         ------
         InputError
             If a word is not a number, or not one of the words that the option accepts.
         """
+        if words is None:
+            return self.default
+        if self.is_flag:
+            return words
         if not self.repeats:
             return self._once(words)
         return [self._once(each) for each in words]

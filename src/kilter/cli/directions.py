@@ -41,7 +41,7 @@ def orient(
             "--method",
             help="Algorithm if no direction is stable: 'joint' solves a program for each facet of "
             "the directions, 'walk' is the published search.",
-            rich_help_panel=FORM,
+            panel=FORM,
         ),
     ] = Method.JOINT,
 ) -> int:
@@ -145,7 +145,7 @@ def margin(
             metavar="X Y Z",
             help="Load factor of a body force in this direction, in units of the weight of each "
             "part; by default the load factor of the given loads.",
-            rich_help_panel=ASKED,
+            panel=ASKED,
             show_default=False,
         ),
     ] = None,
@@ -156,7 +156,7 @@ def margin(
             metavar="X Y Z",
             help="Also compute how far gravity may turn about this horizontal axis, by the "
             "right-hand rule; the opposite axis is the other sense. Only without loads and bonds.",
-            rich_help_panel=ASKED,
+            panel=ASKED,
             show_default=False,
         ),
     ] = None,
@@ -167,7 +167,7 @@ def margin(
             metavar="NAME",
             help="Compute the greatest push that this part resists, and the gain in tilt or load "
             "if it is held. Repeatable; all parts by default if there are at most 20.",
-            rich_help_panel=ASKED,
+            panel=ASKED,
             show_default=False,
         ),
     ] = None,
@@ -177,7 +177,7 @@ def margin(
             "--loads",
             help="Also compute the greatest additional load straight down that each part can "
             "carry; with --part only for those parts.",
-            rich_help_panel=ASKED,
+            panel=ASKED,
         ),
     ] = False,
     bracket: Annotated[
@@ -186,7 +186,7 @@ def margin(
             "--bracket",
             help="Also compute bounds of the largest load factor if slipping contacts do not "
             "dilate. The load factor itself is the associative limit, which assumes dilation.",
-            rich_help_panel=ASKED,
+            panel=ASKED,
         ),
     ] = False,
     require: Annotated[
@@ -197,7 +197,7 @@ def margin(
             help="Level of the limits: equilibrium, settles, proved or strict. Other commands "
             "require settles. Here the default is lower, because only limits of equilibrium have "
             "a proof from both sides; a higher level adds a search.",
-            rich_help_panel=FORM,
+            panel=FORM,
         ),
     ] = "equilibrium",
     mass_range: Annotated[
@@ -207,7 +207,7 @@ def margin(
             metavar="LOW HIGH",
             help="Factors between which the mass of every free part varies independently, as "
             "0.9 1.1.",
-            rich_help_panel=UNSURE,
+            panel=UNSURE,
             show_default=False,
         ),
     ] = None,
@@ -217,7 +217,7 @@ def margin(
             "--com-range",
             metavar="LENGTH",
             help="Largest error of every coordinate of every centre of mass (file units).",
-            rich_help_panel=UNSURE,
+            panel=UNSURE,
             show_default=False,
         ),
     ] = None,
@@ -227,7 +227,7 @@ def margin(
             "--mu-range",
             metavar="LOW HIGH",
             help="Factors between which every friction coefficient varies.",
-            rich_help_panel=UNSURE,
+            panel=UNSURE,
             show_default=False,
         ),
     ] = None,
@@ -237,7 +237,7 @@ def margin(
             "--normal-tilt",
             metavar="DEG",
             help="Largest tilt of every contact normal, in any direction [deg].",
-            rich_help_panel=UNSURE,
+            panel=UNSURE,
             show_default=False,
         ),
     ] = None,

@@ -32,7 +32,7 @@ def hold(
             help="Possible supports. grips: every part gripped. props: a prop under every part. "
             "fingers: a finger on every free flat face. FILE.json: a list of supports (kind, part, "
             "point, direction, mu, capacity, on). Repeatable; grips by default.",
-            rich_help_panel=MAY,
+            panel=MAY,
             show_default=False,
         ),
     ] = None,
@@ -42,7 +42,7 @@ def hold(
             "--most",
             metavar="K",
             help="Largest number of supports in the answer; no limit by default.",
-            rich_help_panel=MAY,
+            panel=MAY,
             show_default=False,
         ),
     ] = None,

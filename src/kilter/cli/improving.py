@@ -24,7 +24,7 @@ def improve(
             "--write",
             metavar="CHANGED.json",
             help="Also write the model with the best change, as a kilter file.",
-            rich_help_panel=FORM,
+            panel=FORM,
             show_default=False,
         ),
     ] = None,

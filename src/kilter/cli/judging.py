@@ -48,7 +48,7 @@ def check(
             "--measures",
             help="With friction: also compute z, kappa and the displacements of the displacement "
             "program, which ignore friction.",
-            rich_help_panel=FORM,
+            panel=FORM,
         ),
     ] = False,
     forces: Annotated[
@@ -56,7 +56,7 @@ def check(
         Option(
             "--forces",
             help="List the contact forces of an equilibrium, the greatest first.",
-            rich_help_panel=FORM,
+            panel=FORM,
         ),
     ] = False,
     settled: Annotated[
@@ -64,7 +64,7 @@ def check(
         Option(
             "--settle",
             help="Check the pose at rest near the drawn pose, as 'kilter settle' finds it.",
-            rich_help_panel=TOUCH,
+            panel=TOUCH,
         ),
     ] = False,
     suggest: Annotated[
@@ -72,7 +72,7 @@ def check(
         Option(
             "--suggest-joints",
             help="List the pairs that look fastened, each with the joint to add.",
-            rich_help_panel=FORM,
+            panel=FORM,
         ),
     ] = False,
 ) -> int:

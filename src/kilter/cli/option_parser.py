@@ -21,6 +21,7 @@ from typing import Any, NoReturn
 from kilter.cli.commands import COMMANDS, functions_of
 from kilter.cli.declarations import Declared, declared_of
 from kilter.cli.overview import PURPOSE
+from kilter.cli.quantities import number_of
 from kilter.errors import InputError, nearest_name
 from kilter.values.guesses import meant_word, remedy_of
 
@@ -74,7 +75,7 @@ class CommandParser(argparse.ArgumentParser):
         self.of_name = {name: each for each in declared for name in each.declaration.names}
         groups: dict[str, Any] = {}
         for each in declared:
-            panel = each.declaration.rich_help_panel
+            panel = each.declaration.panel
             if panel not in groups:
                 groups[panel] = self.add_argument_group(panel)
             _add(groups[panel], each)
@@ -103,15 +104,9 @@ class CommandParser(argparse.ArgumentParser):
             If the command line is wrong.
         """
         given, unknown = self.parse_known_intermixed_args(with_values(words, self.of_name))
-        for word in unknown:
-            raise self.wrong(self._unknown(word))
-        typed = {name: words for name, words in vars(given).items() if words is not None}
-        return {
-            name: (each.value(typed[name]) if not each.is_flag else True)
-            if name in typed
-            else each.default
-            for name, each in self.declared.items()
-        }
+        if unknown:
+            raise self.wrong(self._unknown(unknown[0]))
+        return {name: each.value(getattr(given, name)) for name, each in self.declared.items()}
 
     def _unknown(self, word: str) -> str:
         """Words about a word that the command does not have."""
@@ -177,6 +172,8 @@ def with_values(words: Sequence[str], options: Mapping[str, Declared]) -> list[s
     options : dict of str to Declared
         The options of the command, by each of their names.
     """
+    from kilter.files.choices import LOWEST  # imported late: a help text does not need it
+
     result: list[str] = []
     rest = deque(words)
     while rest:
@@ -185,8 +182,8 @@ def with_values(words: Sequence[str], options: Mapping[str, Declared]) -> list[s
         if word == "--":
             return [*result, *(f"./{name}" if name[:1] == "-" else name for name in rest)]
         if word == FLOOR and each is not None:
-            height = bool(rest) and _is_number(rest[0]) and not Path(rest[0]).exists()
-            result.append(f"{word}={rest.popleft() if height else _lowest()}")
+            height = rest and number_of(rest[0]) is not None and not Path(rest[0]).exists()
+            result.append(f"{word}={rest.popleft() if height else LOWEST}")
         elif each is not None and each.is_list:
             names: list[str] = []
             while rest and not rest[0].startswith("-") and not (names and is_file(rest[0])):
@@ -219,21 +216,6 @@ def is_file(word: str) -> bool:
         return Path(word).suffix.lower() in ENDINGS or Path(word).exists()
     except OSError:  # longer than a path may be
         return False
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
-def _lowest() -> str:
-    """The value of `--floor` for a floor under the lowest point."""
-    from kilter.files.choices import LOWEST
-
-    return LOWEST
 
 
 def parser_of(function: Callable[..., int]) -> CommandParser:
@@ -277,7 +259,7 @@ def values_of(function: Callable[..., int], words: Sequence[str]) -> dict[str, A
 
 
 def completion(shell: str) -> str:
-    """A script that completes the words of `kilter` in a shell: bash, zsh or tcsh.
+    """A script that completes the words of `kilter` in a shell: bash, fish, tcsh or zsh.
 
     Raises
     ------

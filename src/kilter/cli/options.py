@@ -64,7 +64,7 @@ Ground = Annotated[
         "--ground",
         metavar="NAME...",
         help="Hold these parts, so that they cannot move. Repeatable; * and ? are wildcards.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -75,7 +75,7 @@ Floor = Annotated[
         metavar="[HEIGHT]",
         help="Add a held table under the lowest point, or at this height (file units). It lies "
         "across the up direction of the file.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -85,7 +85,7 @@ Without = Annotated[
         "--without",
         metavar="NAME...",
         help="Leave these parts out, for a half-built assembly. Repeatable; * and ? are wildcards.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -95,7 +95,7 @@ Down = Annotated[
         "--down",
         metavar="X Y Z",
         help="Direction of gravity. Its size in the file is kept. A floor turns with the parts.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -105,7 +105,7 @@ Up = Annotated[
         "--up",
         metavar="x|y|z|-x|-y|-z",
         help="The axis of the file that points up; z by default.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -116,7 +116,7 @@ Contacts = Annotated[
         metavar="file|geometry",
         help="file: use only the contacts in the file (interfaces of COMPAS). geometry: detect all "
         "contacts.",
-        rich_help_panel=TOUCH,
+        panel=TOUCH,
         show_default=False,
     ),
 ]
@@ -126,7 +126,7 @@ Keyframe = Annotated[
         "--keyframe",
         metavar="NAME",
         help="MJCF only: use the pose of this keyframe; the first keyframe by default.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -136,7 +136,7 @@ Base = Annotated[
         "--base",
         metavar="fixed|floating",
         help="URDF only: whether the root link is held; fixed by default.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -147,7 +147,7 @@ StudPull = Annotated[
         metavar="N",
         help="Bricks only: pull that each of the three or four points of a stud resists [N]; "
         "0.98 N by default.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -158,7 +158,7 @@ StudShear = Annotated[
         metavar="unlimited|mu|N",
         help="Bricks only: sideways force that each point of a stud resists: any force, friction "
         "only (mu), or up to this force [N]; unlimited by default.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -168,7 +168,7 @@ BrickSides = Annotated[
         "--brick-sides",
         metavar="lower-edge|face|none",
         help="Bricks only: where neighbours in a layer can push each other; lower-edge by default.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -180,7 +180,7 @@ Friction = Annotated[
         reads=friction_of,
         help="Friction coefficient of contacts without a coefficient of their own; it replaces the "
         "default of the file. 30% and 17deg are 0.3 and tan 17 deg.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -190,7 +190,7 @@ Units = Annotated[
         "--units",
         metavar="m|cm|mm|in",
         help="Unit of length of a file that does not name its unit; m by default.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -202,7 +202,7 @@ Density = Annotated[
         reads=density_of,
         help="Density of the parts without a density in the file, or of all parts of a STEP file "
         "[kg/m^3]; 1000 by default. Names such as steel or oak are known.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -213,7 +213,7 @@ Material = Annotated[
         metavar="NAME=KG/M3",
         help='Density of parts, in place of density and mass of the file: --material "bolt*=7850" '
         'or "bolt*=steel". Repeatable; * and ? are wildcards.',
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -224,7 +224,7 @@ Gap = Annotated[
         metavar="LENGTH",
         help="Largest gap between touching faces (file units); 1e-5 of the size of the smaller "
         "part by default.",
-        rich_help_panel=TOUCH,
+        panel=TOUCH,
         show_default=False,
     ),
 ]
@@ -234,7 +234,7 @@ Angle = Annotated[
         "--angle",
         metavar="DEG",
         help="Largest angle between touching faces [deg]; 0.057 deg (1e-3 rad) by default.",
-        rich_help_panel=TOUCH,
+        panel=TOUCH,
         show_default=False,
     ),
 ]
@@ -244,7 +244,7 @@ Loose = Annotated[
         "--loose",
         help="For scanned or rounded data: touching faces may have gaps up to 1e-3 of the size of "
         "the smaller part and angles up to 1.15 deg.",
-        rich_help_panel=TOUCH,
+        panel=TOUCH,
     ),
 ]
 Effort = Annotated[
@@ -255,7 +255,7 @@ Effort = Annotated[
         help="With friction: limit of the work for finding a motion or proving that none exists. "
         "0 is quick, 1 is usual, and each further step allows ten times more. Work is counted, "
         "not timed, so every machine gives the same answer.",
-        rich_help_panel=WORK,
+        panel=WORK,
     ),
 ]
 TimeLimit = Annotated[
@@ -265,7 +265,7 @@ TimeLimit = Annotated[
         metavar="SECONDS",
         help="Stop after this time and answer with the proofs found until then; no limit by "
         "default.",
-        rich_help_panel=WORK,
+        panel=WORK,
         show_default=False,
     ),
 ]
@@ -276,7 +276,7 @@ Clearance = Annotated[
         metavar="LENGTH",
         help="Designed clearance: faces up to this distance apart (file units) count as closed. "
         "Penetrating faces do not.",
-        rich_help_panel=TOUCH,
+        panel=TOUCH,
         show_default=False,
     ),
 ]
@@ -287,7 +287,7 @@ Fasten = Annotated[
         metavar="NAME NAME",
         help="Join two parts rigidly. Repeatable. With * and ? every two matching parts that touch "
         'are joined, as in --fasten "bolt*" "nut*"; held parts must have their full name.',
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -297,7 +297,7 @@ FastenSuggested = Annotated[
         "--fasten-suggested",
         help="Join all pairs that look fastened, and list them: screws in threads, press fits, "
         "inserts and other overlaps.",
-        rich_help_panel=HELD,
+        panel=HELD,
     ),
 ]
 FastenOverlaps = Annotated[
@@ -305,7 +305,7 @@ FastenOverlaps = Annotated[
     Option(
         "--fasten-overlaps",
         help="Join all pairs of parts that overlap, and list them.",
-        rich_help_panel=HELD,
+        panel=HELD,
     ),
 ]
 Bonded = Annotated[
@@ -315,7 +315,7 @@ Bonded = Annotated[
         metavar="NAME NAME T",
         help="Bond two parts: each contact point between them also resists a pull up to T [N] and "
         "any shear force. Repeatable; * and ? as in --fasten.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -326,7 +326,7 @@ Straps = Annotated[
         metavar="FILE.json",
         help="Add the straps of this file, a JSON list of straps as in an assembly file: "
         '[{"path": [["ground", [x, y, z]], ["box", [x, y, z]]], "tension": N}].',
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -337,7 +337,7 @@ Mass = Annotated[
         metavar="NAME=KG",
         help='Mass of a part, in place of its density: --mass "bolt*=0.2". Repeatable; * and ? are '
         "wildcards.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -348,7 +348,7 @@ Load = Annotated[
         metavar="NAME=FX,FY,FZ",
         help="Add a force at the centre of mass of a part [N]: --load lid=0,0,-20. Repeatable; * "
         "and ? are wildcards.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -359,7 +359,7 @@ Accelerate = Annotated[
         metavar="X Y Z",
         help="The held parts belong to a carrier with this acceleration, in m/s^2, or in g as "
         "0.5g.",
-        rich_help_panel=HELD,
+        panel=HELD,
         show_default=False,
     ),
 ]
@@ -370,7 +370,7 @@ Off = Annotated[
         metavar="OPTION...",
         help="Ignore the saved values of these options: --off floor loose, or --no-floor "
         "--no-loose. Repeatable.",
-        rich_help_panel=SAVED,
+        panel=SAVED,
         show_default=False,
     ),
 ]
@@ -381,7 +381,7 @@ Release = Annotated[
         metavar="NAME...",
         help="Do not hold these parts, which the saved choices hold. Repeatable; * and ? are "
         "wildcards.",
-        rich_help_panel=SAVED,
+        panel=SAVED,
         show_default=False,
     ),
 ]
@@ -392,7 +392,7 @@ Require = Annotated[
         metavar="LEVEL",
         help="Level at which the assembly counts as holding: equilibrium, settles, proved or "
         "strict.",
-        rich_help_panel=FORM,
+        panel=FORM,
     ),
 ]
 Proof = Annotated[
@@ -401,11 +401,11 @@ Proof = Annotated[
         "--proof",
         metavar="P.json",
         help="Write the proof to this file; 'kilter verify FILE P.json' recomputes it.",
-        rich_help_panel=FORM,
+        panel=FORM,
         show_default=False,
     ),
 ]
-Json = Annotated[bool, Option("--json", help="Print only JSON.", rich_help_panel=FORM)]
+Json = Annotated[bool, Option("--json", help="Print only JSON.", panel=FORM)]
 Output = Annotated[
     Path | None,
     Option(
@@ -413,7 +413,7 @@ Output = Annotated[
         "--output",
         metavar="FILE",
         help="Write the answer to this file instead of standard output; to x.json as JSON.",
-        rich_help_panel=FORM,
+        panel=FORM,
         show_default=False,
     ),
 ]
@@ -424,7 +424,7 @@ Verbose = Annotated[
         "--verbose",
         help="Also print the basis of the answer: masses, contacts, proof, guarantee of friction, "
         "z and kappa, neutral motions, and the time it took.",
-        rich_help_panel=FORM,
+        panel=FORM,
     ),
 ]
 Quiet = Annotated[
@@ -432,7 +432,7 @@ Quiet = Annotated[
     Option(
         "--quiet",
         help="Print no progress and no warnings on the error stream.",
-        rich_help_panel=FORM,
+        panel=FORM,
     ),
 ]
 Code = Annotated[
@@ -443,7 +443,7 @@ Code = Annotated[
         help="Does the assembly stay in place at the accelerations of this rule of load securing? "
         "en12195, en12195:tipping, gdv, vdi2700:3.5t, vdi2700:up-to-3.5t, eumos, or eumos:K for "
         "K g.",
-        rich_help_panel=QUESTION,
+        panel=QUESTION,
         show_default=False,
     ),
 ]
@@ -453,7 +453,7 @@ Forward = Annotated[
         "--forward",
         metavar="X Y Z",
         help="Direction of travel, for --code.",
-        rich_help_panel=QUESTION,
+        panel=QUESTION,
     ),
 ]
 READING: dict[str, tuple[Any, Any]] = {

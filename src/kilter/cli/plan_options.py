@@ -32,7 +32,7 @@ class PlanOptions:
             metavar="K",
             help="Largest number of parts held at once, besides the moving part; by default the "
             "fewest, up to 2.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -43,7 +43,7 @@ class PlanOptions:
             metavar="axes|normals|X,Y,Z",
             help="Directions along which parts move, in the order of their trial. Repeatable; axes "
             "and contact normals by default.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -53,7 +53,7 @@ class PlanOptions:
             "--before",
             metavar="A B",
             help="A is inserted before B. Repeatable; * and ? are wildcards.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -63,7 +63,7 @@ class PlanOptions:
             "--never-hold",
             metavar="NAME",
             help="This part must not be held. Repeatable; * and ? are wildcards.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -74,7 +74,7 @@ class PlanOptions:
             metavar="BOLT NUT",
             help="A bolt stays while its nut is on, and the nut comes off along its axis. "
             "Repeatable; * and ? are wildcards.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -84,7 +84,7 @@ class PlanOptions:
             "--group",
             metavar="PATTERN",
             help="The parts that match move as a single body. Repeatable; * and ? are wildcards.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -93,7 +93,7 @@ class PlanOptions:
         Option(
             "--together",
             help="Parts that block each other may move as a single body if none can leave alone.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
         ),
     ] = False
     fewest: Annotated[
@@ -103,7 +103,7 @@ class PlanOptions:
             metavar="WHAT",
             help="Quantity to minimise: holds (parts held at once), held-steps (steps with held "
             "parts) or turns (implies --turn).",
-            rich_help_panel=ORDER,
+            panel=ORDER,
         ),
     ] = "holds"
     sequence: Annotated[
@@ -113,7 +113,7 @@ class PlanOptions:
             metavar="FILE",
             help="Check this order without a search: a name in each line, .csv with a column "
             "'part', or .json.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -124,7 +124,7 @@ class PlanOptions:
             metavar="N",
             help="Force that presses each part into its place along its path [N]; the standing "
             "parts must withstand it.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
         ),
     ] = 0.0
     carried: Annotated[
@@ -134,7 +134,7 @@ class PlanOptions:
             metavar="A|X,Y,Z",
             help="The standing parts also carry this acceleration of their carrier between steps: "
             "a size in every horizontal direction, or a vector. In m/s^2, or in g as 0.3g.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
             show_default=False,
         ),
     ] = None
@@ -143,7 +143,7 @@ class PlanOptions:
         Option(
             "--turn",
             help="The standing parts may be turned between two steps, with the base.",
-            rich_help_panel=ORDER,
+            panel=ORDER,
         ),
     ] = False
     require: Annotated[
@@ -154,7 +154,7 @@ class PlanOptions:
             help="Level at which every step counts as holding: equilibrium, settles, proved or "
             "strict. Other commands require settles. Here the default is lower, because a search "
             "judges hundreds of half-built states, and a hand or a robot places each part gently.",
-            rich_help_panel=FORM,
+            panel=FORM,
         ),
     ] = "equilibrium"
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from kilter.errors import InputError, nearest_name
 
-__all__ = ["density_of", "friction_of", "material_of"]
+__all__ = ["density_of", "friction_of", "material_of", "number_of"]
 
 
-def _number(word: str) -> float | None:
+def number_of(word: str) -> float | None:
     """The number that a word is; None for other words."""
     try:
         return float(word)
@@ -23,8 +23,8 @@ def _number(word: str) -> float | None:
 
 def friction_of(word: str) -> float:
     """Coefficient of friction of a word: a number, a share in percent, or an angle in degrees."""
-    number = _number(word)
-    share, angle = _number(word.removesuffix("%")), _number(word.removesuffix("deg"))
+    number = number_of(word)
+    share, angle = number_of(word.removesuffix("%")), number_of(word.removesuffix("deg"))
     if number is not None:
         return number
     if word.endswith("%") and share is not None:
@@ -39,7 +39,7 @@ def friction_of(word: str) -> float:
 
 def density_of(word: str) -> float:
     """Density of a word [kg/m^3]: a number, or the name of a material of the workbench."""
-    number = _number(word)
+    number = number_of(word)
     if number is not None:
         return number
     # imported late: most command lines name no material
@@ -75,5 +75,5 @@ def material_of(words: str) -> dict[str, Any]:
     density = density_of(value)
     if not (density > 0 and math.isfinite(density)):
         raise InputError(f"--material has {words!r:.60}", hint="give a density above zero")
-    name = {} if _number(value) is not None else {"name": value}
+    name = {} if number_of(value) is not None else {"name": value}
     return {"parts": parts, "density": density, **name}

@@ -37,7 +37,7 @@ def settle(
             metavar="LENGTH",
             help="Largest permitted movement of a part (file units); by default three times the "
             "widest gap or overlap.",
-            rich_help_panel=MOVED,
+            panel=MOVED,
             show_default=False,
         ),
     ] = None,
@@ -48,7 +48,7 @@ def settle(
             metavar="NAME",
             help="A part that must not move although it is not held. Repeatable; * and ? are "
             "wildcards.",
-            rich_help_panel=MOVED,
+            panel=MOVED,
             show_default=False,
         ),
     ] = None,
@@ -57,7 +57,7 @@ def settle(
         Option(
             "--drop",
             help="First let hanging parts fall straight down until they meet another part.",
-            rich_help_panel=MOVED,
+            panel=MOVED,
         ),
     ] = False,
     require: Require = REQUIRE,

@@ -30,7 +30,7 @@ def save(
             "--output",
             metavar="X.kilter.json",
             help="File to write, in the folder of FILE or above it.",
-            rich_help_panel=FORM,
+            panel=FORM,
             show_default=False,
         ),
     ] = None,
@@ -41,7 +41,7 @@ def save(
             metavar="NAME NAME joined|touching|apart",
             help="Decide how two parts touch whose contact the geometry leaves uncertain. "
             "Repeatable.",
-            rich_help_panel=TOUCH,
+            panel=TOUCH,
             show_default=False,
         ),
     ] = None,

@@ -35,7 +35,7 @@ def transport(
             "--turn",
             metavar="X Y Z",
             help="Angular velocity of the carrier about --about [rad/s].",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
             show_default=False,
         ),
     ] = None,
@@ -45,7 +45,7 @@ def transport(
             "--turn-faster",
             metavar="X Y Z",
             help="Angular acceleration of the carrier about --about [rad/s^2].",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
             show_default=False,
         ),
     ] = None,
@@ -55,7 +55,7 @@ def transport(
             "--about",
             metavar="X Y Z",
             help="Point to which --accelerate, --turn and --turn-faster refer (file units).",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
         ),
     ] = (0.0, 0.0, 0.0),
     code: Code = None,
@@ -68,7 +68,7 @@ def transport(
             help="How many times as fast may the carrier follow this path? Columns: time, x, y, z "
             "(file units), and optionally qw, qx, qy, qz; or ax, ay, az, ox, oy, oz, alx, aly, "
             "alz in the frame of the carrier; or the joints of --robot.",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
             show_default=False,
         ),
     ] = None,
@@ -79,7 +79,7 @@ def transport(
             metavar="ROBOT.urdf",
             help="The --path has the values of the joints of this robot over time, in columns "
             "with their names [rad or m].",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
             show_default=False,
         ),
     ] = None,
@@ -89,7 +89,7 @@ def transport(
             "--flange",
             metavar="LINK",
             help="Link of --robot on which the assembly stands; its frame is that of the file.",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
             show_default=False,
         ),
     ] = None,
@@ -99,7 +99,7 @@ def transport(
             "--collapse",
             help="Also the collapse multipliers of horizontal forces: mechanism, participating "
             "mass, and spectral acceleration.",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
         ),
     ] = False,
     fc: Annotated[
@@ -108,7 +108,7 @@ def transport(
             "--fc",
             metavar="FC",
             help="Confidence factor of the spectral accelerations of --collapse.",
-            rich_help_panel=QUESTION,
+            panel=QUESTION,
         ),
     ] = 1.35,
     mu_range: Annotated[
@@ -118,7 +118,7 @@ def transport(
             metavar="LOW HIGH",
             help="Factors between which every friction coefficient varies. All limits are those of "
             "the worst case, which is LOW.",
-            rich_help_panel=UNSURE,
+            panel=UNSURE,
             show_default=False,
         ),
     ] = None,
@@ -129,7 +129,7 @@ def transport(
             metavar="OUT.svg|png|pdf",
             help="Also write a figure of all horizontal accelerations, or of the speed factor of "
             "--path over time. Needs kilter[figures].",
-            rich_help_panel=FORM,
+            panel=FORM,
             show_default=False,
         ),
     ] = None,
@@ -139,7 +139,7 @@ def transport(
             "--film",
             metavar="OUT.glb",
             help="Also write a film of the parts that start to move first, seen from the carrier.",
-            rich_help_panel=FORM,
+            panel=FORM,
             show_default=False,
         ),
     ] = None,

@@ -199,9 +199,12 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     best = next(iter([*holding, *further, *falling]), None)
     if best is None:
         floats = any(text.startswith(FLOATS) for text in answer["warnings"])
+        if floats:
+            return SETTLED
         overlap = any(pair["kind"] == "overlap" for pair in answer["open_pairs"])
-        sunk = answer["verdict"] == "undecided" and overlap
-        return SETTLED if floats else SETTLE if sunk else AFTER_CHECK[answer["verdict"]]
+        if overlap and answer["verdict"] == "undecided":
+            return SETTLE
+        return AFTER_CHECK[answer["verdict"]]
     option = best["option"]
     purpose = "asks the next question" if best["leads_to"] == "undecided" else "decides it"
     return NextStep(("check", *shlex.split(option)), f"{purpose} if {_meaning(option)}")

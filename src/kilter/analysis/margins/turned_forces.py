@@ -12,7 +12,7 @@ of the forces at rest, which lie inside the cones, takes up what is missing:
 
     (1 - share) sum c_i f_i + share f_0   in the cones: the loads are held up to (1 - share) r
 
-Of a flat patch only the resultant counts. It is held by forces at its centre of pressure, if this
+A flat patch counts by its resultant. This is held by forces at its centre of pressure, if this
 lies in the patch and if the resultant lies in the cone. A torque about the normal at this point is
 left to half of the forces at rest.
 """
@@ -42,7 +42,7 @@ SHARES = (1e-9, 1e-8, 1e-7, 3e-7, 1e-6, 1e-5, 1e-4)
 WIDEST = np.pi / 4
 """Largest angle between neighbouring directions of an arc [rad]."""
 SAME = 1e-4
-"""Of directions closer than this only the first counts [rad]; closer nodes make larger errors."""
+"""Two directions are the same if they are closer than this [rad]: near nodes enlarge errors."""
 FLAT = 1e-9
 """Normals of a flat patch differ by at most this [-]."""
 
@@ -209,9 +209,13 @@ def _waves(angle: Array) -> Array:
 
 
 def _positive(samples: Array) -> bool:
-    """Whether a smooth function is positive between its samples, too."""
+    """Whether a smooth function is positive between its samples, too.
+
+    Between samples it lies below its chord by at most h^2 |f''| / 8. Second differences estimate
+    h^2 |f''|, so twice this bound is required.
+    """
     bend = float(np.abs(np.diff(samples, 2)).max(initial=0.0))
-    return bool(samples.min() >= bend / 8)
+    return bool(samples.min() >= bend / 4)
 
 
 def _weights_at_rest(angle: Array, reach: Array) -> Array | None:
