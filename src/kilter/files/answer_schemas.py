@@ -164,7 +164,7 @@ def _plain(kind: Any) -> Any:
     """The type of a value in JSON data, from the type of the attribute."""
     origin, args = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, Record):
-        return _model(kind)
+        return _model(kind)  # type: ignore[arg-type]
     if isinstance(kind, type) and issubclass(kind, Enum):
         return _one_of([word.value for word in kind])
     if origin is Annotated and isinstance(args[1], OneOf):
