@@ -1,12 +1,20 @@
-"""The option `--for FILE`, which `tests/conftest.py` cannot add: it is read after FILE is."""
+"""The option `--for FILE`, and compiled tests in the cache of pytest.
+
+`tests/conftest.py` cannot add the option, since pytest reads FILE before.
+"""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 
 from near_tests import near_tests
+
+if sys.dont_write_bytecode:  # without compiled tests the collection takes twice as long
+    sys.pycache_prefix = str(Path(__file__).parent / ".pytest_cache/compiled")
+    sys.dont_write_bytecode = False
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -71,7 +71,7 @@ def test_slow_blocks_name_every_folder_of_tests() -> None:
 
 @pytest.mark.parametrize(("source", "nearest"), [
     ("mechanics/certificate.py", "analysis/test_certificates.py"),  # by guards.toml
-    ("cli/main.py", "cli/test_"),
+    ("cli/batches.py", "cli/test_batch.py"),
     ("files/step_process.py", "files/test_step"),
 ])  # fmt: skip
 def test_a_source_file_has_its_nearest_tests(source: str, nearest: str) -> None:
@@ -82,7 +82,7 @@ def test_a_source_file_has_its_nearest_tests(source: str, nearest: str) -> None:
 
 @pytest.mark.slow
 def test_the_option_for_runs_them_and_the_examples_of_the_file() -> None:
-    source = "src/kilter/contact/covering.py"
+    source = "src/kilter/shape/covering.py"
     run = [sys.executable, "-m", "pytest", "--for", source, "--collect-only"]
     listed = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     assert "test_covering.py" in listed
