@@ -52,8 +52,8 @@ def _by_distance(name: str) -> list[Path]:
 
 
 def _words(names: Iterable[str]) -> set[str]:
-    """Words of names, without endings of a plural."""
-    return {word.rstrip("s") for name in names for word in name.split("_")} - {"analysi", "test"}
+    """Beginnings of the words of names, without endings of a plural."""
+    return {word[:5].rstrip("s") for name in names for word in name.split("_")} - {"analy", "test"}
 
 
 def _imports(path: Path) -> set[str]:

@@ -95,6 +95,7 @@ class TestQuestions:
     def test_all_stable_directions_of_gravity_are_a_region(self) -> None:
         assert kilter.region(kilter.example("paper-figure-10")).kind == "fan"
 
+    @pytest.mark.slow
     def test_margins_are_computed(self) -> None:
         margin = kilter.margin(stack(0.2, friction=0.5))
         tips = np.arctan(0.4 / 1.0)  # both cubes about the lower edge: their centre is at (0.1, 1)

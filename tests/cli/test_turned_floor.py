@@ -36,7 +36,7 @@ def box(tmp_path: Path) -> str:
     return str(path)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("floor", [["--floor"], ["--floor", "0"]], ids=["lowest", "height"])
 @pytest.mark.parametrize("off", [-0.01, 0.01])
 def test_check_falls_where_margin_region_and_orient_have_their_limit(

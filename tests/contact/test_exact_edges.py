@@ -50,6 +50,7 @@ def on_a_cone(half_angle, countersunk):
     return Assembly([held, Part("free", shape, Pose(place), mass=1.0, center_of_mass=center)])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("countersunk", [False, True])
 @pytest.mark.parametrize("half_angle", [0.3, 1.1])
 def test_a_round_edge_on_a_cone_bears_the_tilt_of_its_normals(half_angle, countersunk):

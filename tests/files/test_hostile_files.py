@@ -293,6 +293,7 @@ def components(levels: int) -> str:
     )
 
 
+@pytest.mark.slow
 def test_components_of_a_3mf_in_a_chain(capsys: Any) -> None:
     with zipfile.ZipFile("a.3mf", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("3D/3dmodel.model", components(30_000))
