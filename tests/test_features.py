@@ -1,8 +1,4 @@
-"""Features of kilter, and missing features: each test is a row of docs/features.md.
-
-`python docs/build_features.py` writes the page from the names of the classes and tests. A name says
-what the test shows, in plain words; the tests of `TestMissing` show what is refused or left open.
-"""
+"""Features of kilter, and missing features: each test is a row of docs/features.md."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""A floor belongs to the up direction of the file: four commands give the same limit of tilt.
-
-A box .4 x 1 x 2 with mu = .9 on the floor tips at atan(.4 / 2) = 11.31 deg from the vertical.
-"""
+"""A floor belongs to the up direction of the file: four commands give the same limit of tilt."""
 
 from __future__ import annotations
 

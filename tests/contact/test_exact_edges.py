@@ -34,10 +34,7 @@ def only(found):
 
 
 def on_a_cone(half_angle, countersunk):
-    """A peg whose end stands in a conical hole, or a ring whose hole rests on a cone.
-
-    The centre of mass is the point of the axis at which the normals of the contact meet.
-    """
+    """A peg whose end stands in a conical hole, or a ring whose hole rests on a cone."""
     height, meet = 1 / np.tan(half_angle), np.tan(half_angle)
     if countersunk:
         upside_down = Pose([0, 0, 0], turn([1, 0, 0], 180.0))

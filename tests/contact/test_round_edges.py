@@ -1,9 +1,4 @@
-"""Parts that tip over round edges: the tilt, and limits of a carrier, against the circle.
-
-A part with its centre of mass at (x, y, z) over the centre of a circle of radius r tips first
-toward (x, y), at tan(tilt) = (r - |x, y|) / z. Along a unit direction d it withstands t with
-|(x, y) + t z d| = r. A slip on a level face starts at tan(tilt) = mu in all directions.
-"""
+"""Parts that tip over round edges: the tilt, and limits of a carrier, against the circle."""
 
 from __future__ import annotations
 

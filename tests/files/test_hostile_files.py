@@ -1,7 +1,4 @@
-"""Damaged and hostile files: exit 2, one sentence, no file left, little time and memory.
-
-Each case once ended with exit code 70, without an end, or with memory of several gigabytes.
-"""
+"""Damaged and hostile files: exit 2, one sentence, no file left, little time and memory."""
 
 from __future__ import annotations
 
