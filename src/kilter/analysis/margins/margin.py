@@ -360,7 +360,14 @@ def _limits(
     assembly = question.assembly
     program = build_program(assembly, verdict.contacts)
     warnings = [*verdict.warnings, *_left_out(assembly, verdict.contacts, program)]
-    steps = MarginSteps(question, verdict, program, work, tell, warnings)
+    steps = MarginSteps(
+        work=work,
+        tell=tell,
+        question=question,
+        verdict=verdict,
+        program=program,
+        warnings=warnings,
+    )
     gravity = steps.tilt()
     tilt = gravity if isinstance(gravity, TiltMargin) else None
     degrees, down = _boundary(gravity)
