@@ -41,7 +41,7 @@ from kilter.tell.answer_data.plan_data import HoldData, PlanData
 from kilter.tell.answer_data.scene_data import SceneData
 from kilter.tell.answer_data.settle_data import SettleData
 from kilter.tell.answer_data.transport_data import TransportData
-from kilter.tell.record import SCHEMA_VERSION, OneOf, Record, Shape, keys_of
+from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
@@ -171,9 +171,12 @@ def _plain(kind: Any) -> Any:
         return _one_of(args[1].words)
     if origin is Annotated and isinstance(args[1], Shape):
         entry = _scalar(args[0])
+        entry = entry | None if args[1].infinite else entry
         for size in reversed(args[1].sizes):
             entry = GenericAlias(list, (entry,)) if size is None else _several(entry, size)
         return entry
+    if kind == OrNull:
+        return float | None
     if origin is Annotated:
         plain = _plain(args[0])
         return plain if isinstance(args[1], str) else Annotated[(plain, *args[1:])]
