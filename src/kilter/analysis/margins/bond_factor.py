@@ -43,8 +43,9 @@ class OpeningBond(Record):
     """A bond that gives way in the mechanism, and its share of the work of all bonds."""
 
     parts: PairNames
+    """Names of the bonded parts."""
     share: float
-    """[-]"""
+    """Share of the work [-]."""
 
 
 class BondFactor(Record):
@@ -202,7 +203,5 @@ def _yielding_bonds(
     order = np.argsort(-share, kind="stable")
     bonds = contacts.assembly.bonds
     return tuple(
-        OpeningBond(parts=bonds[k].parts, share=float(share[k]))
-        for k in order
-        if share[k] > GIVES
+        OpeningBond(parts=bonds[k].parts, share=float(share[k])) for k in order if share[k] > GIVES
     )

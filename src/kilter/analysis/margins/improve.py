@@ -31,7 +31,7 @@ from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
-from kilter.tell.record import Answer, InPython, OrNull, PairNames, Record, Shape, Word, key
+from kilter.tell.record import Answer, InPython, OrNull, PairNames, Record, Word
 from kilter.threads import on_one_thread
 from kilter.values.guesses import guarded
 from kilter.work import facts_of
@@ -49,9 +49,10 @@ Cell = tuple[int, int, int]
 
 
 class BrickChange(Record):
-    """A brick to add or to remove, and the fraction of stud strength that the changed model needs."""
+    """A brick to add or to remove, and the share of stud strength that is then needed."""
 
     what: Literal["add", "remove"]
+    """Kind of the change."""
     name: str
     """Name of the brick: in the changed assembly if it is added, else in the given assembly."""
     corner: tuple[int, int, int]
@@ -90,6 +91,7 @@ class Improvement(Answer):
     tried: tuple[BrickChange, ...]
     """All changes that were tried, the best first."""
     warnings: tuple[str, ...]
+    """Warnings of `kilter.check`."""
 
     @property
     def sentence(self) -> str:

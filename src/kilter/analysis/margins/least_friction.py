@@ -82,7 +82,9 @@ class LeastFriction(Record):
     motion: InPython[MotionProof | None]
     """The motion at `lower`; None if no friction is needed."""
     programs: InPython[int]
+    """Number of programs solved."""
     program: InPython[Program]
+    """Program without its own coefficients."""
 
     @property
     @key

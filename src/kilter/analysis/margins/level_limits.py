@@ -26,7 +26,7 @@ from kilter.analysis.margins.limit_level import (
 from kilter.analysis.margins.load_limit import Limit
 from kilter.analysis.margins.part_loads import PartLoad
 from kilter.analysis.margins.pushes import Push
-from kilter.analysis.margins.tilt import TiltMargin
+from kilter.analysis.margins.tilt import TiltAbout, TiltMargin
 from kilter.arrays import Array, cross
 from kilter.assembly import Assembly
 from kilter.assembly.interactions import Load
@@ -61,8 +61,7 @@ class Limits:
     Attributes
     ----------
     tilt : TiltMargin or None
-    about : tuple of (ndarray of shape (3,), float), or None
-        Axis, and the greatest turn about it [rad].
+    about : TiltAbout or None
     friction : LeastFriction or None
     factor : tuple of Limit or None
         Least and greatest load factor, the least with the opposite sign; empty without loads.
@@ -73,7 +72,7 @@ class Limits:
     """
 
     tilt: TiltMargin | None = None
-    about: tuple[Array, float] | None = None
+    about: TiltAbout | None = None
     friction: LeastFriction | None = None
     factor: tuple[Limit | None, ...] = ()
     force: Array | None = None
@@ -90,17 +89,17 @@ class LevelLimits(Record):
     level: LevelWord
     """"settles" or "proved"."""
     tilt_deg: LevelLimit | None = None
-    """[deg]"""
+    """Tilt [deg]."""
     about_deg: LevelLimit | None = None
-    """[deg]"""
+    """Turn about the given axis [deg]."""
     friction: LevelLimit | None = None
-    """[-]; `inside` is the larger coefficient."""
+    """Coefficient [-]; `inside` is the larger coefficient."""
     load_factor: tuple[LevelLimit, ...] | None = None
     """Least and greatest load factor [-]."""
     pushes: dict[str, LevelLimit] = field(default_factory=dict)
-    """By part [N]."""
+    """Push by part [N]."""
     loads: dict[str, LevelLimit] = field(default_factory=dict)
-    """By part [N]."""
+    """Additional load by part [N]."""
 
     def unknown_words(self) -> list[str]:
         """Warnings that name all limits whose search ended without a value, one a reason.
@@ -199,8 +198,8 @@ class _LevelSearch:
         if tilt is not None and tilt.toward.any():
             steps.append(("tilt", self._turn(tilt.toward, tilt.angle)))
         if limits.about is not None:
-            axis, angle = limits.about
-            steps.append(("about", self._turn(cross(axis, down), min(angle, 2 * np.pi))))
+            angle = min(float(np.radians(limits.about.tilt_deg)), 2 * np.pi)
+            steps.append(("about", self._turn(cross(limits.about.axis, down), angle)))
         if friction is not None:
             steps.append(("friction", lambda share: self._least_friction(friction, share)))
         if len(limits.factor) == 2 and None not in limits.factor:
@@ -216,9 +215,7 @@ class _LevelSearch:
             steps.append((("load", load.part), self._pushed(load.part, down, load.load)))
         return steps
 
-    def _turn(
-        self, toward: Array, angle: float
-    ) -> Callable[[LevelDecisions], LevelLimit]:
+    def _turn(self, toward: Array, angle: float) -> Callable[[LevelDecisions], LevelLimit]:
         """Create the search over tilts of gravity toward a horizontal direction, from 0 to `angle`.
 
         The angle is in radians; the search returns degrees.
@@ -278,9 +275,7 @@ class _LevelSearch:
 
         return step
 
-    def _least_friction(
-        self, friction: LeastFriction, share: LevelDecisions
-    ) -> LevelLimit:
+    def _least_friction(self, friction: LeastFriction, share: LevelDecisions) -> LevelLimit:
         """Find the least friction coefficient that reaches the verdict level."""
         least = float(friction.value)
         if least == 0.0 and friction.attained:  # equilibrium without friction is proved

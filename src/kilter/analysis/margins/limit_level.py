@@ -15,6 +15,7 @@ from math import nan
 import numpy as np
 
 from kilter.analysis.decision.cascade import decide
+from kilter.analysis.margins.load_limit import Why
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -57,7 +58,7 @@ class LevelLimit(Record):
     """The nearest value that was decided and does not reach it. It equals `inside` if every
     decided value up to the limit of equilibrium reaches the level, and is infinite if no
     such limit exists either."""
-    why: Reason | None = None
+    why: Why | None = None
     """Why the values are unknown."""
 
 

@@ -52,6 +52,7 @@ from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.cone_interior_point import Start, common_start, iterates
 from kilter.solvers.solver_tolerances import CONIC
+from kilter.tell.record import InPython, OrNull, Record, Twist, key
 from kilter.work import Work, stop_after
 
 __all__ = [
@@ -86,7 +87,7 @@ Why = Literal["none", "failed", "time", "effort"]
 
 
 class Limit(Record):
-    """The largest multiple of a load that contacts hold, with proofs that bound it on both sides."""
+    """The largest multiple of a load that contacts hold, with proofs on both sides of it."""
 
     value: InPython[float]
     """Share t [-]: infinite without a limit, negative if only shares below 0 are held."""
@@ -114,7 +115,7 @@ class Limit(Record):
 
     @property
     @key
-    def mechanism(self) -> Mechanism | None:
+    def mechanism(self) -> dict[str, Twist] | None:
         """Motion of each free part at the limit [length unit, rad]."""
         if self.motion is None:
             return None

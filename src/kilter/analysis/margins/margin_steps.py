@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
+from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.margins.least_friction import Failing, LeastFriction, find_least_friction
 from kilter.analysis.margins.level_limits import LevelLimits, Limits, find_level_limits
 from kilter.analysis.margins.limit_level import verdict_outside
@@ -100,6 +101,16 @@ class MarginSteps(LimitSteps):
             most = OPEN if few else COEFFICIENTS * max(self.work.allowed / PER_EFFORT, 1.0)
         find = partial(find_least_friction, failing=failing, programs=most)
         return self.limit("friction", find, fitted)
+
+    def bond(self) -> BondFactor | None:
+        """Least share of the strength of bonds and straps; None without a value."""
+        assembly = self.question.assembly
+        if not (assembly.bonds or assembly.straps):
+            return None
+        if any({"friction", "stiffness"} & set(joint.guide) for joint in assembly.joints):
+            self.warnings.append("no bond margin: friction and springs of joints are no bonds")
+            return None
+        return self.limit("bond", find_bond_factor, self.program, self.verdict.contacts)
 
     @property
     def edges(self) -> tuple[RoundEdge, ...]:

@@ -9,7 +9,6 @@ that its two sides are near as seen from the load.
 
 from __future__ import annotations
 
-
 import numpy as np
 
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit
@@ -26,6 +25,7 @@ class PartLoad(Record):
     """Additional load straight down, at its centre of mass, that a part carries."""
 
     part: str
+    """Name of the part."""
     load: OrNull
     """Load that is proved to be held [N]; infinite without a limit."""
     mass: OrNull
@@ -35,7 +35,7 @@ class PartLoad(Record):
     limit: InPython[Limit]
     """Forces and mechanism at the limit, in units of `unit`."""
     unit: InPython[float]
-    """[N]"""
+    """Unit of the multiples [N]."""
 
     @property
     @key

@@ -37,6 +37,7 @@ class Push(Record):
     """Greatest push at the centre of mass of a part, in its weakest direction."""
 
     part: str
+    """Name of the part."""
     direction: Vector
     """Unit."""
     force: OrNull
@@ -44,7 +45,9 @@ class Push(Record):
     lower: OrNull
     """Push that is proved to be resisted, for the weakest direction in every direction [N]."""
     limit: Limit
+    """Forces and mechanism there."""
     programs: InPython[int]
+    """Number of programs solved."""
 
     def __repr__(self) -> str:
         return f"Push({self.part!r}, {self.force:.6g} N)"

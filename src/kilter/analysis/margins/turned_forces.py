@@ -138,10 +138,7 @@ class _TurnedForces:
         along = np.array([limit.forces.forces[:count] for limit in limits])
         aside = np.array([limit.forces.friction[:count] for limit in limits])
         sums = np.array(
-            [
-                [_resultant(limit.program, limit, *frame) for frame in frames]
-                for limit in limits
-            ]
+            [[_resultant(limit.program, limit, *frame) for frame in frames] for limit in limits]
         ).reshape(len(limits), len(frames), 6)
         extra = np.zeros(len(frames), dtype=bool)
         for limit in limits:

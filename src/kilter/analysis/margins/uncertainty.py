@@ -45,7 +45,7 @@ from kilter.mechanics.coulomb_cones import pyramid
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-from kilter.tell.record import Ends, OrNull, Record, Vector
+from kilter.tell.record import Ends, Record, Vector
 
 __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
 
@@ -114,7 +114,7 @@ class WorstData(Record):
     """Mass factor and shift of the centre of mass of a part in the worst case."""
 
     mass_factor: float
-    """[-]"""
+    """Mass over its stated value [-]."""
     shift: Vector
     """Shift of the centre of mass [length unit]."""
 
@@ -138,7 +138,7 @@ class Uncertainty(Record):
     """[deg]; None if not all are held, or with loads."""
     load_factor: Ends | None
     """Least and greatest load factor; None if it was not requested, or all hold no factor."""
-    missing: dict[str, Reason]
+    missing: dict[str, Why]
     """Requested values of "held", "tilt" and "load_factor" that are missing, and why: "none", some
     are not held, or no following forces hold all (inner)."""
     corners: int

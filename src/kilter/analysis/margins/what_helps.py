@@ -53,7 +53,9 @@ class Help(Record):
     """A part to hold or another change that widens a margin, and the gain."""
 
     of: Literal["tilt", "load factor"]
+    """The margin that widens."""
     what: What
+    """Kind of the change."""
     parts: tuple[str, ...]
     """The part, or the two parts of the contact."""
     by: float | None
@@ -62,6 +64,7 @@ class Help(Record):
     """Of a second margin, computed with this change: [deg] of tilt, which ends at a right angle, or
     of the load factor [-], infinite if no factor is then too large."""
     sentence: str
+    """The change in words."""
 
 
 def what_helps(

@@ -35,6 +35,7 @@ from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.tell.record import Lines, OrNull, Record, Rows
 
 __all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice"]
 
@@ -88,7 +89,7 @@ class Slice(Record):
     """True for a line that a motion proves."""
     normals: Rows
     """Unit normals of lines: ``normals @ a <= reach`` for every carried a."""
-    reach: Numbers
+    reach: Array
     """Distance of each line from 0, the farthest acceleration along its normal [g]."""
     gap: OrNull
     """Largest distance from an edge of the polygon to the lines beyond it [g]."""
@@ -255,9 +256,9 @@ class CarriedSet:
         reach = max(min(limit.value, self.most), 0.0)
         point = reach * direction
         limited = bool(np.isfinite(limit.value))
-        if limit.mechanism is None:
+        if limit.motion is None:
             return SupportLine(direction, point, direction, reach, limited, False)
-        program, motion = self.program, limit.mechanism.motion
+        program, motion = self.program, limit.motion.motion
         moment = (program.mass * program.free) @ motion[:, :3]
         # the power of the load w(g) - m g a on the motion is not positive for any carried a
         outward = -(axes @ moment) * program.g

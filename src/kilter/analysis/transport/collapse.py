@@ -83,6 +83,7 @@ class CollapseMultiplier(Record):
     unique: bool | None
     """False: other mechanisms at `alpha0` have a smaller M*."""
     limit: InPython[Limit]
+    """Forces and mechanism at `alpha0`."""
 
     @property
     @key

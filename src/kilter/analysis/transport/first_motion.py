@@ -35,12 +35,12 @@ class FirstMotion(Record):
     """How a part starts to move, in words."""
 
     part: str
+    """Name of the part."""
     words: str
+    """The motion, such as "slides +x"."""
 
 
-def first_motions(
-    assembly: Assembly, limit: Limit, carried: CarrierMotion
-) -> list[FirstMotion]:
+def first_motions(assembly: Assembly, limit: Limit, carried: CarrierMotion) -> list[FirstMotion]:
     """How the parts start to move beyond a limit of a carrier motion, the fastest first."""
     program = limit.program
     if limit.motion is None:

@@ -31,6 +31,7 @@ specified paths, 1985: limits of lam = k^2 along a path.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Annotated
 
 import numpy as np
 
@@ -48,6 +49,7 @@ from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.tell.record import InPython, OrNull, Record, Shape, key
 
 __all__ = ["PathLimit", "find_path_limit"]
 
@@ -78,14 +80,16 @@ class PathLimit(Record):
     """Time of the path at which a part moves first [s]."""
     between_samples: bool
     """Whether the factor is also proved between the samples."""
-    factors: Unbounded
+    factors: Annotated[Array, Shape(None, infinite=True)]
     """Upper bound of the factor at every sample [-]."""
     path: InPython[CarrierPath]
+    """The path."""
     limit: InPython[Limit | None]
     """Forces and mechanism of the first motion."""
     programs: InPython[int]
+    """Number of limits that were computed."""
     rows: InPython[Array]
-    """Planes around the carried loads, shape (m, 12): ``rows @ z <= levels``, z = (g - a, al, O)."""
+    """Planes around the carried loads z = (g - a, al, O): ``rows @ z <= levels``, shape (m, 12)."""
     levels: InPython[Array]
     """Zero without loads and bonds, shape (m,)."""
 
@@ -103,7 +107,7 @@ class PathLimit(Record):
 
     @property
     @key
-    def times(self) -> Numbers:
+    def times(self) -> Array:
         """Times of the samples [s]."""
         return self.path.time
 

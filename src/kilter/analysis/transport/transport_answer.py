@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.margins.load_limit import Limit, Why
 from kilter.analysis.transport.acceleration_rows import KnownAccelerations, inner_rows, outer_rows
 from kilter.analysis.transport.carried_set import Slice
 from kilter.analysis.transport.carrier import CarrierMotion
@@ -27,7 +27,17 @@ from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import Program
 from kilter.tell.levels import holds, level_rank
-from kilter.tell.record import InPython, LevelWord, OrNull, Record, Vector, key
+from kilter.tell.record import (
+    Guarantee,
+    InPython,
+    LevelWord,
+    OrNull,
+    Record,
+    Seconds,
+    Vector,
+    Word,
+    key,
+)
 from kilter.tell.transport_facts import transport_sentence
 
 __all__ = ["CarriedCase", "DirectionLimit", "Transport"]
@@ -51,6 +61,7 @@ class DirectionLimit(Record):
     limit: Limit
     """Proofs on both sides of the limit."""
     assembly: InPython[Assembly]
+    """The assembly at rest on the carrier."""
 
     @cached_property
     @key
@@ -76,8 +87,9 @@ class CarriedCase(Record):
     """Whether the parts stay in place at a motion of the carrier, and how surely."""
 
     name: str
+    """Name of the direction or rule."""
     acceleration: Vector
-    """[m/s^2]"""
+    """Of the reference point [m/s^2]."""
     angular_velocity: Vector
     """[rad/s]"""
     angular_acceleration: Vector
@@ -89,16 +101,21 @@ class CarriedCase(Record):
     carried: bool | None
     """At the required level; None: undecided."""
     verdict: Word
+    """Verdict of `kilter.check`."""
     level: LevelWord | None
+    """Level of the verdict."""
     guarantee: Guarantee
+    """Guarantee of the verdict."""
     factor: OrNull | None
     """Largest factor of the motion [-]."""
     limit: Limit | None
     """Proofs on both sides of the factor."""
     carrier: InPython[CarrierMotion]
+    """The motion."""
     check: InPython[Verdict]
     """Answer of `kilter.check` for the assembly that feels this motion."""
     assembly: InPython[Assembly]
+    """The assembly at rest on the carrier."""
 
     @cached_property
     @key
@@ -113,6 +130,7 @@ class StrapUse(Record):
     """A strap and its pull in the forces that prove that the assembly holds."""
 
     name: str
+    """Name of the strap."""
     tension: float | None
     """[N]; None: the strap has a capacity."""
     capacity: float | None
@@ -155,10 +173,12 @@ class Transport(OfAssembly):
     """Speed of a path."""
     require: LevelWord
     """Level of `carried`."""
-    missing: dict[str, Reason]
+    missing: dict[str, Why]
     """Limits without a value, and why."""
     warnings: tuple[str, ...]
+    """What to know about the answer."""
     seconds: Seconds
+    """Duration of each stage [s]."""
 
     @property
     @key
@@ -335,9 +355,7 @@ class Transport(OfAssembly):
         return f"Transport({self.verdict} at rest, least horizontal acceleration {least})"
 
 
-def strap_uses(
-    assembly: Assembly, program: Program, verdicts: Sequence[Verdict]
-) -> list[StrapUse]:
+def strap_uses(assembly: Assembly, program: Program, verdicts: Sequence[Verdict]) -> list[StrapUse]:
     """Tension or capacity of each strap, and its largest pull in the forces of the verdicts."""
     proofs = [verdict.certificate for verdict in verdicts]
     forces = [proof.forces for proof in proofs if isinstance(proof, ForceProof)]
