@@ -23,15 +23,16 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.margins.improve import Improvement
+from kilter.analysis.margins.margin import Margin
+from kilter.analysis.transport.transport_answer import Transport
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
 from kilter.tell.answer_data.check_data import CheckData
 from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
-from kilter.tell.answer_data.margin_data import MarginData
 from kilter.tell.answer_data.other_data import (
     BatchData,
-    ImproveData,
     IncompleteData,
     VerifyData,
 )
@@ -40,7 +41,6 @@ from kilter.tell.answer_data.place_data import PlaceData
 from kilter.tell.answer_data.plan_data import HoldData, PlanData
 from kilter.tell.answer_data.scene_data import SceneData
 from kilter.tell.answer_data.settle_data import SettleData
-from kilter.tell.answer_data.transport_data import TransportData
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
@@ -51,16 +51,16 @@ ANSWERS: dict[str, Any] = {
     "check-plan": PackingData,
     "contacts": ContactsData,
     "hold": HoldData,
-    "improve": ImproveData,
+    "improve": Improvement,
     "incomplete": IncompleteData,
-    "margin": MarginData,
+    "margin": Margin,
     "orient": OrientData,
     "place": PlaceData,
     "plan": PlanData,
     "region": RegionData,
     "scene": SceneData,
     "settle": SettleData,
-    "transport": TransportData,
+    "transport": Transport,
     "verify": VerifyData,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
@@ -164,7 +164,7 @@ def _plain(kind: Any) -> Any:
     """The type of a value in JSON data, from the type of the attribute."""
     origin, args = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, Record):
-        return _model(kind)
+        return _model(kind)  # type: ignore[arg-type]
     if isinstance(kind, type) and issubclass(kind, Enum):
         return _one_of([word.value for word in kind])
     if origin is Annotated and isinstance(args[1], OneOf):

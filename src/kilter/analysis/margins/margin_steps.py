@@ -79,6 +79,7 @@ class MarginSteps(LimitSteps):
             return None
         # the verdict proves that no tilt limit exists, so that only the nearest direction is open
         falls = self._large and self._falls is not None
+        find: Callable[[Program], TiltMargin | NearestHeld | NoLimit]
         find = find_nearest_held if falls else partial(_tilt_or_nearest, edges=self.edges)
         return self.limit("tilt", find, self.program)
 
