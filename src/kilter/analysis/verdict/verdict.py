@@ -607,7 +607,7 @@ class Verdict(InCells, Answer):
         factor = find_bond_factor(self.program, self.contacts)
         if not isinstance(factor, BondFactor):
             return None
-        pairs = [list(self.assembly.bonds[k].parts) for k, _ in factor.opens]
+        pairs = [list(bond.parts) for bond in factor.opens]
         return {"share": factor.value, "fail": pairs}
 
     def _cautions(self) -> list[str]:
