@@ -13,7 +13,7 @@ from free_forms import oval_plug
 import kilter
 from kilter import Assembly, Part, Tolerance
 from kilter.analysis.verdict.neutral import find_neutral
-from kilter.contact.left_out import PossibleContacts
+from kilter.contact.common.patches import PossibleContacts
 from kilter.contact.smooth.smooth_faces import smooth_faces
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose

@@ -36,8 +36,7 @@ from kilter.validate import frozen, in_range, name_list, number
 from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
-    from kilter.tell.answer_data.check_data import BondData
-    from kilter.tell.answer_data.common_data import JointData
+    pass
 
 __all__ = ["Assembly", "require_assembly"]
 
