@@ -22,7 +22,6 @@ from kilter.contact.common.findings import (
     CurvedFindings,
     FacePatches,
     Findings,
-    SmoothFindings,
     is_settled,
     may_be_smooth,
 )
@@ -30,6 +29,7 @@ from kilter.contact.common.gaps import RejectedPair, Tolerance, unknown_contacts
 from kilter.contact.common.patches import KeptPairs, Overlap, Patches, UnsupportedContact
 from kilter.contact.flat_contacts import find_flat
 from kilter.contact.overlap import find_overlaps
+from kilter.contact.smooth.smooth_joints import find_smooth
 from kilter.errors import TimeLimitReached
 from kilter.work import is_late, stop_if_late, take_at_least
 
@@ -110,12 +110,6 @@ class Family(NamedTuple):
     find: Callable[[FacePatches], Findings]
 
 
-def _find_smooth(faces: FacePatches) -> SmoothFindings:
-    from kilter.contact.smooth.smooth_joints import find_smooth
-
-    return find_smooth(faces)
-
-
 def _find_curved(faces: FacePatches) -> CurvedFindings:
     from kilter.contact.curved.curved_contacts import find_curved
 
@@ -129,7 +123,7 @@ def _find_sharp(faces: FacePatches) -> Findings:
 
 
 FAMILIES = (
-    Family("smooth", lambda faces: bool(may_be_smooth(faces.search).any()), _find_smooth),
+    Family("smooth", lambda faces: bool(may_be_smooth(faces.search).any()), find_smooth),
     Family("flat", lambda faces: True, find_flat),
     Family("curved", lambda faces: len(faces.search.geometry.surfaces) > 0, _find_curved),
     Family("sharp", lambda faces: not is_settled(faces).all(), _find_sharp),
