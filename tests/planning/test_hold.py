@@ -13,7 +13,7 @@ from read_proofs import Proof, proof_of, signed
 
 import kilter
 from kilter import Assembly, Fixture, InputError, Support
-from kilter.analysis.planning.states.covers import least_cover
+from kilter.analysis.smallest_set import least_cover
 from kilter.analysis.verification import verify_bundle
 from kilter.cli import main
 from kilter.scenes import scene

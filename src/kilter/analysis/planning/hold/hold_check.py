@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.planning.hold.supported import shares_of
-from kilter.analysis.planning.states.covers import least_cover
+from kilter.analysis.smallest_set import least_cover
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support, with_supports

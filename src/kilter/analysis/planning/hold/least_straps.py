@@ -8,17 +8,14 @@ they take up:
 
 e_i is the rate at which strap i lengthens. P is the power of the load without these straps, and tau
 what a proof by this motion needs (`kilter.mechanics.certificate`). Each motion is found for one
-set, and excludes many. The search decides the smallest set that no known motion excludes, until one
-holds. A tensioned strap may also do harm, so all sets of a size are compared, not only the minimal
-covers. With a code of load securing, a set must hold the load of each of its directions, and a
-motion of one of them excludes it.
+set, and excludes many (`kilter.analysis.smallest_set`). A tensioned strap may also do harm: its
+p_i is negative. With a code of load securing, a set must hold the load of each of its directions,
+and a motion of one of them excludes it.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import itertools
-import math
 import time
 from collections.abc import Callable, Sequence
 
@@ -27,6 +24,7 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.hold.lashing import Lashing, LoadCase, lashed, load_cases
+from kilter.analysis.smallest_set import least_cover
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Strap
 from kilter.assembly.strap_wrenches import strap_wrenches
@@ -36,10 +34,6 @@ from kilter.mechanics.program import Program, build_program
 
 __all__ = ["find_least_straps", "smallest_set", "strap_powers"]
 
-LARGEST = 2_000_000
-"""Largest number of sets of one size that are compared. More sets leave the answer undecided."""
-CHUNK = 100_000
-"""Number of sets that are compared at a time. A larger number needs more memory."""
 MOTIONS = 1000
 """Largest number of motions, and so of decided sets."""
 
@@ -93,10 +87,11 @@ def find_least_straps(
     forces: tuple[ForceProof, ...] = ()
     impossible = exhausted = False
     while len(motions) < MOTIONS:
-        least, found = smallest_set(powers, len(candidates), least)
+        found = smallest_set(powers, least)
         if found is None:
-            impossible = exhausted = least > len(candidates)
+            least, impossible, exhausted = len(candidates) + 1, True, True
             break
+        least = len(found)
         tell(f"straps: a set of {len(found)}, after {len(motions)} motions")
         proofs, falls = _decide_all(cases, contacts, [candidates[k] for k in found])
         if len(proofs) == len(cases):
@@ -168,39 +163,12 @@ def strap_powers(
     return np.array(powers)
 
 
-def smallest_set(powers: Array, count: int, least: int) -> tuple[int, tuple[int, ...] | None]:
-    """The smallest set of straps that no motion excludes; among those, the strongest.
+def smallest_set(powers: Array, least: int = 0) -> tuple[int, ...] | None:
+    """A smallest set of straps that no motion excludes, not below `least`; None if there is none.
 
-    Parameters
-    ----------
-    powers : ndarray, shape (m, 1 + count)
-        Of each motion, as `strap_powers` returns them.
-    count : int
-        Number of straps.
-    least : int
-        Smaller sets are known to be excluded.
-
-    Returns
-    -------
-    least : int
-        Every set of fewer straps is excluded; `count` + 1 if all sets are.
-    chosen : tuple of int or None
-        None if all sets are excluded, or if there are too many sets of this size.
+    `powers`, shape (m, 1 + n), has the `strap_powers` of each motion.
     """
-    needed, taken = powers[:, 0], powers[:, 1:]
-    scale = np.maximum(np.abs(powers).max(axis=1, initial=0.0), np.finfo(float).tiny)
-    for size in range(least, count + 1):
-        if math.comb(count, size) > LARGEST:
-            return size, None
-        best: tuple[float, tuple[int, ...] | None] = (-np.inf, None)
-        sets = itertools.combinations(range(count), size)
-        while chunk := list(itertools.islice(sets, CHUNK)):
-            index = np.array(chunk, dtype=np.int64).reshape(len(chunk), size)
-            total = taken[:, index].sum(axis=2)
-            room = ((total - needed[:, None]) / scale[:, None]).min(axis=0, initial=np.inf)
-            widest = int(room.argmax())
-            if room[widest] >= 0.0 and room[widest] > best[0]:
-                best = (float(room[widest]), chunk[widest])
-        if best[1] is not None:
-            return size, best[1]
-    return count + 1, None
+    shares = [dict(enumerate(row)) for row in powers[:, 1:].tolist()]
+    count = powers.shape[1] - 1
+    found = least_cover(shares, count, needs=powers[:, 0].tolist(), fewest=least)
+    return None if found is None else tuple(sorted(found))

@@ -11,8 +11,8 @@ from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.planning.states.covers import Shares
 from kilter.analysis.planning.states.state_programs import StatePrograms, build_state_programs
+from kilter.analysis.smallest_set import Shares
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
