@@ -27,6 +27,7 @@ from typing import NamedTuple
 __all__ = [
     "ENOUGH",
     "Shares",
+    "TooManySets",
     "first_hitting_set",
     "irreducible_subset",
     "least_cover",
@@ -38,6 +39,7 @@ Shares = Mapping[int, float]
 """For each member, by number, the share of a motion's power that it takes up."""
 ENOUGH = 1 - 1e-3
 """Sum of shares from which members may stop a motion; the remaining power proves nothing [-]."""
+Cover = frozenset[int] | None
 
 
 class _Motion(NamedTuple):
@@ -70,16 +72,26 @@ class _Motion(NamedTuple):
         return self._replace(bits=self.bits & ~(1 << member), need=self.need - share)
 
 
+class TooManySets(Exception):
+    """The search for a smallest cover took too many steps; no set below `fewest` is one."""
+
+    def __init__(self, fewest: int) -> None:
+        super().__init__(fewest)
+        self.fewest = fewest
+
+
 def least_cover(
     motions: Sequence[Shares],
     most: int,
     *,
     needs: Sequence[float] | None = None,
     fewest: int = 0,
+    steps: float = math.inf,
 ) -> frozenset[int] | None:
     """A smallest set that may stop every given motion; None if it has more than `most` members.
 
     A motion needs `ENOUGH` or its entry of `needs`; sets below `fewest` are known to be excluded.
+    More than `steps` sets raise `TooManySets`.
 
     Examples
     --------
@@ -98,35 +110,47 @@ def least_cover(
         members = [k for _, k in helping]
         rows.append(_Motion(sum(1 << k for k in members), shares, members, need))
     for size in range(fewest, most + 1):
-        found = _cover(rows, size, 0)
+
+        def cover(motions: list[_Motion], size: int, closed: int, total: int = size) -> Cover:
+            """At most `size` further members outside the bits `closed` that stop all motions."""
+            nonlocal steps
+            steps -= 1
+            if steps < 0:
+                raise TooManySets(total)
+            left = [motion for motion in motions if motion.need > 0.0]
+            if not left:
+                return frozenset()
+            if _bound(left, size, closed) > size:
+                return None
+            branch = min(left, key=lambda motion: (motion.bits.bit_count(), motion.bits))
+            for member in branch.members:
+                if branch.bits & ~closed & (1 << member):
+                    rest = cover([motion.after(member) for motion in motions], size - 1, closed)
+                    if rest is not None:
+                        return rest | {member}
+                    closed |= 1 << member
+            return None
+
+        found = cover(rows, size, 0)
         if found is not None:
             return found
     return None
 
 
-def _cover(motions: list[_Motion], size: int, closed: int) -> frozenset[int] | None:
-    """At most `size` further members outside the bits `closed` that stop all motions, or None."""
-    left = [motion for motion in motions if motion.need > 0.0]
-    if not left:
-        return frozenset()
-    seen, needed = 0, 0.0  # motions without common members need members of their own
-    for motion in sorted(left, key=lambda motion: motion.bits.bit_count()):
+def _bound(motions: list[_Motion], size: int, closed: int) -> float:
+    """Number of members that motions need, at least; those without common members need their own.
+
+    Infinite if a motion needs more than `size`.
+    """
+    seen, needed = 0, 0.0
+    for motion in sorted(motions, key=lambda motion: motion.bits.bit_count()):
         least = motion.least(closed, size)
-        if least > size:
-            return None
+        if math.isinf(least):
+            return least
         if not motion.bits & seen:
             seen |= motion.bits
             needed += least
-    if needed > size:
-        return None
-    branch = min(left, key=lambda motion: (motion.bits.bit_count(), motion.bits))
-    for member in branch.members:
-        if branch.bits & ~closed & (1 << member):
-            rest = _cover([motion.after(member) for motion in motions], size - 1, closed)
-            if rest is not None:
-                return rest | {member}
-            closed |= 1 << member
-    return None
+    return needed
 
 
 def least_hitting_set(sets: Sequence[int], most: int) -> int | None:

@@ -53,8 +53,7 @@ def wrong_lashing(
             motion[assembly.index_of(name)] = six
         rows.append(strap_powers(case.assembly, contacts, candidates, motion))
     powers = np.array(rows).reshape(-1, 1 + len(candidates))
-    found = smallest_set(powers)
-    least = len(candidates) + 1 if found is None else len(found)
+    least, _ = smallest_set(powers)
     reasons: list[str] = []
     if least < rules["least"]:
         reasons.append(f"its motions do not exclude every set of {least} straps")

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.hold.lashing import Lashing, LoadCase, lashed, load_cases
-from kilter.analysis.smallest_set import least_cover
+from kilter.analysis.smallest_set import TooManySets, least_cover
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Strap
 from kilter.assembly.strap_wrenches import strap_wrenches
@@ -34,6 +34,8 @@ from kilter.mechanics.program import Program, build_program
 
 __all__ = ["find_least_straps", "smallest_set", "strap_powers"]
 
+MOST_SETS = 50_000
+"""Largest number of sets that one search tries. More sets leave the answer undecided."""
 MOTIONS = 1000
 """Largest number of motions, and so of decided sets."""
 
@@ -87,11 +89,10 @@ def find_least_straps(
     forces: tuple[ForceProof, ...] = ()
     impossible = exhausted = False
     while len(motions) < MOTIONS:
-        found = smallest_set(powers, least)
+        least, found = smallest_set(powers, least)
         if found is None:
-            least, impossible, exhausted = len(candidates) + 1, True, True
+            impossible = exhausted = least > len(candidates)
             break
-        least = len(found)
         tell(f"straps: a set of {len(found)}, after {len(motions)} motions")
         proofs, falls = _decide_all(cases, contacts, [candidates[k] for k in found])
         if len(proofs) == len(cases):
@@ -163,12 +164,18 @@ def strap_powers(
     return np.array(powers)
 
 
-def smallest_set(powers: Array, least: int = 0) -> tuple[int, ...] | None:
-    """A smallest set of straps that no motion excludes, not below `least`; None if there is none.
+def smallest_set(powers: Array, least: int = 0) -> tuple[int, tuple[int, ...] | None]:
+    """Least number of straps that no motion excludes, and such straps; not below `least`.
 
-    `powers`, shape (m, 1 + n), has the `strap_powers` of each motion.
+    The straps are None if all sets are excluded, the number then being that of all straps plus 1,
+    or if too many sets had to be tried. `powers` has the `strap_powers` of each motion.
     """
     shares = [dict(enumerate(row)) for row in powers[:, 1:].tolist()]
     count = powers.shape[1] - 1
-    found = least_cover(shares, count, needs=powers[:, 0].tolist(), fewest=least)
-    return None if found is None else tuple(sorted(found))
+    try:
+        found = least_cover(
+            shares, count, needs=powers[:, 0].tolist(), fewest=least, steps=MOST_SETS
+        )
+    except TooManySets as stopped:
+        return stopped.fewest, None
+    return (count + 1, None) if found is None else (len(found), tuple(sorted(found)))
