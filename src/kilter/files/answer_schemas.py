@@ -23,6 +23,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.planning.hold.fixture import Fixture
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
 from kilter.tell.answer_data.check_data import CheckData
@@ -37,7 +38,7 @@ from kilter.tell.answer_data.other_data import (
 )
 from kilter.tell.answer_data.packing_data import PackingData
 from kilter.tell.answer_data.place_data import PlaceData
-from kilter.tell.answer_data.plan_data import HoldData, PlanData
+from kilter.tell.answer_data.plan_data import PlanData
 from kilter.tell.answer_data.scene_data import SceneData
 from kilter.tell.answer_data.settle_data import SettleData
 from kilter.tell.answer_data.transport_data import TransportData
@@ -50,7 +51,7 @@ ANSWERS: dict[str, Any] = {
     "check": CheckData,
     "check-plan": PackingData,
     "contacts": ContactsData,
-    "hold": HoldData,
+    "hold": Fixture,
     "improve": ImproveData,
     "incomplete": IncompleteData,
     "margin": MarginData,
