@@ -433,7 +433,7 @@ def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -
 def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
     block = scene("squeezed-block")
     forces = kilter.hold(block, require="equilibrium")
-    assert (forces.supports, forces.level, forces.holds) == ([], "equilibrium", True)
+    assert (forces.supports, forces.level, forces.holds) == ((), "equilibrium", True)
     settled = kilter.hold(block)
     assert [support.part for support in settled.supports or ()] == ["block"]
     assert (settled.level, settled.holds, settled.fewest) == ("proved", True, False)

@@ -61,6 +61,7 @@ class ChosenStrap(Record):
     pull: float | None
     """Tension, or largest computed pull [N]."""
     strap: InPython[Strap]
+    """The strap itself."""
 
 
 class StrapCase(Record):
@@ -125,6 +126,7 @@ class Fixture(Answer):
     assembly: InPython[Assembly]
     """Assembly without the candidates."""
     contacts: InPython[ContactSet]
+    """Contacts of this assembly."""
     offered: InPython[Sequence[Support] | Sequence[Strap]]
     """All candidates."""
     chosen: InPython[tuple[int, ...] | None]

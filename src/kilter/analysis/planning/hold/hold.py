@@ -147,8 +147,7 @@ def hold(
     asked = [candidates] if isinstance(candidates, str | Support) else candidates
     seconds = {"contacts": time.perf_counter() - started}
     given = Supported(assembly, contacts, candidates_of(assembly, contacts, asked))
-    found = _by_supports(given, work, most, require, effort, seconds)
-    return replace(found, time_limit=time_limit if work.cut else None)
+    return _by_supports(given, work, most, require, effort, time_limit, seconds)
 
 
 def _by_supports(
@@ -157,6 +156,7 @@ def _by_supports(
     most: int | None,
     require: str,
     effort: float,
+    time_limit: float | None,
     seconds: dict[str, float],
 ) -> Fixture:
     """The fixture with the fewest supports."""
@@ -188,6 +188,7 @@ def _by_supports(
         judged=given.asked,
         exhausted=least.complete and not work.over and not interrupted,
         interrupted=interrupted,
+        time_limit=time_limit if work.cut else None,
         seconds={key: round(value, 6) for key, value in seconds.items()},
         assembly=given.assembly,
         contacts=given.contacts,
