@@ -23,16 +23,17 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.margins.improve import Improvement
+from kilter.analysis.margins.margin import Margin
 from kilter.analysis.planning.hold.fixture import Fixture
+from kilter.analysis.transport.transport_answer import Transport
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
 from kilter.tell.answer_data.check_data import CheckData
 from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
-from kilter.tell.answer_data.margin_data import MarginData
 from kilter.tell.answer_data.other_data import (
     BatchData,
-    ImproveData,
     IncompleteData,
     VerifyData,
 )
@@ -41,8 +42,7 @@ from kilter.tell.answer_data.place_data import PlaceData
 from kilter.tell.answer_data.plan_data import PlanData
 from kilter.tell.answer_data.scene_data import SceneData
 from kilter.tell.answer_data.settle_data import SettleData
-from kilter.tell.answer_data.transport_data import TransportData
-from kilter.tell.record import SCHEMA_VERSION, OneOf, Record, Shape, keys_of
+from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
@@ -52,16 +52,16 @@ ANSWERS: dict[str, Any] = {
     "check-plan": PackingData,
     "contacts": ContactsData,
     "hold": Fixture,
-    "improve": ImproveData,
+    "improve": Improvement,
     "incomplete": IncompleteData,
-    "margin": MarginData,
+    "margin": Margin,
     "orient": OrientData,
     "place": PlaceData,
     "plan": PlanData,
     "region": RegionData,
     "scene": SceneData,
     "settle": SettleData,
-    "transport": TransportData,
+    "transport": Transport,
     "verify": VerifyData,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
@@ -172,9 +172,12 @@ def _plain(kind: Any) -> Any:
         return _one_of(args[1].words)
     if origin is Annotated and isinstance(args[1], Shape):
         entry = _scalar(args[0])
+        entry = entry | None if args[1].infinite else entry
         for size in reversed(args[1].sizes):
             entry = GenericAlias(list, (entry,)) if size is None else _several(entry, size)
         return entry
+    if kind == OrNull:
+        return float | None
     if origin is Annotated:
         plain = _plain(args[0])
         return plain if isinstance(args[1], str) else Annotated[(plain, *args[1:])]

@@ -281,7 +281,7 @@ def check_plan(
         else _walled(pile, plan, pallet, require, effort),
         _carried(whole, contacts) if carried and first is None else (),
         require,
-        tuple(contacts.remarks()),
+        tuple(contacts.warnings),
         time.perf_counter() - started,
     )
 

@@ -362,7 +362,7 @@ def place(
         best = _best(levels, prism)
         remarks = [
             *map_warnings(assembly, tops, contacts, levels, width),
-            *contacts.remarks(),
+            *contacts.warnings,
         ]
     return Places(
         assembly,

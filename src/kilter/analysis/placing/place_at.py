@@ -85,7 +85,7 @@ class AtPlace:
         The warning about the default density is left out if the verdict and the heaviest mass do
         not depend on it, unless the assembly without the part (`base`) has this warning, too.
         """
-        remarks = self.verdict.contacts.remarks()
+        remarks = self.verdict.contacts.warnings
         idle = set(density_warnings(self.verdict.assembly.parts)) - {*base.geometry.warnings}
         limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
         if not idle or limited or any(map(density_matters, self.verdicts)):

@@ -221,7 +221,7 @@ class Order(InCells, AnswerInWords):
             },
             "assumes": {
                 "directions": [d if isinstance(d, str) else list(d) for d in self.directions],
-                "tolerance": self.states.contacts.tolerance.relative_gap,
+                "tolerance": self.states.contacts.searched.relative_gap,
                 "screws": [[assembly.names[s.bolt], assembly.names[s.nut]] for s in self.screws],
                 "groups": [list(group) for group in self.moved_as_one],
                 "together": self.together,
