@@ -25,6 +25,7 @@ from typing_extensions import TypedDict
 
 from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin import Margin
+from kilter.analysis.planning.hold.fixture import Fixture
 from kilter.analysis.transport.transport_answer import Transport
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
@@ -38,7 +39,7 @@ from kilter.tell.answer_data.other_data import (
 )
 from kilter.tell.answer_data.packing_data import PackingData
 from kilter.tell.answer_data.place_data import PlaceData
-from kilter.tell.answer_data.plan_data import HoldData, PlanData
+from kilter.tell.answer_data.plan_data import PlanData
 from kilter.tell.answer_data.scene_data import SceneData
 from kilter.tell.answer_data.settle_data import SettleData
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
@@ -50,7 +51,7 @@ ANSWERS: dict[str, Any] = {
     "check": CheckData,
     "check-plan": PackingData,
     "contacts": ContactsData,
-    "hold": HoldData,
+    "hold": Fixture,
     "improve": Improvement,
     "incomplete": IncompleteData,
     "margin": Margin,
