@@ -1,4 +1,4 @@
-"""Answers as JSON text that travels, and the number of the version of its schemas."""
+"""Base classes of answers that are not records yet."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ import json
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from kilter.tell.record import SCHEMA_VERSION
 from kilter.values.guesses import Guessable
 
-__all__ = ["SCHEMA_VERSION", "Answer", "AnswerInWords"]
-
-SCHEMA_VERSION = 1
-"""Version of the data of all answers; a key that is removed or changes its meaning raises it."""
+__all__ = ["Answer", "AnswerInWords"]
 
 
-class Answer(Guessable):
+class OldAnswer(Guessable):
     """Base class of the answers of all functions; its JSON data are as printed with ``--json``."""
 
     __slots__ = ()
@@ -41,7 +39,7 @@ class Answer(Guessable):
         return json.dumps(data, indent=indent, ensure_ascii=False, allow_nan=False)
 
 
-class AnswerInWords(Answer):
+class OldAnswerInWords(OldAnswer):
     """Base class of answers whose sentence is made from their data."""
 
     __slots__ = ()
@@ -52,3 +50,7 @@ class AnswerInWords(Answer):
         from kilter.tell.tables import sentences
 
         return sentences(self.to_dict())[0]
+
+
+Answer = OldAnswer
+AnswerInWords = OldAnswerInWords
