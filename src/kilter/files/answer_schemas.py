@@ -14,6 +14,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import cache
+from importlib import import_module
 from itertools import pairwise
 from types import GenericAlias, UnionType
 from typing import Annotated, Any, NotRequired, Union, get_args, get_origin
@@ -35,11 +36,7 @@ from kilter.tell.answer_data.other_data import (
     IncompleteData,
     VerifyData,
 )
-from kilter.tell.answer_data.packing_data import PackingData
-from kilter.tell.answer_data.place_data import PlaceData
-from kilter.tell.answer_data.plan_data import HoldData, PlanData
-from kilter.tell.answer_data.scene_data import SceneData
-from kilter.tell.answer_data.settle_data import SettleData
+from kilter.tell.answer_data.plan_data import HoldData
 from kilter.tell.answer_data.transport_data import TransportData
 from kilter.tell.record import SCHEMA_VERSION, OneOf, Record, Shape, keys_of
 
@@ -48,18 +45,18 @@ __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 ANSWERS: dict[str, Any] = {
     "batch": BatchData,
     "check": CheckData,
-    "check-plan": PackingData,
+    "check-plan": "kilter.analysis.placing.check_plan:CheckedPlan",
     "contacts": ContactsData,
     "hold": HoldData,
     "improve": ImproveData,
     "incomplete": IncompleteData,
     "margin": MarginData,
     "orient": OrientData,
-    "place": PlaceData,
-    "plan": PlanData,
+    "place": "kilter.analysis.placing.place:Places",
+    "plan": "kilter.analysis.planning.order.order:Order",
     "region": RegionData,
-    "scene": SceneData,
-    "settle": SettleData,
+    "scene": "kilter.analysis.scene_states.scene_report:SceneReport",
+    "settle": "kilter.analysis.settled_pose.settle:Settled",
     "transport": TransportData,
     "verify": VerifyData,
 }
@@ -79,7 +76,10 @@ def build_answer_schema(verb: str) -> dict[str, Any]:
 
     The keys "answer" and "schema" are optional: `to_json` writes them, ``--json`` does not.
     """
-    model = _model(ANSWERS[verb]) if issubclass(ANSWERS[verb], Record) else ANSWERS[verb]
+    model = ANSWERS[verb]
+    if isinstance(model, str):
+        module, _, name = model.partition(":")
+        model = _model(getattr(import_module(module), name))
     # a list, since pydantic accepts no settings for a typed dictionary itself
     several: Any = GenericAlias(list, (model,))
     adapter = TypeAdapter(several, config=ConfigDict(extra="forbid"))
@@ -191,7 +191,9 @@ def _plain(kind: Any) -> Any:
 
 
 def _scalar(array: Any) -> Any:
-    """The type of an entry in JSON data, from the type of the array."""
+    """The type of an entry in JSON data, from the type of the array; float of other types."""
+    if get_origin(array) is not np.ndarray:
+        return float
     [kind] = get_args(get_args(array)[1])
     return type(np.zeros(1, kind).item())
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, fields
 from enum import Enum
 from functools import cache
@@ -141,6 +141,11 @@ class Record(Guessable):
         first = _fields(self)[0].name
         return f"<{type(self).__name__}: {getattr(self, first)!r}>"
 
+    @property
+    def data(self) -> Mapping[str, Any]:
+        """The JSON data, of which only the keys that are read are converted."""
+        return _Data(self)
+
     def to_dict(self) -> dict[str, Any]:
         """The JSON data: arrays as lists, and null for infinite numbers."""
         data = {}
@@ -149,6 +154,26 @@ class Record(Guessable):
             if not (absent and value is None):
                 data[name] = json_value(value)
         return data
+
+
+class _Data(Mapping[str, Any]):
+    """The JSON data of a record, each converted when it is read first."""
+
+    def __init__(self, record: Record) -> None:
+        self._record, self._read = record, dict[str, Any]()
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._read:
+            if name not in keys_of(type(self._record)):
+                raise KeyError(name)
+            self._read[name] = json_value(getattr(self._record, name))
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(keys_of(type(self._record)))
+
+    def __len__(self) -> int:
+        return len(keys_of(type(self._record)))
 
 
 class Answer(Record):

@@ -46,6 +46,7 @@ class SupportShare(Record):
     """A part on which an item rests."""
 
     part: str
+    """Name of the part."""
     share: float
     """Share of the underside of the item [-]."""
 
@@ -54,13 +55,17 @@ class CheckedItem(Record):
     """An item, and the verdict on the pile after it was put down."""
 
     name: str
+    """Name of the item."""
     line: int
     """Line of the table, or number in the order."""
     mass: float
     """[kg]"""
     verdict: str
+    """Verdict on the pile of this item and all items before it."""
     level: str | None
+    """Level of this verdict."""
     support: tuple[SupportShare, ...]
+    """Parts on which it rests."""
     max_load: float | None
     """Largest mass that its top may carry [kg]."""
     top_load: float | None = None
@@ -72,6 +77,7 @@ class Overload(Record):
     """The first item whose top must carry more than its limit."""
 
     item: str
+    """Name of the item."""
     after: int
     """The item that overloads it, counted from 1."""
     load: float
@@ -95,6 +101,7 @@ class Carried(Record):
     """Largest acceleration of the finished pile along a direction."""
 
     direction: str
+    """Axis with its sign."""
     g: float | None
     """[g]; null: no limit up to 100 g."""
 
@@ -105,7 +112,9 @@ class CheckedPlan(Answer):
     answer: ClassVar[str] = "check-plan"
 
     require: str
+    """Level from which an item stands."""
     items: tuple[CheckedItem, ...]
+    """Items in their order."""
     first: int | None = None
     """The first item, counted from 1, after which the pile does not stand."""
     why: str | None = None
@@ -117,6 +126,7 @@ class CheckedPlan(Answer):
     carried: tuple[Carried, ...] = ()
     """Largest accelerations of the finished pile, if requested."""
     warnings: tuple[str, ...]
+    """Warnings about file, geometry and contacts."""
     seconds: float
     """Duration [s]."""
     plan: InPython[PackingPlan]

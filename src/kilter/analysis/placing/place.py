@@ -63,6 +63,7 @@ class LevelPlaces(Record):
     falls: Polygons
     """Places that motions exclude."""
     open: Polygons
+    """The other places."""
 
     @property
     @key
@@ -117,6 +118,7 @@ class Places(Answer):
     programs: int = 0
     """Number of solved programs."""
     warnings: tuple[str, ...]
+    """Warnings about the map, the geometry and the contacts."""
     seconds: float
     """Duration [s]."""
     assembly: InPython[Assembly]

@@ -132,9 +132,7 @@ def decide_at(
         heaviest.append(_heaviest(build_program(whole, contacts), part.name))
     known = [mass for mass in heaviest if mass is not None]
     least = min(known) if len(known) == len(heaviest) else None
-    return AtPlace(
-        x=x, y=y, height=height, heaviest=least, part=part, verdicts=tuple(verdicts)
-    )
+    return AtPlace(x=x, y=y, height=height, heaviest=least, part=part, verdicts=tuple(verdicts))
 
 
 def _lowered(assembly: Assembly, alone: Assembly, tops: Sequence[Top], x: float, y: float) -> float:

@@ -167,7 +167,7 @@ def _repaired(
 ) -> SceneReport:
     """The report about a scene after its repair (`kilter.analysis.scene_states.scene_repair`)."""
     first = scene(assembly, contacts=contacts, **given)
-    falls = {entry.name: entry.move for entry in first if entry.move is not None}
+    falls = {entry.name: entry.pose for entry in first if entry.pose is not None}
     fallen = assembly.with_poses(falls) if falls else assembly
     tolerance = given["tolerance"]
     touching = detect.contacts(fallen, tolerance=tolerance) if falls else contacts
@@ -325,9 +325,9 @@ class _Survey:
                     # a round part that is sunk by less than its triangles show has no contact
                     state: ObjectState = "overlaps" if fall.distance < -touching else "open"
                     raised = moved if state == "overlaps" else None
-                    self.states[k] = self.entry(k, state, move=raised, **found)
+                    self.states[k] = self.entry(k, state, pose=raised, **found)
                     continue
-                self.states[k] = self.entry(k, "floats", move=moved, if_held=if_held, **found)
+                self.states[k] = self.entry(k, "floats", pose=moved, if_held=if_held, **found)
 
     def _touching_gap(self, part: int, other: int) -> float:
         """Gap up to which two parts touch [length unit]."""

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property
-from typing import ClassVar, Literal, get_args
+from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 
 from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose
 from kilter.tell.levels import holds, level_rank
-from kilter.tell.record import Answer, InPython, Record, UnitWord, Vector, key
+from kilter.tell.record import Answer, InPython, Record, Shape, UnitWord, Vector, key
 from kilter.tell.scene_words import object_words, scene_sentence
 
 __all__ = ["FAULTS", "STATES", "ObjectState", "SceneObject", "SceneReport"]
@@ -27,20 +28,28 @@ FAULTS: tuple[ObjectState, ...] = ("floats", "overlaps", "falls")
 """States of an object that is not at rest."""
 
 
+class Move(Record):
+    """A pose of a part: the transform from its own frame to the world frame."""
+
+    position: Vector
+    """[length unit]"""
+    rotation: Annotated[Array, Shape(4)]
+    """Quaternion w x y z."""
+
+
 class SceneObject(Record):
     """An object of a scene and its state."""
 
     name: str
+    """Name of the part."""
     state: ObjectState
+    """Its state."""
     level: str | None = None
     """Level of the verdict on its cluster; null: not at rest."""
     gap: float | None = None
     """Height above `other`; negative: depth of an overlap [length unit]."""
     other: str | None = None
     """The part above which it floats, that it overlaps, or whose contact is open."""
-    move: Pose | None = None
-    """Pose after a vertical move to the first contact, for a floating object, and for a round
-    object that is sunk by less than the error of its triangles."""
     motion: str | None = None
     """First motion of a falling object."""
     if_held: tuple[str, ...] = ()
@@ -49,6 +58,19 @@ class SceneObject(Record):
     """Kind of the shape used."""
     units: InPython[str] = "m"
     """Length unit of the scene."""
+    pose: InPython[Pose | None] = None
+    """The pose `move`."""
+
+    @property
+    @key
+    def move(self) -> Move | None:
+        """Pose after a vertical move to the first contact.
+
+        Floating objects have it, and round objects that are sunk by less than the error of their
+        triangles.
+        """
+        pose = self.pose
+        return None if pose is None else Move(position=pose.position, rotation=pose.rotation)
 
     @property
     @key
@@ -70,6 +92,7 @@ class SceneReport(Answer):
     require: str
     """Level from which an object counts as at rest."""
     warnings: tuple[str, ...]
+    """Warnings about file, geometry and contacts."""
     seconds: float
     """Duration [s]."""
     assembly: InPython[Assembly]
@@ -97,7 +120,7 @@ class SceneReport(Answer):
     @property
     @key
     def gravity(self) -> Vector:
-        """[m/s^2]"""
+        """Gravity as used [m/s^2]."""
         return self.assembly.gravity
 
     @property
@@ -121,7 +144,8 @@ class SceneReport(Answer):
     def __getitem__(self, name: str) -> SceneObject:
         if name not in self._index:
             near = nearest_name(name, self._index)
-            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(list(self._index), 8)}"
+            there = some_names(list(self._index), 8)
+            hint = f"did you mean {near!r}?" if near else f"there are: {there}"
             raise InputError(f"no object is named {name!r}", hint=hint)
         return self.objects[self._index[name]]
 

@@ -61,6 +61,7 @@ class Moved(Record):
     """Movement of a part from the drawn to the settled pose."""
 
     part: str
+    """Name of the part."""
     distance: float
     """Of its centre of mass [length unit]."""
     angle_deg: float
@@ -73,7 +74,9 @@ class Settled(Answer):
     answer: ClassVar[str] = "settle"
 
     state: Literal["at-rest", "does-not-fit", "falls", "not-found"]
+    """State in which the search ended."""
     rounds: int
+    """Number of rounds of the search."""
     reach: float
     """Largest gap that the search considered [length unit]."""
     tolerance: float
@@ -87,7 +90,9 @@ class Settled(Answer):
     why: str
     """Cause of a failure as a clause; empty at rest."""
     require: str
+    """Level from which the parts count as at rest."""
     warnings: tuple[str, ...]
+    """Warnings about file, geometry and contacts."""
     seconds: float
     """Duration [s]."""
     drawn: InPython[Assembly]
@@ -312,7 +317,8 @@ def settle(
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     before = check_level(assembly, contacts, require=ROUGHLY, effort=effort, progress=progress)
-    found, used, dropped = _found(assembly, rigid_bodies(assembly, kept), contacts, most, drop, tell)
+    bodies = rigid_bodies(assembly, kept)
+    found, used, dropped = _found(assembly, bodies, contacts, most, drop, tell)
     settled = found.bodies.assembly()
     verdicts: dict[str, Any] = {}
     if found.state == "at-rest":

@@ -7,9 +7,8 @@ not planned.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from kilter.analysis.decision.decision import Decision
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.planning.order.locking import Locked
 from kilter.analysis.planning.order.order_proof import order_proof
-from kilter.analysis.planning.order.plan_step import FAR, VERDICTS, Step, lower_level
+from kilter.analysis.planning.order.plan_step import VERDICTS, Step, lower_level
 from kilter.analysis.planning.order.removal import Screw
 from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
@@ -27,32 +26,44 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
 from kilter.tell.csv_cells import csv_text
-from kilter.tell.html import html_of
-from kilter.tell.json_answer import AnswerInWords
-from kilter.tell.levels import holds
+from kilter.tell.levels import VerdictWord, holds
 from kilter.tell.numbers import count
 from kilter.tell.plan_words import order_sentence
+from kilter.tell.record import (
+    Answer,
+    InPython,
+    LevelWord,
+    Record,
+    Twist,
+    UnitWord,
+    Vector,
+    key,
+)
 
 if TYPE_CHECKING:
-    from kilter.tell.answer_data.plan_data import ImpossibleData, PlanData, StepData
+    from kilter.tell.answer_data.common_data import OpenPairData
 
-__all__ = ["Order"]
+__all__ = ["Assumes", "Fewest", "Order", "Search"]
 
 
 class Finished(Record):
     """Verdict and level of the finished assembly."""
 
-    verdict: Word
+    verdict: VerdictWord
+    """Its verdict."""
     level: LevelWord | None
+    """Its level."""
 
 
 class Impossible(Record):
     """Proof that no order of assembly exists, or none with so few held parts."""
 
     kind: Literal["falls", "locking", "exhaustion", "closure"]
+    """Kind of the proof."""
     holds: int | None = None
     """Number of held parts up to which no order exists; null: any number."""
     parts: Sequence[str]
+    """Parts that the proof is about."""
     motions: list[dict[str, Twist] | None] | None = None
     """Motions by part [length unit, rad]."""
 
@@ -61,6 +72,7 @@ class Fewest(Record):
     """The minimised quantity, and the scope of the proof."""
 
     what: Literal["holds", "held-steps", "turns"]
+    """The minimised quantity."""
     least: Literal["always", "as-tried"] | None
     """Orders that the proof concerns: all, or those along the tried paths; null without a proof."""
 
@@ -69,7 +81,9 @@ class Search(Record):
     """Numbers of states, programs and other steps of the search for a plan."""
 
     states: int
+    """Examined states."""
     programs: int
+    """Solved programs."""
     sweeps: int
     """Collision tests."""
     no_goods: int
@@ -117,13 +131,17 @@ class Order(InCells, Answer):
     given: bool
     """Whether the caller gave the order."""
     fewest: Fewest
+    """The minimised quantity, and the scope of the proof."""
     search: Search
+    """Numbers of steps of the search."""
     assumes: Assumes
+    """Assumptions."""
     interrupted: bool
     """Whether an interrupt stopped the search."""
     time_limit: float | None
     """Limit that stopped the search [s]; null if the search did not reach it."""
-    seconds: Seconds
+    seconds: dict[str, float]
+    """Duration of each stage [s]."""
     states: InPython[States]
     """States of the assembly."""
     falling: InPython[tuple[State, ...]]
@@ -231,7 +249,7 @@ class Order(InCells, Answer):
 
     @property
     @key
-    def open_pairs(self) -> list[OpenPairEntry]:
+    def open_pairs(self) -> list[OpenPairData]:
         """Open pairs of the finished assembly, the deciding pairs first."""
         states = self.states
         return open_pairs_answer(states.assembly, states.contacts, self.decision.question)
@@ -259,6 +277,12 @@ class Order(InCells, Answer):
             for name, state in zip(alone, self.falling, strict=True)
         ]
         return Impossible(kind="closure", holds=0, parts=alone, motions=motions)
+
+    @property
+    @key
+    def sentence(self) -> str:
+        """The answer in a sentence or two."""
+        return order_sentence(self.data)
 
     @property
     @key
@@ -325,10 +349,6 @@ class Order(InCells, Answer):
             rules,
             options or {},
         )
-
-    def _repr_html_(self) -> str:
-        """The plan as HTML for a notebook."""
-        return html_of(self.to_dict())
 
     def __repr__(self) -> str:
         if not self.found:

@@ -8,7 +8,6 @@ the moved parts in place if they are held too.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,8 @@ from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Array
+from kilter.tell.levels import VerdictWord
+from kilter.tell.record import InPython, LevelWord, Lines, Record, Vector, key
 
 __all__ = ["FAR", "NO_WAY", "UNDECIDED", "VERDICTS", "Step", "lower_level", "steps_of"]
 
@@ -34,6 +35,7 @@ class Step(Record):
     """A step of a plan, which inserts one part, or several parts that move together."""
 
     parts: tuple[str, ...]
+    """Inserted parts."""
     legs: InPython[tuple[Leg, ...]]
     """Straight pieces of the path out; the parts come in along its reverse."""
     path: Lines
@@ -77,7 +79,7 @@ class Step(Record):
 
     @property
     @key
-    def verdict(self) -> Word:
+    def verdict(self) -> VerdictWord:
         """Verdict on the standing parts."""
         return "unstable" if self.level is None else VERDICTS[self.level]
 
