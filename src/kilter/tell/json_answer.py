@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import wraps
 from typing import Any, ClassVar
 
-from kilter.tell.record import SCHEMA_VERSION
+from kilter.tell.record import SCHEMA_VERSION, json_value
 from kilter.values.guesses import Guessable
 
 __all__ = ["Answer", "AnswerInWords"]
@@ -19,6 +20,12 @@ class OldAnswer(Guessable):
 
     answer: ClassVar[str] = ""
     """Name of the verb that gives the answer."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "to_dict" in vars(cls):  # records inside become data
+            write = cls.to_dict
+            cls.to_dict = wraps(write)(lambda self: json_value(write(self)))  # type: ignore[method-assign]
 
     def to_dict(self) -> Mapping[str, Any]:
         """The answer as JSON data."""

@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, fields
 from enum import Enum
 from functools import cache
-from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -92,10 +92,11 @@ def key(getter: Getter) -> Getter:
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, eq_default=False)
 class Record(Guessable):
-    """Base class of answers and their pieces: frozen, with keywords only, compared by identity.
+    """Base class of answers and their pieces: frozen, compared by identity.
 
     Each subclass becomes a dataclass without further words. Its `to_dict` has a key for each public
-    field, but for those with the type `InPython`, and for each property marked as `key`.
+    field, but for those with the type `InPython`, and for each property marked as `key`. The option
+    `kw_only=False` of a class lets its fields be given by position, too.
 
     Examples
     --------
@@ -108,14 +109,23 @@ class Record(Guessable):
     (<Pushed: 'box'>, {'name': 'box', 'force': [0.0, None, 1.0]})
     """
 
-    def __init_subclass__(cls) -> None:
+    if TYPE_CHECKING:
+        __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    def __init_subclass__(cls, *, kw_only: bool = True) -> None:
         super().__init_subclass__()
         # methods of this class instead of generated ones, since generating takes time at start-up
-        dataclass(init=False, repr=False, eq=False, match_args=False)(cls)
+        dataclass(init=False, repr=False, eq=False, match_args=False, kw_only=kw_only)(cls)
 
-    def __init__(self, **given: Any) -> None:
+    def __init__(self, *listed: Any, **given: Any) -> None:
+        own = fields(self)
+        if listed:
+            names = [field.name for field in own if not field.kw_only]
+            if len(listed) > len(names):
+                raise TypeError(f"{type(self).__name__} takes {len(names)} arguments by position")
+            given |= zip(names, listed, strict=False)
         values = self.__dict__
-        for field in _fields(self):
+        for field in own:
             if field.name in given:
                 values[field.name] = given.pop(field.name)
             elif field.default is not MISSING:
@@ -138,7 +148,7 @@ class Record(Guessable):
         raise FrozenInstanceError(f"{type(self).__name__} is read-only: {name}")
 
     def __repr__(self) -> str:
-        first = _fields(self)[0].name
+        first = fields(self)[0].name
         return f"<{type(self).__name__}: {getattr(self, first)!r}>"
 
     @property
@@ -149,7 +159,8 @@ class Record(Guessable):
     def to_dict(self) -> dict[str, Any]:
         """The JSON data: arrays as lists, and null for infinite numbers."""
         data = {}
-        for name, absent in keys_of(type(self)).items():
+        kind: Any = type(self)
+        for name, absent in keys_of(kind).items():
             value = getattr(self, name)
             if not (absent and value is None):
                 data[name] = json_value(value)
@@ -214,16 +225,17 @@ class AnswerInWords(Answer):
         return sentences(self.to_dict())[0]
 
 
-def _fields(kind: Any) -> tuple[Field[Any], ...]:
-    """The fields of a record or its class, which type checkers do not take for a dataclass."""
-    return fields(kind)
-
-
 @cache
 def keys_of(kind: Any) -> Mapping[str, bool]:
-    """Names of the keys of a record, fields first; True for a key that is absent if it is None."""
-    types = {field.name: str(field.type) for field in _fields(kind)}
+    """Names of the keys of a record; True for a key that is absent if it is None.
+
+    The keys of a base class come first, and in a class its fields before its properties.
+    """
+    types: dict[str, str] = {}
+    public = {field.name: str(field.type) for field in fields(kind)}
     for base in reversed(kind.__mro__):
+        names = vars(base).get("__annotations__", {})
+        types |= {name: public[name] for name in names if name in public}
         for name, member in vars(base).items():
             getter = getattr(member, "fget", None) or getattr(member, "func", None)
             if hasattr(getter, "is_key"):
