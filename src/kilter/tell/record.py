@@ -171,20 +171,21 @@ class _Data(Mapping[str, Any]):
     """The JSON data of a record, each converted when it is read first."""
 
     def __init__(self, record: Record) -> None:
-        self._record, self._read = record, dict[str, Any]()
+        kind: Any = type(record)
+        self._record, self._keys, self._read = record, keys_of(kind), dict[str, Any]()
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._read:
-            if name not in keys_of(type(self._record)):
+            if name not in self._keys:
                 raise KeyError(name)
             self._read[name] = json_value(getattr(self._record, name))
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(keys_of(type(self._record)))
+        return iter(self._keys)
 
     def __len__(self) -> int:
-        return len(keys_of(type(self._record)))
+        return len(self._keys)
 
 
 class Answer(Record):

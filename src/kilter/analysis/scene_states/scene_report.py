@@ -121,7 +121,8 @@ class SceneReport(Answer):
     @key
     def gravity(self) -> Vector:
         """Gravity as used [m/s^2]."""
-        return self.assembly.gravity
+        gravity: Array = self.assembly.gravity
+        return gravity
 
     @property
     @key

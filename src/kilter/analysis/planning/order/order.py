@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from kilter.analysis.decision.decision import Decision
+from kilter.analysis.decision.decision import Decision, Word
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.planning.order.locking import Locked
 from kilter.analysis.planning.order.order_proof import order_proof
@@ -26,7 +26,7 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
 from kilter.tell.csv_cells import csv_text
-from kilter.tell.levels import VerdictWord, holds
+from kilter.tell.levels import holds
 from kilter.tell.numbers import count
 from kilter.tell.plan_words import order_sentence
 from kilter.tell.record import (
@@ -49,7 +49,7 @@ __all__ = ["Assumes", "Fewest", "Order", "Search"]
 class Finished(Record):
     """Verdict and level of the finished assembly."""
 
-    verdict: VerdictWord
+    verdict: Word
     """Its verdict."""
     level: LevelWord | None
     """Its level."""
@@ -64,7 +64,7 @@ class Impossible(Record):
     """Number of held parts up to which no order exists; null: any number."""
     parts: Sequence[str]
     """Parts that the proof is about."""
-    motions: list[dict[str, Twist] | None] | None = None
+    motions: Sequence[dict[str, Twist] | None] | None = None
     """Motions by part [length unit, rad]."""
 
 
@@ -272,11 +272,11 @@ class Order(InCells, Answer):
         if not self.falling:
             return None
         alone = [names[int(np.flatnonzero(state.free)[0])] for state in self.falling]
-        motions = [
+        alone_motions = [
             None if state.motion is None else _motions(state.motion.motion, names, [name])
             for name, state in zip(alone, self.falling, strict=True)
         ]
-        return Impossible(kind="closure", holds=0, parts=alone, motions=motions)
+        return Impossible(kind="closure", holds=0, parts=alone, motions=alone_motions)
 
     @property
     @key

@@ -14,6 +14,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,7 +46,7 @@ from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.tell.levels import require_level
 from kilter.threads import on_one_thread
-from kilter.validate import number
+from kilter.validate import finite, number
 from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, units_of
 
@@ -152,7 +153,10 @@ def _planned(
 ) -> Order:
     """The answer for the states of an assembly; `after` and `units` as in `OrderSearch`."""
     searching = time.perf_counter()
-    assembly, carried = part_states.assembly, part_states.accelerations
+    assembly, carried = (
+        part_states.assembly,
+        extreme_accelerations(part_states.assembly, rules.carried),
+    )
     whole, finished = part_states.finished(require=level, effort=effort, work=work)
     screws = tuple(find_screws(part_states.contacts, rules.screws))
     search = _order_search(part_states, rules, work, after, units, screws)
@@ -300,7 +304,7 @@ def _assumes(
     names, given = states.assembly.names, np.asarray(rules.carried, dtype=np.float64)
     return Assumes(
         directions=tuple(
-            entry if isinstance(entry, str) else tuple(np.asarray(entry).tolist())
+            entry if isinstance(entry, str) else finite(entry, (3,), "direction")
             for entry in rules.directions
         ),
         tolerance=states.contacts.tolerance.relative_gap,
@@ -318,7 +322,7 @@ def _has_several(parts: int) -> bool:
     return bool(parts & (parts - 1))
 
 
-def _least(searched: Searched, falling: int) -> str | None:
+def _least(searched: Searched, falling: int) -> Literal["always", "as-tried"] | None:
     """Whether fewer held parts or steps are excluded for all paths, or for the tried ones only."""
     if searched.order is None:
         return None

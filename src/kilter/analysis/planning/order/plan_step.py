@@ -11,20 +11,24 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from kilter.analysis.decision.decision import Word
 from kilter.analysis.planning.order.removal import Direction, Leg
 from kilter.analysis.planning.order.search import OrderSearch, Removed
 from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Array
-from kilter.tell.levels import VerdictWord
 from kilter.tell.record import InPython, LevelWord, Lines, Record, Vector, key
 
 __all__ = ["FAR", "NO_WAY", "UNDECIDED", "VERDICTS", "Step", "lower_level", "steps_of"]
 
 FAR = 2.0
 """Distance at which a part starts, relative to the size of the whole assembly [-]."""
-VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
+VERDICTS: dict[str, Word] = {
+    "proved": "stable",
+    "settles": "settles",
+    "equilibrium": "potentially-stable",
+}
 """Verdict of a step for each level."""
 NO_WAY = "no free path was found along the directions that were tried"
 UNDECIDED = "it is undecided whether the parts in place before it hold"
@@ -73,13 +77,13 @@ class Step(Record):
 
     @property
     @key
-    def direction(self) -> Vector | None:
+    def direction(self) -> Direction | None:
         """Direction in which the inserted parts arrive, unit; null without a path."""
         return _back(self.legs) if self.legs else None
 
     @property
     @key
-    def verdict(self) -> VerdictWord:
+    def verdict(self) -> Word:
         """Verdict on the standing parts."""
         return "unstable" if self.level is None else VERDICTS[self.level]
 
