@@ -153,10 +153,8 @@ def _planned(
 ) -> Order:
     """The answer for the states of an assembly; `after` and `units` as in `OrderSearch`."""
     searching = time.perf_counter()
-    assembly, carried = (
-        part_states.assembly,
-        extreme_accelerations(part_states.assembly, rules.carried),
-    )
+    assembly = part_states.assembly
+    carried = extreme_accelerations(assembly, rules.carried)
     whole, finished = part_states.finished(require=level, effort=effort, work=work)
     screws = tuple(find_screws(part_states.contacts, rules.screws))
     search = _order_search(part_states, rules, work, after, units, screws)
