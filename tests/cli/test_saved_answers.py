@@ -108,7 +108,7 @@ def split(words: list[str]) -> tuple[list[str], list[str]]:
     return reading, others
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("k", range(LONGEST))
 def test_a_command_of_the_docs_answers_the_same_about_saved_options(
     k: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -21,10 +21,7 @@ FLOOR = floor([-9, -9], [9, 9])
 
 
 def judged(assembly: Assembly, *, pushed: bool = True) -> str:
-    """The verdict, with its proof verified on recomputed contacts.
-
-    Without `pushed`, the verdict to first order, without regard to small pushes.
-    """
+    """The verdict, with its proof verified on recomputed contacts."""
     verdict = check(assembly)
     if verdict.verdict != "undecided":
         answer = verify_proof(assembly, detect.contacts(assembly), verdict.proof())

@@ -16,6 +16,7 @@ patches in its upper third, and near pairs within three times the tolerance.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,9 +35,11 @@ from kilter.contact.contact_tolerances import (
     ROUNDINGS,
     THICKNESS,
 )
+from kilter.contact.left_out import PairRecord
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facets import Facets
 from kilter.errors import InputError, some
+from kilter.tell.record import InPython, key
 from kilter.values.guesses import guarded
 
 __all__ = [
@@ -114,19 +117,23 @@ class Tolerance:
         return self.relative_gap * size
 
 
-@dataclass(frozen=True, slots=True)
-class RejectedPair:
-    """Two near faces that do not count as touching, with the reason `why`.
+class RejectedPair(PairRecord, kw_only=False):
+    """Two near faces that do not count as touching."""
 
-    `gap` is the nearest gap [length unit], `angle` the tilt [rad]; `fit` is True for a solid round
-    face inside a hollow face.
-    """
-
-    parts: tuple[int, int]
     gap: float
-    angle: float
+    """Nearest gap [length unit]."""
+    angle: InPython[float]
+    """Tilt of the faces [rad]."""
     why: str
-    fit: bool = False
+    """Reason, in words."""
+    fit: InPython[bool] = False
+    """True for a solid round face inside a hollow face."""
+
+    @property
+    @key
+    def angle_deg(self) -> float:
+        """Tilt of the faces [deg]."""
+        return math.degrees(self.angle)
 
 
 APART = "gap above the tolerance"

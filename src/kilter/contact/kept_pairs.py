@@ -45,12 +45,12 @@ class KeptPairs:
         kept = []
         new = self.new_part.tolist()  # a list is read much faster than an array
         for record in records:
-            first, second = record.parts
+            first, second = record.ends
             a, b = new[first], new[second]
             if a < 0 or b < 0:
                 continue
-            if not self.removed or frozenset(record.parts) not in self.removed:
-                kept.append(record if record.parts == (a, b) else replace(record, parts=(a, b)))
+            if not self.removed or frozenset(record.ends) not in self.removed:
+                kept.append(record if record.ends == (a, b) else replace(record, ends=(a, b)))
         return tuple(kept)
 
     def rows_of(self, pair: Index) -> Index:

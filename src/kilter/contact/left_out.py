@@ -6,13 +6,21 @@ forces between its parts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
+from kilter.tell.record import InPython, Record, key
 
-__all__ = ["INTERFERE", "SAME_BODY", "Overlap", "PossibleContacts", "UnsupportedContact"]
+__all__ = [
+    "INTERFERE",
+    "SAME_BODY",
+    "Overlap",
+    "PairRecord",
+    "PossibleContacts",
+    "UnsupportedContact",
+]
 
 
 INTERFERE = "interfere"
@@ -21,41 +29,45 @@ SAME_BODY = "are the same body twice"
 """Reason of an overlap between two bodies in the same place."""
 
 
-@dataclass(frozen=True, slots=True)
-class Overlap:
-    """Two parts that occupy the same space: their indices, the shared volume and its depth.
+class PairRecord(Record, kw_only=False):
+    """A pair of parts, from the contact search."""
 
-    Attributes
-    ----------
-    parts : pair of int
-    volume : float or None
-        Shared volume of their triangles [length unit^3]; None if the triangles of a part do not
-        bound a body.
-    depth : float
-        Largest depth to which the parts enter each other [length unit].
-    why : str
-        Kind of the overlap, in words.
-    share : float or None
-        Shared volume divided by the volume of the smaller part [-].
-    """
+    ends: InPython[tuple[int, int]]
+    """Positions of the parts in the assembly."""
+    names: InPython[tuple[str, ...]] = field(default=(), kw_only=True)
+    """Names of all parts, which the set of contacts supplies."""
 
-    parts: tuple[int, int]
+    @property
+    @key
+    def parts(self) -> tuple[str, str]:
+        """Names of the parts."""
+        return self.names[self.ends[0]], self.names[self.ends[1]]
+
+    def __repr__(self) -> str:
+        parts = self.parts if self.names else self.ends
+        return f"<{type(self).__name__}: {parts[0]!r} and {parts[1]!r}>"
+
+
+class Overlap(PairRecord, kw_only=False):
+    """Two parts that occupy the same space."""
+
     volume: float | None
+    """Shared volume of their triangles [length unit^3]; null if those of a part bound no body."""
     depth: float
+    """Largest depth to which the parts enter each other [length unit]."""
     why: str
+    """Kind of the overlap, in words."""
     share: float | None = None
+    """Shared volume divided by the volume of the smaller part [-]."""
 
 
-@dataclass(frozen=True, slots=True)
-class UnsupportedContact:
-    """A contact of two parts that the contact model cannot describe, such as a corner on an edge.
+class UnsupportedContact(PairRecord, kw_only=False):
+    """A contact of two parts that the contact model cannot describe, such as a corner on an edge."""
 
-    `kind` is "edge", "vertex" or "curved"; `point` is a point of the contact, world frame.
-    """
-
-    parts: tuple[int, int]
     kind: str
+    """Kind of the contact: "edge", "vertex" or "curved"."""
     point: tuple[float, float, float]
+    """A point of the contact [length unit], world frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,22 +12,19 @@ body, only the corners of both parts are compared, and the true gap is at most t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import takewhile
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kilter.arrays import Array, Index, nearest
 from kilter.assembly.geometry import Geometry
 from kilter.contact.fits.part_solids import PartSolids
+from kilter.tell.record import Record
 from kilter.work import is_late
 
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.common_data import NeighbourData
-
-__all__ = ["MOST_PARTS", "Neighbour", "nearest_parts"]
+__all__ = ["MOST_PARTS", "LonePart", "Neighbour", "nearest_parts"]
 
 MOST_PARTS = 200
 """Largest number of parts whose nearest neighbour is searched for."""
@@ -52,14 +49,20 @@ class Neighbour:
     gap: float
     accuracy: float
 
-    def to_dict(self, names: Sequence[str]) -> NeighbourData:
-        """JSON data: the part, the part nearest to it, and the gap."""
-        return {
-            "part": names[self.part],
-            "nearest": names[self.other],
-            "gap": self.gap,
-            "accuracy": self.accuracy,
-        }
+
+class LonePart(Record):
+    """A part that touches nothing, and the part nearest to it."""
+
+    part: str
+    """Name of the part."""
+    nearest: str | None = None
+    """Name of the nearest part; null if it was not searched for."""
+    gap: float | None = None
+    """Distance of their surfaces [length unit]."""
+    accuracy: float | None = None
+    """Largest error of the gap [length unit]."""
+    grounded: bool
+    """Whether the part is held."""
 
 
 def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, ...]:

@@ -14,7 +14,6 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import cache
-from importlib import import_module
 from itertools import pairwise
 from types import GenericAlias, UnionType
 from typing import Annotated, Any, NotRequired, Union, get_args, get_origin
@@ -24,40 +23,45 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.margins.improve import Improvement
+from kilter.analysis.margins.margin import Margin
+from kilter.analysis.placing.check_plan import CheckedPlan
+from kilter.analysis.placing.place import Places
+from kilter.analysis.planning.order.order import Order
+from kilter.analysis.scene_states.scene_report import SceneReport
+from kilter.analysis.settled_pose.settle import Settled
+from kilter.analysis.transport.transport_answer import Transport
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
 from kilter.tell.answer_data.check_data import CheckData
 from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
-from kilter.tell.answer_data.margin_data import MarginData
 from kilter.tell.answer_data.other_data import (
     BatchData,
-    ImproveData,
     IncompleteData,
     VerifyData,
 )
 from kilter.tell.answer_data.plan_data import HoldData
-from kilter.tell.answer_data.transport_data import TransportData
-from kilter.tell.record import SCHEMA_VERSION, OneOf, Record, Shape, keys_of
+from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
 ANSWERS: dict[str, Any] = {
     "batch": BatchData,
     "check": CheckData,
-    "check-plan": "kilter.analysis.placing.check_plan:CheckedPlan",
+    "check-plan": CheckedPlan,
     "contacts": ContactsData,
     "hold": HoldData,
-    "improve": ImproveData,
+    "improve": Improvement,
     "incomplete": IncompleteData,
-    "margin": MarginData,
+    "margin": Margin,
     "orient": OrientData,
-    "place": "kilter.analysis.placing.place:Places",
-    "plan": "kilter.analysis.planning.order.order:Order",
+    "place": Places,
+    "plan": Order,
     "region": RegionData,
-    "scene": "kilter.analysis.scene_states.scene_report:SceneReport",
-    "settle": "kilter.analysis.settled_pose.settle:Settled",
-    "transport": TransportData,
+    "scene": SceneReport,
+    "settle": Settled,
+    "transport": Transport,
     "verify": VerifyData,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
@@ -76,10 +80,7 @@ def build_answer_schema(verb: str) -> dict[str, Any]:
 
     The keys "answer" and "schema" are optional: `to_json` writes them, ``--json`` does not.
     """
-    model = ANSWERS[verb]
-    if isinstance(model, str):
-        module, _, name = model.partition(":")
-        model = _model(getattr(import_module(module), name))
+    model = _model(ANSWERS[verb]) if issubclass(ANSWERS[verb], Record) else ANSWERS[verb]
     # a list, since pydantic accepts no settings for a typed dictionary itself
     several: Any = GenericAlias(list, (model,))
     adapter = TypeAdapter(several, config=ConfigDict(extra="forbid"))
@@ -171,9 +172,12 @@ def _plain(kind: Any) -> Any:
         return _one_of(args[1].words)
     if origin is Annotated and isinstance(args[1], Shape):
         entry = _scalar(args[0])
+        entry = entry | None if args[1].infinite else entry
         for size in reversed(args[1].sizes):
             entry = GenericAlias(list, (entry,)) if size is None else _several(entry, size)
         return entry
+    if kind == OrNull:
+        return float | None
     if origin is Annotated:
         plain = _plain(args[0])
         return plain if isinstance(args[1], str) else Annotated[(plain, *args[1:])]

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, fields
 from enum import Enum
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_transform
@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_t
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.tell.levels import LEVELS
+from kilter.tell.levels import LEVELS, VerdictWord
 from kilter.units import METRES
 from kilter.values.guesses import Guessable
 
@@ -36,16 +36,23 @@ __all__ = [
     "SCHEMA_VERSION",
     "Answer",
     "AnswerInWords",
+    "Ends",
+    "Guarantee",
     "InPython",
     "LevelWord",
     "Lines",
     "OneOf",
     "OrAbsent",
+    "OrNull",
+    "PairNames",
     "Record",
+    "Rows",
+    "Seconds",
     "Shape",
     "Twist",
     "UnitWord",
     "Vector",
+    "Word",
     "json_value",
     "key",
     "keys_of",
@@ -71,15 +78,24 @@ class OneOf:
 
 
 class Shape:
-    """Mark of an array: its shape, None for any number."""
+    """Mark of an array: its shape, None for any number; whether its numbers may be infinite."""
 
-    def __init__(self, *sizes: int | None) -> None:
+    def __init__(self, *sizes: int | None, infinite: bool = False) -> None:
         self.sizes = sizes
+        self.infinite = infinite
 
 
 Vector = Annotated[Array, Shape(3)]
 Twist = Annotated[Array, Shape(6)]
 Lines = Annotated[Array, Shape(None, 3)]
+Rows = Annotated[Array, Shape(None, None)]
+OrNull = Annotated[float, "null if it is infinite or not known"]
+"""Type of a number that is infinite without a limit, and nan if it is not known."""
+Ends = tuple[OrNull, OrNull]
+PairNames = tuple[str, str]
+Seconds = Mapping[str, float]
+Word = Annotated[str, OneOf(tuple(word.value for word in VerdictWord))]
+Guarantee = Annotated[str, OneOf(("proved", "refuted", "open"))]
 LevelWord = Annotated[str, OneOf(LEVELS)]
 UnitWord = Annotated[str, OneOf(tuple(METRES))]
 
@@ -90,7 +106,9 @@ def key(getter: Getter) -> Getter:
     return getter
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, eq_default=False)
+@dataclass_transform(
+    kw_only_default=True, frozen_default=True, eq_default=False, field_specifiers=(field,)
+)
 class Record(Guessable):
     """Base class of answers and their pieces: frozen, compared by identity.
 
@@ -120,20 +138,20 @@ class Record(Guessable):
     def __init__(self, *listed: Any, **given: Any) -> None:
         own = fields(self)
         if listed:
-            names = [field.name for field in own if not field.kw_only]
+            names = [each.name for each in own if not each.kw_only]
             if len(listed) > len(names):
                 raise TypeError(f"{type(self).__name__} takes {len(names)} arguments by position")
             given |= zip(names, listed, strict=False)
         values = self.__dict__
-        for field in own:
-            if field.name in given:
-                values[field.name] = given.pop(field.name)
-            elif field.default is not MISSING:
-                values[field.name] = field.default
-            elif field.default_factory is not MISSING:
-                values[field.name] = field.default_factory()
+        for each in own:
+            if each.name in given:
+                values[each.name] = given.pop(each.name)
+            elif each.default is not MISSING:
+                values[each.name] = each.default
+            elif each.default_factory is not MISSING:
+                values[each.name] = each.default_factory()
             else:
-                raise TypeError(f"{type(self).__name__} lacks the argument {field.name!r}")
+                raise TypeError(f"{type(self).__name__} lacks the argument {each.name!r}")
         if given:
             raise TypeError(f"{type(self).__name__} has no argument {next(iter(given))!r}")
         self.__post_init__()
@@ -151,41 +169,19 @@ class Record(Guessable):
         first = fields(self)[0].name
         return f"<{type(self).__name__}: {getattr(self, first)!r}>"
 
-    @property
-    def data(self) -> Mapping[str, Any]:
-        """The JSON data, of which only the keys that are read are converted."""
-        return _Data(self)
-
     def to_dict(self) -> dict[str, Any]:
         """The JSON data: arrays as lists, and null for infinite numbers."""
+        return self.data_without()
+
+    def data_without(self, *left_out: str) -> dict[str, Any]:
+        """The JSON data without some keys, of which another key is made."""
         data = {}
         kind: Any = type(self)
         for name, absent in keys_of(kind).items():
-            value = getattr(self, name)
-            if not (absent and value is None):
+            value = None if name in left_out else getattr(self, name)
+            if name not in left_out and not (absent and value is None):
                 data[name] = json_value(value)
         return data
-
-
-class _Data(Mapping[str, Any]):
-    """The JSON data of a record, each converted when it is read first."""
-
-    def __init__(self, record: Record) -> None:
-        kind: Any = type(record)
-        self._record, self._keys, self._read = record, keys_of(kind), dict[str, Any]()
-
-    def __getitem__(self, name: str) -> Any:
-        if name not in self._read:
-            if name not in self._keys:
-                raise KeyError(name)
-            self._read[name] = json_value(getattr(self._record, name))
-        return self._read[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._keys)
-
-    def __len__(self) -> int:
-        return len(self._keys)
 
 
 class Answer(Record):
@@ -233,7 +229,7 @@ def keys_of(kind: Any) -> Mapping[str, bool]:
     The keys of a base class come first, and in a class its fields before its properties.
     """
     types: dict[str, str] = {}
-    public = {field.name: str(field.type) for field in fields(kind)}
+    public = {each.name: str(each.type) for each in fields(kind)}
     for base in reversed(kind.__mro__):
         names = vars(base).get("__annotations__", {})
         types |= {name: public[name] for name in names if name in public}

@@ -104,7 +104,7 @@ def find_deciding(
         None if there are no open pairs, or if all pairs joined are not proved to hold.
     """
     ranked = sorted(pairs, key=lambda pair: _unlikeliness(pair, program.radius))
-    ends = np.array([pair.parts for pair in ranked]).reshape(-1, 2)
+    ends = np.array([pair.ends for pair in ranked]).reshape(-1, 2)
     search = _PairSearch(program, group, ends, work)
     if not pairs or search.holds(range(len(ranked))) is not True:
         return None
@@ -125,7 +125,7 @@ def _unlikeliness(pair: OpenPair, radius: Array) -> tuple[bool, int, float]:
     A clearance too wide for a fit comes last: a shaft there touches its hole only by chance.
     """
     gap = abs(pair.gap or 0.0)
-    wide = pair.kind == "clearance" and gap > WIDE_CLEARANCE * radius[list(pair.parts)].min()
+    wide = pair.kind == "clearance" and gap > WIDE_CLEARANCE * radius[list(pair.ends)].min()
     return bool(wide), KINDS.index(pair.kind), gap
 
 

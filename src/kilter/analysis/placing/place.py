@@ -132,7 +132,7 @@ class Places(Answer):
     @key
     def sentence(self) -> str:
         """The answer in a sentence."""
-        return place_sentence(self.data)
+        return place_sentence(self.data_without("sentence"))
 
     @property
     @key
@@ -337,7 +337,20 @@ def place(
         if contacts is None:
             contacts = detect.contacts(assembly, tolerance=tolerance)
         tell("places")
+<<<<<<< HEAD
         found = _map(assembly, part, contacts, tops, limits, center_within, clear, accuracy)
+=======
+        cases = part_cases(part, limits, center_within)
+        maps = map_cases(assembly, contacts, tops, part, cases, domain, width, clear)
+        question = MapQuestion(contacts, domain, clear, tuple(maps))
+        levels = combined_levels(maps)
+        programs = sum(case.programs for case in maps)
+        best = _best(levels, prism)
+        remarks = [
+            *map_warnings(assembly, tops, contacts, levels, width),
+            *contacts.warnings,
+        ]
+>>>>>>> main
     return Places(
         **found,
         mass=limits,

@@ -94,8 +94,13 @@ class AtPlace(Record):
         The warning about the default density is left out if the verdict and the heaviest mass do
         not depend on it, unless the assembly without the part (`base`) has this warning, too.
         """
+<<<<<<< HEAD
         remarks = self.worst.contacts.remarks()
         idle = set(density_warnings(self.worst.assembly.parts)) - {*base.geometry.warnings}
+=======
+        remarks = self.verdict.contacts.warnings
+        idle = set(density_warnings(self.verdict.assembly.parts)) - {*base.geometry.warnings}
+>>>>>>> main
         limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
         if not idle or limited or any(map(density_matters, self.verdicts)):
             return remarks

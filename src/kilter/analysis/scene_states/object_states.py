@@ -297,8 +297,13 @@ class _Survey:
 
     def _overlapping(self, k: int) -> None:
         overlap, names = self.overlap[k], self.assembly.names
+<<<<<<< HEAD
         other = overlap.parts[0] if overlap.parts[1] == k else overlap.parts[1]
         self.states[k] = self.entry(k, "overlaps", gap=-overlap.depth, other=names[other])
+=======
+        other = overlap.ends[0] if overlap.ends[1] == k else overlap.ends[1]
+        self.states[k] = SceneObject(names[k], "overlaps", gap=-overlap.depth, other=names[other])
+>>>>>>> main
 
     def _overlapping_among(self, members: Index) -> bool:
         """Give the overlapping members their state; whether there are any."""
@@ -332,7 +337,7 @@ class _Survey:
     def _touching_gap(self, part: int, other: int) -> float:
         """Gap up to which two parts touch [length unit]."""
         geometry, pair = self.assembly.geometry, [part, other]
-        gap = float(self.contacts.tolerance.gap_of(geometry.size[pair].min()[None])[0])
+        gap = float(self.contacts.searched.gap_of(geometry.size[pair].min()[None])[0])
         return max(gap, 2 * float(geometry.accuracy[pair].sum()))
 
     def _falling(self, members: Index, verdict: Verdict, if_held: tuple[str, ...]) -> bool:
@@ -375,26 +380,26 @@ class _Survey:
             if k in self.overlap:
                 self._overlapping(k)
                 continue
-            pairs = [pair for pair in self.contacts.open_pairs if k in pair.parts]
+            pairs = [pair for pair in self.contacts.open_pairs if k in pair.ends]
             pair = min(pairs, key=lambda pair: abs(pair.gap or 0.0), default=None)
             other = gap = None
             if pair is not None:
-                other = names[pair.parts[0] if pair.parts[1] == k else pair.parts[1]]
+                other = names[pair.ends[0] if pair.ends[1] == k else pair.ends[1]]
                 gap = pair.gap
             self.states[k] = self.entry(k, "open", gap=gap, other=other, if_held=if_held)
 
 
 def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:
     """The deepest overlap of each part to which an overlap is assigned."""
-    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
     worst: dict[int, Overlap] = {}
-    overlaps = [pair for pair in contacts.overlaps if frozenset(pair.parts) in left_open]
+    overlaps = [pair for pair in contacts.overlaps if frozenset(pair.ends) in left_open]
     if not overlaps:
         return worst
     geometry = assembly.geometry
     low = np.minimum.reduceat(-geometry.vertices @ assembly.down, geometry.vertex_start[:-1])
     for overlap in overlaps:
-        a, b = overlap.parts
+        a, b = overlap.ends
         if geometry.grounded[a] or geometry.grounded[b]:
             k = b if geometry.grounded[a] else a
         elif abs(low[a] - low[b]) > overlap.depth * SAME_HEIGHT:

@@ -76,7 +76,7 @@ class SceneObject(Record):
     @key
     def words(self) -> str:
         """The state in words."""
-        return object_words(self.data, self.units)
+        return object_words(self.data_without("words"), self.units)
 
 
 class SceneReport(Answer):
@@ -109,7 +109,7 @@ class SceneReport(Answer):
     @key
     def sentence(self) -> str:
         """The answer in a sentence."""
-        return scene_sentence(self.data)
+        return scene_sentence(self.data_without("sentence"))
 
     @property
     @key

@@ -132,7 +132,7 @@ class Settled(Answer):
     @key
     def sentence(self) -> str:
         """The answer in a sentence."""
-        return settle_sentence(self.data)
+        return settle_sentence(self.data_without("sentence"))
 
     @property
     @key
@@ -426,7 +426,7 @@ def _between_fits(found: SearchResult, contacts: ContactSet) -> bool:
     index = found.bodies.drawn.index
     parts = {index[name] for name in found.parts}
     return found.state == "not-found" and any(
-        pair.kind == "free-form" and set(pair.parts) == parts for pair in contacts.open_pairs
+        pair.kind == "free-form" and set(pair.ends) == parts for pair in contacts.open_pairs
     )
 
 
@@ -449,7 +449,7 @@ def _default_reach(assembly: Assembly, contacts: ContactSet, dropped: float) -> 
     """Reach from the widest gap and the deepest overlap of the drawn pose [length unit]."""
     size = _median_size(assembly)
     gaps = [overlap.depth for overlap in contacts.overlaps]
-    gaps += [abs(pair.gap) for pair in contacts.rejected if abs(pair.gap) < size]
+    gaps += [abs(pair.gap) for pair in contacts.near if abs(pair.gap) < size]
     if not dropped:
         gaps += [neighbour.gap for neighbour in contacts.neighbours]
     return MARGIN * max([REACH / MARGIN * size, *gaps])

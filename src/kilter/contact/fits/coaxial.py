@@ -7,9 +7,9 @@ A shaft and its hole share an axis; their radii determine the fit. The shaft is 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -21,61 +21,43 @@ from kilter.contact.contact_tolerances import ANGLE, FIT_LENGTH, INTERFERENCE
 from kilter.contact.curved.coaxial_faces import shared_region
 from kilter.contact.curved.coverage import bands_of
 from kilter.contact.gaps import Tolerance
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.contacts_data import FitData
+from kilter.contact.left_out import PairRecord
+from kilter.tell.record import InPython, Vector, key
 
 __all__ = ["Fit", "coaxial_fits", "is_tube"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Fit:
-    """A shaft of one part in a hole of another part, about the same axis; world frame.
+class Fit(PairRecord, kw_only=False):
+    """A shaft of the first part in a hole of the second part, about the same axis; world frame."""
 
-    Attributes
-    ----------
-    parts : pair of int
-        The part with the shaft, and the part with the hole.
-    point, axis : ndarray, shape (3,)
-        Middle of the fit, and its unit axis.
-    radius : float
-        Radius of the shaft [length unit].
-    interference : float
-        Radius of the shaft minus that of the hole [length unit]; negative: a clearance.
-    length : float
-        Length along the axis [length unit].
-    doubt : float
-        Largest interference that the gap tolerance explains [length unit].
-    """
-
-    parts: tuple[int, int]
-    point: Array
-    axis: Array
+    point: Vector
+    """Middle of the fit [length unit]."""
+    axis: Vector
+    """Unit axis."""
     radius: float
-    interference: float
+    """Radius of the shaft [length unit]."""
+    interference: InPython[float]
+    """Radius of the shaft minus that of the hole [length unit]; negative: a clearance."""
     length: float
-    doubt: float
+    """Length along the axis [length unit]."""
+    doubt: InPython[float]
+    """Largest interference that the gap tolerance explains [length unit]."""
 
     @property
     def tight(self) -> bool:
         """Whether the shaft is thicker than its hole by more than the gap tolerance."""
         return self.interference > self.doubt
 
-    def to_dict(self, names: Sequence[str]) -> FitData:
-        """JSON data of the fit; `parts` are the part with the shaft and the part with the hole."""
-        return {
-            "parts": [names[k] for k in self.parts],
-            "point": self.point.tolist(),
-            "axis": self.axis.tolist(),
-            "radius": self.radius,
-            "clearance": -self.interference,
-            "length": self.length,
-            "fit": self.kind,
-        }
+    @property
+    @key
+    def clearance(self) -> float:
+        """Radius of the hole minus that of the shaft [length unit]."""
+        return -self.interference
 
     @property
-    def kind(self) -> Literal["interference", "size on size", "clearance"]:
-        """Kind of the fit: "interference", "size on size" or "clearance"."""
+    @key
+    def fit(self) -> Literal["interference", "clearance", "size on size"]:
+        """Kind of the fit."""
         if self.tight:
             return "interference"
         return "clearance" if self.interference < -self.doubt else "size on size"
@@ -146,7 +128,7 @@ def coaxial_fits(
 
 def is_tube(assembly: Assembly, fit: Fit) -> bool:
     """Whether the shaft of a fit is hollow: it has a thinner bore about the same axis."""
-    for bore in _cylinders_of(assembly, fit.parts[0]):
+    for bore in _cylinders_of(assembly, fit.ends[0]):
         apart = bore.point - fit.point
         offset = float(np.linalg.norm(apart - fit.axis * (fit.axis @ apart)))
         sine = float(np.linalg.norm(np.cross(bore.axis, fit.axis)))

@@ -35,18 +35,18 @@ SHARE_DIGITS = 6
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
     """Overlaps of open pairs that fill over half of the smaller part, the largest share first."""
-    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
     coinciding = [
         overlap
         for overlap in contacts.overlaps
-        if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.parts) in left_open
+        if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.ends) in left_open
     ]
     parts = contacts.assembly.parts
 
     def rank(overlap: Overlap) -> tuple[float, bool, bool]:
         """The largest share first; of equal shares the table, then the same body twice."""
         share = round(min(overlap.share or 0.0, 1.0), SHARE_DIGITS)
-        return -share, not any(parts[k].table for k in overlap.parts), overlap.why != SAME_BODY
+        return -share, not any(parts[k].table for k in overlap.ends), overlap.why != SAME_BODY
 
     return sorted(coinciding, key=rank)
 
@@ -145,7 +145,7 @@ def _describe(contacts: ContactSet, overlap: Overlap) -> str:
 
 def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
     """Indices of the two parts of an overlap, the larger part first."""
-    a, b = overlap.parts
+    a, b = overlap.ends
     volume = contacts.assembly.geometry.volume
     return (a, b) if volume[a] >= volume[b] else (b, a)
 
@@ -168,7 +168,7 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cau
     first = overlaps[0]
     larger, smaller = _sort_by_volume(contacts, first)
     names = parts[larger].name, parts[smaller].name
-    if any(parts[k].table for k in first.parts):
+    if any(parts[k].table for k in first.ends):
         how = "give the floor a lower height"
         option = (
             f"{how}: --floor HEIGHT, or --floor alone; --without NAME leaves out a plane of a scene"

@@ -38,12 +38,12 @@ def odd_copies(
     """
     overlapped: dict[int, list[int]] = {}
     for overlap in tested:
-        for part, partner in (overlap.parts, overlap.parts[::-1]):
+        for part, partner in (overlap.ends, overlap.ends[::-1]):
             overlapped.setdefault(part, []).append(partner)
     if not overlapped:
         return []
     is_clear = np.ones(len(geometry.mass), dtype=bool)
-    is_clear[[part for overlap in overlaps for part in overlap.parts]] = False
+    is_clear[[part for overlap in overlaps for part in overlap.ends]] = False
     gyration_squared = ratio(np.trace(geometry.inertia, axis1=1, axis2=2), geometry.mass)
     shape = np.column_stack([np.abs(geometry.volume), geometry.radius**3, gyration_squared**1.5])
     odd = []

@@ -99,8 +99,8 @@ class Suggestion:
 def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:
     """Pairs of parts, by index and in order, that touch or overlap."""
     pairs = [(int(a), int(b)) for a, b in contacts.patch_parts]
-    pairs += [entry.parts for entry in contacts.unsupported]
-    pairs += [entry.parts for entry in contacts.overlaps]
+    pairs += [entry.ends for entry in contacts.unsupported]
+    pairs += [entry.ends for entry in contacts.overlaps]
     return sorted({(min(pair), max(pair)) for pair in pairs})
 
 
@@ -111,18 +111,18 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     radius within the tolerance; but no pair of held parts, not the table of `with_floor`, and no
     parts that are merely sunk into each other.
     """
-    near_pairs = [*touching_pairs(contacts), *(r.parts for r in contacts.rejected)]
-    overlaps = {_key(overlap.parts): overlap for overlap in contacts.overlaps}
+    near_pairs = [*touching_pairs(contacts), *(r.ends for r in contacts.near)]
+    overlaps = {_key(overlap.ends): overlap for overlap in contacts.overlaps}
     joinable = [pair for pair in near_pairs if _may_join(assembly, pair)]
     fits: dict[frozenset[int], Fit] = {}
-    user_gap = contacts.tolerance.gap or 0.0
+    user_gap = contacts.searched.gap or 0.0
     # the fit as drawn: a gap tolerance of the user makes no thread of a clearance or a press fit
-    drawn = replace(contacts.tolerance, gap=None, relative_gap=GAP)
+    drawn = replace(contacts.searched, gap=None, relative_gap=GAP)
     for fit in coaxial_fits(assembly, joinable, drawn, thickest=THREAD):
-        key = _key(fit.parts)
+        key = _key(fit.ends)
         # a clearance holds nothing, also if a tolerance counts it as closed
         closed = key in overlaps or fit.interference <= user_gap
-        if fit.kind == "clearance" or (fit.tight and not closed):
+        if fit.fit == "clearance" or (fit.tight and not closed):
             continue
         if key not in fits or (fit.tight, fit.length) > (fits[key].tight, fits[key].length):
             fits[key] = fit
@@ -130,7 +130,7 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     fits = {key: fit for key, fit in fits.items() if fit.tight or key not in overlaps}
     suggestions = [_from_fit(assembly, contacts, fit) for fit in fits.values()]
     for key, overlap in overlaps.items():
-        joinable_pair = key not in fits and _may_join(assembly, overlap.parts)
+        joinable_pair = key not in fits and _may_join(assembly, overlap.ends)
         if joinable_pair and not merely_sunk(assembly, overlap):
             suggestions.append(_from_overlap(assembly, overlap))
     return sorted(suggestions, key=lambda suggestion: RANK[suggestion.kind])
@@ -154,7 +154,7 @@ def merely_sunk(assembly: Assembly, overlap: Overlap) -> bool:
 
     Exact solids and parts whose names say that they are fastened are drawn with care.
     """
-    pair, geometry = list(overlap.parts), assembly.geometry
+    pair, geometry = list(overlap.ends), assembly.geometry
     drawn = any(isinstance(assembly.parts[k].shape, Solid) for k in pair)
     names = [_short_name(assembly.names[k]) for k in pair]
     if drawn or any(one.search(name) for one in (INSERT, THREADED, HOLLOW) for name in names):
@@ -166,7 +166,7 @@ def merely_sunk(assembly: Assembly, overlap: Overlap) -> bool:
 
 def _from_fit(assembly: Assembly, contacts: ContactSet, fit: Fit) -> Suggestion:
     """The suggested joint for a shaft in its hole."""
-    parts = (assembly.names[fit.parts[0]], assembly.names[fit.parts[1]])
+    parts = (assembly.names[fit.ends[0]], assembly.names[fit.ends[1]])
     unit = assembly.units
     size = f"radius {fit.radius:.6g} {unit} over {fit.length:.4g} {unit}"
     if fit.tight:
@@ -200,7 +200,7 @@ def _clamped_between(contacts: ContactSet, fit: Fit) -> int | None:
     flat = (contacts.patch_kind == "plane") & (np.abs(along) > np.cos(ANGLE))
     height = (contacts.points @ fit.axis)[contacts.patch_start[:-1]]
     pressed = []
-    for part, other in (fit.parts, fit.parts[::-1]):
+    for part, other in (fit.ends, fit.ends[::-1]):
         outwards = flat & (first == part) & (second != other)
         inwards = flat & (second == part) & (first != other)
         rows = np.flatnonzero(outwards | inwards)
@@ -215,7 +215,7 @@ def _clamped_between(contacts: ContactSet, fit: Fit) -> int | None:
 
 def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
     """Kind of fastening (thread, press fit or insert) of a shaft thicker than its hole, and why."""
-    shaft, hole = (_short_name(assembly.names[k]) for k in fit.parts)
+    shaft, hole = (_short_name(assembly.names[k]) for k in fit.ends)
     insert = INSERT.search(shaft)
     if insert:
         return "insert", f"{why}, by its name {_with_article(insert[1])}"
@@ -231,14 +231,14 @@ def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
 
 def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
     """The suggested joint for two parts that overlap otherwise than as a shaft in its hole."""
-    parts = (assembly.names[overlap.parts[0]], assembly.names[overlap.parts[1]])
+    parts = (assembly.names[overlap.ends[0]], assembly.names[overlap.ends[1]])
     unit = assembly.units
     if overlap.why == SAME_BODY:
         option = f"--without {shell_words(parts[1:])}"
         return Suggestion(parts, "same body", "the same body twice: leave out a copy", option, None)
     why = f"overlap by {overlap.depth:.3g} {unit}"
     if overlap.volume is not None:
-        share = overlap.volume / float(assembly.geometry.volume[list(overlap.parts)].min())
+        share = overlap.volume / float(assembly.geometry.volume[list(overlap.ends)].min())
         why += f", {100 * share:.2g} % of the smaller"
     short_names = [_short_name(name) for name in parts]
     for kind, pattern in (("insert", INSERT), ("thread", THREADED)):

@@ -219,7 +219,7 @@ def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array
     For a pair without touching or near faces it is the loose tolerance.
     """
     limits, search = face_patches.search.limits, face_patches.search
-    near = {tuple(sorted(faces.parts)) for faces in rejected}
+    near = {tuple(sorted(faces.ends)) for faces in rejected}
     has_near = [tuple(sorted(pair)) in near for pair in search.pairs.tolist()] if near else False
     size = search.geometry.size[search.pairs].min(axis=1)
     loose = np.where(face_patches.has_patch | has_near, 0.0, LOOSE_GAP * size)
