@@ -268,7 +268,7 @@ def check_plan(
         require=require,
         walls=_walled(pile, plan, pallet, require, effort) if assume else None,
         carried=_carried(whole, contacts) if carried and stands else (),
-        warnings=tuple(contacts.remarks()),
+        warnings=contacts.warnings,
         seconds=time.perf_counter() - started,
         plan=plan,
         assembly=whole,
@@ -309,28 +309,8 @@ def _items(
         )
         loads = _top_loads(plan.boxes[:k], state)
         overload = overload or _overload(plan.boxes[:k], loads)
-<<<<<<< HEAD
     checked = tuple(replace(item, top_load=loads.get(item.name)) for item in items)
     return {"items": checked, "first": first, "why": why, "overload": overload}
-=======
-    items = [replace(item, top_load=loads.get(item.box.name)) for item in items]
-    tell("reason")
-    return CheckedPlan(
-        plan,
-        whole,
-        tuple(items),
-        None if first is None else first + 1,
-        why,
-        overload,
-        None
-        if first is None or held is not None or walls is not None
-        else _walled(pile, plan, pallet, require, effort),
-        _carried(whole, contacts) if carried and first is None else (),
-        require,
-        tuple(contacts.warnings),
-        time.perf_counter() - started,
-    )
->>>>>>> main
 
 
 def _top_loads(boxes: Sequence[PackedBox], state: PlanState) -> dict[str, float | None]:

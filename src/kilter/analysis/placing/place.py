@@ -332,25 +332,12 @@ def place(
             assembly, part, limits, center_within, tops, at, require, tolerance, effort
         )
         prism = placed_prism(Assembly([part], units=assembly.units))
-        found = {"at": decision, "warnings": tuple(decision.remarks(assembly)), "prism": prism}
+        found = {"at": decision, "warnings": decision.remarks(assembly), "prism": prism}
     else:
         if contacts is None:
             contacts = detect.contacts(assembly, tolerance=tolerance)
         tell("places")
-<<<<<<< HEAD
         found = _map(assembly, part, contacts, tops, limits, center_within, clear, accuracy)
-=======
-        cases = part_cases(part, limits, center_within)
-        maps = map_cases(assembly, contacts, tops, part, cases, domain, width, clear)
-        question = MapQuestion(contacts, domain, clear, tuple(maps))
-        levels = combined_levels(maps)
-        programs = sum(case.programs for case in maps)
-        best = _best(levels, prism)
-        remarks = [
-            *map_warnings(assembly, tops, contacts, levels, width),
-            *contacts.warnings,
-        ]
->>>>>>> main
     return Places(
         **found,
         mass=limits,
@@ -395,7 +382,7 @@ def _map(
         "best": _best(levels, prism),
         "accuracy": width,
         "programs": sum(case.programs for case in maps),
-        "warnings": (*warnings, *contacts.remarks()),
+        "warnings": (*warnings, *contacts.warnings),
         "prism": prism,
         "question": MapQuestion(contacts, domain, clear, levels, tuple(maps)),
     }

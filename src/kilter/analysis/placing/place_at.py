@@ -88,23 +88,18 @@ class AtPlace(Record):
         """Whether any mass is carried."""
         return self.heaviest is not None and not np.isfinite(self.heaviest)
 
-    def remarks(self, base: Assembly) -> list[str]:
+    def remarks(self, base: Assembly) -> tuple[str, ...]:
         """Warnings about the assembly with the part.
 
         The warning about the default density is left out if the verdict and the heaviest mass do
         not depend on it, unless the assembly without the part (`base`) has this warning, too.
         """
-<<<<<<< HEAD
-        remarks = self.worst.contacts.remarks()
+        remarks = self.worst.contacts.warnings
         idle = set(density_warnings(self.worst.assembly.parts)) - {*base.geometry.warnings}
-=======
-        remarks = self.verdict.contacts.warnings
-        idle = set(density_warnings(self.verdict.assembly.parts)) - {*base.geometry.warnings}
->>>>>>> main
         limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
         if not idle or limited or any(map(density_matters, self.verdicts)):
             return remarks
-        return [remark for remark in remarks if remark not in idle]
+        return tuple(remark for remark in remarks if remark not in idle)
 
 
 def decide_at(

@@ -297,13 +297,8 @@ class _Survey:
 
     def _overlapping(self, k: int) -> None:
         overlap, names = self.overlap[k], self.assembly.names
-<<<<<<< HEAD
-        other = overlap.parts[0] if overlap.parts[1] == k else overlap.parts[1]
-        self.states[k] = self.entry(k, "overlaps", gap=-overlap.depth, other=names[other])
-=======
         other = overlap.ends[0] if overlap.ends[1] == k else overlap.ends[1]
-        self.states[k] = SceneObject(names[k], "overlaps", gap=-overlap.depth, other=names[other])
->>>>>>> main
+        self.states[k] = self.entry(k, "overlaps", gap=-overlap.depth, other=names[other])
 
     def _overlapping_among(self, members: Index) -> bool:
         """Give the overlapping members their state; whether there are any."""

@@ -71,8 +71,8 @@ class Impossible(Record):
 class Fewest(Record):
     """The minimised quantity, and the scope of the proof."""
 
-    what: Literal["holds", "held-steps", "turns"]
-    """The minimised quantity."""
+    what: str
+    """The minimised quantity: holds, held-steps or turns."""
     least: Literal["always", "as-tried"] | None
     """Orders that the proof concerns: all, or those along the tried paths; null without a proof."""
 
@@ -229,62 +229,11 @@ class Order(InCells, Answer):
         """Number of steps of the order during which a part is held."""
         return sum(bool(step.held) for step in self.steps)
 
-<<<<<<< HEAD
     @property
     @key
     def units(self) -> UnitWord:
         """Length unit."""
         return self.states.assembly.units
-=======
-    def to_dict(self) -> PlanData:
-        """The plan as JSON data, as printed by ``kilter plan --json``."""
-        assembly, counts = self.states.assembly, self.counts
-        answer: PlanData = {
-            "found": self.found,
-            "verdict": self.verdict,
-            "level": self.level,
-            "holds": self.holds,
-            "require": self.require,
-            "holds_max": self.holds_max,
-            "held_steps": self.held_steps,
-            "turns": self.turns,
-            "units": assembly.units,
-            "base": [part.name for part in assembly if part.grounded],
-            "steps": [self._step(step) for step in self.steps],
-            "finished": {"verdict": self.finished.verdict, "level": self.finished.level},
-            "open_pairs": open_pairs_answer(assembly, self.states.contacts, self.finished.question),
-            "precedence": [list(pair) for pair in self.precedence],
-            "impossible": self._impossible(),
-            "best": list(self.best),
-            "given": self.given,
-            "fewest": {"what": self.fewest, "least": self.least},
-            "search": {
-                "states": counts["states"],
-                "programs": counts["programs"],
-                "sweeps": counts["sweeps"],
-                "no_goods": counts["no_goods"],
-                "exhausted": self.exhausted,
-                "hold": self.hold,
-            },
-            "assumes": {
-                "directions": [d if isinstance(d, str) else list(d) for d in self.directions],
-                "tolerance": self.states.contacts.searched.relative_gap,
-                "screws": [[assembly.names[s.bolt], assembly.names[s.nut]] for s in self.screws],
-                "groups": [list(group) for group in self.moved_as_one],
-                "together": self.together,
-                "press": self.press,
-                "carried": self._carried(),
-                "turn": self.turn,
-            },
-            "interrupted": self.interrupted,
-            "time_limit": self.time_limit,
-            "warnings": remarks(assembly, self.states.contacts),
-            "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
-            "sentence": "",  # made below from the other data
-        }
-        answer["sentence"] = order_sentence(answer)
-        return answer
->>>>>>> main
 
     @property
     @key

@@ -305,7 +305,7 @@ def _assumes(
             entry if isinstance(entry, str) else finite(entry, (3,), "direction")
             for entry in rules.directions
         ),
-        tolerance=states.contacts.tolerance.relative_gap,
+        tolerance=states.contacts.searched.relative_gap,
         screws=tuple((names[screw.bolt], names[screw.nut]) for screw in screws),
         groups=tuple(_names(states.assembly, unit) for unit in units if _has_several(unit)),
         together=rules.together,
