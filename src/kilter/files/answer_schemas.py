@@ -25,15 +25,12 @@ from typing_extensions import TypedDict
 
 from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin import Margin
-<<<<<<< HEAD
-from kilter.analysis.planning.hold.fixture import Fixture
-=======
 from kilter.analysis.placing.check_plan import CheckedPlan
 from kilter.analysis.placing.place import Places
+from kilter.analysis.planning.hold.fixture import Fixture
 from kilter.analysis.planning.order.order import Order
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.settled_pose.settle import Settled
->>>>>>> ans3
 from kilter.analysis.transport.transport_answer import Transport
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
@@ -45,15 +42,6 @@ from kilter.tell.answer_data.other_data import (
     IncompleteData,
     VerifyData,
 )
-<<<<<<< HEAD
-from kilter.tell.answer_data.packing_data import PackingData
-from kilter.tell.answer_data.place_data import PlaceData
-from kilter.tell.answer_data.plan_data import PlanData
-from kilter.tell.answer_data.scene_data import SceneData
-from kilter.tell.answer_data.settle_data import SettleData
-=======
-from kilter.tell.answer_data.plan_data import HoldData
->>>>>>> ans3
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
