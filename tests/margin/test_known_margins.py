@@ -39,8 +39,8 @@ def factor(assembly, along=X) -> float:
     limit = find_limit(program, gravity_wrench(program, np.asarray(along, dtype=float)))
     assert isinstance(limit, Limit)
     assert limit.forces.holds
-    assert limit.mechanism is not None
-    assert limit.mechanism.holds
+    assert limit.motion is not None
+    assert limit.motion.holds
     return limit.value
 
 
@@ -163,7 +163,7 @@ def test_least_friction_of_piles_of_round_things(pile, least):
     assert found.value == pytest.approx(least, abs=1e-6)
     assert found.lower == pytest.approx(least, abs=1e-6)
     assert found.forces.holds
-    assert found.mechanism.holds
+    assert found.motion.holds
 
 
 def test_least_friction_of_a_squeezed_block_is_any_above_zero():
@@ -272,7 +272,7 @@ def test_beside_the_limit_a_tilt_has_the_sign_of_the_verdict_and_the_truth_betwe
         assert low - TOLERANCE / 100 <= sign * off <= high + TOLERANCE / 100
         assert high - low <= 3 * TOLERANCE
         assert (answer.nearest is not None) is (sign < 0)
-        assert (answer.verdict.verdict == "unstable") is (sign < 0)
+        assert (answer.verdict == "unstable") is (sign < 0)
 
 
 def failing(monkeypatch, at):
@@ -325,7 +325,7 @@ def test_linear_programs_take_over_where_the_conic_one_fails(monkeypatch):
     assert isinstance(limit, Limit)
     assert limit.value == pytest.approx(0.5, abs=1e-7)
     assert limit.forces.holds
-    assert limit.mechanism.holds
+    assert limit.motion.holds
     assert limit.gap < 2e-7
 
 

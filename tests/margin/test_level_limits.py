@@ -16,7 +16,6 @@ from kilter.analysis.margins.limit_level import (
     DECISION,
     NEAR,
     LevelDecisions,
-    LevelLimit,
     find_level_end,
 )
 from kilter.cli import main
@@ -79,8 +78,8 @@ def test_a_wedge_needs_more_friction_to_settle_than_for_equilibrium() -> None:
     margin = kilter.margin(groove, require="settles", pushed=[])
     assert margin.at_level is not None
     limit = margin.at_level.friction
-    assert isinstance(limit, LevelLimit)
-    assert margin.friction.value < limit.outside < limit.inside < 1.1 * margin.friction.value
+    assert limit is not None
+    assert margin.friction < limit.outside < limit.inside < 1.1 * margin.friction
     levels = [
         kilter.check(groove.with_friction(mu)).level
         for mu in (limit.inside * 1.001, limit.outside * 0.999)
@@ -123,7 +122,7 @@ def test_all_searches_together_take_a_fixed_amount_of_work(
     assert min(spent) >= DECISION
     # the decision during which the work ends is completed
     assert sum(spent[:-1]) <= SHARE * 100_000.0
-    whys = {getattr(push, "why", None) for push in margin.at_level.pushes.values()}
+    whys = {push.why for push in margin.at_level.pushes.values()}
     assert whys <= {"effort", "none", None}
 
 

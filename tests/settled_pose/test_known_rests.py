@@ -351,7 +351,7 @@ def test_levels_above_the_required_level_are_not_asked() -> None:
     answer = settle(drawn, require="equilibrium")
     assert answer.at_rest
     assert answer.level == "equilibrium"
-    assert "not-asked" in (answer.after.why, answer.closed_verdict.why)
+    assert "not-asked" in (answer.settled_verdict.why, answer.closed_verdict.why)
     higher = settle(drawn)
     assert higher.level == "settles"
     assert higher.to_dict()["after_asked"] == "equilibrium"
