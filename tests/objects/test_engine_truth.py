@@ -53,6 +53,7 @@ SLOPES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SLOPES)
 def test_a_body_slides_by_the_friction_of_the_geoms_that_touch(name: str) -> None:
     slides, rests = (kilter.load(on_slope(*words)) for words in SLOPES[name])

@@ -20,7 +20,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, fields
+from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, fields
 from enum import Enum
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_transform
@@ -106,7 +106,9 @@ def key(getter: Getter) -> Getter:
     return getter
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, eq_default=False)
+@dataclass_transform(
+    kw_only_default=True, frozen_default=True, eq_default=False, field_specifiers=(field,)
+)
 class Record(Guessable):
     """Base class of answers and their pieces: frozen, compared by identity.
 
@@ -136,20 +138,20 @@ class Record(Guessable):
     def __init__(self, *listed: Any, **given: Any) -> None:
         own = fields(self)
         if listed:
-            names = [field.name for field in own if not field.kw_only]
+            names = [each.name for each in own if not each.kw_only]
             if len(listed) > len(names):
                 raise TypeError(f"{type(self).__name__} takes {len(names)} arguments by position")
             given |= zip(names, listed, strict=False)
         values = self.__dict__
-        for field in own:
-            if field.name in given:
-                values[field.name] = given.pop(field.name)
-            elif field.default is not MISSING:
-                values[field.name] = field.default
-            elif field.default_factory is not MISSING:
-                values[field.name] = field.default_factory()
+        for each in own:
+            if each.name in given:
+                values[each.name] = given.pop(each.name)
+            elif each.default is not MISSING:
+                values[each.name] = each.default
+            elif each.default_factory is not MISSING:
+                values[each.name] = each.default_factory()
             else:
-                raise TypeError(f"{type(self).__name__} lacks the argument {field.name!r}")
+                raise TypeError(f"{type(self).__name__} lacks the argument {each.name!r}")
         if given:
             raise TypeError(f"{type(self).__name__} has no argument {next(iter(given))!r}")
         self.__post_init__()
@@ -227,7 +229,7 @@ def keys_of(kind: Any) -> Mapping[str, bool]:
     The keys of a base class come first, and in a class its fields before its properties.
     """
     types: dict[str, str] = {}
-    public = {field.name: str(field.type) for field in fields(kind)}
+    public = {each.name: str(each.type) for each in fields(kind)}
     for base in reversed(kind.__mro__):
         names = vars(base).get("__annotations__", {})
         types |= {name: public[name] for name in names if name in public}

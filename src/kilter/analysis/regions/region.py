@@ -38,7 +38,7 @@ from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.assembly.plain_joints import plain_joints
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.fits.coincident import require_apart
+from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
@@ -420,7 +420,7 @@ def _all_joined(assembly: Assembly, contacts: ContactSet) -> Assembly:
     """The assembly with the parts of every open pair joined."""
     names, pairs = assembly.names, still_open(contacts.open_pairs, assembly)
     return assembly.with_joints(
-        [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
+        [Joint((names[pair.ends[0]], names[pair.ends[1]])) for pair in pairs]
     )
 
 

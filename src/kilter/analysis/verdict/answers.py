@@ -56,6 +56,6 @@ def joints_answer(assembly: Assembly) -> list[JointData]:
 def unsupported_answer(assembly: Assembly, contacts: ContactSet) -> list[UnsupportedData]:
     """JSON data of the pairs of parts whose kind of contact is not modelled."""
     return [
-        {"parts": [assembly.names[i] for i in u.parts], "kind": u.kind, "point": list(u.point)}
+        {"parts": [assembly.names[i] for i in u.ends], "kind": u.kind, "point": list(u.point)}
         for u in contacts.unsupported
     ]
