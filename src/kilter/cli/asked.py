@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly, Strap
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
-    from kilter.tell.answer_data.common_data import WarnedData
-    from kilter.tell.answer_data.other_data import IncompleteData
     from kilter.tell.tables import Table
 
 __all__ = ["Asked"]
@@ -173,7 +171,7 @@ class Asked:
         known = known_words()
         facts = f"{known[:1].upper()}{known[1:]}." if known else ""
         sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
-        answer: IncompleteData = {
+        answer: dict[str, Any] = {
             "verdict": "undecided",
             "sentence": sentence,
             "time_limit": self.limit,
@@ -264,7 +262,7 @@ class Asked:
         reading = replace(self.reading, accelerate=None)
         return replace(self, reading=reading), self.reading.accelerate
 
-    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
+    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: Any) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
         Parameters

@@ -13,7 +13,14 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
 from kilter.tell.record import InPython, Record, key
 
-__all__ = ["INTERFERE", "SAME_BODY", "Overlap", "PairRecord", "PossibleContacts", "UnsupportedContact"]
+__all__ = [
+    "INTERFERE",
+    "SAME_BODY",
+    "Overlap",
+    "PairRecord",
+    "PossibleContacts",
+    "UnsupportedContact",
+]
 
 
 INTERFERE = "interfere"
@@ -55,7 +62,7 @@ class Overlap(PairRecord, kw_only=False):
 
 
 class UnsupportedContact(PairRecord, kw_only=False):
-    """A contact of two parts that the contact model cannot describe, such as a corner on an edge."""
+    """A contact that the contact model cannot describe, such as a corner on an edge."""
 
     kind: str
     """Kind of the contact: "edge", "vertex" or "curved"."""

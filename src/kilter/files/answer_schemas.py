@@ -23,10 +23,10 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.contact import ContactSet
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
-from kilter.tell.answer_data.check_data import CheckData
-from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
 from kilter.tell.answer_data.margin_data import MarginData
 from kilter.tell.answer_data.other_data import (
@@ -47,9 +47,9 @@ __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
 ANSWERS: dict[str, Any] = {
     "batch": BatchData,
-    "check": CheckData,
+    "check": Verdict,
     "check-plan": PackingData,
-    "contacts": ContactsData,
+    "contacts": ContactSet,
     "hold": HoldData,
     "improve": ImproveData,
     "incomplete": IncompleteData,

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_t
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.tell.levels import LEVELS
+from kilter.tell.levels import LEVELS, VERDICTS
 from kilter.units import METRES
 from kilter.values.guesses import Guessable
 
@@ -46,6 +46,7 @@ __all__ = [
     "Twist",
     "UnitWord",
     "Vector",
+    "VerdictText",
     "json_value",
     "key",
     "keys_of",
@@ -81,6 +82,7 @@ Vector = Annotated[Array, Shape(3)]
 Twist = Annotated[Array, Shape(6)]
 Lines = Annotated[Array, Shape(None, 3)]
 LevelWord = Annotated[str, OneOf(LEVELS)]
+VerdictText = Annotated[str, OneOf(VERDICTS)]
 UnitWord = Annotated[str, OneOf(tuple(METRES))]
 
 

@@ -204,8 +204,8 @@ def improve(
     report_fact = facts_of(progress)
     if report_fact is not None:
         report_fact("verdict", f"the given model is {verdict.verdict.replace('-', ' ')}")
-    program = build_program(assembly, verdict.contacts)
-    factor = find_bond_factor(program, verdict.contacts)
+    program = build_program(assembly, verdict.contact_set)
+    factor = find_bond_factor(program, verdict.contact_set)
     share, weakest, motion, near = np.inf, None, None, list[int]()
     if isinstance(factor, BondFactor):
         share = factor.value
@@ -228,9 +228,7 @@ def improve(
         tried.append(BrickChange(what, name, (x, y, z), (a, b), _needed_share(changed), changed))
     tried.sort(key=lambda change: round(change.share, SAME_DIGITS))
     best = tried[0] if tried and tried[0].share < share else None
-    return Improvement(
-        assembly, verdict.verdict, share, weakest, best, tuple(tried), tuple(verdict.warnings)
-    )
+    return Improvement(assembly, verdict.verdict, share, weakest, best, tuple(tried), verdict.notes)
 
 
 def _needed_share(assembly: Assembly) -> float:

@@ -143,7 +143,7 @@ class Margin(AnswerInWords):
 
         Only the tilt counts round edges as circles; every other limit is that of polygons inside.
         """
-        if self.verdict.contacts.open_pairs:
+        if self.verdict.contact_set.open_pairs:
             return False
         others = self.about, self.load_factor, self.bond, self.uncertainty, *self.pushes
         tilts = self.tilt is not None and not (any(others) or self.loads)
@@ -162,7 +162,7 @@ class Margin(AnswerInWords):
             "units": self.assembly.units,
             "down": self.assembly.down.tolist(),
             "joints": joints_answer(self.assembly),
-            "open_pairs": open_pairs_answer(self.assembly, self.verdict.contacts),
+            "open_pairs": open_pairs_answer(self.assembly, self.verdict.contact_set),
             "exact": self.exact,
             "level": self.level,
             "require": self.require,
@@ -344,7 +344,7 @@ def margin(
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
         assembly=assembly,
-        contacts=verdict.contacts,
+        contacts=verdict.contact_set,
         verdict=verdict,
         require=question.require,
         push=question.push,
@@ -358,8 +358,8 @@ def _limits(
 ) -> dict[str, Any]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
     assembly = question.assembly
-    program = build_program(assembly, verdict.contacts)
-    warnings = [*verdict.warnings, *_left_out(assembly, verdict.contacts, program)]
+    program = build_program(assembly, verdict.contact_set)
+    warnings = [*verdict.notes, *_left_out(assembly, verdict.contact_set, program)]
     steps = MarginSteps(question, verdict, program, work, tell, warnings)
     gravity = steps.tilt()
     tilt = gravity if isinstance(gravity, TiltMargin) else None
@@ -368,7 +368,7 @@ def _limits(
     turned = None if axis is None else steps.limit("about", tilt_about, program, axis)
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = steps.friction()
-    bonded = (find_bond_factor, program, verdict.contacts)
+    bonded = (find_bond_factor, program, verdict.contact_set)
     strong = bool(assembly.bonds or assembly.straps)
     if strong and any({"friction", "stiffness"} & set(joint.guide) for joint in assembly.joints):
         strong = False

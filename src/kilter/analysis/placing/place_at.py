@@ -76,7 +76,7 @@ class AtPlace:
         level = self.verdict.level
         if len(self.verdicts) == 1:
             return level
-        most = "equilibrium" if (self.verdict.contacts.patch_mu > 0).any() else "proved"
+        most = "equilibrium" if (self.verdict.contact_set.patch_mu > 0).any() else "proved"
         return min(level, most, key=level_rank)
 
     def remarks(self, base: Assembly) -> list[str]:
@@ -85,7 +85,7 @@ class AtPlace:
         The warning about the default density is left out if the verdict and the heaviest mass do
         not depend on it, unless the assembly without the part (`base`) has this warning, too.
         """
-        remarks = self.verdict.contacts.warnings
+        remarks = list(self.verdict.contact_set.warnings)
         idle = set(density_warnings(self.verdict.assembly.parts)) - {*base.geometry.warnings}
         limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
         if not idle or limited or any(map(density_matters, self.verdicts)):

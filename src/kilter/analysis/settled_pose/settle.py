@@ -343,7 +343,7 @@ def settle(
         after,
         require,
         dropped,
-        tuple(dict.fromkeys(before.warnings if after is None else after.warnings)),
+        tuple(dict.fromkeys(before.notes if after is None else after.notes)),
         time.perf_counter() - started,
     )
 

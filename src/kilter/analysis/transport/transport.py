@@ -164,7 +164,7 @@ def transport(
         time_limit=work.seconds,
         progress=progress,
     )
-    detected = rest.contacts
+    detected = rest.contact_set
     frictions = [detected if end == 1.0 else detected.with_friction_share(end) for end in ends]
     if frictions[0] is not detected:
         rest = check(
@@ -246,7 +246,7 @@ def transport(
         mu_range=mu_range,
         require=require,
         missing=missing,
-        warnings=tuple(rest.warnings),
+        warnings=rest.notes,
         seconds={**rest.seconds, "total": time.perf_counter() - started},
     )
 

@@ -160,7 +160,7 @@ class Fixture(AnswerInWords):
             "exhausted": self.exhausted,
             "interrupted": self.interrupted,
             "time_limit": self.time_limit,
-            "warnings": self.supported.contacts.warnings,
+            "warnings": list(self.supported.contacts.warnings),
             "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
             "sentence": "",  # made below from the other data
         }

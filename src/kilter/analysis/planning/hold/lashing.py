@@ -219,7 +219,7 @@ class Lashing(AnswerInWords):
             "exhausted": self.exhausted,
             "interrupted": False,
             "time_limit": None,
-            "warnings": self.contacts.warnings,
+            "warnings": list(self.contacts.warnings),
             "seconds": {"solve": round(self.seconds, 6)},
             "sentence": "",  # made below from the other data
         }
