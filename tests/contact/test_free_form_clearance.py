@@ -1,8 +1,4 @@
-"""Free forms that stand apart: open as drawn, closed by a clearance with the faces' normals.
-
-The second method is the formula of the surface: an ellipse and the curves beside it, and the
-heights of joints.
-"""
+"""Free forms that stand apart: open as drawn, closed by a clearance with the faces' normals."""
 
 from __future__ import annotations
 
@@ -16,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Part, Pose, Tolerance, check
 from kilter.contact import detect
-from kilter.contact.left_out import PossibleContacts
+from kilter.contact.common.patches import PossibleContacts
 
 PLAY = 0.05
 HOLDS = ("stable", "settles", "potentially-stable")

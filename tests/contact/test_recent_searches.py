@@ -10,7 +10,8 @@ from solids import bore, peg
 
 import kilter
 from kilter import Assembly, Part, Pose, Tolerance
-from kilter.contact import detect, recent_searches
+from kilter.contact import detect
+from kilter.contact.common import contact_search as recent_searches
 from kilter.scenes import scene
 
 
@@ -44,7 +45,7 @@ def assert_equal(first: kilter.ContactSet, second: kilter.ContactSet) -> None:
     assert first.to_dict() == second.to_dict()
 
 
-@pytest.mark.quick(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "pegs"])
 @pytest.mark.parametrize(
     "tolerance", [Tolerance(gap=0.1), Tolerance.loose(), Tolerance(clearance=0.08)]
@@ -86,6 +87,7 @@ def test_given_contacts_are_a_condition_of_a_search():
     assert len(kinds) == len(found)
 
 
+@pytest.mark.slow
 def test_searches_of_large_geometries_are_not_kept(monkeypatch):
     assembly = pegs()
     monkeypatch.setattr(recent_searches, "MOST_TRIANGLES", 10)

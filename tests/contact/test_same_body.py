@@ -10,10 +10,10 @@ from tubes import pin, tube
 
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet, Tolerance, contacts, detect, pair_findings
+from kilter.contact.common.patches import SAME_BODY
 from kilter.contact.contact_tolerances import SAME_PLACE
-from kilter.contact.fits.coincident import parts_to_leave_out
+from kilter.contact.fits.suggestions import parts_to_leave_out
 from kilter.contact.kept_contacts import KeptContacts
-from kilter.contact.left_out import SAME_BODY
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block
 
@@ -87,6 +87,7 @@ def test_a_copy_is_left_out_although_a_block_lies_in_its_variant() -> None:
     assert parts_to_leave_out(found) == ("copy",)
 
 
+@pytest.mark.slow
 def test_a_copy_under_a_time_limit_and_in_kept_contacts(monkeypatch: pytest.MonkeyPatch) -> None:
     assembly, tolerance = twice(), Tolerance()
     more = Assembly([*assembly.parts, Part("third", assembly["pin"].shape, Pose([0, 0, 1]))])

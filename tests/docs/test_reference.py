@@ -82,12 +82,7 @@ def test_what_it_holds_is_explained(name: str) -> None:
 def test_what_is_left_out_is_seen() -> None:
     @dataclasses.dataclass
     class Half:
-        """Two numbers.
-
-        Attributes
-        ----------
-        told : int
-        """
+        """Two numbers."""
 
         told: int
         hidden: int

@@ -23,44 +23,45 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.margins.improve import Improvement
+from kilter.analysis.margins.margin import Margin
+from kilter.analysis.placing.check_plan import CheckedPlan
+from kilter.analysis.placing.place import Places
+from kilter.analysis.planning.hold.fixture import Fixture
+from kilter.analysis.planning.order.order import Order
+from kilter.analysis.scene_states.scene_report import SceneReport
+from kilter.analysis.settled_pose.settle import Settled
+from kilter.analysis.transport.transport_answer import Transport
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.contact import ContactSet
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
-from kilter.tell.answer_data.margin_data import MarginData
 from kilter.tell.answer_data.other_data import (
     BatchData,
-    ImproveData,
     IncompleteData,
     VerifyData,
 )
-from kilter.tell.answer_data.packing_data import PackingData
-from kilter.tell.answer_data.place_data import PlaceData
-from kilter.tell.answer_data.plan_data import HoldData, PlanData
-from kilter.tell.answer_data.scene_data import SceneData
-from kilter.tell.answer_data.settle_data import SettleData
-from kilter.tell.answer_data.transport_data import TransportData
-from kilter.tell.record import SCHEMA_VERSION, OneOf, Record, Shape, keys_of
+from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
 ANSWERS: dict[str, Any] = {
     "batch": BatchData,
     "check": Verdict,
-    "check-plan": PackingData,
+    "check-plan": CheckedPlan,
     "contacts": ContactSet,
-    "hold": HoldData,
-    "improve": ImproveData,
+    "hold": Fixture,
+    "improve": Improvement,
     "incomplete": IncompleteData,
-    "margin": MarginData,
+    "margin": Margin,
     "orient": OrientData,
-    "place": PlaceData,
-    "plan": PlanData,
+    "place": Places,
+    "plan": Order,
     "region": RegionData,
-    "scene": SceneData,
-    "settle": SettleData,
-    "transport": TransportData,
+    "scene": SceneReport,
+    "settle": Settled,
+    "transport": Transport,
     "verify": VerifyData,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
@@ -171,9 +172,12 @@ def _plain(kind: Any) -> Any:
         return _one_of(args[1].words)
     if origin is Annotated and isinstance(args[1], Shape):
         entry = _scalar(args[0])
+        entry = entry | None if args[1].infinite else entry
         for size in reversed(args[1].sizes):
             entry = GenericAlias(list, (entry,)) if size is None else _several(entry, size)
         return entry
+    if kind == OrNull:
+        return float | None
     if origin is Annotated:
         plain = _plain(args[0])
         return plain if isinstance(args[1], str) else Annotated[(plain, *args[1:])]
@@ -191,7 +195,9 @@ def _plain(kind: Any) -> Any:
 
 
 def _scalar(array: Any) -> Any:
-    """The type of an entry in JSON data, from the type of the array."""
+    """The type of an entry in JSON data, from the type of the array; float of other types."""
+    if get_origin(array) is not np.ndarray:
+        return float
     [kind] = get_args(get_args(array)[1])
     return type(np.zeros(1, kind).item())
 

@@ -16,7 +16,6 @@ from kilter.errors import InputError
 __all__ = [
     "LEVELS",
     "REQUIRE",
-    "VERDICTS",
     "VerdictWord",
     "holds",
     "level_of",
@@ -45,8 +44,6 @@ class VerdictWord(StrEnum):
         return repr(self.value)
 
 
-VERDICTS = tuple(word.value for word in VerdictWord)
-"""All verdicts."""
 LEVELS = ("equilibrium", "settles", "proved", "strict")
 """All levels, from the lowest to the highest."""
 REQUIRE = "settles"

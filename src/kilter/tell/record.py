@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_t
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.tell.levels import LEVELS, VERDICTS
+from kilter.tell.levels import LEVELS, VerdictWord
 from kilter.units import METRES
 from kilter.values.guesses import Guessable
 
@@ -36,17 +36,23 @@ __all__ = [
     "SCHEMA_VERSION",
     "Answer",
     "AnswerInWords",
+    "Ends",
+    "Guarantee",
     "InPython",
     "LevelWord",
     "Lines",
     "OneOf",
     "OrAbsent",
+    "OrNull",
+    "PairNames",
     "Record",
+    "Rows",
+    "Seconds",
     "Shape",
     "Twist",
     "UnitWord",
     "Vector",
-    "VerdictText",
+    "Word",
     "json_value",
     "key",
     "keys_of",
@@ -72,17 +78,25 @@ class OneOf:
 
 
 class Shape:
-    """Mark of an array: its shape, None for any number."""
+    """Mark of an array: its shape, None for any number; whether its numbers may be infinite."""
 
-    def __init__(self, *sizes: int | None) -> None:
+    def __init__(self, *sizes: int | None, infinite: bool = False) -> None:
         self.sizes = sizes
+        self.infinite = infinite
 
 
 Vector = Annotated[Array, Shape(3)]
 Twist = Annotated[Array, Shape(6)]
 Lines = Annotated[Array, Shape(None, 3)]
+Rows = Annotated[Array, Shape(None, None)]
+OrNull = Annotated[float, "null if it is infinite or not known"]
+"""Type of a number that is infinite without a limit, and nan if it is not known."""
+Ends = tuple[OrNull, OrNull]
+PairNames = tuple[str, str]
+Seconds = Mapping[str, float]
+Word = Annotated[str, OneOf(tuple(word.value for word in VerdictWord))]
+Guarantee = Annotated[str, OneOf(("proved", "refuted", "open"))]
 LevelWord = Annotated[str, OneOf(LEVELS)]
-VerdictText = Annotated[str, OneOf(VERDICTS)]
 UnitWord = Annotated[str, OneOf(tuple(METRES))]
 
 
@@ -157,11 +171,15 @@ class Record(Guessable):
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON data: arrays as lists, and null for infinite numbers."""
+        return self.data_without()
+
+    def data_without(self, *left_out: str) -> dict[str, Any]:
+        """The JSON data without some keys, of which another key is made."""
         data = {}
         kind: Any = type(self)
         for name, absent in keys_of(kind).items():
-            value = getattr(self, name)
-            if not (absent and value is None):
+            value = None if name in left_out else getattr(self, name)
+            if name not in left_out and not (absent and value is None):
                 data[name] = json_value(value)
         return data
 

@@ -15,7 +15,7 @@ from kilter.contact import ContactSet
 from kilter.contact.open_pairs import OpenPair, rigid_groups, still_open
 from kilter.errors import some
 from kilter.mechanics.program import Program
-from kilter.tell.record import InPython, Record, VerdictText, key
+from kilter.tell.record import InPython, Record, Word, key
 from kilter.work import Work
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class OpenQuestion(Record, kw_only=False):
 
     deciding: InPython[DecidingPairs]
     """The pairs that decide."""
-    verdict: VerdictText
+    verdict: Word
     """The verdict with these pairs joined."""
     level: InPython[str | None]
     """The level with these pairs joined."""

@@ -52,8 +52,8 @@ from kilter.analysis.verdict.verdict_answer import (
 from kilter.arrays import Array, Mask, sealed
 from kilter.assembly import Assembly, BondEntry, JointEntry
 from kilter.contact import ContactSet
-from kilter.contact.left_out import UnsupportedContact
-from kilter.contact.neighbours import LonePart
+from kilter.contact.common.distances import LonePart
+from kilter.contact.common.patches import UnsupportedContact
 from kilter.hooks import hook
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
@@ -651,8 +651,7 @@ class Verdict(InCells, Answer):
         factor = find_bond_factor(self.program, self.contact_set)
         if not isinstance(factor, BondFactor):
             return None
-        pairs = tuple(self.assembly.bonds[k].parts for k, _ in factor.opens)
-        return BondsNeeded(share=factor.value, fail=pairs)
+        return BondsNeeded(share=factor.value, fail=tuple(bond.parts for bond in factor.opens))
 
     @property
     @key
