@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly, Strap
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
-    from kilter.tell.answer_data.other_data import IncompleteData
     from kilter.tell.tables import Table
 
 __all__ = ["Asked"]
@@ -172,7 +171,7 @@ class Asked:
         known = known_words()
         facts = f"{known[:1].upper()}{known[1:]}." if known else ""
         sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
-        answer: IncompleteData = {
+        answer: dict[str, Any] = {
             "verdict": "undecided",
             "sentence": sentence,
             "time_limit": self.limit,

@@ -32,10 +32,10 @@ from kilter.analysis.planning.order.order import Order
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.settled_pose.settle import Settled
 from kilter.analysis.transport.transport_answer import Transport
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.contact import ContactSet
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
-from kilter.tell.answer_data.check_data import CheckData
-from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
 from kilter.tell.answer_data.other_data import (
     BatchData,
@@ -48,9 +48,9 @@ __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
 ANSWERS: dict[str, Any] = {
     "batch": BatchData,
-    "check": CheckData,
+    "check": Verdict,
     "check-plan": CheckedPlan,
-    "contacts": ContactsData,
+    "contacts": ContactSet,
     "hold": Fixture,
     "improve": Improvement,
     "incomplete": IncompleteData,
