@@ -17,6 +17,8 @@ __all__ = ["SLOW_EXAMPLES", "in_block", "mark_rest_slow", "sampled"]
 SLOW_EXAMPLES = frozenset(
     {
         "kilter.analysis.everything.everything",
+        "kilter.analysis.margins.improve.improve",
+        "kilter.analysis.margins.margin.margin",
         "kilter.analysis.margins.pushes.find_weakest_push",
         "kilter.analysis.margins.tilt.find_tilt_margin",
         "kilter.analysis.margins.uncertainty.find_uncertainty",

@@ -185,10 +185,7 @@ def brought(module: str) -> frozenset[str]:
 
 @pytest.mark.slow
 def test_an_import_waits_inside_a_function_only_for_the_start_up() -> None:
-    """A late import brings a slow package, or many modules that the importer lacks.
-
-    The command line is start-up itself: a command imports what it needs.
-    """
+    """A late import brings a slow package, or many modules that the importer lacks."""
     needless = [
         f"{module} imports {late} late"
         for module in sorted(set(FILES) - {"kilter"})

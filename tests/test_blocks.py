@@ -1,13 +1,16 @@
-"""Quick and slow cases, and the blocks of the slow tests."""
+"""Quick and slow cases, the blocks of the slow tests, and the tests of a source file."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from near_tests import near_tests
 from sampled import SLOW_EXAMPLES, in_block, mark_rest_slow, sampled
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -64,3 +67,22 @@ def test_slow_blocks_name_every_folder_of_tests() -> None:
     listed = {name for entry in entries for name in entry.partition(":")[0].split(",")} - {""}
     folders = {path.parent.relative_to(ROOT).as_posix() for path in ROOT.glob("tests/*/test_*.py")}
     assert listed == folders - {"tests/browser"} | {"src", "tests/test_*.py"}
+
+
+@pytest.mark.parametrize(("source", "nearest"), [
+    ("mechanics/certificate.py", "analysis/test_certificates.py"),  # by guards.toml
+    ("cli/batches.py", "cli/test_batch.py"),
+    ("files/step_process.py", "files/test_step"),
+])  # fmt: skip
+def test_a_source_file_has_its_nearest_tests(source: str, nearest: str) -> None:
+    first, *others = near_tests(ROOT / "src/kilter" / source)
+    assert first.as_posix().startswith(f"{ROOT.as_posix()}/tests/{nearest}")
+    assert all(path.is_file() for path in others)
+
+
+@pytest.mark.slow
+def test_the_option_for_runs_them_and_the_examples_of_the_file() -> None:
+    source = "src/kilter/shape/covering.py"
+    run = [sys.executable, "-m", "pytest", "--for", source, "--collect-only"]
+    listed = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert "test_covering.py" in listed

@@ -1,8 +1,4 @@
-"""Features of kilter, and missing features: each test is a row of docs/features.md.
-
-`python docs/build_features.py` writes the page from the names of the classes and tests. A name says
-what the test shows, in plain words; the tests of `TestMissing` show what is refused or left open.
-"""
+"""Features of kilter, and missing features: each test is a row of docs/features.md."""
 
 from __future__ import annotations
 
@@ -95,6 +91,7 @@ class TestQuestions:
     def test_all_stable_directions_of_gravity_are_a_region(self) -> None:
         assert kilter.region(kilter.example("paper-figure-10")).kind == "fan"
 
+    @pytest.mark.slow
     def test_margins_are_computed(self) -> None:
         margin = kilter.margin(stack(0.2, friction=0.5))
         tips = np.arctan(0.4 / 1.0)  # both cubes about the lower edge: their centre is at (0.1, 1)

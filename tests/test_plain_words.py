@@ -1,8 +1,4 @@
-"""Plain technical English: rates of vague words in docstrings, documents, messages and the page.
-
-The limits are per 1,000 words. They are floors, not the aim: the aim is that a reader understands
-each sentence at the first reading.
-"""
+"""Plain technical English: rates of vague words in docstrings, documents, messages and the page."""
 
 from __future__ import annotations
 

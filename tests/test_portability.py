@@ -49,10 +49,7 @@ def posix_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
 
 
 def guarded_lines(tree: ast.AST) -> set[int]:
-    """Lines of each statement whose condition, or whose context, asks what the system has.
-
-    A function that returns early on such a condition is guarded as a whole.
-    """
+    """Lines of each statement whose condition, or whose context, asks what the system has."""
     lines: set[int] = set()
     for node in ast.walk(tree):
         asked: list[ast.AST] = []

@@ -326,10 +326,7 @@ def test_every_verb_has_the_keywords_of_the_table(verb: str) -> None:
 
 
 def test_no_other_function_takes_the_keywords() -> None:
-    """A new verb must join the list above; `load` and `save` read files with their options.
-
-    `place` takes a part too, and gravity acts downwards; `check_plan` makes its assembly itself.
-    """
+    """A new verb must join the list above; `load` and `save` read files with their options."""
     functions = {name for name in kilter.__all__ if inspect.isfunction(getattr(kilter, name))}
     taking = {
         name

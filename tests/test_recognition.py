@@ -254,7 +254,7 @@ def capsule(rings: int, sides: int) -> Mesh:
     return revolved([(0, -3), *lower, *((3, z) for z in wall), *upper, (0, 8)], sides)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("rings", [12, 24])
 def test_the_growth_of_a_surface_reads_each_corner_a_few_times(
     rings: int, monkeypatch: pytest.MonkeyPatch

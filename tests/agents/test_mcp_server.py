@@ -40,6 +40,7 @@ def with_client(folder: Path, act: Callable[[Any], Awaitable[None]]) -> None:
     anyio.run(run)
 
 
+@pytest.mark.slow
 def test_a_client_lists_and_calls_the_tools_over_stdio(tmp_path: Path) -> None:
     kilter.dump(kilter.example("paper-figure-8"), tmp_path / "f.kilter.json")
 
@@ -95,6 +96,7 @@ def test_the_server_ends_with_its_input(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_missing_folder_and_a_missing_extra_are_one_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,8 +1,4 @@
-"""Each control of the workbench has a test: a table names it, and the page is compared with it.
-
-The tests of this file are those of controls that no other file tests. A command that the page shows
-is run, and its whole JSON is compared with the answer of the page.
-"""
+"""Each control of the workbench has a test: a table names it, and the page is compared with it."""
 
 from __future__ import annotations
 

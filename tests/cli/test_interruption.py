@@ -122,6 +122,7 @@ sys.exit(kilter.cli.main())
 """
 
 
+@pytest.mark.slow
 def test_a_second_interruption_ends_what_went_on_after_the_first() -> None:
     process = begun("-c", PATIENT)
     assert process.stdout is not None

@@ -1,7 +1,4 @@
-"""A floor belongs to the up direction of the file: four commands give the same limit of tilt.
-
-A box .4 x 1 x 2 with mu = .9 on the floor tips at atan(.4 / 2) = 11.31 deg from the vertical.
-"""
+"""A floor belongs to the up direction of the file: four commands give the same limit of tilt."""
 
 from __future__ import annotations
 
@@ -36,7 +33,7 @@ def box(tmp_path: Path) -> str:
     return str(path)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("floor", [["--floor"], ["--floor", "0"]], ids=["lowest", "height"])
 @pytest.mark.parametrize("off", [-0.01, 0.01])
 def test_check_falls_where_margin_region_and_orient_have_their_limit(

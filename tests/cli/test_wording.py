@@ -179,6 +179,7 @@ def test_a_layer_over_another_file_than_usd_is_refused(say: Any) -> None:
     assert not Path("rest.usda").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "exact"), [(Box(2, 2, 4), True), (Cylinder(1, 4), False)])
 def test_a_push_over_a_round_edge_is_not_called_exact(shape: Any, exact: bool) -> None:
     """The tower tips at atan(1 / 2), over a circle, too. A push counts it as a polygon inside."""

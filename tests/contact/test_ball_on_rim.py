@@ -35,7 +35,7 @@ def test_the_ball_touches_the_whole_rim_with_its_own_normals(seed: int) -> None:
     assert sense * found.normals == pytest.approx(away, abs=1e-9)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_the_ball_stays_up_to_the_tilt_at_which_its_weight_passes_the_rim(seed: int) -> None:
     """Its weight passes through the rim at the angle whose sine is the ratio of the radii."""

@@ -1,8 +1,4 @@
-"""Round fits with play: open as drawn, size on size if `--clearance` closes them; walls.
-
-The second method for a closed fit is the assembly drawn size on size, at the mean radius and about
-the axis of the free part.
-"""
+"""Round fits with play: open as drawn, size on size if `--clearance` closes them; walls."""
 
 from __future__ import annotations
 

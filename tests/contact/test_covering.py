@@ -29,7 +29,7 @@ def covered_by_all(triangles, points, normals, reach, grow):
     return result
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("grow", [0.0, 0.02, 0.3])
 @pytest.mark.parametrize("flatness", [1.0, 0.02])
 def test_pruned_triangles_cover_what_all_triangles_cover(flatness, grow):

@@ -1,8 +1,4 @@
-"""Curved contacts in any pose, at any scale, with and without a gap: none lost, none invented.
-
-The second methods: the gap by dense sampling against implicit functions written here, and the
-cone of forces compared with that of some thousand points of the true region of contact.
-"""
+"""Curved contacts in any pose, at any scale, with and without a gap: none lost, none invented."""
 
 from __future__ import annotations
 

@@ -34,10 +34,7 @@ def only(found):
 
 
 def on_a_cone(half_angle, countersunk):
-    """A peg whose end stands in a conical hole, or a ring whose hole rests on a cone.
-
-    The centre of mass is the point of the axis at which the normals of the contact meet.
-    """
+    """A peg whose end stands in a conical hole, or a ring whose hole rests on a cone."""
     height, meet = 1 / np.tan(half_angle), np.tan(half_angle)
     if countersunk:
         upside_down = Pose([0, 0, 0], turn([1, 0, 0], 180.0))
@@ -50,6 +47,7 @@ def on_a_cone(half_angle, countersunk):
     return Assembly([held, Part("free", shape, Pose(place), mass=1.0, center_of_mass=center)])
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("countersunk", [False, True])
 @pytest.mark.parametrize("half_angle", [0.3, 1.1])
 def test_a_round_edge_on_a_cone_bears_the_tilt_of_its_normals(half_angle, countersunk):

@@ -558,10 +558,7 @@ def test_suggested_and_overlaps_join_and_say_what():
 
 
 def clamped_plates(*, nut_gap: float = 0.0) -> Assembly:
-    """Two plates with wide holes, a bolt from below, and a nut `nut_gap` above the upper plate.
-
-    No name tells what the parts are. The plates lie on a held ring; the bolt hangs in their holes.
-    """
+    """Two plates with wide holes, a bolt from below, and a nut `nut_gap` above the upper plate."""
     shaft = Mesh(*revolved([(0, -1), (2, -1), (2, 0), (1, 0), (1, 5), (0, 5)], 64))
     plate = Mesh(*revolved([(1.2, 0), (4, 0), (4, 1), (1.2, 1)], 64))
     ring = Mesh(*revolved([(3, -3), (4, -3), (4, 0), (3, 0)], 64))

@@ -1,8 +1,4 @@
-"""Free forms that stand apart: open as drawn, closed by a clearance with the faces' normals.
-
-The second method is the formula of the surface: an ellipse and the curves beside it, and the
-heights of joints.
-"""
+"""Free forms that stand apart: open as drawn, closed by a clearance with the faces' normals."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def assert_equal(first: kilter.ContactSet, second: kilter.ContactSet) -> None:
     assert first.to_dict() == second.to_dict()
 
 
-@pytest.mark.quick(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "pegs"])
 @pytest.mark.parametrize(
     "tolerance", [Tolerance(gap=0.1), Tolerance.loose(), Tolerance(clearance=0.08)]
@@ -87,6 +87,7 @@ def test_given_contacts_are_a_condition_of_a_search():
     assert len(kinds) == len(found)
 
 
+@pytest.mark.slow
 def test_searches_of_large_geometries_are_not_kept(monkeypatch):
     assembly = pegs()
     monkeypatch.setattr(recent_searches, "MOST_TRIANGLES", 10)

@@ -1,9 +1,4 @@
-"""Parts that tip over round edges: the tilt, and limits of a carrier, against the circle.
-
-A part with its centre of mass at (x, y, z) over the centre of a circle of radius r tips first
-toward (x, y), at tan(tilt) = (r - |x, y|) / z. Along a unit direction d it withstands t with
-|(x, y) + t z d| = r. A slip on a level face starts at tan(tilt) = mu in all directions.
-"""
+"""Parts that tip over round edges: the tilt, and limits of a carrier, against the circle."""
 
 from __future__ import annotations
 
@@ -46,7 +41,7 @@ BODIES = {
 CENTERS = [[0.0, 0.0, 1.7], [0.12, -0.2, 1.1]]
 
 
-@pytest.mark.quick("cylinder-0")
+@pytest.mark.slow
 @pytest.mark.parametrize("center", CENTERS, ids=["0", "1"])
 @pytest.mark.parametrize("name", BODIES)
 def test_a_part_tips_over_the_circle(name: str, center: list[float]) -> None:
@@ -81,6 +76,7 @@ def test_a_carrier_tips_it_over_the_circle_in_each_direction(angle: float) -> No
     assert found.value == pytest.approx(reach / height, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_an_edge_ends_where_its_table_ends() -> None:
     """The table ends at x = 0.4, so the part tips over a line there, and else over the circle."""
     table = Part("table", Box(10, 10, 1), [-4.6, 0, -0.5], grounded=True)
@@ -111,6 +107,7 @@ def test_the_circle_is_that_of_the_smaller_face() -> None:
         assert found.tilt_deg == pytest.approx(expected, abs=2e-6)
 
 
+@pytest.mark.slow
 def test_a_mesh_remains_a_polygon_and_says_so() -> None:
     vertices, triangles = kilter.shape.primitives.surface(Cylinder(1, 4))
     found = tilt_of(standing(Mesh(vertices, triangles), -2.0, [0, 0, 2.0]))

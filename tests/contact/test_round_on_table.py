@@ -1,18 +1,4 @@
-"""Round bodies on a table: their lowest points, their contacts, and their free motions.
-
-Free motions of a body on a plane, (v, w) with v of its centre of mass: a contact at r from the
-centre with the normal n gives the row (n, r x n). Motions without energy and friction are the
-kernel of the rows, if equilibrium forces press on all of them:
-
-    ball             a point below the centre                   n          6 - 1 = 5
-    cylinder, lying  two ends of a line: n, and the rotation that lifts an end   6 - 2 = 4
-    cone, lying      the same                                              6 - 2 = 4
-    cylinder, cone   standing: a disc: n and both rotations across n       6 - 3 = 3
-    torus, lying     a circle: the same                                    6 - 3 = 3
-    torus, standing  a point below the centre, as a ball                   6 - 1 = 5
-
-The last balances, which first order cannot distinguish from rest.
-"""
+"""Round bodies on a table: their lowest points, their contacts, and their free motions."""
 
 from __future__ import annotations
 
@@ -73,11 +59,7 @@ BODIES = {
 
 
 def lowest_point(name, fine, up):
-    """The lowest point of a body along a unit `up` (3,), in its own frame, by its outline.
-
-    A corner (r, z) of an outline about z describes a circle, whose lowest point is on the side away
-    from `up`, at the height z up_z - r |up_xy|.
-    """
+    """The lowest point of a body along a unit `up` (3,), in its own frame, by its outline."""
     corners = fine.vertices
     if name != "trough":
         aside = np.hypot(*up[:2])

@@ -87,6 +87,7 @@ def test_a_copy_is_left_out_although_a_block_lies_in_its_variant() -> None:
     assert parts_to_leave_out(found) == ("copy",)
 
 
+@pytest.mark.slow
 def test_a_copy_under_a_time_limit_and_in_kept_contacts(monkeypatch: pytest.MonkeyPatch) -> None:
     assembly, tolerance = twice(), Tolerance()
     more = Assembly([*assembly.parts, Part("third", assembly["pin"].shape, Pose([0, 0, 1]))])

@@ -1,7 +1,4 @@
-"""The benchmarks beside the peers: truths, harness, and a page that says what its rows say.
-
-No peer is needed: what is not installed is left out, here as in a run.
-"""
+"""The benchmarks beside the peers: truths, harness, and a page that says what its rows say."""
 
 from __future__ import annotations
 

@@ -19,6 +19,7 @@ def stated(pattern: str) -> float:
     return float(number)
 
 
+@pytest.mark.slow
 def test_a_cell_has_at_least_the_stated_size() -> None:
     cell = kilter.check(scene("tower")).show()
     least = stated(r"stored in the\nnotebook \(([\d.]+) MB and more\)")

@@ -1,8 +1,4 @@
-"""Random CAD drawings with a known outcome that earlier versions answered wrongly.
-
-The drawings are those of the census `benchmarks/cad_census.py`; a test asks for the right answer
-after at most two commands that kilter itself proposes.
-"""
+"""Random CAD drawings with a known outcome that earlier versions answered wrongly."""
 
 from __future__ import annotations
 

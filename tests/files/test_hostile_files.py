@@ -1,7 +1,4 @@
-"""Damaged and hostile files: exit 2, one sentence, no file left, little time and memory.
-
-Each case once ended with exit code 70, without an end, or with memory of several gigabytes.
-"""
+"""Damaged and hostile files: exit 2, one sentence, no file left, little time and memory."""
 
 from __future__ import annotations
 
@@ -293,6 +290,7 @@ def components(levels: int) -> str:
     )
 
 
+@pytest.mark.slow
 def test_components_of_a_3mf_in_a_chain(capsys: Any) -> None:
     with zipfile.ZipFile("a.3mf", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("3D/3dmodel.model", components(30_000))

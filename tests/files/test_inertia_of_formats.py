@@ -62,6 +62,7 @@ def written(
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_heavy_rim_does_not_turn_with_its_carrier(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -155,7 +155,7 @@ def test_a_file_larger_than_is_read_is_refused(tmp_path: Path, monkeypatch: Any)
 STEP = "ISO-10303-21;\n{}\nEND-ISO-10303-21;"
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [

@@ -423,6 +423,7 @@ def test_other_units_are_rejected(path: Path) -> None:
         kilter.load(path, units="mm")
 
 
+@pytest.mark.slow
 def test_every_command_reads_usd(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     stage = Stage(path)
     stage.box("floor", (0, 0, -0.5), (9, 9, 1), static=True)
@@ -455,6 +456,7 @@ def found_faults(path: Path, **how: Any) -> None:
     assert len(report.faults) == how["floating"] + how["overlapping"]
 
 
+@pytest.mark.slow
 def test_a_small_room_with_two_faults(path: Path) -> None:
     found_faults(path, count=12, floating=1, overlapping=1, seed=1)
 

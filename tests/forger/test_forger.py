@@ -1,10 +1,4 @@
-"""False proofs of every kind, made from a seed: `verify` refuses them all.
-
-An attempt is accepted if the verification holds at the level that the file claims, or that the
-forger asks for. Each attempt is false by construction: its assembly has a valid proof of the
-opposite, or lies at a certain distance beyond its limit, or its statement was changed. A file
-without the form of a proof is an `InputError`; any other error is a fault.
-"""
+"""False proofs of every kind, made from a seed: `verify` refuses them all."""
 
 from __future__ import annotations
 

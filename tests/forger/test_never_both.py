@@ -1,10 +1,4 @@
-"""Near a limit, forces and a motion never both pass, however they are forged.
-
-Random assemblies 1e-12 to 1e-1 of the weight on either side of a limit, exact and in float32. For
-each, forces and motions are forged by optimisation, beside the proofs that kilter finds. At most
-one kind passes. At a certain distance only the true kind passes. In the band between, rounding lets
-neither pass: its width and its cases are printed.
-"""
+"""Near a limit, forces and a motion never both pass, however they are forged."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Random hinges and slides with limits, friction and springs: kilter beside a simulation.
-
-Each joint is far from its limits of force: friction is at most .7 or at least 1.4 of what it must
-hold, a spring carries at most .8 or at least 1.5 of it. A mechanism that kilter calls stable stays
-within `STAYS` of a push of `PUSH` for `SECONDS`, and any other leaves `MOVES`.
-"""
+"""Random hinges and slides with limits, friction and springs: kilter beside a simulation."""
 
 from __future__ import annotations
 

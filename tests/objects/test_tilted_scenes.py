@@ -14,7 +14,7 @@ OPEN = (5, 12)
 """Scenes without a proved verdict."""
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [*JUDGED, *OPEN])
 def test_a_proved_verdict_is_that_of_the_simulation(seed: int) -> None:
     found = outcome(seed)

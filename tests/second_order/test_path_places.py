@@ -190,14 +190,6 @@ def followed(seed: int) -> float | None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, 14])
-def test_a_random_one_falls(seed: int) -> None:
-    far = followed(seed)
-    assert far is not None
-    assert far > 1
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("block", range(2))
 def test_random_ones_fall_and_none_overlaps(block: int) -> None:
     far = [followed(seed) for seed in range(10 * block, 10 * block + 10)]

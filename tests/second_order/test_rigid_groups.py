@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from balance_cases import CASES, ROLLING, Case
+from balance_cases import CASES, Case
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere
@@ -60,15 +60,6 @@ def test_a_known_case_of_two_halves_has_its_state(case: Case) -> None:
         if state != "balanced":
             assert second.free == case.free
         assert set(second.moving.tolist()) in ({1, 2}, set())
-
-
-@pytest.mark.slow
-def test_what_rolls_in_two_halves_does_so() -> None:
-    board = next(case for case in ROLLING if case.number == "R1")
-    for h, state in ((0.9, "holds"), (1.1, "falls")):
-        second = second_of(in_two(board.build(h)))
-        assert second.rolling is not None
-        assert second.rolling.state == state
 
 
 @pytest.mark.slow
@@ -169,11 +160,3 @@ def test_what_is_tied_to_the_ground_is_held() -> None:
         assert (None if second is None else second.moving.tolist()) == (
             [1] if len(parts) == 4 else None
         )
-
-
-def test_without_joints_nothing_is_grouped() -> None:
-    assembly = Assembly([FLOOR, BALL])
-    groups = RigidGroups.of(assembly)
-    program = build_program(assembly, kilter.contacts(assembly))
-    assert not groups.tied
-    assert groups.merged(program, assembly) is program

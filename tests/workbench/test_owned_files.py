@@ -65,6 +65,7 @@ def test_an_owned_file_replaces_no_link(
     assert victim.read_bytes() == VICTIM
 
 
+@pytest.mark.quick(1)
 @POSIX
 @pytest.mark.parametrize("trap", TRAPS)
 def test_a_click_writes_through_no_link(
@@ -82,6 +83,7 @@ def test_a_click_writes_through_no_link(
     assert os.listdir(victim.parent) == [victim.name]
 
 
+@pytest.mark.slow
 def test_a_file_with_the_longest_name_keeps_its_changes(page: Page, folder: Path) -> None:
     name = f"{'n' * 240}.kilter.json"
     kilter.dump(scene("paper-figure-8"), folder / name)
@@ -93,6 +95,7 @@ def test_a_file_with_the_longest_name_keeps_its_changes(page: Page, folder: Path
     assert "1 change of the earlier session restored" in page.last["session"]["message"]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "content",
     [

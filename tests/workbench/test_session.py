@@ -37,6 +37,7 @@ def test_held_parts_change_the_verdict_and_undo_takes_it_back(page: Page) -> Non
     assert page.after(do="redo")["check"] == held["check"]
 
 
+@pytest.mark.slow
 def test_the_saved_choices_give_the_same_answer(page: Page, folder: Path) -> None:
     page.after(do="friction", mu=0.4)
     page.after(do="hold", parts=["C2"], on=True)
@@ -205,6 +206,7 @@ def test_a_killed_worker_is_started_again(page: Page, bench: Workbench) -> None:
     assert bench.session.jobs.worker.pid not in (0, before)
 
 
+@pytest.mark.slow
 def test_a_changed_file_is_read_again(page: Page, folder: Path) -> None:
     page.after(do="hold", parts=["C2"], on=True)
     data = json.loads((folder / "f8.kilter.json").read_text())
@@ -226,6 +228,7 @@ def fetched(bench: Workbench, path: str, **headers: str) -> tuple[int, bytes]:
             return error.code, error.read()
 
 
+@pytest.mark.slow
 def test_exports_are_those_of_the_commands(page: Page, bench: Workbench, folder: Path) -> None:
     page.after(do="hold", parts=["C3"], on=True)
     query = f"?token={bench.token}"
@@ -367,6 +370,7 @@ def test_a_host_that_is_no_name_is_refused(name: str, folder: Path) -> None:
         Workbench(None, folder=folder, hosts=[name])
 
 
+@pytest.mark.slow
 def test_the_page_works_through_a_forwarded_port_and_below_a_path(folder: Path) -> None:
     kilter.dump(scene("paper-figure-8"), folder / "f8.kilter.json")
     with Workbench(None, folder=folder) as bench:

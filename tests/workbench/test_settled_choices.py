@@ -59,6 +59,7 @@ def exported(bench: Workbench) -> dict[str, Any]:
         return without_seconds(answer.read())
 
 
+@pytest.mark.slow
 def test_the_settled_state_is_saved_and_repeated_by_the_command(
     page: Page,
     bench: Workbench,
@@ -90,6 +91,7 @@ def test_the_settled_state_is_saved_and_repeated_by_the_command(
     assert settled["sentence"] == f"Settled by 0.002 m: {shown['sentence']}"
 
 
+@pytest.mark.slow
 def test_the_movement_is_undone_redone_restored_and_shown_by_a_second_page(
     page: Page, bench: Workbench, folder: Path
 ) -> None:
@@ -115,6 +117,7 @@ def test_the_movement_is_undone_redone_restored_and_shown_by_a_second_page(
     assert "poses" not in page.last["session"]["choices"]
 
 
+@pytest.mark.slow
 def test_a_load_of_the_choices_moves_with_its_part(page: Page, folder: Path) -> None:
     opened(page, folder, sunken(), "loaded.kilter.json")
     tip = [0.2, 0, 2 - 2 * DEPTH]
@@ -181,6 +184,7 @@ def test_another_change_and_a_stop_end_the_search(page: Page, folder: Path) -> N
     assert set(page.last["session"]["choices"]) == {"kilter", "file", "sha256", "friction"}
 
 
+@pytest.mark.slow
 def test_poses_do_not_fit_another_content_of_the_file(page: Page, folder: Path) -> None:
     opened(page, folder, sunken(), "changed.kilter.json")
     page.after(do="friction", mu=0.7)

@@ -50,6 +50,7 @@ def time_to_the_end(bench: Workbench, begin: bytes, drip: bytes = b"") -> float:
 HEAD = b"GET /?token=no HTTP/1.1\r\nHost: localhost\r\n"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("begin", "drip"),
     [(b"", b""), (b"GET /", b"x"), (HEAD, b"a: b\r\n"), (HEAD + b"\r\n", b"G")],
@@ -61,6 +62,7 @@ def test_a_connection_without_a_request_is_closed(
     assert time_to_the_end(impatient, begin, drip) < 25 * SHORT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drip", [b"", b"x"])
 def test_an_upload_that_does_not_advance_is_ended(drip: bytes, impatient: Workbench) -> None:
     query = urllib.parse.urlencode({"token": impatient.token, "name": "a.stl"})
@@ -70,6 +72,7 @@ def test_an_upload_that_does_not_advance_is_ended(drip: bytes, impatient: Workbe
     assert list(impatient.session.uploads.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_page_that_only_listens_stays_connected(impatient: Workbench) -> None:
     page = Page(impatient)
     time.sleep(3 * SHORT)
@@ -87,6 +90,7 @@ def status(address: str, bench: Workbench, host: str) -> tuple[int, str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="127.0.0.2 is an address there")
 @pytest.mark.parametrize("word", ["0.0.0.0", "::"])
 def test_it_listens_on_all_addresses_only_if_asked(word: str, tmp_path: Path) -> None:

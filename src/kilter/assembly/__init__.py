@@ -3,7 +3,7 @@
 from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import Bond
 from kilter.assembly.feature import Feature
-from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
+from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, JointEntry, Load
 from kilter.assembly.part import GROUND, Part
 from kilter.assembly.straps import Strap
 
@@ -15,6 +15,7 @@ __all__ = [
     "FrictionPair",
     "GivenContact",
     "Joint",
+    "JointEntry",
     "Load",
     "Part",
     "Strap",

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly, Strap
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
-    from kilter.tell.answer_data.common_data import WarnedData
     from kilter.tell.answer_data.other_data import IncompleteData
     from kilter.tell.tables import Table
 
@@ -264,7 +263,7 @@ class Asked:
         reading = replace(self.reading, accelerate=None)
         return replace(self, reading=reading), self.reading.accelerate
 
-    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
+    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: Any) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
         Parameters

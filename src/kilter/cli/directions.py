@@ -286,7 +286,7 @@ def margin(
         require=None if require == "equilibrium" else require,
     )
     asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
-    verdict = answer.verdict
+    verdict = answer.check
     lowest = verdict.require if require == "equilibrium" else require
     reached = holds(verdict.level, lowest)
     return code_of({"verdict": verdict.verdict, "level": verdict.level, "holds": reached})

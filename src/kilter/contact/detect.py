@@ -213,7 +213,7 @@ def _contact_set(
     found = Patches.join([faces, sharp.patches, _listed_patches(assembly)])
     patches, of_pieces = with_piece_friction(assembly, examined, found)
     unsupported = findings.unsupported
-    overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.parts))
+    overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.ends))
     rejected = sorted([*findings.refused, *findings.near_edges], key=_rank)
     # the first rows are the normals of the degenerate points, in order
     possible = [sharp.degenerate.pushes(), sharp.possible]
@@ -247,13 +247,13 @@ def _contact_set(
                 open_forces(left_open, search.geometry),
             ]
         ),
-        rejected=tuple(rejected),
+        near=tuple(rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
         gap_counts=np.bincount(flat.gaps[:, 1], minlength=len(GAP_EDGES) - 1),
-        tolerance=tolerance,
+        searched=tolerance,
         gap=float(gap.max(initial=0.0)),
-        warnings=(
+        notes=(
             *((f"the time limit was reached: {unexamined_words(cut)}",) if cut else ()),
             *gap_warnings(flat.patches, rejected, examined.limits),
             *raised_warnings(findings.curved.raised),
@@ -262,7 +262,7 @@ def _contact_set(
         ),
         degenerate=sharp.degenerate,
         open_pairs=left_open,
-        fits=_fits(assembly, examined, tolerance, {frozenset(pair.parts) for pair in overlaps}),
+        fits=_fits(assembly, examined, tolerance, {frozenset(pair.ends) for pair in overlaps}),
     )
 
 
@@ -286,7 +286,7 @@ def _fits(
     A tight fit counts only if its parts overlap (`overlapping`): otherwise their walls do not meet.
     """
     candidates = coaxial_fits(assembly, search.pairs, tolerance, thickest=THREAD, thinnest=FIT_PLAY)
-    return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.parts) in overlapping)
+    return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.ends) in overlapping)
 
 
 def _rank(rejected: RejectedPair) -> tuple[float, float]:
@@ -340,7 +340,7 @@ def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
     """
     assembly = detected.assembly.with_friction(mu)
     if friction_needs_detection(detected):
-        return contacts(assembly, tolerance=detected.tolerance)
+        return contacts(assembly, tolerance=detected.searched)
     possible = detected.possible
     # the last rows are forces of open pairs in any direction, which have no friction
     wrenches = len(open_forces(detected.open_pairs, assembly.geometry))

@@ -212,7 +212,7 @@ def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
         normals=contacts.normals[rows],
         unsupported=kept.records(contacts.unsupported),
         possible=kept.possible(contacts.possible, points),
-        rejected=kept.records(contacts.rejected),
+        near=kept.records(contacts.near),
         overlaps=kept.records(contacts.overlaps),
         degenerate=degenerate,
         open_pairs=_still_free(kept.records(contacts.open_pairs), assembly),
@@ -237,7 +237,7 @@ PATCH_FIELDS = (
 
 def _still_free(pairs: tuple[OpenPair, ...], assembly: Assembly) -> tuple[OpenPair, ...]:
     """The open pairs that still have at least one free part."""
-    return tuple(p for p in pairs if not all(assembly.parts[k].grounded for k in p.parts))
+    return tuple(p for p in pairs if not all(assembly.parts[k].grounded for k in p.ends))
 
 
 def without_overlaps(contacts: ContactSet, parts: Collection[int]) -> ContactSet:
@@ -260,13 +260,13 @@ def without_overlaps(contacts: ContactSet, parts: Collection[int]) -> ContactSet
     """
     chosen = set(parts)
     gone = {
-        frozenset(pair.parts)
+        frozenset(pair.ends)
         for pair in contacts.open_pairs
-        if pair.kind == "overlap" and not chosen.isdisjoint(pair.parts)
+        if pair.kind == "overlap" and not chosen.isdisjoint(pair.ends)
     }
     return replace(
         contacts,
-        overlaps=tuple(pair for pair in contacts.overlaps if frozenset(pair.parts) not in gone),
-        open_pairs=tuple(pair for pair in contacts.open_pairs if frozenset(pair.parts) not in gone),
+        overlaps=tuple(pair for pair in contacts.overlaps if frozenset(pair.ends) not in gone),
+        open_pairs=tuple(pair for pair in contacts.open_pairs if frozenset(pair.ends) not in gone),
         possible=contacts.possible.without_wrenches(gone),
     )

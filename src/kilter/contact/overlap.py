@@ -266,9 +266,9 @@ def find_overlaps(
     deep = deep_boxes(geometry, boxes, search.pairs, search.limits)
     # convex parts with a patch lie on either side of its plane
     rows = np.flatnonzero(deep & ~(is_settled(face_patches)))
-    overlaps = list({overlap.parts: overlap for overlap in face_patches.curved.overlaps}.values())
+    overlaps = list({overlap.ends: overlap for overlap in face_patches.curved.overlaps}.values())
     overlaps += [_same_body(geometry, (i, j)) for i, j in search.same_bodies.tolist()]
-    recorded = {overlap.parts for overlap in overlaps}
+    recorded = {overlap.ends for overlap in overlaps}
     if not overlaps and not len(rows):
         return ()
     overlap_search = _OverlapSearch(face_patches)
@@ -285,7 +285,7 @@ def find_overlaps(
             if copy not in known:
                 known[copy] = _general_overlap(overlap_search, row, parts, float(tolerance[row]))
             found = known[copy]
-            overlap = None if found is None else replace(found, parts=parts)
+            overlap = None if found is None else replace(found, ends=parts)
         if overlap is not None:
             overlaps.append(overlap)
     return tuple(
@@ -319,10 +319,10 @@ def _with_interference(
     assembly: Assembly, overlaps: list[Overlap], tolerance: Tolerance
 ) -> list[Overlap]:
     """Mark overlaps of shafts that are thicker than their holes, with the reason INTERFERE."""
-    fits = coaxial_fits(assembly, [overlap.parts for overlap in overlaps], tolerance)
-    tight = {frozenset(fit.parts) for fit in fits if fit.tight}
+    fits = coaxial_fits(assembly, [overlap.ends for overlap in overlaps], tolerance)
+    tight = {frozenset(fit.ends) for fit in fits if fit.tight}
     return [
-        replace(overlap, why=INTERFERE) if frozenset(overlap.parts) in tight else overlap
+        replace(overlap, why=INTERFERE) if frozenset(overlap.ends) in tight else overlap
         for overlap in overlaps
     ]
 
@@ -332,11 +332,11 @@ def _with_volume(overlap_search: _OverlapSearch, overlap: Overlap, tolerance: To
 
     The share is None if the smaller part is thinner than the gap tolerance.
     """
-    volume, geometry, both = overlap.volume, overlap_search.geometry, list(overlap.parts)
+    volume, geometry, both = overlap.volume, overlap_search.geometry, list(overlap.ends)
     exact = overlap.why == SAME_BODY or not (geometry.slack[both] > 0).any()
     if volume is None or not exact:
-        body = shared_body(overlap_search.solids, *overlap.parts)
-        volume = _exact_volume(geometry, overlap.parts, body) if body is not None else volume
+        body = shared_body(overlap_search.solids, *overlap.ends)
+        volume = _exact_volume(geometry, overlap.ends, body) if body is not None else volume
     smaller = int(both[int(np.argmin(geometry.volume[both]))])
     thinnest = float(tolerance.gap_of(geometry.size[[smaller]])[0])
     share = None

@@ -205,7 +205,7 @@ def _unrecorded_pairs(findings: PairFindings) -> Mask:
     silent[np.concatenate([findings.faces.pair, findings.sharp.patches.pair])] = False
     records: list[RejectedPair | Overlap | UnsupportedContact] = [*findings.refused]
     records += [*findings.overlaps, *findings.unsupported]
-    recorded = {frozenset(record.parts) for record in records}
+    recorded = {frozenset(record.ends) for record in records}
     rows = np.flatnonzero(silent)
     is_recorded = [frozenset(pair) in recorded for pair in pairs[rows].tolist()]
     silent[rows[np.array(is_recorded, dtype=bool)]] = False

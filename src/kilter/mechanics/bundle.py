@@ -153,7 +153,7 @@ def apply_change(
         if added.units != assembly.units:
             raise InputError(f"the part of the proof is in {added.units}, not {assembly.units}")
         assembly = assembly.with_parts(added.parts)
-        contacts = detect.contacts(assembly, tolerance=contacts.tolerance)
+        contacts = detect.contacts(assembly, tolerance=contacts.searched)
     if change.get("supports") is not None:
         supports = [Support.from_dict(data) for data in change["supports"]]
         return with_supports(assembly, contacts, supports)

@@ -495,7 +495,7 @@ def build_program(
         blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
         blocks.append(sticking_rows(contacts, geometry))
-    joints = joint_rows(assembly, geometry, contacts.tolerance)
+    joints = joint_rows(assembly, geometry, contacts.searched)
     blocks += [joints, strap_rows(assembly, geometry)]
     rows = ForceRows.join(blocks)
     return Program(

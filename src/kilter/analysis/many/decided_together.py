@@ -126,7 +126,7 @@ def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
     """Mask of the assemblies with coincident parts or with fitted contact normals, shape (M,)."""
     owner = apart.owner
     odd = np.zeros(len(apart), dtype=bool)
-    parts: Index = np.array([pair.parts[0] for pair in coincident(contacts)], dtype=np.int64)
+    parts: Index = np.array([pair.ends[0] for pair in coincident(contacts)], dtype=np.int64)
     odd[owner[parts]] = True
     odd[owner[fitted_pairs(contacts)[:, 0]]] = True
     return odd

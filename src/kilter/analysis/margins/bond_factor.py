@@ -11,25 +11,21 @@ have both signs along the normals of all bonded points and, with friction, any s
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.decision.refined_proofs import balanced_proof
 from kilter.analysis.decision.strength import find_strength
-from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
+from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit
 from kilter.analysis.turning_tolerances import BEYOND_LIMIT, SIDES_NEAR
-from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows, bonded_rows
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.margin_data import BondLimitData
+from kilter.tell.record import InPython, OrNull, PairNames, Record, key
 
 __all__ = ["BondFactor", "find_bond_factor"]
 
@@ -43,34 +39,36 @@ GIVES = 1e-6
 """A bond gives way if it takes up more than this share of the work of the mechanism [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class BondFactor:
-    """The least fraction of its strength that every bond needs; it is the same for all bonds.
+class OpeningBond(Record):
+    """A bond that gives way in the mechanism, and its share of the work of all bonds."""
 
-    Attributes
-    ----------
-    value : float
-        Share s [-]; 0 if the assembly holds without bonds.
-    limit : Limit
-        Forces and mechanism at this share.
-    opens : tuple of pairs (int, float)
-        Bonds that give way in the mechanism: index in the assembly, and share of the work that
-        the bond takes up [-]. The largest share comes first.
-    """
+    parts: PairNames
+    """Names of the bonded parts."""
+    share: float
+    """Share of the work [-]."""
 
-    value: float
-    limit: Limit
-    opens: tuple[tuple[int, float], ...]
 
-    def to_dict(self, program: Program, assembly: Assembly) -> BondLimitData:
-        """JSON data for the answer of `kilter margin`: gap, moving parts, bonds that give way."""
-        return {
-            "gap": finite(self.limit.gap),
-            "moves": starting(program, self.limit.mechanism),
-            "opens": [
-                {"parts": list(assembly.bonds[k].parts), "share": share} for k, share in self.opens
-            ],
-        }
+class BondFactor(Record):
+    """The least fraction of its strength that every bond needs; it is the same for all bonds."""
+
+    value: InPython[float]
+    """Share s [-]; 0 if the assembly holds without bonds."""
+    limit: InPython[Limit]
+    """Forces and mechanism at this share."""
+    opens: tuple[OpeningBond, ...]
+    """Bonds that give way in the mechanism, the largest share first."""
+
+    @property
+    @key
+    def gap(self) -> OrNull:
+        """Relative distance between the proved bounds [-]."""
+        return self.limit.gap
+
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move below this share."""
+        return self.limit.moves
 
     def __repr__(self) -> str:
         return f"BondFactor({self.value:.6g})"
@@ -118,7 +116,8 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
             return nearer
         if isinstance(nearer, Limit) and (value < STRONG or nearer.gap < limit.gap):
             limit, value = nearer, -nearer.value
-    return BondFactor(value, limit, _yielding_bonds(program, contacts, limit) if value else ())
+    opens = _yielding_bonds(program, contacts, limit) if value else ()
+    return BondFactor(value=value, limit=limit, opens=opens)
 
 
 def _by_weight(program: Program) -> Limit | NoLimit:
@@ -170,35 +169,39 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
         balance = balanced_proof(held, check_forces(held, forces, strength.friction))
         if balance.holds:
             break
-    limit = Limit(share, balance, None, np.inf)
+    limit = Limit(value=share, gap=np.inf, forces=balance, motion=None, program=program)
     used = share * program.strength
     if balance.holds and used <= NEEDLESS * float(program.weight[program.free].sum()):
-        return BondFactor(0.0, limit, ())
+        return BondFactor(value=0.0, limit=limit, opens=())
     # the motion gains power only below the limit; the nearest share with a proof sets the gap
     for step in BEYOND_LIMIT:
         below = share - step * max(share, 1.0)
         mechanism = check_motion(program.with_strength(below), strength.motion)
         if below >= 0 and mechanism.holds:
-            limit = Limit(share, balance, mechanism, (share - below) / max(share, 1.0))
+            limit = replace(limit, motion=mechanism, gap=(share - below) / max(share, 1.0))
             break
     if not balance.holds:
         return NoLimit("failed")
-    return BondFactor(share, limit, _yielding_bonds(program, contacts, limit))
+    opens = _yielding_bonds(program, contacts, limit)
+    return BondFactor(value=share, limit=limit, opens=opens)
 
 
 def _yielding_bonds(
     program: Program, contacts: ContactSet, limit: Limit
-) -> tuple[tuple[int, float], ...]:
-    """Bonds that break in the limit mechanism: index, and fraction of the work for each [-]."""
-    if limit.mechanism is None:
+) -> tuple[OpeningBond, ...]:
+    """Bonds that break in the limit mechanism, the largest fraction of the work first."""
+    if limit.motion is None:
         return ()
     strong = (program.pull > 0) | (program.cohesion > 0)
     rows = np.flatnonzero((program.kind == CONTACT) & strong)
-    opening = np.maximum(program.velocities(limit.mechanism.motion)[rows], 0.0)
-    slip = np.linalg.norm(program.slips(limit.mechanism.motion, rows), axis=1)
+    opening = np.maximum(program.velocities(limit.motion.motion)[rows], 0.0)
+    slip = np.linalg.norm(program.slips(limit.motion.motion, rows), axis=1)
     bond = contacts.patch_bond[program.source[rows]]
     taken = program.pull[rows] * opening + program.cohesion[rows] * slip
     work = np.bincount(bond, taken).astype(np.float64)
     share = work / max(float(work.sum()), np.finfo(float).tiny)
     order = np.argsort(-share, kind="stable")
-    return tuple((int(k), float(share[k])) for k in order if share[k] > GIVES)
+    bonds = contacts.assembly.bonds
+    return tuple(
+        OpeningBond(parts=bonds[k].parts, share=float(share[k])) for k in order if share[k] > GIVES
+    )

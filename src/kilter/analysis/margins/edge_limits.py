@@ -50,14 +50,12 @@ def limit_on_circles(
     """
     limit = find(program)
     for _ in range(STEPS):
-        if isinstance(limit, NoLimit) or limit.mechanism is None:
+        if isinstance(limit, NoLimit) or limit.motion is None:
             break
         finer = with_edge_points(program, edges, limit.forces)
         if finer is None:
             break
         program, limit = finer, find(finer)
-        if isinstance(limit, Limit):
-            limit = replace(limit, refined=finer)
     return limit
 
 

@@ -18,9 +18,10 @@ constraints, 2001.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -43,6 +44,7 @@ from kilter.analysis.turning_tolerances import (
     UNLIMITED,
 )
 from kilter.arrays import Array
+from kilter.errors import TimeLimitReached
 from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.coulomb_cones import cone_problem, largest_load
@@ -50,12 +52,12 @@ from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.cone_interior_point import Start, common_start, iterates
 from kilter.solvers.solver_tolerances import CONIC
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.common_data import LimitData
+from kilter.tell.record import InPython, OrNull, Record, Twist, key
+from kilter.work import Work, stop_after
 
 __all__ = [
     "Limit",
+    "LimitSteps",
     "NoLimit",
     "SharedCones",
     "find_limit",
@@ -80,49 +82,45 @@ NEAR, CLOSE = 1e-6, 1e-9
 MODEST = 10.0
 """Upper end of the interval of shares that is tried first [-]."""
 
+T = TypeVar("T")
 Why = Literal["none", "failed", "time", "effort"]
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Limit:
-    """The largest multiple of a load that contacts hold, with proofs that bound it on both sides.
+class Limit(Record):
+    """The largest multiple of a load that contacts hold, with proofs on both sides of it."""
 
-    Attributes
-    ----------
-    value : float
-        Share t [-]: infinite if there is no limit, negative if only shares below 0 are held.
-    forces : ForceProof
-        Forces at the limit.
-    mechanism : MotionProof or None
-        The motion that starts at the limit; None if there is no limit or no proved motion.
-    gap : float
-        Distance from `value`, which is proved to be held, to a share that is proved not to be held.
-        It is relative to max(abs(value), 1) [-], and infinite if the second proof is missing.
-    refined : Program or None
-        The program with points of round edges to whose rows the forces belong, after the rows of
-        the given program; None if there are none.
-    """
+    value: InPython[float]
+    """Share t [-]: infinite without a limit, negative if only shares below 0 are held."""
+    gap: OrNull
+    """Distance from `value`, which is proved to be held, to a share that is proved not to be held,
+    relative to max(abs(value), 1) [-]; infinite if the second proof is missing."""
+    forces: InPython[ForceProof]
+    """Forces at the limit."""
+    motion: InPython[MotionProof | None]
+    """The motion that starts at the limit; None without a limit or a proved motion."""
+    program: InPython[Program]
+    """Program of the forces, perhaps with further points of round edges after its rows."""
 
-    value: float
-    forces: ForceProof
-    mechanism: MotionProof | None
-    gap: float
-    refined: Program | None = None
+    @property
+    @key
+    def residual(self) -> float:
+        """Largest imbalance of a part at the limit, divided by its weight [-]."""
+        return self.forces.residual
 
-    def to_dict(self, program: Program) -> LimitData:
-        """JSON data that prove a load limit: residual of forces, gap, moving parts, mechanism."""
-        return {
-            "residual": self.forces.residual,
-            "gap": finite(self.gap),
-            "moves": starting(program, self.mechanism),
-            "mechanism": None
-            if self.mechanism is None
-            else {
-                name: (self.mechanism.motion[k] + 0.0).tolist()
-                for k, name in enumerate(program.names)
-                if program.free[k]
-            },
-        }
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move beyond the limit."""
+        return starting(self.program, self.motion)
+
+    @property
+    @key
+    def mechanism(self) -> dict[str, Twist] | None:
+        """Motion of each free part at the limit [length unit, rad]."""
+        if self.motion is None:
+            return None
+        rows = zip(self.program.names, self.motion.motion, self.program.free, strict=True)
+        return {name: row for name, row, free in rows if free}
 
     def __repr__(self) -> str:
         return f"Limit({self.value:.6g})"
@@ -137,6 +135,41 @@ class NoLimit:
     """
 
     why: Why
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class LimitSteps:
+    """Base class of the steps of an answer, each of which computes a limit, under a time limit.
+
+    `missing` has the reason for each requested limit that has no value. An answer at the time limit
+    still has the limits of the steps that ended before it.
+    """
+
+    work: Work
+    tell: Callable[[str], None]
+    missing: dict[str, Why] = field(default_factory=dict)
+
+    def limit(
+        self, name: str, step: Callable[..., T | NoLimit | None], *arguments: Any
+    ) -> T | None:
+        """Run the step for a limit; if it has no value, return None and note the reason."""
+        result = self.in_time(step, *arguments)
+        if isinstance(result, NoLimit):
+            self.missing[name] = result.why
+            return None
+        return result
+
+    def in_time(self, step: Callable[..., T], *arguments: Any) -> T | NoLimit:
+        """The result of a step, or the reason that the time limit ended it."""
+        try:
+            with stop_after(self.work.seconds):
+                result = step(*arguments)
+        except TimeLimitReached:
+            return NoLimit("time")
+        # a solver that was cut short has no proof, which is no failure of the solver
+        if isinstance(result, NoLimit) and result.why == "failed" and self.work.late:
+            return NoLimit("time")
+        return result
 
 
 def gravity_wrench(program: Program, direction: Array) -> Array:
@@ -219,13 +252,13 @@ def find_limit(
     if most <= MODEST and not program.planar and large and not program.has_strength:
         bounds = _by_own_cones(program, wrench, most, shared)
         if bounds.closed or bounds.held >= most * (1 - NEARLY):
-            return _limit(bounds, most)
+            return _limit(program, bounds, most)
     if most > MODEST:  # shares near 1 need fewer steps of the solver
         near = find_limit(program, wrench, opening=opening, most=MODEST, shared=shared)
         known = isinstance(near, Limit) and np.isfinite(near.value)
         if known or (from_none and isinstance(near, NoLimit)):
             return near  # else larger shares may be held, although no share up to MODEST is
-    return _limit(_best_sides(program, opening, wrench, most), most)
+    return _limit(program, _best_sides(program, opening, wrench, most), most)
 
 
 def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) -> LimitSides:
@@ -342,11 +375,13 @@ def _in_cones(
     return _Conic(bounds, across)
 
 
-def _limit(sides: LimitSides, most: float) -> Limit | NoLimit:
+def _limit(program: Program, sides: LimitSides, most: float) -> Limit | NoLimit:
     """The load limit of proved bounds; `NoLimit` if not even the base load is proved to be held."""
     if sides.forces is None:
         return NoLimit("none" if sides.none else "failed")
-    if sides.held >= most * (1 - NEARLY):
-        return Limit(np.inf, sides.forces, None, 0.0)
-    value = sides.held if abs(sides.held) > NO_SHARE else 0.0
-    return Limit(value, sides.forces, sides.motion, sides.gap)
+    value, motion, gap = sides.held, sides.motion, sides.gap
+    if value >= most * (1 - NEARLY):
+        value, motion, gap = np.inf, None, 0.0
+    elif abs(value) <= NO_SHARE:
+        value = 0.0
+    return Limit(value=value, gap=gap, forces=sides.forces, motion=motion, program=program)

@@ -37,7 +37,7 @@ class OpenQuestion:
     def to_dict(self, names: tuple[str, ...]) -> JoinedData:
         """JSON data for the key `if_joined` of an answer; `names` are the names of all parts."""
         return {
-            "pairs": [[names[k] for k in pair.parts] for pair in self.deciding.pairs],
+            "pairs": [[names[k] for k in pair.ends] for pair in self.deciding.pairs],
             "verdict": self.verdict,
             "smallest": self.deciding.smallest,
             "irreducible": self.deciding.irreducible,
@@ -79,7 +79,7 @@ def ask_open(
     if deciding is None or not deciding.pairs:
         return None
     names = assembly.names
-    joints = [Joint((names[p.parts[0]], names[p.parts[1]])) for p in deciding.pairs]
+    joints = [Joint((names[p.ends[0]], names[p.ends[1]])) for p in deciding.pairs]
     return OpenQuestion(deciding, *decide(assembly.with_joints(joints)))
 
 
@@ -87,7 +87,7 @@ def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:
     """The names of the parts of the first open pairs, as a phrase for messages."""
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
-    return some([f"{names[pair.parts[0]]!r} and {names[pair.parts[1]]!r}" for pair in pairs])
+    return some([f"{names[pair.ends[0]]!r} and {names[pair.ends[1]]!r}" for pair in pairs])
 
 
 def open_pairs_answer(

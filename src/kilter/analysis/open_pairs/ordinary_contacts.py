@@ -117,7 +117,7 @@ def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
     if not trial.lowest:
         return f"it {word}, because {count} open pairs may touch in more ways than were checked"
     names = assembly.names
-    pairs = [f"{names[p.parts[0]]!r} and {names[p.parts[1]]!r}" for p in trial.lowest]
+    pairs = [f"{names[p.ends[0]]!r} and {names[p.ends[1]]!r}" for p in trial.lowest]
     return f"it {word}, because it fails if these open pairs are ordinary contacts: {some(pairs)}"
 
 
@@ -133,8 +133,8 @@ def _wide_contacts(
     """Detect contacts with a tolerance that includes the gaps and depths of these open pairs."""
     far = [abs(pair.gap or 0.0) for pair in pairs] + [pair.depth or 0.0 for pair in pairs]
     gap = max(WIDER * max(far), contacts.gap)
-    angle = max(contacts.tolerance.angle, LOOSE_ANGLE)
-    wide = dataclasses.replace(contacts.tolerance, gap=gap, angle=angle)
+    angle = max(contacts.searched.angle, LOOSE_ANGLE)
+    wide = dataclasses.replace(contacts.searched, gap=gap, angle=angle)
     return detect.contacts(assembly, tolerance=wide)
 
 
@@ -151,8 +151,8 @@ def with_ordinary_contacts(
         The pairs whose patches are taken from `wide`. A degenerate pair instead keeps its patches
         and gains a patch at each of its degenerate points.
     """
-    faces = {frozenset(pair.parts) for pair in pairs if pair.kind != "degenerate"}
-    edges = {frozenset(pair.parts) for pair in pairs if pair.kind == "degenerate"}
+    faces = {frozenset(pair.ends) for pair in pairs if pair.kind != "degenerate"}
+    edges = {frozenset(pair.ends) for pair in pairs if pair.kind == "degenerate"}
     keep = [frozenset(p) not in faces for p in contacts.patch_parts.tolist()]
     take = [frozenset(p) in faces for p in wide.patch_parts.tolist()]
     first, second = (

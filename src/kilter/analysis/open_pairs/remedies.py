@@ -160,15 +160,15 @@ class _Change:
 
         `detected`: contacts by friction coefficient and tolerance, which later changes share.
         """
-        tolerance = self._tolerance(contacts.tolerance)
+        tolerance = self._tolerance(contacts.searched)
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
-        if self.friction is not None or tolerance != contacts.tolerance:
+        if self.friction is not None or tolerance != contacts.searched:
             key = self.friction, tolerance
             if key not in detected:
                 detected[key] = (
                     detect.detected_with_friction(contacts, self.friction)
-                    if self.friction is not None and tolerance == contacts.tolerance
+                    if self.friction is not None and tolerance == contacts.searched
                     else detect.contacts(assembly, tolerance=tolerance)
                 )
             contacts = detected[key]
@@ -189,7 +189,7 @@ class _Change:
 
     def detects(self, contacts: ContactSet) -> bool:
         """True if these options need another detection of contacts."""
-        other = self._tolerance(contacts.tolerance) != contacts.tolerance
+        other = self._tolerance(contacts.searched) != contacts.searched
         rubs = self.friction is not None
         return other or (rubs and detect.friction_needs_detection(contacts))
 
@@ -259,9 +259,9 @@ def find_remedies(
         # no tolerance closes these pairs, such as threads with play; the user may join them
         names, question = assembly.names, decision.question
         sunk = _sunk_pairs(assembly, contacts)
-        if any({names[k] for k in p.parts} in sunk for p in question.deciding.pairs):
+        if any({names[k] for k in p.ends} in sunk for p in question.deciding.pairs):
             return ()
-        pairs = tuple((names[p.parts[0]], names[p.parts[1]]) for p in question.deciding.pairs)
+        pairs = tuple((names[p.ends[0]], names[p.ends[1]]) for p in question.deciding.pairs)
         return (Remedy(_Change(fasten=pairs).option, question.verdict, question.level),)
     return remedies
 
@@ -426,7 +426,7 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
     if gap is not None and len(assembly.geometry.vertices) <= PLAY_VERTICES:
         yield replace(likely, gap=gap)
         # faces that overlap by less than this gap count as touching, and no longer as an overlap
-        over = {frozenset(overlap.parts) for overlap in contacts.overlaps}
+        over = {frozenset(overlap.ends) for overlap in contacts.overlaps}
         names = assembly.names
         within = tuple(
             pair
@@ -445,7 +445,7 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
 def _sunk_pairs(assembly: Assembly, contacts: ContactSet) -> list[set[str]]:
     """Names of the pairs that are merely sunk into each other, which nobody should join."""
     return [
-        {assembly.names[k] for k in overlap.parts}
+        {assembly.names[k] for k in overlap.ends}
         for overlap in contacts.overlaps
         if merely_sunk(assembly, overlap)
     ]

@@ -287,9 +287,9 @@ class ConeCutting:
         down = toward / float(np.linalg.norm(toward))
         ray = self._ray(down, self.locked.forces(down, *_scale_forces(limit.forces, toward)))
         angle = angle if ray is None else min(angle, _angle_between(direction, ray))
-        if limit.mechanism is None:
+        if limit.motion is None:
             return angle, None
-        motion = self.locked.motion(limit.mechanism.motion)
+        motion = self.locked.motion(limit.motion.motion)
         return angle, self._facet(direction, toward, motion, BEYOND_FAR)
 
     def _normal(self, motion: Array) -> Array:

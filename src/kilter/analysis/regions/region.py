@@ -420,7 +420,7 @@ def _all_joined(assembly: Assembly, contacts: ContactSet) -> Assembly:
     """The assembly with the parts of every open pair joined."""
     names, pairs = assembly.names, still_open(contacts.open_pairs, assembly)
     return assembly.with_joints(
-        [Joint((names[pair.parts[0]], names[pair.parts[1]])) for pair in pairs]
+        [Joint((names[pair.ends[0]], names[pair.ends[1]])) for pair in pairs]
     )
 
 

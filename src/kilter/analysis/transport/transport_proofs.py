@@ -92,7 +92,7 @@ def _near_limit(
     options: dict[str, Any],
 ) -> Iterator[About]:
     """Yield statements with proofs on one side of a limit, the nearest first."""
-    mechanism = None if held else limit.mechanism
+    mechanism = None if held else limit.motion
     for step in AROUND_LIMIT:
         share = limit.value + (-step if held else step) * max(abs(limit.value), 1.0)
         change = carried_change(assembly, motion, share)

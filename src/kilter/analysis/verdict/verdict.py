@@ -573,7 +573,7 @@ class Verdict(InCells, Answer):
             "open_pairs": open_pairs_answer(assembly, contacts, self.question),
             "counted_gap": contacts.counted_gap,
             "if_joined": None if self.question is None else self.question.to_dict(assembly.names),
-            "nearest": contacts.of(assembly).nearest(),
+            "nearest": contacts.of(assembly).nearest,
             "joints": joints_answer(assembly),
             "bonds": assembly.bonds_data(),
             "bonds_needed": self._bonds_needed(),
@@ -582,8 +582,8 @@ class Verdict(InCells, Answer):
             "forces": forces_answer(self.known_forces, contacts, self.program),
             "tolerance": {
                 "gap": contacts.gap,
-                "angle_deg": float(np.degrees(contacts.tolerance.angle)),
-                "clearance": contacts.tolerance.clearance,
+                "angle_deg": float(np.degrees(contacts.searched.angle)),
+                "clearance": contacts.searched.clearance,
                 "verdict": self.tolerance,
                 "moves": MOVES,
             },
@@ -607,7 +607,7 @@ class Verdict(InCells, Answer):
         factor = find_bond_factor(self.program, self.contacts)
         if not isinstance(factor, BondFactor):
             return None
-        pairs = [list(self.assembly.bonds[k].parts) for k, _ in factor.opens]
+        pairs = [list(bond.parts) for bond in factor.opens]
         return {"share": factor.value, "fail": pairs}
 
     def _cautions(self) -> list[str]:

@@ -24,7 +24,7 @@ body, only the corners of both parts are compared, and the true gap is at most t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
@@ -48,15 +48,16 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.refined import refine
 from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, FREE_PARALLEL
 from kilter.shape.closed import weld
+from kilter.tell.record import Record
 from kilter.work import is_late
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-    from kilter.tell.answer_data.common_data import NeighbourData
 
 __all__ = [
     "MOST_PARTS",
+    "LonePart",
     "Neighbour",
     "PartSolids",
     "TriangleTrees",
@@ -443,14 +444,20 @@ class Neighbour:
     gap: float
     accuracy: float
 
-    def to_dict(self, names: Sequence[str]) -> NeighbourData:
-        """JSON data: the part, the part nearest to it, and the gap."""
-        return {
-            "part": names[self.part],
-            "nearest": names[self.other],
-            "gap": self.gap,
-            "accuracy": self.accuracy,
-        }
+
+class LonePart(Record):
+    """A part that touches nothing, and the part nearest to it."""
+
+    part: str
+    """Name of the part."""
+    nearest: str | None = None
+    """Name of the nearest part; null if it was not searched for."""
+    gap: float | None = None
+    """Distance of their surfaces [length unit]."""
+    accuracy: float | None = None
+    """Largest error of the gap [length unit]."""
+    grounded: bool
+    """Whether the part is held."""
 
 
 def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, ...]:

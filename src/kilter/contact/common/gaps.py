@@ -30,6 +30,7 @@ one. A joint beyond a limit has no stop there: no admissible motion leads to thi
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +39,7 @@ from kilter.arrays import Array, Index, Mask, Rows
 from kilter.assembly import Assembly, Joint
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.facets import Facets
-from kilter.contact.common.patches import Patches
+from kilter.contact.common.patches import PairRecord, Patches
 from kilter.contact.contact_tolerances import (
     ANGLE,
     CLUSTER,
@@ -52,6 +53,7 @@ from kilter.contact.contact_tolerances import (
 )
 from kilter.errors import InputError, some
 from kilter.tell.numbers import rounded_up
+from kilter.tell.record import InPython, key
 from kilter.values.guesses import guarded
 
 __all__ = [
@@ -133,19 +135,23 @@ class Tolerance:
         return self.relative_gap * size
 
 
-@dataclass(frozen=True, slots=True)
-class RejectedPair:
-    """Two near faces that do not count as touching, with the reason `why`.
+class RejectedPair(PairRecord, kw_only=False):
+    """Two near faces that do not count as touching."""
 
-    `gap` is the nearest gap [length unit], `angle` the tilt [rad]; `fit` is True for a solid round
-    face inside a hollow face.
-    """
-
-    parts: tuple[int, int]
     gap: float
-    angle: float
+    """Nearest gap [length unit]."""
+    angle: InPython[float]
+    """Tilt of the faces [rad]."""
     why: str
-    fit: bool = False
+    """Reason, in words."""
+    fit: InPython[bool] = False
+    """True for a solid round face inside a hollow face."""
+
+    @property
+    @key
+    def angle_deg(self) -> float:
+        """Tilt of the faces [deg]."""
+        return math.degrees(self.angle)
 
 
 APART = "gap above the tolerance"

@@ -41,6 +41,7 @@ from kilter.arrays import (
     unit_rows,
 )
 from kilter.contact.contact_tolerances import MEAN_NORMAL
+from kilter.tell.record import InPython, Lines, Record, Vector, key
 
 __all__ = [
     "INTERFERE",
@@ -48,6 +49,7 @@ __all__ = [
     "DegeneratePoints",
     "KeptPairs",
     "Overlap",
+    "PairRecord",
     "Patch",
     "Patches",
     "PossibleContacts",
@@ -61,41 +63,45 @@ SAME_BODY = "are the same body twice"
 """Reason of an overlap between two bodies in the same place."""
 
 
-@dataclass(frozen=True, slots=True)
-class Overlap:
-    """Two parts that occupy the same space: their indices, the shared volume and its depth.
+class PairRecord(Record, kw_only=False):
+    """A pair of parts, from the contact search."""
 
-    Attributes
-    ----------
-    parts : pair of int
-    volume : float or None
-        Shared volume of their triangles [length unit^3]; None if the triangles of a part do not
-        bound a body.
-    depth : float
-        Largest depth to which the parts enter each other [length unit].
-    why : str
-        Kind of the overlap, in words.
-    share : float or None
-        Shared volume divided by the volume of the smaller part [-].
-    """
+    ends: InPython[tuple[int, int]]
+    """Positions of the parts in the assembly."""
+    names: InPython[tuple[str, ...]] = field(default=(), kw_only=True)
+    """Names of all parts, which the set of contacts supplies."""
 
-    parts: tuple[int, int]
+    @property
+    @key
+    def parts(self) -> tuple[str, str]:
+        """Names of the parts."""
+        return self.names[self.ends[0]], self.names[self.ends[1]]
+
+    def __repr__(self) -> str:
+        parts = self.parts if self.names else self.ends
+        return f"<{type(self).__name__}: {parts[0]!r} and {parts[1]!r}>"
+
+
+class Overlap(PairRecord, kw_only=False):
+    """Two parts that occupy the same space."""
+
     volume: float | None
+    """Shared volume of their triangles [length unit^3]; null if those of a part bound no body."""
     depth: float
+    """Largest depth to which the parts enter each other [length unit]."""
     why: str
+    """Kind of the overlap, in words."""
     share: float | None = None
+    """Shared volume divided by the volume of the smaller part [-]."""
 
 
-@dataclass(frozen=True, slots=True)
-class UnsupportedContact:
-    """A contact of two parts that the contact model cannot describe, such as a corner on an edge.
+class UnsupportedContact(PairRecord, kw_only=False):
+    """A contact that the contact model cannot describe, such as a corner on an edge."""
 
-    `kind` is "edge", "vertex" or "curved"; `point` is a point of the contact, world frame.
-    """
-
-    parts: tuple[int, int]
     kind: str
+    """Kind of the contact: "edge", "vertex" or "curved"."""
     point: tuple[float, float, float]
+    """A point of the contact [length unit], world frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,39 +132,35 @@ class PossibleContacts(Rows):
         return self.take(np.flatnonzero(~(of_pair & self.two_sided)))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Patch:
-    """An area, edge or point at which two parts touch; world frame, arrays read-only.
-
-    Attributes
-    ----------
-    parts : pair of str
-        Names of the parts a and b.
-    kind : str
-        Kind of the contact, as in `ContactSet.patch_kind`.
-    area : float
-        Area of contact [length unit^2].
-    gap : tuple of float
-        Least and greatest gap [length unit]; negative = penetration.
-    normal : ndarray, shape (3,)
-        Unit normal from a to b.
-    mu : float
-        Friction coefficient [-].
-    points, normals : ndarray, shape (k, 3)
-        Contact points [length unit], and the unit normal from a to b at each.
-    pieces : pair of int or None
-        Pieces of parts a and b that touch (`Mesh.pieces`); None if they are unknown.
-    """
+class Patch(Record):
+    """An area, edge or point at which two parts touch; world frame, arrays read-only."""
 
     parts: tuple[str, str]
+    """Names of the parts a and b."""
     kind: str
+    """Kind of the contact, as in `ContactSet.patch_kind`."""
     area: float
-    gap: tuple[float, float]
-    normal: Array
+    """Area of contact [length unit^2]."""
+    gap_range: tuple[float, float]
+    """Least and greatest gap [length unit]; negative = penetration."""
+    normal: Vector
+    """Unit normal from the first part to the second."""
     mu: float
-    points: Array
-    normals: Array
+    """Friction coefficient [-]."""
     pieces: tuple[int, int] | None = None
+    """Pieces of the parts that touch (`Mesh.pieces`); null if they are unknown."""
+    pull: float | None = None
+    """Largest tension of a bond [N]; null without a bond."""
+    points: Lines
+    """Contact points [length unit]."""
+    normals: InPython[Array]
+    """Unit normal from a to b at each point, shape (k, 3)."""
+
+    @property
+    @key
+    def gap(self) -> float:
+        """Largest gap [length unit]; negative if the parts overlap."""
+        return max(self.gap_range, key=abs)
 
     def __repr__(self) -> str:
         a, b = self.parts
@@ -420,12 +422,12 @@ class KeptPairs:
         kept = []
         new = self.new_part.tolist()  # a list is read much faster than an array
         for record in records:
-            first, second = record.parts
+            first, second = record.ends
             a, b = new[first], new[second]
             if a < 0 or b < 0:
                 continue
-            if not self.removed or frozenset(record.parts) not in self.removed:
-                kept.append(record if record.parts == (a, b) else replace(record, parts=(a, b)))
+            if not self.removed or frozenset(record.ends) not in self.removed:
+                kept.append(record if record.ends == (a, b) else replace(record, ends=(a, b)))
         return tuple(kept)
 
     def rows_of(self, pair: Index) -> Index:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER
 from kilter.contact.common.gaps import Tolerance
-from kilter.contact.common.patches import Overlap
+from kilter.contact.common.patches import Overlap, PairRecord
 from kilter.contact.contact_tolerances import (
     ANGLE,
     FIT_LENGTH,
@@ -41,9 +41,7 @@ from kilter.contact.contact_tolerances import (
     SAME_SHAPE,
 )
 from kilter.contact.curved.contact_points import TURN, Bands, bands_of, unrolled, unrolled_overlap
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.contacts_data import FitData
+from kilter.tell.record import InPython, Vector, key
 
 __all__ = ["Fit", "SharedRegion", "coaxial_fits", "is_tube", "odd_copies", "shared_region"]
 
@@ -231,12 +229,12 @@ def odd_copies(
     """
     overlapped: dict[int, list[int]] = {}
     for overlap in tested:
-        for part, partner in (overlap.parts, overlap.parts[::-1]):
+        for part, partner in (overlap.ends, overlap.ends[::-1]):
             overlapped.setdefault(part, []).append(partner)
     if not overlapped:
         return []
     is_clear = np.ones(len(geometry.mass), dtype=bool)
-    is_clear[[part for overlap in overlaps for part in overlap.parts]] = False
+    is_clear[[part for overlap in overlaps for part in overlap.ends]] = False
     gyration_squared = ratio(np.trace(geometry.inertia, axis1=1, axis2=2), geometry.mass)
     shape = np.column_stack([np.abs(geometry.volume), geometry.radius**3, gyration_squared**1.5])
     odd = []
@@ -248,54 +246,37 @@ def odd_copies(
     return odd
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Fit:
-    """A shaft of one part in a hole of another part, about the same axis; world frame.
+class Fit(PairRecord, kw_only=False):
+    """A shaft of the first part in a hole of the second part, about the same axis; world frame."""
 
-    Attributes
-    ----------
-    parts : pair of int
-        The part with the shaft, and the part with the hole.
-    point, axis : ndarray, shape (3,)
-        Middle of the fit, and its unit axis.
-    radius : float
-        Radius of the shaft [length unit].
-    interference : float
-        Radius of the shaft minus that of the hole [length unit]; negative: a clearance.
-    length : float
-        Length along the axis [length unit].
-    doubt : float
-        Largest interference that the gap tolerance explains [length unit].
-    """
-
-    parts: tuple[int, int]
-    point: Array
-    axis: Array
+    point: Vector
+    """Middle of the fit [length unit]."""
+    axis: Vector
+    """Unit axis."""
     radius: float
-    interference: float
+    """Radius of the shaft [length unit]."""
+    interference: InPython[float]
+    """Radius of the shaft minus that of the hole [length unit]; negative: a clearance."""
     length: float
-    doubt: float
+    """Length along the axis [length unit]."""
+    doubt: InPython[float]
+    """Largest interference that the gap tolerance explains [length unit]."""
 
     @property
     def tight(self) -> bool:
         """Whether the shaft is thicker than its hole by more than the gap tolerance."""
         return self.interference > self.doubt
 
-    def to_dict(self, names: Sequence[str]) -> FitData:
-        """JSON data of the fit; `parts` are the part with the shaft and the part with the hole."""
-        return {
-            "parts": [names[k] for k in self.parts],
-            "point": self.point.tolist(),
-            "axis": self.axis.tolist(),
-            "radius": self.radius,
-            "clearance": -self.interference,
-            "length": self.length,
-            "fit": self.kind,
-        }
+    @property
+    @key
+    def clearance(self) -> float:
+        """Radius of the hole minus that of the shaft [length unit]."""
+        return -self.interference
 
     @property
-    def kind(self) -> Literal["interference", "size on size", "clearance"]:
-        """Kind of the fit: "interference", "size on size" or "clearance"."""
+    @key
+    def fit(self) -> Literal["interference", "clearance", "size on size"]:
+        """Kind of the fit."""
         if self.tight:
             return "interference"
         return "clearance" if self.interference < -self.doubt else "size on size"
@@ -366,7 +347,7 @@ def coaxial_fits(
 
 def is_tube(assembly: Assembly, fit: Fit) -> bool:
     """Whether the shaft of a fit is hollow: it has a thinner bore about the same axis."""
-    for bore in _cylinders_of(assembly, fit.parts[0]):
+    for bore in _cylinders_of(assembly, fit.ends[0]):
         apart = bore.point - fit.point
         offset = float(np.linalg.norm(apart - fit.axis * (fit.axis @ apart)))
         sine = float(np.linalg.norm(np.cross(bore.axis, fit.axis)))

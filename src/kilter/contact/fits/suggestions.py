@@ -86,18 +86,18 @@ SHARE_DIGITS = 6
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
     """Overlaps of open pairs that fill over half of the smaller part, the largest share first."""
-    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
     coinciding = [
         overlap
         for overlap in contacts.overlaps
-        if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.parts) in left_open
+        if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.ends) in left_open
     ]
     parts = contacts.assembly.parts
 
     def rank(overlap: Overlap) -> tuple[float, bool, bool]:
         """The largest share first; of equal shares the table, then the same body twice."""
         share = round(min(overlap.share or 0.0, 1.0), SHARE_DIGITS)
-        return -share, not any(parts[k].table for k in overlap.parts), overlap.why != SAME_BODY
+        return -share, not any(parts[k].table for k in overlap.ends), overlap.why != SAME_BODY
 
     return sorted(coinciding, key=rank)
 
@@ -196,7 +196,7 @@ def _describe(contacts: ContactSet, overlap: Overlap) -> str:
 
 def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
     """Indices of the two parts of an overlap, the larger part first."""
-    a, b = overlap.parts
+    a, b = overlap.ends
     volume = contacts.assembly.geometry.volume
     return (a, b) if volume[a] >= volume[b] else (b, a)
 
@@ -219,7 +219,7 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cau
     first = overlaps[0]
     larger, smaller = _sort_by_volume(contacts, first)
     names = parts[larger].name, parts[smaller].name
-    if any(parts[k].table for k in first.parts):
+    if any(parts[k].table for k in first.ends):
         how = "give the floor a lower height"
         option = (
             f"{how}: --floor HEIGHT, or --floor alone; --without NAME leaves out a plane of a scene"
@@ -341,8 +341,8 @@ class Suggestion:
 def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:
     """Pairs of parts, by index and in order, that touch or overlap."""
     pairs = [(int(a), int(b)) for a, b in contacts.patch_parts]
-    pairs += [entry.parts for entry in contacts.unsupported]
-    pairs += [entry.parts for entry in contacts.overlaps]
+    pairs += [entry.ends for entry in contacts.unsupported]
+    pairs += [entry.ends for entry in contacts.overlaps]
     return sorted({(min(pair), max(pair)) for pair in pairs})
 
 
@@ -353,18 +353,18 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     radius within the tolerance; but no pair of held parts, not the table of `with_floor`, and no
     parts that are merely sunk into each other.
     """
-    near_pairs = [*touching_pairs(contacts), *(r.parts for r in contacts.rejected)]
-    overlaps = {_key(overlap.parts): overlap for overlap in contacts.overlaps}
+    near_pairs = [*touching_pairs(contacts), *(r.ends for r in contacts.near)]
+    overlaps = {_key(overlap.ends): overlap for overlap in contacts.overlaps}
     joinable = [pair for pair in near_pairs if _may_join(assembly, pair)]
     fits: dict[frozenset[int], Fit] = {}
-    user_gap = contacts.tolerance.gap or 0.0
+    user_gap = contacts.searched.gap or 0.0
     # the fit as drawn: a gap tolerance of the user makes no thread of a clearance or a press fit
-    drawn = replace(contacts.tolerance, gap=None, relative_gap=GAP)
+    drawn = replace(contacts.searched, gap=None, relative_gap=GAP)
     for fit in coaxial_fits(assembly, joinable, drawn, thickest=THREAD):
-        key = _key(fit.parts)
+        key = _key(fit.ends)
         # a clearance holds nothing, also if a tolerance counts it as closed
         closed = key in overlaps or fit.interference <= user_gap
-        if fit.kind == "clearance" or (fit.tight and not closed):
+        if fit.fit == "clearance" or (fit.tight and not closed):
             continue
         if key not in fits or (fit.tight, fit.length) > (fits[key].tight, fits[key].length):
             fits[key] = fit
@@ -372,7 +372,7 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     fits = {key: fit for key, fit in fits.items() if fit.tight or key not in overlaps}
     suggestions = [_from_fit(assembly, contacts, fit) for fit in fits.values()]
     for key, overlap in overlaps.items():
-        joinable_pair = key not in fits and _may_join(assembly, overlap.parts)
+        joinable_pair = key not in fits and _may_join(assembly, overlap.ends)
         if joinable_pair and not merely_sunk(assembly, overlap):
             suggestions.append(_from_overlap(assembly, overlap))
     return sorted(suggestions, key=lambda suggestion: RANK[suggestion.kind])
@@ -396,7 +396,7 @@ def merely_sunk(assembly: Assembly, overlap: Overlap) -> bool:
 
     Exact solids and parts whose names say that they are fastened are drawn with care.
     """
-    pair, geometry = list(overlap.parts), assembly.geometry
+    pair, geometry = list(overlap.ends), assembly.geometry
     drawn = any(isinstance(assembly.parts[k].shape, Solid) for k in pair)
     names = [_short_name(assembly.names[k]) for k in pair]
     if drawn or any(one.search(name) for one in (INSERT, THREADED, HOLLOW) for name in names):
@@ -408,7 +408,7 @@ def merely_sunk(assembly: Assembly, overlap: Overlap) -> bool:
 
 def _from_fit(assembly: Assembly, contacts: ContactSet, fit: Fit) -> Suggestion:
     """The suggested joint for a shaft in its hole."""
-    parts = (assembly.names[fit.parts[0]], assembly.names[fit.parts[1]])
+    parts = (assembly.names[fit.ends[0]], assembly.names[fit.ends[1]])
     unit = assembly.units
     size = f"radius {fit.radius:.6g} {unit} over {fit.length:.4g} {unit}"
     if fit.tight:
@@ -442,7 +442,7 @@ def _clamped_between(contacts: ContactSet, fit: Fit) -> int | None:
     flat = (contacts.patch_kind == "plane") & (np.abs(along) > np.cos(ANGLE))
     height = (contacts.points @ fit.axis)[contacts.patch_start[:-1]]
     pressed = []
-    for part, other in (fit.parts, fit.parts[::-1]):
+    for part, other in (fit.ends, fit.ends[::-1]):
         outwards = flat & (first == part) & (second != other)
         inwards = flat & (second == part) & (first != other)
         rows = np.flatnonzero(outwards | inwards)
@@ -457,7 +457,7 @@ def _clamped_between(contacts: ContactSet, fit: Fit) -> int | None:
 
 def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
     """Kind of fastening (thread, press fit or insert) of a shaft thicker than its hole, and why."""
-    shaft, hole = (_short_name(assembly.names[k]) for k in fit.parts)
+    shaft, hole = (_short_name(assembly.names[k]) for k in fit.ends)
     insert = INSERT.search(shaft)
     if insert:
         return "insert", f"{why}, by its name {_with_article(insert[1])}"
@@ -473,14 +473,14 @@ def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
 
 def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
     """The suggested joint for two parts that overlap otherwise than as a shaft in its hole."""
-    parts = (assembly.names[overlap.parts[0]], assembly.names[overlap.parts[1]])
+    parts = (assembly.names[overlap.ends[0]], assembly.names[overlap.ends[1]])
     unit = assembly.units
     if overlap.why == SAME_BODY:
         option = f"--without {shell_words(parts[1:])}"
         return Suggestion(parts, "same body", "the same body twice: leave out a copy", option, None)
     why = f"overlap by {overlap.depth:.3g} {unit}"
     if overlap.volume is not None:
-        share = overlap.volume / float(assembly.geometry.volume[list(overlap.parts)].min())
+        share = overlap.volume / float(assembly.geometry.volume[list(overlap.ends)].min())
         why += f", {100 * share:.2g} % of the smaller"
     short_names = [_short_name(name) for name in parts]
     for kind, pattern in (("insert", INSERT), ("thread", THREADED)):

@@ -301,7 +301,7 @@ def _reach(face_patches: FacePatches) -> Array:
     """
     limits, search = face_patches.search.limits, face_patches.search
     rejected = [*face_patches.flat.rejected, *face_patches.curved.rejected]
-    near = {tuple(sorted(faces.parts)) for faces in rejected}
+    near = {tuple(sorted(faces.ends)) for faces in rejected}
     has_near = [tuple(sorted(pair)) in near for pair in search.pairs.tolist()] if near else False
     size = search.geometry.size[search.pairs].min(axis=1)
     loose = np.where(face_patches.has_patch | has_near, 0.0, LOOSE_GAP * size)

@@ -48,7 +48,7 @@ def unmodelled_pairs(assembly: Assembly, contacts: ContactSet) -> dict[frozenset
     pushed = {possible[k] for k in np.flatnonzero(sharp)}
     found = {}
     for pair in still_open(contacts.open_pairs, assembly):
-        both = frozenset(pair.parts)
+        both = frozenset(pair.ends)
         overlaps = pair.kind == "overlap" and both in jointed
         if not (overlaps or (pair.kind == "degenerate" and both in pushed)):
             found[both] = "is open"

@@ -7,37 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 from typing_extensions import TypedDict
 
-from kilter.tell.answer_data.common_data import PairNames, Units, Vector, Word
+from kilter.tell.answer_data.common_data import Units, Vector
 
-__all__ = ["BatchData", "ImproveData", "IncompleteData", "VerifyData"]
-
-
-class BrickChangeData(TypedDict):
-    """A brick to add or to remove."""
-
-    what: Literal["add", "remove"]
-    name: str
-    corner: Annotated[
-        list[int], Field(min_length=3, max_length=3, description="x, y [cells], z [plates]")
-    ]
-    layer: float
-    cells: Annotated[list[int], Field(min_length=2, max_length=2)]
-    share: Annotated[
-        float | None, Field(description="least share of the strength of studs that holds it [-]")
-    ]
-
-
-class ImproveData(TypedDict):
-    """Answer of improve: the weakest studs and the best change."""
-
-    verdict: Word
-    stands: bool
-    bricks: int
-    share: float | None
-    weakest: PairNames | None
-    best: BrickChangeData | None
-    tried: list[BrickChangeData]
-    warnings: list[str]
+__all__ = ["BatchData", "IncompleteData", "VerifyData"]
 
 
 class VerifyData(TypedDict):

@@ -34,8 +34,8 @@ def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[
             raise InputError(f"screws have {pair!r:.60}", hint="give pairs of a bolt and a nut")
         bolts, nuts = (sorted(map(assembly.index_of, assembly.matching(entry))) for entry in pair)
         wanted = {(bolt, nut) for bolt in bolts for nut in nuts if bolt != nut}
-        fits = coaxial_fits(assembly, wanted, contacts.tolerance, thickest=THREAD, thinnest=THREAD)
-        screws = [(fit.parts, fit.axis) for fit in fits if fit.parts in wanted]
+        fits = coaxial_fits(assembly, wanted, contacts.searched, thickest=THREAD, thinnest=THREAD)
+        screws = [(fit.ends, fit.axis) for fit in fits if fit.ends in wanted]
         if not screws:
             raise InputError(
                 f"no {pair[1]!r} surrounds the shaft of a {pair[0]!r}",
