@@ -28,6 +28,7 @@ from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin import Margin
 from kilter.analysis.placing.check_plan import CheckedPlan
 from kilter.analysis.placing.place import Places
+from kilter.analysis.planning.hold.fixture import Fixture
 from kilter.analysis.planning.order.order import Order
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.settled_pose.settle import Settled
@@ -39,7 +40,6 @@ from kilter.files.models import build_schema
 from kilter.tell.answer_data.check_data import CheckData
 from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
-from kilter.tell.answer_data.plan_data import HoldData
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
@@ -49,7 +49,7 @@ ANSWERS: dict[str, Any] = {
     "check": CheckData,
     "check-plan": CheckedPlan,
     "contacts": ContactsData,
-    "hold": HoldData,
+    "hold": Fixture,
     "improve": Improvement,
     "incomplete": Incomplete,
     "margin": Margin,

@@ -13,7 +13,8 @@ from read_proofs import Proof, proof_of, signed
 
 import kilter
 from kilter import Assembly, Fixture, InputError, Support
-from kilter.analysis.planning.states.covers import least_cover
+from kilter.analysis.planning.hold.supported import Supported
+from kilter.analysis.smallest_set import least_cover
 from kilter.analysis.verification import verify_bundle
 from kilter.cli import main
 from kilter.scenes import scene
@@ -29,8 +30,7 @@ def rechecked(found: Fixture, change: Callable[[Proof], object] | None = None) -
     if change is not None:
         change(proof)
         signed(proof)
-    given = found.supported
-    answer = verify_bundle(given.assembly, kilter.contacts(given.assembly), proof)
+    answer = verify_bundle(found.assembly, kilter.contacts(found.assembly), proof)
     assert answer.holds == (not answer.reasons)
     return "; ".join(answer.reasons)
 
@@ -128,7 +128,7 @@ def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
     made, weight = hanging(0.0)
     found = kilter.hold(made, candidates=magnets(6, share * weight))
     assert (found.verdict, found.least, found.fewest) == ("held", least, True)
-    pull = sum(push[2] for push in found.forces() if push is not None)
+    pull = sum(support.force[2] for support in found.supports)
     assert pull == pytest.approx(weight, rel=1e-6)
     assert rechecked(found) == ""
 
@@ -209,7 +209,7 @@ def test_props_are_found_where_there_is_room() -> None:
         ]
     )
     found = kilter.hold(made, candidates=["props"])
-    assert [(one.part, one.on, one.point.tolist()) for one in found.candidates] == [
+    assert [(one.part, one.on, one.point.tolist()) for one in found.offered] == [
         ("low", None, [0.5, 0.5, 1.0]),
         ("high", "on it", [0.5, 0.5, 4.0]),
     ]
@@ -221,11 +221,11 @@ def test_fingers_are_found_on_faces_that_are_free() -> None:
     made = Assembly([floor([-3, -3], [3, 3]), block("a", [0, 0, 0], [1, 1, 1]),
                      block("b", [1, 0, 0], [2, 1, 1])])  # fmt: skip
     found = kilter.hold(made, candidates="fingers")
-    places = {(one.part, *one.direction.tolist()) for one in found.candidates}
+    places = {(one.part, *one.direction.tolist()) for one in found.offered}
     assert ("a", 1.0, 0.0, 0.0) in places
     assert not {("a", -1.0, 0.0, 0.0), ("a", 0.0, 0.0, 1.0), ("b", 1.0, 0.0, 0.0)} & places
     assert len(places) == 8
-    assert (found.least, found.supports) == (0, [])
+    assert (found.least, found.supports) == (0, ())
 
 
 def random_supports(random: np.random.Generator, made: Assembly) -> list[Support]:
@@ -255,10 +255,11 @@ def random_supports(random: np.random.Generator, made: Assembly) -> list[Support
 
 def enumerated(found: Fixture) -> int | None:
     """The fewest supports by trying every set; None where one is undecided."""
-    count = len(found.candidates)
+    count = found.candidates
+    given = Supported(found.assembly, found.contacts, found.offered)
     for size in range(count + 1):
         for chosen in combinations(range(count), size):
-            stable = found.supported.judge(chosen, Work()).stable
+            stable = given.judge(chosen, Work()).stable
             if stable is None:
                 return None
             if stable:
@@ -432,7 +433,7 @@ def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -
 def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
     block = scene("squeezed-block")
     forces = kilter.hold(block, require="equilibrium")
-    assert (forces.supports, forces.level, forces.holds) == ([], "equilibrium", True)
+    assert (forces.supports, forces.level, forces.holds) == ((), "equilibrium", True)
     settled = kilter.hold(block)
     assert [support.part for support in settled.supports or ()] == ["block"]
     assert (settled.level, settled.holds, settled.fewest) == ("proved", True, False)

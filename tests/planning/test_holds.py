@@ -11,10 +11,11 @@ from random_turned import random_turned
 import kilter
 from kilter import Assembly
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.planning.states.holds import Holds, least_hitting_set
+from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.state_programs import build_state_programs
 from kilter.analysis.planning.states.states import States
+from kilter.analysis.smallest_set import least_hitting_set
 from kilter.analysis.verification import verify_proof
 from kilter.scenes import scene
 from kilter.scenes.arches import arch

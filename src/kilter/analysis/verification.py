@@ -19,8 +19,7 @@ from typing import Any, ClassVar
 
 from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
-from kilter.analysis.planning.hold.hold_check import wrong_hold
-from kilter.analysis.planning.hold.lashing_check import wrong_lashing
+from kilter.analysis.planning.hold.hold_check import wrong_hold, wrong_lashing
 from kilter.analysis.planning.order.order_check import wrong_order
 from kilter.analysis.planning.plan_proof_form import (
     require_hold_form,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from kilter.cli.asked import Asked
 from kilter.cli.declarations import Option
@@ -86,7 +86,7 @@ def hold(
             tolerance=asked.tolerance,
             progress=progress,
         )
-    answer = fixture.to_dict()
+    answer: Any = fixture.to_dict()
     proved = fixture.verdict != "undecided"
     after = asked.keep_proof(fixture.proof if proved else None, answer)
     asked.tell(answer, after=after)

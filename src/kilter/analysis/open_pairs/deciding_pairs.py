@@ -4,11 +4,8 @@ A set S of open pairs *holds* if the certain contacts have forces of equilibrium
 of each pair of S are merged into a body (`kilter.mechanics.merged_parts`). If S holds, every
 larger set holds, too.
 
-For few open pairs the smallest set is computed by hitting sets. If S does not hold, a motion
-remains, and an open pair that this motion moves must stop it. So the pairs that it moves are a
-set that every holding set must *hit*: it must contain at least one of them. The next S is the
-smallest set that hits all these sets. The first S that holds is therefore the smallest possible.
-To make the sets to hit small, pairs are added to S as long as it does not hold.
+For few open pairs the smallest set is computed by hitting sets (`kilter.analysis.smallest_set`). If
+S does not hold, a motion remains, and every holding set contains a pair that this motion moves.
 
 For many open pairs the search begins with the pairs that the motion must be stopped by
 (`joining_wrenches`). This set is reduced by halves until no pair can be left out. Only the pairs of
@@ -22,13 +19,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.open_pairs.irreducible_subset import irreducible_subset
 from kilter.analysis.open_pairs.joining_wrenches import joining_wrenches
+from kilter.analysis.smallest_set import (
+    first_hitting_set,
+    irreducible_subset,
+    reduced_by_halves,
+)
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact.open_pairs import KINDS, OpenPair
 from kilter.mechanics.certificate import part_sizes
@@ -186,30 +186,27 @@ class _PairSearch:
         to_hit: list[frozenset[int]] = []
         every = frozenset(range(len(self.ends)))
         while not self.ended:
-            chosen = _least_hitting(sorted(every), to_hit)
+            chosen = first_hitting_set(to_hit, len(every)) or frozenset()
             holds = self.holds(chosen)
             if holds:
                 return chosen
             self.doubtful |= holds is None
             # without a proof that the set fails, it only serves to exclude its own subsets
-            to_hit.append(
-                every - self._maximal_superset(chosen) if holds is False else every - chosen
-            )
+            to_hit.append(self._stopping(every - chosen) if holds is False else every - chosen)
         return None
 
-    def _maximal_superset(self, chosen: frozenset[int]) -> frozenset[int]:
-        """Add joined pairs as long as the assembly still does not hold; return all of them."""
+    def _stopping(self, absent: frozenset[int]) -> frozenset[int]:
+        """Few of the absent pairs, of which a holding set contains one: they stop a motion."""
         every = frozenset(range(len(self.ends)))
-        larger = chosen | (every - self._pairs_in_motion(chosen))
+
+        def stopped(absent: set[int], joined: list[int]) -> set[int] | None:
+            left = absent.difference(joined)
+            return None if self.ended or self.holds(every - left) is not False else left
+
+        moved = absent & self._pairs_in_motion(every - absent)
         # pairs that the motion leaves at rest cannot stop it; the numbers may still not prove it
-        if self.holds(larger) is not False:
-            larger = chosen
-        for pair in sorted(every - larger):
-            if self.ended:
-                break
-            if self.holds(larger | {pair}) is False:
-                larger |= {pair}
-        return larger
+        start = moved if self.holds(every - moved) is False else absent
+        return frozenset(reduced_by_halves(set(start), stopped))
 
     def _pairs_in_motion(self, chosen: frozenset[int]) -> frozenset[int]:
         """Pairs that move apart if only the chosen pairs are joined; all pairs without a proof."""
@@ -265,16 +262,6 @@ class _PairSearch:
                 root[b] = a
                 forest.append(k)
         return forest
-
-
-def _least_hitting(every: Sequence[int], to_hit: Sequence[frozenset[int]]) -> frozenset[int]:
-    """The smallest subset of `every` that has a member in each given set; the first by order."""
-    for size in range(len(every) + 1):
-        for members in combinations(every, size):
-            chosen = frozenset(members)
-            if all(chosen & target for target in to_hit):
-                return chosen
-    return frozenset(every)
 
 
 def _moves_apart(program: Program, motion: Array, ends: Index) -> Mask:

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.open_pairs.irreducible_subset import irreducible_subset
 from kilter.analysis.open_pairs.joining_wrenches import joining_wrenches
 from kilter.analysis.planning.hold.supported import Supported
+from kilter.analysis.smallest_set import irreducible_subset
 from kilter.work import Work
 
 __all__ = ["grips_that_hold"]
