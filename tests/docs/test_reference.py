@@ -85,6 +85,7 @@ def test_what_is_left_out_is_seen() -> None:
         """Two numbers."""
 
         told: int
+        """A number."""
         hidden: int
 
         @property
