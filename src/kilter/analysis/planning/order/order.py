@@ -163,6 +163,7 @@ class Order(InCells, Answer):
     never_held: InPython[tuple[str, ...]]
     """Parts that must not be held."""
     screws: InPython[tuple[Screw, ...]]
+    """Bolts with their nuts."""
     accelerations: InPython[Array]
     """Accelerations at which every state is proved, shape (n, 3) [m/s^2].
 
