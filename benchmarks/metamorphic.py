@@ -145,7 +145,7 @@ def answer_of(assembly: Assembly, push: Array) -> dict[str, Any]:
     found = margin(assembly, push=push, pushed=[])
     data = found.to_dict()
     keys = {key: data[key] for key in NUMBERS}
-    return {"verdict": found.verdict.verdict, "level": found.verdict.level, **keys}
+    return {"verdict": found.verdict, "level": found.check.level, **keys}
 
 
 def carried_by(assembly: Assembly, push: Array) -> dict[str, Any]:

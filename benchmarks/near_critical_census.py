@@ -59,7 +59,7 @@ def programs(assembly: Any, angle: float) -> Iterator[tuple[float, bool, Any, bo
                 continue  # within the gap between the proved bounds, the side is unknown
             share = limit.value * (1 - beside if held else 1 + beside)
             turned = program.turned(program.down + share * aside)
-            falls = not held and check_motion(turned, limit.mechanism.motion).holds
+            falls = not held and check_motion(turned, limit.motion.motion).holds
             yield beside, held, turned, falls
 
 

@@ -30,9 +30,9 @@ import kilter
 from kilter import Assembly, Tolerance
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS
-from kilter.contact.contact_search import begin_search
+from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.distances import surface_distance
 from kilter.contact.pair_findings import PairFindings, examine
-from kilter.contact.triangle_distance import surface_distance
 from kilter.errors import KilterError
 
 Array = NDArray[np.float64]

@@ -38,7 +38,7 @@ from kilter.analysis.planning.order.removal import Removal
 from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
 from kilter.analysis.verification import verify_bundle
 from kilter.arrays import connected
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.kept_contacts import contacts_among
 from kilter.scenes.walls import wall_from_courses
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))

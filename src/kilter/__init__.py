@@ -73,12 +73,12 @@ if TYPE_CHECKING:
     from kilter.assembly.interactions import Load as Load
     from kilter.assembly.part import Part as Part
     from kilter.assembly.straps import Strap as Strap
+    from kilter.contact.common.gaps import Tolerance as Tolerance
+    from kilter.contact.common.patches import Patch as Patch
     from kilter.contact.contact_set import ContactSet as ContactSet
     from kilter.contact.detect import contacts as contacts
     from kilter.contact.fits.choices_saving import save as save
     from kilter.contact.fits.fastening import fastened as fastened
-    from kilter.contact.gaps import Tolerance as Tolerance
-    from kilter.contact.patch import Patch as Patch
     from kilter.contact.supports import Support as Support
     from kilter.errors import InputError as InputError
     from kilter.errors import KilterError as KilterError
@@ -162,7 +162,7 @@ _HOMES = {
     "Prism": "kilter.shape.primitives",
     "Sphere": "kilter.shape.primitives",
     "Support": "kilter.contact.supports",
-    "Tolerance": "kilter.contact.gaps",
+    "Tolerance": "kilter.contact.common.gaps",
     # types of their results
     "Batch": "kilter.analysis.many.batch",
     "ContactSet": "kilter.contact.contact_set",
@@ -175,7 +175,7 @@ _HOMES = {
     "Margin": "kilter.analysis.margins.margin",
     "Order": "kilter.analysis.planning.order.order",
     "PartAnswer": "kilter.analysis.verdict.part_answer",
-    "Patch": "kilter.contact.patch",
+    "Patch": "kilter.contact.common.patches",
     "Pile": "kilter.analysis.placing.piles.pile",
     "PileFit": "kilter.analysis.placing.piles.pile",
     "Places": "kilter.analysis.placing.place",

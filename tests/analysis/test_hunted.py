@@ -8,7 +8,7 @@ from judged import judged
 
 from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere, check
 from kilter.contact import detect
-from kilter.contact.planar.facets import find_facets
+from kilter.contact.common.facets import find_facets
 from kilter.mechanics.certificate import check_forces
 from kilter.scenes import arches
 from kilter.scenes.pieces import turn

@@ -123,14 +123,14 @@ def agrees(seed, mu, limited=0.0):
     least = most if exact else least_share(assembly, contacts, 1 / np.cos(np.pi / SIDES))
     if least is None:
         assert found.missing["bond"] == "none"
-        assert found.verdict.verdict in ("unstable", "undecided")
+        assert found.verdict in ("unstable", "undecided")
         return "none"
-    share = found.bond.value
+    share = found.bond
     assert "bond" not in found.missing
     assert share >= least * (1 - 1e-6) - 1e-9
     assert most is None or share <= most * (1 + 1e-6) + 1e-9
-    if found.verdict.verdict != "undecided":  # contacts of parallel edges may leave it undecided
-        assert abs(share - 1) < 1e-6 or (found.verdict.verdict == "unstable") is (share > 1)
+    if found.verdict != "undecided":  # contacts of parallel edges may leave it undecided
+        assert abs(share - 1) < 1e-6 or (found.verdict == "unstable") is (share > 1)
     return "falls" if share > 1 else "stands" if share > 0 else "needs none"
 
 

@@ -17,7 +17,7 @@ import kilter
 from kilter.cli import main
 from kilter.cli.commands import COMMANDS, functions_of
 from kilter.cli.declarations import declared_of
-from kilter.scenes import SCENES, scene
+from kilter.scenes import scene
 from kilter.threads import VARIABLES
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
@@ -47,72 +47,6 @@ def answered(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict
     capsys.readouterr()
     code = main([*words, "--json"])
     return code, json.loads(capsys.readouterr().out)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", list(SCENES))
-def test_every_example_is_written_judged_proved_and_verified(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["example", name]) == 0
-    file = f"{name}.kilter.json"
-    code, answer = answered(capsys, "check", file, "--proof", "p.json", "--effort", "0.5")
-    assert answer["verdict"] in {SCENES[name].answer, "settles", "stable"}
-    if answer["verdict"] != SCENES[name].answer:
-        assert answer["guarantee"] == "open"
-    assert code == EXIT[answer["verdict"]]
-    assert Path("p.json").exists() == (answer["verdict"] != "undecided")
-    if Path("p.json").exists():
-        # with more work than the command had, `verify` may find a motion, and a lower level
-        lower = [3] if answer["guarantee"] == "open" else []
-        assert main(["verify", file, "p.json"]) in (0, *lower)
-
-
-@pytest.mark.slow
-def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixture[str]) -> None:
-    _, answer = answered(capsys, "check", written("paper-figure-8"))
-    assert set(answer) == {
-        *("verdict", "level", "require", "holds", "first_order", "why", "tries"),
-        *("guarantee", "seated", "sentence", "summary", "remedies", "neutral"),
-        *("second_order", "down"),
-        "gravity",
-        "units",
-        "density",
-        *(
-            "instability",
-            "z",
-            "parts",
-            "contacts",
-            "unsupported",
-            "open_pairs",
-            "counted_gap",
-            "if_joined",
-            "certificate",
-            "tolerance",
-        ),
-        *(
-            "nearest",
-            "joints",
-            "bonds",
-            "bonds_needed",
-            "friction",
-            "forces",
-            "warnings",
-            "time_limit",
-            "seconds",
-        ),
-    }
-    assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
-    assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict", "moves"}
-    assert answer["guarantee"] == "refuted"
-    part = answer["parts"][1]
-    assert part["name"] == "C2"
-    assert part["moves"]
-    assert part["motion"] == "drops at 0.75 g"
-    assert set(part) == {
-        *("name", "grounded", "mass", "displacement", "acceleration", "relative"),
-        *("moves", "moved_by_proof", "motion", "slow_motion", "material", "layer"),
-    }
 
 
 @pytest.mark.slow
@@ -235,15 +169,6 @@ def test_an_example_never_replaces_a_file_unasked(capsys: pytest.CaptureFixture[
     assert Path("tower.kilter.json").read_text() == "mine"
     assert "--force" in capsys.readouterr().err
     assert main(["example", "tower", "--force"]) == 0
-
-
-@pytest.mark.slow
-def test_examples_are_listed_with_their_answers(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["example"]) == 0
-    out = capsys.readouterr().out
-    assert all(name in out for name in SCENES)
-    _, listed = answered(capsys, "example")
-    assert [entry["name"] for entry in listed] == list(SCENES)
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""One answer, however it is asked for: the command's JSON, the function, page and notebook."""
+"""One answer in every voice: terminal, page and notebook."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import html
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,90 +13,18 @@ import kilter
 import kilter.analysis.everything as module
 from kilter.assembly import Assembly
 from kilter.cli import main
-from kilter.errors import InputError
-from kilter.scenes import SCENES, scene
+from kilter.scenes import scene
 from kilter.tell.check_facts import forces_phrase
 from kilter.tell.facts import facts
 from kilter.tell.html import html_of
 from kilter.tell.region_facts import region_phrase
 from kilter.tell.text import text_of
 
-EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.json"))
-WORK = {"check": 45, "orient": 12, "region": 12, "margin": 4}
-"""Parts above which a question takes long, so that it is asked with the slow tests."""
-EACH = {"check": 1, "contacts": 1}
-"""Of other questions every third scene is always asked."""
-EFFORT = {"check": 0.0, "margin": 0.0}
-"""Quick: it is the voice that is asked about."""
 
-
-PARTS = {name: len(scene(name).parts) for name in SCENES}
-
-
-def asked(command: str) -> list[Any]:
-    """The scenes of a command; the slow ones marked."""
-    limit = WORK.get(command, 100)
-    small = [name for name in SCENES if PARTS[name] <= limit]
-    few = small[:: EACH.get(command, 3)]
-    return [pytest.param(n, marks=() if n in few else pytest.mark.slow) for n in SCENES]
-
-
-def timeless(data: Any) -> Any:
-    """Answers without what a clock says."""
-    if isinstance(data, dict):
-        return {key: timeless(value) for key, value in data.items() if key != "seconds"}
-    return [timeless(one) for one in data] if isinstance(data, list) else data
-
-
-def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
-    capsys.readouterr()
-    code = main(list(words))
-    return code, capsys.readouterr().out
-
-
-def agree(command: str, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Ask the command and the function of its name."""
-    effort = EFFORT.get(command)
-    options = [] if effort is None else ["--effort", str(effort)]
-    code, out = said(capsys, command, str(path), "--json", *options)
-    function = getattr(kilter, command)
-    try:
-        answer = function(kilter.load(path), **({} if effort is None else {"effort": effort}))
-    except InputError:
-        assert (code, out) == (2, "")
-        return
-    assert code in (0, 1, 3, 4)
-    told, known = json.loads(out), json.loads(json.dumps(answer.to_dict()))
-    if known.get("guarantee") == "open":  # how far the search came is up to the clock
-        told.pop("friction", None), known.pop("friction", None)
-    assert timeless(told) == timeless(known)
-
-
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("command", "name"),
-    [
-        pytest.param(command, *one.values, marks=one.marks)
-        for command in ("check", "contacts", "orient", "region", "margin")
-        for one in asked(command)
-    ],
+    "name", ["tower", "paper-figure-8", "slope-with-friction", "wall-with-lintel"]
 )
-def test_a_command_answers_as_its_function_does(
-    command: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / f"{name}.kilter.json"
-    kilter.dump(scene(name), path)
-    agree(command, path, capsys)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
-def test_an_example_is_answered_alike(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    agree("check", path, capsys)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", asked("region"))
 def test_page_notebook_and_terminal_tell_the_same_facts(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

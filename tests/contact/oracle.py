@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.gaps import Tolerance
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -13,8 +13,8 @@ from random_scenes import FAMILIES, block, column, random_scene, ring
 
 import kilter.contact
 from kilter.assembly import Assembly, Part
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.gaps import Tolerance
 from kilter.rigid import Pose
 from kilter.shape.primitives import Prism
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter.contact import broad
-from kilter.contact.broad import make_boxes, part_pairs
-from kilter.contact.planar import facets as planar_facets
-from kilter.contact.planar.facets import find_facets
-from kilter.contact.triangle_distance import near_triangles, surface_distance
+from kilter.contact.common import broad
+from kilter.contact.common import facets as planar_facets
+from kilter.contact.common.broad import make_boxes, part_pairs
+from kilter.contact.common.distances import near_triangles, surface_distance
+from kilter.contact.common.facets import find_facets
 from kilter.errors import InputError
 
 

@@ -21,7 +21,7 @@ from solids import (
 
 from kilter import Assembly, Box, Part, Pose, Sphere, Tolerance, check
 from kilter.contact import detect
-from kilter.contact.fits.coaxial import coaxial_fits
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.mechanics.program import build_program
 

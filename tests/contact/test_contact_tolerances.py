@@ -10,7 +10,7 @@ import pytest
 from kilter.assembly import Assembly, Part
 from kilter.contact import Tolerance
 from kilter.contact import contact_tolerances as t
-from kilter.contact.gaps import nearest_gap, reach_of, touches
+from kilter.contact.common.gaps import nearest_gap, reach_of, touches
 from kilter.shape.primitives import Box
 from literals import unnamed
 

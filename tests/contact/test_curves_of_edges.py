@@ -7,9 +7,9 @@ import pytest
 from solids import peg
 
 from kilter import Assembly, Part, Tolerance
-from kilter.contact.contact_search import begin_search
-from kilter.contact.curved.edge_touching import corner_rays
-from kilter.contact.curved.exact_edges import part_curves
+from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.edges import part_curves
+from kilter.contact.sharp.edges_with_edges import corner_rays
 
 RADIUS, SIDES = 2.0, 40
 

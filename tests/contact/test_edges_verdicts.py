@@ -14,7 +14,6 @@ from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.mechanics.degenerate import without_degenerate
 from kilter.mechanics.program import build_program
-from kilter.scenes import arches, walls
 from kilter.scenes.pieces import block, floor, prism, turn
 
 FLOOR = floor([-9, -9], [9, 9])
@@ -205,13 +204,6 @@ def test_a_stack_bond_wall_accepts_nothing_at_its_corners(seed):
     assert set(contacts.patch_kind) == {"plane"}
     assert len(contacts.unsupported) == 4 * 3 * 2
     assert contacts.degenerate.exact.all()
-
-
-def test_arches_and_walls_have_the_contacts_they_had():
-    for assembly in (arches.arch(), walls.wall(4, 5)):
-        contacts = detect.contacts(assembly)
-        assert set(contacts.patch_kind) == {"plane"}
-        assert len(build_program(assembly, contacts).part_a)
 
 
 # rows by their labels ----------------------------------------------------------------------

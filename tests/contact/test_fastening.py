@@ -14,10 +14,10 @@ from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
 from kilter.contact import detect
-from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.part_solids import PartSolids
-from kilter.contact.fits.shared_body import shared_body
+from kilter.contact.common.distances import PartSolids
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.contact.fits.suggestions import suggest_joints
+from kilter.contact.overlap import shared_body
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import Pose

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Part, Pose, Tolerance, check
 from kilter.contact import detect
-from kilter.contact.left_out import PossibleContacts
+from kilter.contact.common.patches import PossibleContacts
 
 PLAY = 0.05
 HOLDS = ("stable", "settles", "potentially-stable")

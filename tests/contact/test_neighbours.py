@@ -13,7 +13,7 @@ from tubes import pin, tube
 from kilter import InputError, check, contacts, dump, fastened, margin, orient, region
 from kilter.assembly import Assembly, Part
 from kilter.cli import main
-from kilter.contact.fits.coincident import coincident_remarks, parts_to_leave_out
+from kilter.contact.fits.suggestions import coincident_remarks, parts_to_leave_out
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, turn
 from kilter.scenes.transform import moved

@@ -10,7 +10,8 @@ from solids import bore, peg
 
 import kilter
 from kilter import Assembly, Part, Pose, Tolerance
-from kilter.contact import detect, recent_searches
+from kilter.contact import detect
+from kilter.contact.common import contact_search as recent_searches
 from kilter.scenes import scene
 
 

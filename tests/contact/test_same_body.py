@@ -10,10 +10,10 @@ from tubes import pin, tube
 
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet, Tolerance, contacts, detect, pair_findings
+from kilter.contact.common.patches import SAME_BODY
 from kilter.contact.contact_tolerances import SAME_PLACE
-from kilter.contact.fits.coincident import parts_to_leave_out
+from kilter.contact.fits.suggestions import parts_to_leave_out
 from kilter.contact.kept_contacts import KeptContacts
-from kilter.contact.left_out import SAME_BODY
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block
 

@@ -13,7 +13,7 @@ from free_forms import oval_plug
 import kilter
 from kilter import Assembly, Part, Tolerance
 from kilter.analysis.verdict.neutral import find_neutral
-from kilter.contact.left_out import PossibleContacts
+from kilter.contact.common.patches import PossibleContacts
 from kilter.contact.smooth.smooth_faces import smooth_faces
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
@@ -108,14 +108,6 @@ def test_fitted_normals_never_say_the_opposite_of_exact_ones():
     assert [row for row in said if contradicts(*row[-2:])] == []
     assert any(row[-2] == "unstable" for row in said)
     assert any(row[-2] in HOLDS for row in said)
-
-
-@pytest.mark.slow
-def test_fitted_normals_never_say_the_opposite_of_exact_ones_on_more():
-    said = census(range(4, 28))
-    assert [row for row in said if contradicts(*row[-2:])] == []
-    decided = sum(row[-2] != "undecided" for row in said)
-    assert decided > 0.6 * len(said)
 
 
 @pytest.mark.slow

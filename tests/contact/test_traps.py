@@ -16,8 +16,8 @@ from scipy.spatial.transform import Rotation
 
 import kilter.contact
 from kilter.assembly import Assembly, Part
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.gaps import Tolerance
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Mesh, Prism, surface
 from sampled import sampled

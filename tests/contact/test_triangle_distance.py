@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kilter.arrays import Array
-from kilter.contact.triangle_distance import TriangleTrees, surface_distance
+from kilter.contact.common.distances import TriangleTrees, surface_distance
 
 
 def _scene(seed: int) -> tuple[Array, Array]:

@@ -7,8 +7,8 @@ import pytest
 
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, Part
+from kilter.contact.common.gaps import UNKNOWN
 from kilter.contact.detect import contacts
-from kilter.contact.gaps import UNKNOWN
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.closed import open_edges, orient_faces

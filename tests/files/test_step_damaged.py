@@ -29,8 +29,8 @@ from test_step import drilled
 
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, Part
+from kilter.contact.common.gaps import UNKNOWN
 from kilter.contact.detect import contacts
-from kilter.contact.gaps import UNKNOWN
 from kilter.errors import InputError
 from kilter.files import from_dict, load, step_faces, to_dict
 from kilter.files.occt import inside

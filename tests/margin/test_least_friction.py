@@ -39,7 +39,7 @@ def test_few_programs_close_in_on_it_and_both_sides_are_proved(name):
         program.with_friction(found.lower),
     )
     assert check_forces(held, found.forces.forces, found.forces.friction).holds
-    assert check_motion(beyond, found.mechanism.motion).holds
+    assert check_motion(beyond, found.motion.motion).holds
 
 
 @pytest.mark.slow
@@ -96,7 +96,7 @@ def test_both_sides_of_a_tiny_coefficient_of_three_wedges():
     assert found.value < 1e-3
     assert check_forces(program.with_friction(found.value), found.forces.forces,
                         found.forces.friction).residual < 1e-12  # fmt: skip
-    assert check_motion(program.with_friction(found.lower), found.mechanism.motion).holds
+    assert check_motion(program.with_friction(found.lower), found.motion.motion).holds
     above = find_cohesion(cone_problem(program.with_friction(found.value * (1 + 1e-6))))
     below = find_cohesion(cone_problem(program.with_friction(found.value * (1 - 1e-6))))
     assert above.value < 0 < below.value

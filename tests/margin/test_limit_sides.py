@@ -45,7 +45,7 @@ def test_both_ways_find_one_limit_and_judge_agrees(family: str, seed: int) -> No
             assert sides.none or sides.held > 9.999 or sides.forces is None
             continue
         assert limit.forces.holds
-        assert limit.mechanism.holds
+        assert limit.motion.holds
         assert sides.held <= limit.value + limit.gap + 1e-7
         assert sides.beyond >= limit.value - 1e-7
         size = max(abs(limit.value), 1.0)
@@ -133,7 +133,7 @@ def test_limits_of_one_program_share_their_start(monkeypatch, mu):
         values.append(found.value)
         assert found.value == pytest.approx(alone.value, abs=2e-9)
         assert found.forces.holds
-        assert found.mechanism.holds
+        assert found.motion.holds
         assert len(taken) < cold
     assert len(set(numbers)) == 1
     assert values == pytest.approx([values[0]] * 3, abs=1e-9)

@@ -193,7 +193,7 @@ def test_a_ball_with_friction_is_at_its_limit_without_that_option(tmp_path, monk
 )
 def test_the_least_friction_prints_as_one_short_line(name, option, words):
     margin = kilter.margin(scene(name), pushed=[], **option)
-    assert str(margin.friction) == repr(margin.friction) == words
+    assert str(margin.friction_limit) == repr(margin.friction_limit) == words
 
 
 def test_every_limit_prints_as_one_short_line():
@@ -202,8 +202,9 @@ def test_every_limit_prints_as_one_short_line():
     )
     bonded = kilter.margin(scene("mortared-corbel"), pushed=[])
     nearest = kilter.margin(scene("slope"), pushed=[]).nearest
-    limits = [margin.tilt, *margin.load_factor, *margin.pushes, *margin.loads, nearest, bonded.bond]
+    limits = [margin.tilt, *margin.load_limits, *margin.pushes, *margin.loads, nearest]
+    limits += [margin.friction_limit, bonded.bond_limit]
     assert all(len(repr(limit)) < 60 for limit in limits)
     assert repr(margin.tilt) == "TiltMargin(26.5651 deg)"  # arctan 1/2
-    assert repr(margin.load_factor[1]) == "Limit(0.5)"
+    assert repr(margin.load_limits[1]) == "Limit(0.5)"
     assert repr(nearest) == "NearestHeld(20 deg away)"

@@ -117,7 +117,11 @@ def test_an_exact_worst_case_is_the_margin_of_the_assembly_it_names():
     ranges = Ranges(mass=(0.8, 1.2))
     worst = find_uncertainty(program, ranges, push=X)
     assert worst.kind == "exact"
-    one = corner(program, *worst.worst)
+    mass, shift = np.ones(len(program.names)), np.zeros((len(program.names), 3))
+    for name, at in worst.worst.items():
+        k = program.names.index(name)
+        mass[k], shift[k] = at.mass_factor, at.shift
+    one = corner(program, mass, shift)
     assert np.degrees(find_tilt_margin(one).angle) == pytest.approx(worst.tilt_deg, abs=1e-9)
     # light below, heavy above: arm .5 of the pile over the height of its centre of mass
     height = (0.8 * 0.5 + 1.2 * 1.5) / 2.0

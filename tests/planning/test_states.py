@@ -15,7 +15,7 @@ from kilter import Assembly, InputError
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.analysis.verification import verify_proof
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.kept_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
 from kilter.mechanics.program import Program

@@ -16,7 +16,7 @@ from kilter import Assembly, Box, Cylinder, Order, Part, Pose
 from kilter.analysis.planning.order.removal import Leg
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
-from kilter.contact.fits.part_solids import PartSolids
+from kilter.contact.common.distances import PartSolids
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube

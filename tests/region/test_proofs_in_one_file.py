@@ -56,7 +56,7 @@ def test_a_margin_is_rechecked(name: str) -> None:
     sides: dict[str, dict[bool, float]] = {}
     for entry in data["proofs"]:
         sides.setdefault(entry["about"], {})[entry["held"]] = entry["value"]
-    limits = {"tilt": np.radians(found.tilt_deg), "friction": found.friction.value}
+    limits = {"tilt": np.radians(found.tilt_deg), "friction": found.friction}
     for what, value in limits.items():
         assert {abs(side - value) < 1e-5 for side in sides[what].values()} == {True}
     for what, side in sides.items():

@@ -178,7 +178,7 @@ def test_the_least_friction_of_a_range_is_the_worst_case() -> None:
     """A flat box slides at LOW mu g; check with this coefficient agrees on both sides."""
     box = stack_on_deck([[1, 1, 0.2]], 0.5)
     answer = kilter.transport(box, polar=False, mu_range=(0.8, 1.2))
-    assert [limit.value for limit in answer.limits[:4]] == pytest.approx([0.4] * 4, rel=1e-7)
+    assert [limit.g for limit in answer.limits[:4]] == pytest.approx([0.4] * 4, rel=1e-7)
     weak = stack_on_deck([[1, 1, 0.2]], 0.4)
     for share, held in ((0.4 * (1 - SIDE), True), (0.4 * (1 + SIDE), False)):
         motion = CarrierMotion([share * G, 0, 0])

@@ -142,7 +142,7 @@ def test_margin_names_the_share_of_tension_that_is_needed() -> None:
     felt = carried_assembly(_stack(), CarrierMotion([-0.5 * G, 0, 0]))
     answer = kilter.margin(felt)
     assert answer.bond is not None
-    assert answer.bond.value == pytest.approx(564.23 / 800, abs=NEWTON / 800)
+    assert answer.bond == pytest.approx(564.23 / 800, abs=NEWTON / 800)
     assert answer.to_dict()["clamped_by"] == ["straps"]
     proof = answer.proof()
     assert {"bond"} <= {entry["about"] for entry in proof["proofs"]}

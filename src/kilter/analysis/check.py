@@ -31,7 +31,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.strap_ends import end_words, with_named_ends
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.fits.coincident import require_apart
+from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import TOLERANCE

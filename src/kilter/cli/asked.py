@@ -263,7 +263,7 @@ class Asked:
         reading = replace(self.reading, accelerate=None)
         return replace(self, reading=reading), self.reading.accelerate
 
-    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: dict[str, Any]) -> str:
+    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: Any) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
         Parameters

@@ -22,22 +22,20 @@ from kilter.arrays import (
     read_only,
 )
 from kilter.assembly import Assembly, JointEntry
-from kilter.contact.degenerate_points import DegeneratePoints
-from kilter.contact.fits.coaxial import Fit
-from kilter.contact.fits.copies import odd_copies
-from kilter.contact.friction_coefficients import certain_friction
-from kilter.contact.gaps import RejectedPair, Tolerance, nearest_gap
-from kilter.contact.joint_stops import joints_beyond
-from kilter.contact.left_out import (
+from kilter.contact.common.distances import LonePart, Neighbour
+from kilter.contact.common.gaps import RejectedPair, Tolerance, joints_beyond, nearest_gap
+from kilter.contact.common.patches import (
     INTERFERE,
     SAME_BODY,
+    DegeneratePoints,
     Overlap,
+    Patch,
     PossibleContacts,
     UnsupportedContact,
 )
-from kilter.contact.neighbours import LonePart, Neighbour
+from kilter.contact.curved.coaxial_faces import Fit, odd_copies
+from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.open_pairs import OpenPair, still_open
-from kilter.contact.patch import Patch
 from kilter.errors import InputError
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
 from kilter.tell.record import AnswerInWords, InPython, Record, UnitWord, key

@@ -2,7 +2,7 @@
 
 A name states the compared quantity: an angle [rad], a fraction of a size [-], or a multiple of
 another tolerance [-]. The user chooses only the gap and the angle of two faces
-(`kilter.contact.gaps.Tolerance`); all others follow from the data.
+(`kilter.contact.common.gaps.Tolerance`); all others follow from the data.
 
 This order must hold, and is tested in ``tests/contact/test_contact_tolerances.py``:
 

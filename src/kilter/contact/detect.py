@@ -12,20 +12,27 @@ from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
 from kilter.assembly.side_by_side import SideBySide
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact.contact_search import ContactSearch, begin_search, given_pairs
-from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.contact.common.contact_search import (
+    ContactSearch,
+    begin_search,
+    given_pairs,
+    recent_searches,
+)
+from kilter.contact.common.distances import nearest_parts
+from kilter.contact.common.gaps import RejectedPair, Tolerance, closed_by_clearance, gap_warnings
+from kilter.contact.common.patches import Patches, PossibleContacts
+from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
+from kilter.contact.curved.coaxial_faces import Fit, coaxial_fits
 from kilter.contact.curved.rims import rim_contacts
-from kilter.contact.fits.coaxial import Fit, coaxial_fits
-from kilter.contact.friction_coefficients import certain_friction, friction_coefficients
-from kilter.contact.gaps import RejectedPair, Tolerance, closed_by_clearance, gap_warnings
-from kilter.contact.neighbours import nearest_parts
+from kilter.contact.flat_contacts import GAP_EDGES
+from kilter.contact.friction_coefficients import (
+    certain_friction,
+    friction_coefficients,
+    with_piece_friction,
+)
 from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
-from kilter.contact.patches import Patches
-from kilter.contact.piece_friction import with_piece_friction
-from kilter.contact.planar.flat_contacts import GAP_EDGES
-from kilter.contact.recent_searches import recent_searches
 from kilter.errors import InputError
 from kilter.values.guesses import guarded
 from kilter.work import facts_of, stop_after, take_at_least

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, ragged, ratio
-from kilter.contact.contact_search import ContactSearch
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.patches import Patches
 from kilter.contact.contact_tolerances import BESIDE, BESIDE_CIRCLE, NORMAL_SNAP
 from kilter.contact.curved.curved_patches import CurvedContacts, on_flat
-from kilter.contact.patches import Patches
 from kilter.contact.smooth.smooth_joints import SmoothJoints
 
 __all__ = ["FacePatches", "explained", "in_patch", "on_patches"]

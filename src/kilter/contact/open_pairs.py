@@ -13,7 +13,7 @@ at least one of them is free, no fixed joints connect them, and the pair has one
 
 A pair with several kinds has the first of them. At the least, only the certain contacts act between
 the two parts. At the most, a free-form or degenerate pair exerts the forces that
-`kilter.contact.sharp` and `kilter.contact.curved.unmodelled` bound. A pair of another kind holds
+`kilter.contact.sharp` bounds. A pair of another kind holds
 its parts to each other by any force and torque. Reason: a near face may touch anywhere on its area,
 its normal is off by up to gap over width, and its edges and corners may catch. Together these
 allow every wrench.
@@ -29,9 +29,9 @@ import numpy as np
 from kilter.arrays import Array, Index, connected
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
+from kilter.contact.common.gaps import THIN, RejectedPair
+from kilter.contact.common.patches import Overlap, PairRecord, PossibleContacts, UnsupportedContact
 from kilter.contact.contact_tolerances import LOOSE_ANGLE, LOOSE_GAP
-from kilter.contact.gaps import THIN, RejectedPair
-from kilter.contact.left_out import Overlap, PairRecord, PossibleContacts, UnsupportedContact
 
 __all__ = [
     "KINDS",

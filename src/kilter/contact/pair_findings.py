@@ -16,19 +16,16 @@ import numpy as np
 
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
-from kilter.contact.contact_search import ContactSearch
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.gaps import RejectedPair, Tolerance, unknown_contacts
+from kilter.contact.common.patches import KeptPairs, Overlap, Patches, UnsupportedContact
 from kilter.contact.curved.curved_patches import CurvedContacts, no_curved, without_repeats
 from kilter.contact.face_patches import FacePatches
-from kilter.contact.fits.overlap import find_overlaps
-from kilter.contact.gaps import RejectedPair, Tolerance
-from kilter.contact.kept_pairs import KeptPairs
-from kilter.contact.left_out import Overlap, UnsupportedContact
-from kilter.contact.patches import Patches
-from kilter.contact.planar.flat_contacts import FlatContacts, find_flat
-from kilter.contact.sharp.near_edges import near_edges
+from kilter.contact.flat_contacts import FlatContacts, find_flat
+from kilter.contact.overlap import find_overlaps
+from kilter.contact.sharp.feature_pairs import near_edges
 from kilter.contact.sharp.sharp_contacts import NearContacts, near_contacts
 from kilter.contact.smooth.smooth_joints import SmoothJoints, find_smooth
-from kilter.contact.unknown import unknown_contacts
 from kilter.errors import TimeLimitReached
 from kilter.work import is_late, stop_if_late, take_at_least
 

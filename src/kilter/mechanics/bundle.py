@@ -29,7 +29,7 @@ import numpy as np
 from kilter.assembly import Assembly, Load, Strap
 from kilter.contact import detect
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.kept_contacts import contacts_among
 from kilter.contact.supports import Support, with_supports
 from kilter.errors import InputError
 from kilter.files.kilter_json import from_dict

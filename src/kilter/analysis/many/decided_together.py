@@ -16,10 +16,10 @@ import numpy as np
 from kilter.analysis.decision.doubts import fitted_pairs, has_possible_contacts
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.side_by_side import SideBySide
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.detect import contacts_side_by_side
-from kilter.contact.fits.coincident import coincident
-from kilter.contact.gaps import Tolerance
+from kilter.contact.fits.suggestions import coincident
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.program import Program
 from kilter.mechanics.program_blocks import BlockProofs, ProgramBlocks, program_blocks

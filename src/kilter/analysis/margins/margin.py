@@ -257,7 +257,7 @@ def margin(
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> round(margin(scene("tower")).friction.value, 6)
+    >>> round(margin(scene("tower")).friction, 6)
     0.0
     """
     started = time.perf_counter()

@@ -79,9 +79,12 @@ class MarginSteps(LimitSteps):
             return None
         # the verdict proves that no tilt limit exists, so that only the nearest direction is open
         falls = self._large and self._falls is not None
-        find: Callable[[Program], TiltMargin | NearestHeld | NoLimit]
         find = find_nearest_held if falls else partial(_tilt_or_nearest, edges=self.edges)
-        return self.limit("tilt", find, self.program)
+        gravity = self.in_time(find, self.program)
+        if isinstance(gravity, NoLimit):
+            self.missing["tilt"] = gravity.why
+            return None
+        return gravity
 
     def friction(self) -> LeastFriction | None:
         """Compute bounds of the least friction coefficient; None without a value.

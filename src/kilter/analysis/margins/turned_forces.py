@@ -26,7 +26,7 @@ import numpy as np
 
 from kilter.analysis.margins.load_limit import Limit
 from kilter.arrays import TINY, Array, Index, across
-from kilter.contact.planar.polygons import convex_hull
+from kilter.contact.common.polygons import convex_hull
 from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT

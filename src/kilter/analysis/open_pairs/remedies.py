@@ -24,10 +24,9 @@ from kilter.analysis.decision.decision import Decision
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.fits.coincident import parts_to_leave_out
 from kilter.contact.fits.fastening import fastened
-from kilter.contact.fits.suggestions import merely_sunk, suggest_joints
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.fits.suggestions import merely_sunk, parts_to_leave_out, suggest_joints
+from kilter.contact.kept_contacts import contacts_among
 from kilter.errors import InputError, shell_words
 from kilter.tell.levels import holds
 from kilter.tell.open_words import OpenOption, open_options, remedy_words, rounded_up

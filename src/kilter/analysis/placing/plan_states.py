@@ -26,8 +26,8 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.contact.fits.coincident import coincident
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.fits.suggestions import coincident
+from kilter.contact.kept_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program

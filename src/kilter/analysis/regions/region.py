@@ -38,7 +38,7 @@ from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.assembly.plain_joints import plain_joints
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.fits.coincident import require_apart
+from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle

@@ -40,8 +40,8 @@ from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.left_out import SAME_BODY, Overlap
-from kilter.contact.sub_contacts import contacts_among, without_overlaps
+from kilter.contact.common.patches import SAME_BODY, Overlap
+from kilter.contact.kept_contacts import contacts_among, without_overlaps
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.tell.levels import REQUIRE, require_level

@@ -30,17 +30,22 @@ from kilter.analysis.settled_pose.settle_tolerances import (
 from kilter.arrays import TINY, Array, Index, Mask, Rows, across, columns, distinct_rows, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import facet_pairs
-from kilter.contact.contact_search import ContactSearch, begin_search
+from kilter.contact.common.broad import facet_pairs
+from kilter.contact.common.contact_search import ContactSearch, begin_search
+from kilter.contact.common.distances import surface_distance
+from kilter.contact.common.gaps import Tolerance
+from kilter.contact.common.patches import Patches
+from kilter.contact.common.polygons import (
+    FacetFrame,
+    convex_hull,
+    facet_frames,
+    overlaps_of,
+    padded,
+)
 from kilter.contact.contact_tolerances import CLUSTER, SAME_PLACE
-from kilter.contact.fits.winding_depth import inside_part
 from kilter.contact.friction_coefficients import friction_coefficients
-from kilter.contact.gaps import Tolerance
+from kilter.contact.overlap import inside_part
 from kilter.contact.pair_findings import RoundAndSharp, find_round_and_sharp
-from kilter.contact.patches import Patches
-from kilter.contact.planar.facet_overlays import FacetFrame, facet_frames, overlaps_of
-from kilter.contact.planar.polygons import convex_hull, padded
-from kilter.contact.triangle_distance import surface_distance
 
 __all__ = ["NearPoints", "find_near_points", "surface_gaps"]
 

@@ -24,8 +24,8 @@ from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly, GivenContact
 from kilter.assembly.geometry import Geometry
 from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.common.facets import Facets, find_facets
 from kilter.contact.contact_tolerances import ROUNDINGS
-from kilter.contact.planar.facets import Facets, find_facets
 from kilter.errors import some_names
 from kilter.mechanics.nonnegative import nonnegative
 

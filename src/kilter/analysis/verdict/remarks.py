@@ -9,8 +9,8 @@ import numpy as np
 from kilter.arrays import connected
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.contact.fits.coincident import coincident_remarks
-from kilter.contact.neighbours import nearest_parts
+from kilter.contact.common.distances import nearest_parts
+from kilter.contact.fits.suggestions import coincident_remarks
 from kilter.tell.contact_words import group_warnings, lone_warnings
 from kilter.tell.numbers import rounded_up
 

@@ -2,8 +2,8 @@
 
 Each kernel takes many pairs of surfaces (i, j) of two kinds and returns candidates: position, unit
 normal n from i to j, and the gap there, independently of the extent of their faces, which
-`kilter.contact.curved.coverage` tests. Solid against solid touches from outside; solid in hollow
-touches from inside, if the solid is curved more than the hollow. With cores (the centre of a
+`kilter.contact.curved.contact_points` tests. Solid against solid touches from outside; solid in
+hollow touches from inside, if the solid is curved more than the hollow. With cores (the centre of a
 sphere, the axis of a cylinder, the circle of a torus) at the distance D and radii r:
 
     solid on solid   gap = D - r_i - r_j          solid in hollow   gap = r_j - r_i - D
@@ -30,12 +30,13 @@ from kilter.contact.curved.candidates import (
     SAME,
     Candidates,
     FormLimits,
+    body_in_torus,
     dot,
+    lines_on_cone,
     make_candidates,
+    torus_on_face,
     without_along,
 )  # fmt: skip
-from kilter.contact.curved.common_generators import lines_on_cone
-from kilter.contact.curved.tori import body_in_torus, torus_on_face
 
 __all__ = ["find_candidates"]
 

@@ -13,10 +13,10 @@ import numpy as np
 
 from kilter.assembly import Assembly, Bond, Joint
 from kilter.contact import detect
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.fits.open_choices import with_decided_pairs
 from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching_pairs
-from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError, some_names
 from kilter.files.reading import Reading
 from kilter.values.guesses import guarded

@@ -15,9 +15,9 @@ import numpy as np
 
 from kilter.assembly import Assembly, GivenContact, Joint
 from kilter.contact import detect
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import DECIDED, LOOKED_AT_ANGLE, LOOSE_ANGLE
-from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError
 
 __all__ = ["with_decided_pairs"]

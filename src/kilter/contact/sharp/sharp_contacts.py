@@ -11,50 +11,184 @@ there.
 - A corner or edge in a notch: a normal for each facet.
 - At the rim of a patch: the normal of the patch, which the patch already has.
 - Beside a curved face no edge is sharp; contacts there without a formula are listed and
-  bounded by `kilter.contact.curved.unmodelled`.
+  bounded by `kilter.contact.sharp.edges_on_curves`.
 
-For two convex parts a patch of planar contact is complete: no other contact is searched for.
+For two convex parts a patch of planar contact is complete: no other contact is searched for. The
+contacts are patches without area. An edge on a facet is a single patch, with its two ends on that
+facet as points; every other point is a patch of its own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import TINY, Array, Index, Labels, Mask, connected, ragged
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import Boxes
-from kilter.contact.contact_tolerances import LOOSE_GAP, MEETS_EXACTLY, ONE_POINT
-from kilter.contact.curved.edge_touching import EdgeTouching
-from kilter.contact.curved.edges_on_curves import edges_near_faces
-from kilter.contact.curved.edges_with_edges import edges_on_edges, near_edge_pairs, tips_on_edges
-from kilter.contact.curved.edges_with_faces import EdgeFacePairs, edge_contacts_on_faces
-from kilter.contact.curved.exact_edges import EdgeCurves
+from kilter.contact.common.broad import Boxes
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.edges import EdgeCurves, Edges, find_edges
+from kilter.contact.common.gaps import RejectedPair
+from kilter.contact.common.patches import (
+    DegeneratePoints,
+    KeptPairs,
+    Patches,
+    PossibleContacts,
+    UnsupportedContact,
+)
+from kilter.contact.contact_tolerances import (
+    CONE_ANGLE,
+    EDGE_STRAIGHTNESS,
+    LOOSE_GAP,
+    MEETS_EXACTLY,
+    NORMAL_ANGLE,
+    ONE_POINT,
+)
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
-from kilter.contact.curved.unmodelled import (
+from kilter.contact.face_patches import FacePatches, explained, on_patches
+from kilter.contact.sharp.edges_on_curves import (
     NearFaces,
     RoundContacts,
     beside_curved,
+    edges_near_faces,
     explained_points,
     no_round_contacts,
     round_contacts,
 )
-from kilter.contact.degenerate_points import DegeneratePoints
-from kilter.contact.face_patches import FacePatches, explained, on_patches
-from kilter.contact.gaps import RejectedPair
-from kilter.contact.kept_pairs import KeptPairs
-from kilter.contact.left_out import PossibleContacts, UnsupportedContact
-from kilter.contact.patches import Patches
-from kilter.contact.sharp.edges import Edges, find_edges
+from kilter.contact.sharp.edges_with_edges import (
+    EdgeTouching,
+    edges_on_edges,
+    near_edge_pairs,
+    tips_on_edges,
+)
+from kilter.contact.sharp.edges_with_faces import EdgeFacePairs, edge_contacts_on_faces
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings, PairBlock, meetings
+from kilter.contact.sharp.normals import Clauses, Pushes, normals_of
 
-if TYPE_CHECKING:
-    from kilter.contact.sharp.normals import Clauses, Pushes
+__all__ = ["NearContacts", "edge_contacts", "near_contacts"]
 
-__all__ = ["NearContacts", "near_contacts"]
+
+def edge_contacts(
+    search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes
+) -> Patches:
+    """Contact patches for the accepted contact points of edges and corners, ordered by pair.
+
+    `accuracy` is that of the coordinates, relative to the size of the features that touch.
+    """
+    if not len(pushes.meeting):
+        return Patches.none()
+    pushes = pushes.take(np.argsort(meetings.pair[pushes.meeting], kind="stable"))
+    label = _edge_labels(search, edges, meetings, pushes)
+    point = meetings.middle[pushes.meeting]
+    pushes_kept = _without_middle_points(point, label)
+    pushes, label = pushes.take(pushes_kept), label[pushes_kept]
+    order = np.argsort(label, kind="stable")
+    pushes, label = pushes.take(order), label[order]
+    row = pushes.meeting
+    start = np.append(np.flatnonzero(np.diff(label, prepend=-1)), len(label))
+    gap = np.einsum("ij,ij->i", meetings.at[row, 1] - meetings.at[row, 0], pushes.normal)
+    first = start[:-1]
+    gaps = [reduce.reduceat(gap, first) for reduce in (np.minimum, np.maximum)]
+    point_accuracy = _relative_accuracy(search, edges, meetings, row)
+    pair = meetings.pair[row[first]]
+    return Patches(
+        pair=pair,
+        parts=search.pairs[pair],
+        kind=_kinds(meetings, pushes, start),
+        normal=pushes.normal[first],
+        area=np.zeros(len(pair)),
+        gap=np.column_stack(gaps),
+        accuracy=np.maximum.reduceat(point_accuracy, first),
+        doubt=np.zeros(len(pair)),
+        mu=np.full(len(pair), np.nan),
+        start=start,
+        points=meetings.middle[row],
+        normals=pushes.normal,
+    )
+
+
+def _kinds(meetings: Meetings, pushes: Pushes, start: Index) -> Labels:
+    """Kind of each contact patch: "edge-edge", "vertex-face" or "edge-face"."""
+    first = start[:-1]
+    kind = meetings.kind[pushes.meeting[first]]
+    crossing = (kind == EDGE).all(axis=1) | ~pushes.of_facet[first].any(axis=1)
+    crossing &= ~(kind == FACE).any(axis=1)
+    kinds: Labels = np.where(crossing, "edge-edge", "vertex-face").astype("<U11")
+    kinds[np.diff(start) > 1] = "edge-face"
+    return kinds
+
+
+def _edge_labels(search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes) -> Index:
+    """Number of each contact point; points of the same edge on the same facet share a number."""
+    first, second = [], []
+    for side in (0, 1):
+        point, edge = _edges_at(edges, meetings, pushes, side)
+        on_facet = pushes.of_facet[point, 1 - side]
+        level = np.einsum("ij,ij->i", edges.direction(search.geometry, edge), pushes.normal[point])
+        on_facet &= np.abs(level) <= CONE_ANGLE
+        point, edge = point[on_facet], edge[on_facet]
+        order = np.lexsort((edge, meetings.pair[pushes.meeting[point]]))
+        point, edge = point[order], edge[order]
+        p, q = point[:-1], point[1:]
+        same = np.diff(edge) == 0
+        same &= meetings.pair[pushes.meeting[p]] == meetings.pair[pushes.meeting[q]]
+        same &= np.linalg.norm(pushes.normal[p] - pushes.normal[q], axis=1) <= NORMAL_ANGLE
+        first.append(p[same])
+        second.append(q[same])
+    return connected(len(pushes), np.concatenate(first), np.concatenate(second))
+
+
+def _edges_at(edges: Edges, meetings: Meetings, pushes: Pushes, side: int) -> tuple[Index, Index]:
+    """Edges of part a (`side` 0) or b (1) through each contact point: pairs (point, edge)."""
+    kind, feature = meetings.kind[pushes.meeting, side], meetings.feature[pushes.meeting, side]
+    on_edge, corner = np.flatnonzero(kind == EDGE), np.flatnonzero(kind == CORNER)
+    owner, row = ragged(edges.ray_start, feature[corner])
+    points = np.concatenate([on_edge, corner[owner]])
+    return points, np.concatenate([feature[on_edge], edges.ray_edge[row]])
+
+
+def _without_middle_points(point: Array, label: Index) -> Index:
+    """Rows of contact points that are not between two others on the same edge."""
+    keep = np.ones(len(label), dtype=bool)
+    count = np.bincount(label)
+    for group in np.flatnonzero(count > 2):
+        rows = np.flatnonzero(label == group)
+        offset = point[rows] - point[rows[0]]
+        span = offset[np.linalg.norm(offset, axis=1).argmax()]
+        length = float(np.linalg.norm(span))
+        share = offset @ span / max(length, TINY)
+        off_line = offset - np.outer(share, span) / max(length, TINY)
+        if np.abs(off_line).max() <= EDGE_STRAIGHTNESS * length:
+            keep[rows] = False
+            keep[rows[[share.argmin(), share.argmax()]]] = True
+    return np.flatnonzero(keep)
+
+
+def _relative_accuracy(
+    search: ContactSearch, edges: Edges, meetings: Meetings, rows: Index
+) -> Array:
+    """Error of the coordinates divided by the size of the smallest touching edge or facet [-]."""
+    geometry, facets = search.geometry, search.facets
+    width = np.full(len(rows), np.inf)
+    accuracy = np.zeros(len(rows))
+    for side in (0, 1):
+        kind, feature = meetings.kind[rows, side], meetings.feature[rows, side]
+        face, edge = np.flatnonzero(kind == FACE), np.flatnonzero(kind == EDGE)
+        corner = np.flatnonzero(kind == CORNER)
+        face_width = facets.area[feature[face]] / facets.reach[feature[face]]
+        width[face] = np.minimum(width[face], face_width)
+        p, q = edges.ends(geometry, feature[edge])
+        width[edge] = np.minimum(width[edge], np.linalg.norm(q - p, axis=1))
+        part = np.empty(len(rows), dtype=np.int64)
+        part[face] = facets.part[feature[face]]
+        part[edge] = geometry.vertex_part[edges.ends_of[feature[edge], 0]]
+        part[corner] = geometry.vertex_part[feature[corner]]
+        width = np.minimum(width, geometry.size[part])
+        accuracy += geometry.accuracy[part]
+    result: Array = accuracy / width
+    return result
 
 
 PAIRS = 20_000
@@ -140,9 +274,6 @@ def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -
     touching = EdgeTouching()
     all_rows = np.union1d(sharp_rows, round_rows)
     if len(all_rows):
-        # imported late: only edges and corners that touch need these modules
-        from kilter.contact.sharp.edge_contacts import edge_contacts
-
         edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
         sharp_search = _SharpSearch(face_patches, edges)
         candidates = _meetings(sharp_search, sharp_rows, search.limits.gap)
@@ -175,9 +306,6 @@ def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
 
 def _normals(near: _SharpSearch, met: Meetings) -> tuple[Pushes, Clauses]:
     """Normals at meeting points of corners and edges: unique, or several at degenerate points."""
-    # imported late: only edges and corners that touch need these modules
-    from kilter.contact.sharp.normals import normals_of
-
     geometry = near.geometry
     parts = near.pairs[met.pair]
     size, accuracy = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)

@@ -24,8 +24,11 @@ from itertools import product
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, across, starts, unit_rows
-from kilter.contact.broad import joins
-from kilter.contact.contact_search import ContactSearch
+from kilter.contact.common.broad import joins
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.distances import TriangleTrees
+from kilter.contact.common.patches import KeptPairs, Patches, PossibleContacts, UnsupportedContact
+from kilter.contact.common.polygons import facet_frames, overlaps_of
 from kilter.contact.contact_tolerances import (
     DISTANCE_ROUNDING,
     GAP,
@@ -36,13 +39,7 @@ from kilter.contact.contact_tolerances import (
     SMOOTH_LEAST,
     SMOOTH_UNSURE,
 )
-from kilter.contact.kept_pairs import KeptPairs
-from kilter.contact.left_out import PossibleContacts, UnsupportedContact
-from kilter.contact.patches import Patches
-from kilter.contact.planar.facet_overlays import facet_frames, overlaps_of
-from kilter.contact.smooth.matching import Matches, matches
-from kilter.contact.smooth.smooth_faces import SmoothFace, smooth_faces
-from kilter.contact.triangle_distance import TriangleTrees
+from kilter.contact.smooth.smooth_faces import Matches, SmoothFace, matches, smooth_faces
 from kilter.work import stop_if_late
 
 __all__ = ["SmoothJoint", "SmoothJoints", "find_smooth"]

@@ -9,7 +9,7 @@ from typing_extensions import TypedDict
 
 from kilter.tell.answer_data.common_data import Units, Vector
 
-__all__ = ["BatchData", "ImproveData", "IncompleteData", "VerifyData"]
+__all__ = ["BatchData", "IncompleteData", "VerifyData"]
 
 
 class VerifyData(TypedDict):

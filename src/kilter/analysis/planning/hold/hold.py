@@ -22,7 +22,7 @@ from kilter.assembly import Strap
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.contact.fits.coincident import require_apart
+from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.supports import Support
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE, require_level

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from kilter.analysis.planning.order.removal import Screw
 from kilter.contact import ContactSet
 from kilter.contact.contact_tolerances import THREAD
-from kilter.contact.fits.coaxial import coaxial_fits
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.errors import InputError
 
 __all__ = ["find_screws"]

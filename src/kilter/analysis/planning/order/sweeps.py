@@ -26,7 +26,7 @@ from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.planning.states.part_sets import bits_of, members
 from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
-from kilter.contact.planar.polygons import cut_convex
+from kilter.contact.common.polygons import cut_convex
 
 __all__ = ["Sweeps"]
 

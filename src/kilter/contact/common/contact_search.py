@@ -1,26 +1,140 @@
-"""Input that all stages of a contact search share: parts, facets, boxes and near pairs."""
+"""Input that all stages of a contact search share: parts, facets, boxes and near pairs.
+
+Values of recent contact searches of one geometry, for its next search.
+
+A check searches the same bodies again when it tries an option. With another tolerance the facets,
+boxes, solids, smooth faces and curves of the bodies stay the same. With other friction all findings
+stay the same. So these values are kept, until bodies of another geometry are searched.
+
+Pairs of parts that are the same body twice: a part and a copy of it in the same place.
+
+All corners, edges and faces of such a pair touch, but none of them carries a force: the pair is an
+overlap. So its contacts are not searched.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import atexit
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Mask, nearest
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import Boxes, make_boxes, pairs_apart, part_pairs
-from kilter.contact.fits.part_solids import PartSolids
-from kilter.contact.fits.same_body import same_bodies
-from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
-from kilter.contact.planar.facets import Facets, find_facets
-from kilter.contact.recent_searches import RecentSearches, recent_searches
-from kilter.contact.unknown import unknown_pairs
+from kilter.contact.common.broad import Boxes, make_boxes, pairs_apart, part_pairs
+from kilter.contact.common.distances import PartSolids
+from kilter.contact.common.facets import Facets, find_facets
+from kilter.contact.common.gaps import GapLimits, Tolerance, gap_limits, reach_of, unknown_pairs
+from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.shape.primitives import Mesh
 
-__all__ = ["ContactSearch", "begin_search", "given_pairs"]
+__all__ = [
+    "ContactSearch",
+    "RecentSearches",
+    "begin_search",
+    "coincide",
+    "deep_boxes",
+    "given_pairs",
+    "recent_searches",
+    "same_bodies",
+]
+
+
+MOST_TRIANGLES = 300_000
+"""Largest number of triangles of a geometry whose searches are kept; more need more memory."""
+MOST_FINDINGS = 4
+"""Largest number of searches whose findings are kept."""
+
+
+@dataclass(slots=True, eq=False)
+class RecentSearches:
+    """Values of searches of a geometry.
+
+    Attributes
+    ----------
+    geometry : Geometry or None
+    search : ContactSearch or None
+        A search of this geometry, for the values that do not depend on its tolerance.
+    findings : dict
+        Complete findings (search, `PairFindings`) by the conditions of their search.
+    """
+
+    geometry: Geometry | None = None
+    search: Any = None
+    findings: dict[Hashable, tuple[Any, Any]] = field(default_factory=dict)
+
+    def keep(self, conditions: Hashable, findings: tuple[Any, Any]) -> None:
+        """Keep complete findings, in place of the oldest ones."""
+        if len(self.findings) >= MOST_FINDINGS:
+            del self.findings[next(iter(self.findings))]
+        self.findings[conditions] = findings
+
+
+def recent_searches(geometry: Geometry) -> RecentSearches:
+    """The recent searches of a geometry; empty if another geometry was searched last."""
+    global _recent
+    if len(geometry.triangles) > MOST_TRIANGLES:
+        return RecentSearches(geometry)
+    recent = _recent
+    if recent.geometry is not geometry:
+        recent = _recent = RecentSearches(geometry)
+    return recent
+
+
+@atexit.register
+def forget() -> None:
+    """Release the values before the interpreter ends.
+
+    Solids that live longer than their library make it print a list of leaks.
+    """
+    global _recent
+    _recent = RecentSearches()
+
+
+_recent = RecentSearches()
+
+
+def coincide(geometry: Geometry, a: int, b: int) -> bool:
+    """Whether two parts have the same corners in the same places."""
+    corners_a, corners_b = (
+        geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
+        for part in (a, b)
+    )
+    if corners_a.shape != corners_b.shape:
+        return False
+    close = SAME_PLACE * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b]
+    if np.abs(corners_a.mean(axis=0) - corners_b.mean(axis=0)).max() > close:
+        return False
+    return bool(nearest(corners_a, corners_b)[0].max() <= close)
+
+
+def deep_boxes(geometry: Geometry, boxes: Boxes, pairs: Index, limits: GapLimits) -> Mask:
+    """Mask of pairs whose boxes overlap by more than the gap limit along each axis, shape (n,).
+
+    The limit includes the distances of both parts from their triangles. Other pairs do not overlap.
+    """
+    a, b = pairs.T
+    grow = (limits.gap + geometry.slack[a] + geometry.slack[b])[:, None]
+    deep: Mask = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
+    deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
+    return deep
+
+
+def same_bodies(geometry: Geometry, boxes: Boxes, pairs: Index, limits: GapLimits) -> Mask:
+    """Mask of pairs that are the same body twice, shape (n,)."""
+    a, b = pairs.T
+    close = (SAME_PLACE * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b])[:, None]
+    corners = np.diff(geometry.vertex_start)
+    same: Mask = corners[a] == corners[b]
+    for bound in (boxes.part_low, boxes.part_high):
+        same &= (np.abs(bound[a] - bound[b]) <= close).all(axis=1)
+    same &= deep_boxes(geometry, boxes, pairs, limits)
+    rows = np.flatnonzero(same)
+    same[rows] = [coincide(geometry, i, j) for i, j in pairs[rows].tolist()]
+    return same
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +163,7 @@ class ContactSearch:
     smooth_faces : dict
         Smooth faces of parts (`kilter.contact.smooth`), which are found on first use.
     part_curves : dict
-        Curves of the edges of parts (`kilter.contact.curved.exact_edges`), found on first use.
+        Curves of the edges of parts (`kilter.contact.common.edges`), found on first use.
     """
 
     geometry: Geometry

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from kilter.arrays import TINY, Array, Index, Mask, counted, ragged
 from kilter.assembly.geometry import Geometry
+from kilter.contact.common.facets import Facets
 from kilter.contact.contact_tolerances import BOX_ROUNDING
-from kilter.contact.planar.facets import Facets
 from kilter.errors import InputError
 from kilter.rigid import common_frame, common_frames
 from kilter.work import stop_if_late

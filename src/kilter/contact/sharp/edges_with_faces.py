@@ -1,6 +1,6 @@
 """Contacts of exact edges and corners with curved faces, and beside curved faces.
 
-The curve of an edge (`kilter.contact.curved.exact_edges`) touches a face at a point at which its
+The curve of an edge (`kilter.contact.common.edges`) touches a face at a point at which its
 distance d from the face is least: n . t changes its sign from - to +, with the tangent t of the
 curve and the normal n of the face. The material of the edge must lie in front of the tangent plane
 of the face there; otherwise the nearest point lies inside a face beside the edge, and is another
@@ -26,6 +26,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, cross
 from kilter.assembly.surfaces import KINDS, SPHERE
+from kilter.contact.common.edges import CurvePoints, EdgeCurves, face_distance
 from kilter.contact.contact_tolerances import (
     ARC_LEVEL,
     ARC_SLOPE,
@@ -33,18 +34,16 @@ from kilter.contact.contact_tolerances import (
     SEAM_ANGLE,
     STRAIGHT_EDGE,
 )
-from kilter.contact.curved.contact_points import ring
-from kilter.contact.curved.coverage import TURN, slices
-from kilter.contact.curved.edge_touching import (
+from kilter.contact.curved.contact_points import TURN, ring, slices
+from kilter.contact.face_patches import FacePatches
+from kilter.contact.sharp.edges_on_curves import explained_points
+from kilter.contact.sharp.edges_with_edges import (
     EdgeContact,
     EdgeSearch,
     EdgeTouching,
     corner_rays,
     is_corner,
 )
-from kilter.contact.curved.exact_edges import CurvePoints, EdgeCurves, face_distance
-from kilter.contact.curved.unmodelled import explained_points
-from kilter.contact.face_patches import FacePatches
 
 __all__ = ["EdgeFacePairs", "edge_contacts_on_faces"]
 

@@ -42,6 +42,7 @@ from kilter.shape.primitives import BOX_QUADS
 
 __all__ = ["Facets", "facet_triangles", "find_facets"]
 
+
 Block = dict[str, NDArray[Any]]
 
 CHUNK = 60_000

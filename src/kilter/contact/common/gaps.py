@@ -1,4 +1,6 @@
-"""Gap tolerances: the limits of each pair, the test for contact, and warnings about gaps.
+"""Gap limits, and the records of near pairs that do not count as touching.
+
+Gap tolerances: the limits of each pair, the test for contact, and warnings about gaps.
 
 Two opposed faces of a pair touch if the range [low, high] of the gap between them, over the area in
 which they overlap, meets
@@ -12,6 +14,18 @@ at least the rounding error of the coordinates.
 
 A gap tolerance inside a cluster of gaps separates faces that belong together: then there are
 patches in its upper third, and near pairs within three times the tolerance.
+
+Pairs of parts that may touch where the surface of a part is unknown.
+
+A stand-in (a box or hull in place of a solid that could not be read) may touch every part that
+comes near its box; an open mesh every part that comes near the box of a hole. The kind of contact
+is unknown: such a pair is listed among the rejected pairs, with a gap of 0, and is open.
+
+Stops of joints: the limits at which a joint stands, within the tolerance of gaps.
+
+The position of a joint is 0 in the drawn pose. A limit counts as reached if its distance from 0,
+times the radius of the larger free part for a turn, is at most the tolerance of gaps of the smaller
+one. A joint beyond a limit has no stop there: no admissible motion leads to this pose.
 """
 
 from __future__ import annotations
@@ -22,8 +36,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, Joint
 from kilter.assembly.geometry import Geometry
+from kilter.contact.common.facets import Facets
+from kilter.contact.common.patches import PairRecord, Patches
 from kilter.contact.contact_tolerances import (
     ANGLE,
     CLUSTER,
@@ -35,10 +51,8 @@ from kilter.contact.contact_tolerances import (
     ROUNDINGS,
     THICKNESS,
 )
-from kilter.contact.left_out import PairRecord
-from kilter.contact.patches import Patches
-from kilter.contact.planar.facets import Facets
 from kilter.errors import InputError, some
+from kilter.tell.numbers import rounded_up
 from kilter.tell.record import InPython, key
 from kilter.values.guesses import guarded
 
@@ -54,9 +68,13 @@ __all__ = [
     "closed_by_clearance",
     "gap_limits",
     "gap_warnings",
+    "joints_beyond",
     "nearest_gap",
     "reach_of",
+    "reached_limits",
     "touches",
+    "unknown_contacts",
+    "unknown_pairs",
 ]
 
 
@@ -287,3 +305,84 @@ def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits)
         f"clearances counted as closed in {len(rows)} patches, {len(pairs)} separated pairs: "
         f"{some(pairs)}; the answer holds for parts that are moved together there"
     ]
+
+
+def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index, Index]:
+    """Split near pairs into pairs to search, and pairs that may touch at an unknown surface.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    pairs : ndarray of int, shape (n, 2)
+    reach : ndarray, shape (N,)
+        Distance from each part within which others are searched for [length unit].
+
+    Returns
+    -------
+    looked_at, unknown : ndarray of int, shape (k, 2) and (m, 2)
+        A pair with a stand-in is only in the second array; a pair with a hole may be in both.
+    """
+    places = geometry.unknown
+    if not len(places) or not len(pairs):
+        return pairs, pairs[:0]
+    stand_in = places.stand_ins(len(geometry.mass))
+    blind: Mask = stand_in[pairs[:, 0]] | stand_in[pairs[:, 1]]
+    meets: Mask = blind.copy()
+    for k in range(len(places)):
+        for side in (0, 1):
+            rows = np.flatnonzero(~meets & (pairs[:, side] == places.part[k]))
+            other = pairs[rows, 1 - side]
+            grown = reach[places.part[k]] + reach[other]
+            low, high = places.low[k] - grown[:, None], places.high[k] + grown[:, None]
+            meets[rows] = [
+                _meets_box(geometry, *box) for box in zip(other.tolist(), low, high, strict=True)
+            ]
+    return pairs[~blind], pairs[meets]
+
+
+def _meets_box(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
+    """Whether the bounding box of any triangle of a part meets the box from `low` to `high`."""
+    rows = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    corners = geometry.vertices[geometry.triangles[rows]]
+    apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
+    return bool((~apart.any(axis=1)).any())
+
+
+def unknown_contacts(pairs: Index) -> list[RejectedPair]:
+    """Records of pairs that may touch at an unknown surface, as `RejectedPair` values."""
+    return [RejectedPair((a, b), 0.0, 0.0, UNKNOWN) for a, b in pairs.tolist()]
+
+
+def reached_limits(assembly: Assembly, joint: Joint, tolerance: Tolerance) -> tuple[bool, bool]:
+    """Whether a joint stands at its lower and at its upper limit."""
+    if joint.limits is None:
+        return False, False
+    gap, arm = _gap_and_arm(assembly, joint, tolerance)
+    low, high = (abs(limit) * arm <= gap for limit in joint.limits)
+    return low, high
+
+
+def joints_beyond(assembly: Assembly, tolerance: Tolerance) -> list[str]:
+    """Notes about joints that are drawn beyond their limits, with the gap that would count."""
+    notes = []
+    for joint in assembly.joints:
+        low, high = joint.limits or (0.0, 0.0)
+        beyond = max(low, -high)
+        gap, arm = _gap_and_arm(assembly, joint, tolerance)
+        if beyond * arm > gap:
+            unit = assembly.units if joint.kind == "prismatic" else "rad"
+            notes.append(
+                f"the {joint.kind} joint of {' and '.join(map(repr, joint.parts))} is drawn "
+                f"{beyond:.3g} {unit} beyond its limits, so its stop is left out (--gap "
+                f"{rounded_up(beyond * arm, 3)} counts it)"
+            )
+    return notes
+
+
+def _gap_and_arm(assembly: Assembly, joint: Joint, tolerance: Tolerance) -> tuple[float, float]:
+    """Tolerance of gaps of the smaller free part, and gap per unit of the position of a joint."""
+    geometry, index = assembly.geometry, assembly.index
+    ends = [index[name] for name in joint.parts if name in index]
+    free = [k for k in ends if not geometry.grounded[k]] or ends
+    arm = float(geometry.radius[free].max()) if joint.kind == "revolute" else 1.0
+    return float(tolerance.gap_of(geometry.size[free]).min()), arm

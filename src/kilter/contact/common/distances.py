@@ -1,4 +1,6 @@
-"""Distances of points and of triangles from triangles, row by row.
+"""Distances of points, segments, triangles and parts.
+
+Distances of points and of triangles from triangles, row by row.
 
 The nearest point of a triangle to x lies inside it, below x, or on its boundary. Two triangles
 cross if a side of one pierces the other. Otherwise their nearest points are a corner of one, or lie
@@ -7,24 +9,64 @@ on a side of each.
 References
 ----------
 C. Ericson, Real-Time Collision Detection, 2005, chapter 5.1.
+
+The nearest other part of each part that touches nothing, and the gap between them.
+
+    gap(A, B) = min |x - y|,    x on a triangle of A, y on a triangle of B.
+
+manifold3d computes it within an upper bound, here the least distance of corners. Other parts are
+visited in the order of the distances between their boxes, until that distance reaches the gap.
+
+Curved faces count as their triangles, so the error of a gap is at most the sagittas of both parts
+plus the accuracy of their coordinates: `Neighbour.accuracy`. If the triangles of a part bound no
+body, only the corners of both parts are compared, and the true gap is at most the reported gap.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from itertools import takewhile
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, lengths, nearest, ratio, squares, unit_rows
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Mask,
+    cross,
+    lengths,
+    nearest,
+    ratio,
+    squares,
+    unit_rows,
+)
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.refined import refine
 from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, FREE_PARALLEL
-from kilter.contact.sharp.edges import segment_distance
+from kilter.shape.closed import weld
+from kilter.tell.record import Record
+from kilter.work import is_late
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-__all__ = ["TriangleTrees", "at_most", "near_triangles", "surface_distance"]
+
+__all__ = [
+    "MOST_PARTS",
+    "LonePart",
+    "Neighbour",
+    "PartSolids",
+    "TriangleTrees",
+    "at_most",
+    "near_triangles",
+    "nearest_parts",
+    "segment_distance",
+    "surface_distance",
+]
 
 
 NEAR = 2
@@ -289,3 +331,197 @@ def _side_distance(p: Array, q: Array, r: Array, s: Array) -> tuple[Array, Array
     off[skew], on_first, on_second = segment_distance(p[skew], q[skew], r[skew], s[skew])
     point[skew] = (on_first + on_second) / 2
     return off, point
+
+
+def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array, Array]:
+    """Distance between two segments that are not parallel, shape (n,), and their nearest points.
+
+    Examples
+    --------
+    >>> segment_distance(*(np.array([x], dtype=float) for x in
+    ...                    ([-1, 0, 0], [1, 0, 0], [0, -1, 1], [0, 1, 1])))
+    (array([1.]), array([[0., 0., 0.]]), array([[0., 0., 1.]]))
+    """
+    d1, d2, r = q1 - p1, q2 - p2, p1 - p2
+    a, e, b = (np.einsum("ij,ij->i", x, y) for x, y in ((d1, d1), (d2, d2), (d1, d2)))
+    a, e = np.maximum(a, TINY), np.maximum(e, TINY)
+    across = cross(d1, d2)  # its square is a e - b b, without cancellation
+    determinant = np.maximum(np.einsum("ij,ij->i", across, across), TINY)
+    s = t = np.zeros(len(a))
+    for _ in range(3):  # iterative refinement: nearly parallel lines lose digits
+        gap = r + s[:, None] * d1 - t[:, None] * d2
+        c, f = np.einsum("ij,ij->i", d1, gap), np.einsum("ij,ij->i", d2, gap)
+        s, t = s + (b * f - c * e) / determinant, t + (a * f - b * c) / determinant
+    # the lines may meet outside the segments: clamp s, then t, then s again (Ericson, 5.1.9)
+    s = np.clip(s, 0, 1)
+    c, f = np.einsum("ij,ij->i", d1, r), np.einsum("ij,ij->i", d2, r)
+    t_far = (b * s + f) / e
+    t = np.where((s == 0) | (s == 1), t_far, t)
+    clipped = np.clip(t, 0, 1)
+    s = np.where(clipped == t, s, np.clip((b * clipped - c) / a, 0, 1))
+    t = clipped
+    x, y = p1 + s[:, None] * d1, p2 + t[:, None] * d2
+    return lengths(x - y), x, y
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartSolids:
+    """Solids of the library manifold3d for the parts of an assembly, created on first use.
+
+    The centre of mass of a part is at the origin: coordinates keep their digits far from the origin
+    of the file. With `finer` (rounds, box), triangles inside a box are refined onto their exact
+    surfaces. `cache` keeps the solids.
+    """
+
+    geometry: Geometry
+    finer: tuple[int, tuple[Array, Array]] | None = None
+    cache: dict[int, Any] = field(default_factory=dict)
+
+    def of(self, part: int) -> Any:
+        """The solid of a part about its centre of mass; None if its triangles enclose no volume."""
+        if part not in self.cache:
+            self.cache[part] = self._make(part)
+        return self.cache[part]
+
+    def _make(self, part: int) -> Any:
+        """Merge the corners of a part's triangles into a solid; None if they enclose no volume."""
+        import manifold3d  # slow to import
+
+        g = self.geometry
+        rounds, box = self.finer or (0, (g.center[part], g.center[part]))
+        corners, rows = refine(g, part, rounds, box)
+        vertices, triangles, _ = weld(
+            corners - g.center[part], rows, accuracy=float(g.accuracy[part])
+        )
+        if not _bounds_a_body(triangles):
+            return None
+        mesh = manifold3d.Mesh64(
+            vert_properties=np.ascontiguousarray(vertices),
+            tri_verts=np.ascontiguousarray(triangles, dtype=np.uint64),
+            run_index=np.array([0, 3 * len(triangles)], dtype=np.uint64),
+            run_original_id=np.array([part + 1], dtype=np.uint32),
+        )
+        solid = manifold3d.Manifold(mesh)
+        return solid if solid.status() == manifold3d.Error.NoError else None
+
+
+def _bounds_a_body(triangles: Index) -> bool:
+    """Whether triangles form a closed surface: each edge occurs once in each direction.
+
+    manifold3d may end the process on triangles without this property.
+    """
+    following = triangles[:, [1, 2, 0]]
+    count = int(triangles.max(initial=0)) + 1
+    forward, backward = (
+        (triangles * count + following).ravel(),
+        (following * count + triangles).ravel(),
+    )
+    forward.sort()
+    backward.sort()
+    return bool((forward == backward).all() and (np.diff(forward) > 0).all())
+
+
+MOST_PARTS = 200
+"""Largest number of parts whose nearest neighbour is searched for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """A part that touches nothing, with the part nearest to it and the gap.
+
+    Attributes
+    ----------
+    part, other : int
+        The part, and its nearest neighbour, by position.
+    gap : float
+        Distance of their surfaces [length unit].
+    accuracy : float
+        Largest error of the gap [length unit].
+    """
+
+    part: int
+    other: int
+    gap: float
+    accuracy: float
+
+
+class LonePart(Record):
+    """A part that touches nothing, and the part nearest to it."""
+
+    part: str
+    """Name of the part."""
+    nearest: str | None = None
+    """Name of the nearest part; null if it was not searched for."""
+    gap: float | None = None
+    """Distance of their surfaces [length unit]."""
+    accuracy: float | None = None
+    """Largest error of the gap [length unit]."""
+    grounded: bool
+    """Whether the part is held."""
+
+
+def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, ...]:
+    """For each of the first `MOST_PARTS` given parts, the nearest other part and the gap.
+
+    A time limit ends the search; the later parts are then left out.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    parts : iterable of int
+        Parts that touch nothing.
+    """
+    searched = list(parts)[:MOST_PARTS]
+    if not searched or len(geometry.mass) < 2:
+        return ()
+    solids = PartSolids(geometry)
+    boxes = geometry.part_boxes
+    return tuple(
+        _nearest(solids, part, boxes) for part in takewhile(lambda _: not is_late(), searched)
+    )
+
+
+def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neighbour:
+    """The part nearest to a given part; other parts are tried by the distance of their boxes."""
+    low, high = boxes
+    between = np.maximum(np.maximum(low - high[part], low[part] - high), 0.0)
+    boxes_apart = np.linalg.norm(between, axis=1)
+    boxes_apart[part] = np.inf
+    nearest_part, gap = -1, np.inf
+    for other in _order(boxes_apart):
+        # the distance of the boxes is a lower bound: no later part is nearer
+        if boxes_apart[other] >= gap:
+            break
+        distance = _gap(solids, part, int(other), gap)
+        if distance < gap:
+            nearest_part, gap = int(other), distance
+    geometry = solids.geometry
+    pair = [part, nearest_part]
+    accuracy = float((geometry.slack[pair] + geometry.accuracy[pair]).sum())
+    return Neighbour(part, nearest_part, gap, accuracy)
+
+
+def _order(apart: Array) -> Index:
+    """Indices of the other parts, sorted by their distance."""
+    order: Index = np.argsort(apart, kind="stable")[:-1]
+    return order
+
+
+def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:
+    """Gap between parts a and b [length unit], or `most` if the gap is larger."""
+    geometry = solids.geometry
+    corners = [_corners(geometry, part) for part in (a, b)]
+    bound = min(most, float(nearest(corners[0], corners[1])[0].min()))
+    solid_a, solid_b = solids.of(a), solids.of(b)
+    if solid_a is not None and solid_b is not None:
+        shifted_b = solid_b.translate(tuple((geometry.center[b] - geometry.center[a]).tolist()))
+        return float(solid_a.min_gap(shifted_b, bound))
+    # a part bounds no body: distances of the corners from the triangles bound the gap
+    for points, part in ((corners[0], b), (corners[1], a)):
+        limit = np.full(len(points), bound)
+        bound = float(surface_distance(points, geometry.corners_of(part), limit).min())
+    return bound
+
+
+def _corners(geometry: Geometry, part: int) -> Array:
+    return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]

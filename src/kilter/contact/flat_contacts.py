@@ -1,4 +1,17 @@
-"""Merge touching polygons to contact patches, one for each pair of parts and plane.
+"""Contacts of flat faces.
+
+Areas between the round edges of flat facets and their chords.
+
+The corners of a facet are on its round edges, so its polygon lacks a segment at each chord (or has
+one too many, at the edge of a hole). A chord of length c, whose edge has the height h over it,
+lacks the segment of a circle
+
+    r^2 / 2 (t - sin t),   r = (c^2 / 4 + h^2) / (2 h),   t = 2 asin(c / (2 r))
+
+A patch that covers a facet as a whole has the exact area of the facet. A part of a facet has the
+area of its polygon.
+
+Merge touching polygons to contact patches, one for each pair of parts and plane.
 
 Pieces of a pair lie in the same plane if their normals agree within the merging angle and their
 offsets within twice the gap tolerance. An area thinner than twice the gap tolerance is not an area
@@ -10,20 +23,123 @@ first: such a piece along a line of contact would widen the hull of its neighbou
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, connected, starts
-from kilter.contact.contact_search import ContactSearch
-from kilter.contact.contact_tolerances import PATCH_ANGLE, PATCH_CORNER, SLIVER, WHOLE
-from kilter.contact.patches import Patches
-from kilter.contact.planar.facet_overlays import FacetFrame, Pieces
-from kilter.contact.planar.facets import Facets
-from kilter.contact.planar.polygons import convex_hull, tidy, width_of
-from kilter.contact.planar.round_areas import missing_areas
+from kilter.arrays import Array, Index, Mask, connected, cross, starts, unit_rows
+from kilter.assembly.edge_curves import Chords
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import FREE
+from kilter.contact.common.broad import facet_pairs
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.facets import Facets, facet_triangles
+from kilter.contact.common.gaps import (
+    APART,
+    PENETRATES,
+    THIN,
+    TILTED,
+    RejectedPair,
+    nearest_gap,
+    touches,
+)
+from kilter.contact.common.patches import KeptPairs, Patches
+from kilter.contact.common.polygons import (
+    FacetFrame,
+    Pieces,
+    convex_hull,
+    facet_frames,
+    overlaps_of,
+    tidy,
+    width_of,
+)
+from kilter.contact.contact_tolerances import (
+    LOOKED_AT_ANGLE,
+    PATCH_ANGLE,
+    PATCH_CORNER,
+    ROUNDINGS,
+    SLIVER,
+    STRAIGHT,
+    WHOLE,
+)
+from kilter.contact.smooth.smooth_joints import SmoothJoints
+from kilter.shape.closed import shared_edges
 
-__all__ = ["merge"]
+__all__ = ["GAP_EDGES", "FlatContacts", "find_flat", "merge", "missing_areas"]
+
+
+def missing_areas(geometry: Geometry, facets: Facets, chosen: Index) -> Array:
+    """Exact area of each chosen flat facet minus the area of its polygon, shape (n,).
+
+    Parameters
+    ----------
+    geometry : Geometry
+    facets : Facets
+    chosen : ndarray of int, shape (n,)
+        Indices of the facets; a facet may occur several times.
+    """
+    missing = np.zeros(len(facets.part))
+    s = geometry.surfaces
+    flat = np.unique(chosen[~facets.curved[chosen]])
+    flat = flat[np.isin(facets.part[flat], s.part)] if len(s) else flat[:0]
+    for part in np.unique(facets.part[flat]):
+        chords, key, outward = _round_edges(geometry, int(part))
+        own = flat[facets.part[flat] == part]
+        owner, triangles = facet_triangles(facets.corner_start, facets.convex, own)
+        ids = facets.corners[triangles]
+        sides = (ids * len(geometry.vertices) + np.roll(ids, -1, axis=1)).ravel()
+        order = np.argsort(sides, kind="stable")
+        at = np.minimum(np.searchsorted(sides[order], key), len(sides) - 1)
+        found = sides[order][at] == key
+        lost = _segments(chords, outward, geometry)
+        np.add.at(missing, own[owner[order[at[found]] // 3]], lost[found])
+    return missing[chosen]
+
+
+def _round_edges(geometry: Geometry, part: int) -> tuple[Chords, Index, Array]:
+    """Edges between triangles in planes and exact curved surfaces of a part.
+
+    Returns
+    -------
+    chords : Chords
+    key : ndarray of int, shape (n,)
+        First vertex times the number of vertices, plus the second, in the sense of the flat face.
+    outward : ndarray, shape (n, 3)
+        Unit vectors in the flat face, away from it.
+    """
+    g, s = geometry, geometry.surfaces
+    span = slice(g.triangle_start[part], g.triangle_start[part + 1])
+    triangles, label = g.triangles[span], g.triangle_surface[span]
+    first, second = shared_edges(triangles)
+    both = np.column_stack([first, second])
+    both = np.concatenate([both, both[:, ::-1]])  # the flat side first
+    on = label[both // 3]
+    known = (s.kind[on[:, 1]] != FREE) & (s.doubt[on[:, 1]] == 0)
+    both = both[(on[:, 0] < 0) & (on[:, 1] >= 0) & known]
+    side = both // 3
+    start = triangles[side[:, 0], both[:, 0] % 3]
+    end = triangles[side[:, 0], (both[:, 0] + 1) % 3]
+    corner = g.vertices[triangles[side]]
+    normal = unit_rows(cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0]))
+    p, q = g.vertices[start], g.vertices[end]
+    chords = Chords(p, q, label[side], corner[:, :, 0], normal)
+    return chords, start * len(g.vertices) + end, unit_rows(cross(q - p, normal[:, 0]))
+
+
+def _segments(chords: Chords, outward: Array, geometry: Geometry) -> Array:
+    """Signed areas between chords and their edges, positive outside the flat face, shape (n,)."""
+    top, converged = chords.on_edge(np.full(len(chords.p), 0.5), geometry.surfaces)
+    chord = np.linalg.norm(chords.q - chords.p, axis=1)
+    height = np.einsum("ij,ij->i", top - (chords.p + chords.q) / 2, outward)
+    bent = np.flatnonzero(converged & (np.abs(height) > STRAIGHT * chord))
+    c, h = chord[bent], np.abs(height[bent])
+    radius = (c**2 / 4 + h**2) / (2 * h)
+    angle = 2 * np.arcsin(np.minimum(c / (2 * radius), 1.0))
+    area = np.zeros(len(chord))
+    area[bent] = np.sign(height[bent]) * radius**2 / 2 * (angle - np.sin(angle))
+    return area
 
 
 CROWD = 1500
@@ -246,3 +362,114 @@ def _wide_regions(plane: Array, owner: Index, which: Index, area: Array, width: 
         diameter = float(np.linalg.norm(np.ptp(corners, axis=0)))
         wide[members] = area[members].sum() >= width * diameter
     return wide
+
+
+DECADES: Array = np.power(10.0, np.arange(-12, -1))
+GAP_EDGES: Array = np.concatenate([[-np.inf], -DECADES[::-1], [0.0], DECADES, [np.inf]])
+"""Bin edges of the histogram of gaps, relative to the size of the smaller part [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlatContacts:
+    """Result of the search for flat contacts: patches, near faces, and the gaps of opposed faces.
+
+    Attributes
+    ----------
+    patches : Patches
+    rejected : list of RejectedPair
+    gaps : ndarray of int, shape (n, 2)
+        Row of the pair, and interval of `GAP_EDGES`, of each gap between opposed faces.
+    """
+
+    patches: Patches
+    rejected: list[RejectedPair]
+    gaps: Index
+
+    @property
+    def counts(self) -> Index:
+        """Number of gaps in each interval of `GAP_EDGES`."""
+        return np.bincount(self.gaps[:, 1], minlength=len(GAP_EDGES) - 1)
+
+    @staticmethod
+    def join(blocks: Sequence[tuple[int, FlatContacts]]) -> FlatContacts:
+        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
+        return FlatContacts(
+            Patches.join(block.patches.after(begin) for begin, block in blocks),
+            [pair for _, block in blocks for pair in block.rejected],
+            np.concatenate([np.add(block.gaps, (begin, 0)) for begin, block in blocks]),
+        )
+
+    def among(self, kept: KeptPairs) -> FlatContacts:
+        """The contacts of some of the pairs, with new numbers."""
+        return FlatContacts(
+            kept.patches(self.patches), list(kept.records(self.rejected)), kept.rows(self.gaps)
+        )
+
+
+def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
+    """Find the contacts of flat faces of near pairs, except facets of smooth contacts."""
+    geometry, facets, limits = search.geometry, search.facets, search.limits
+    widest = max(LOOKED_AT_ANGLE, 2 * search.angle)
+    cosine = float(np.cos(widest))
+    pair, i, j = facet_pairs(facets, search.boxes, search.pairs, limits.margin, cosine)
+    flat = ~(facets.curved[i] | facets.curved[j])
+    pair, i, j = pair[flat], i[flat], j[flat]
+    plain = ~smooth.between(pair, i, j)
+    pair, i, j = pair[plain], i[plain], j[plain]
+    frames = facet_frames(facets, pair, i, j, limits.margin[pair])
+    angle = search.angle + _angle_rounding(search, frames)
+    size = np.minimum(geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]])
+    accepted, refused, gaps = [], [], [np.empty((0, 2), dtype=np.int64)]
+    for block in overlaps_of(geometry, facets, frames):
+        pair_of = frames.pair[block.frame]
+        limit = limits.gap[pair_of]
+        opposed = frames.angle[block.frame] <= angle[block.frame]
+        touch = opposed & touches(block.gap, limit, limits.closed[pair_of])
+        accepted.append(block.take(np.flatnonzero(touch)))
+        refused.append(block.take(np.flatnonzero(~touch)))
+        wide = block.area > limit * np.sqrt(
+            block.area
+        )  # an overlap without width has no gap to count
+        relative = (nearest_gap(block.gap) / size[block.frame])[wide & opposed]
+        interval = np.searchsorted(GAP_EDGES, relative, side="right") - 1
+        gaps.append(np.column_stack([pair_of[wide & opposed], interval]))
+    patches, thin = merge(search, frames, accepted)
+    rejected = _rejected_pairs(search, frames, refused, angle)
+    rejected += _rejected_pairs(search, frames, thin, angle, THIN)
+    return FlatContacts(patches, rejected, np.concatenate(gaps))
+
+
+def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:
+    """Largest angle between two facets that rounding of coordinates may cause [rad]."""
+    geometry, facets = search.geometry, search.facets
+    error = np.zeros(len(frames))
+    for facet in (frames.i, frames.j):
+        part = facets.part[facet]
+        width = facets.area[facet] / facets.reach[facet]
+        error += np.where(geometry.single[part], ROUNDINGS * geometry.accuracy[part] / width, 0.0)
+    return np.minimum(error, LOOKED_AT_ANGLE)
+
+
+def _rejected_pairs(
+    search: ContactSearch, frames: FacetFrame, blocks: list[Pieces], angle: Array, why: str = ""
+) -> list[RejectedPair]:
+    """For each pair of parts and reason, the nearest facets that do not count as touching.
+
+    `angle` is the angle tolerance of each frame [rad]; `why` is a reason for all blocks, else the
+    reason follows from the tilt and the sign of the gap.
+    """
+    limits = search.limits
+    nearest: dict[tuple[int, str], RejectedPair] = {}
+    for block in blocks:
+        row = block.frame
+        pair = frames.pair[row]
+        gap = nearest_gap(block.gap)
+        wide = (block.area > (2 * limits.gap[pair]) ** 2) & (np.abs(gap) <= limits.margin[pair])
+        for k in np.flatnonzero(wide | bool(why)):
+            tilt = float(frames.angle[row[k]])
+            reason = TILTED if tilt > angle[row[k]] else APART if gap[k] > 0 else PENETRATES
+            key = (int(pair[k]), why or reason)
+            if key not in nearest or abs(gap[k]) < abs(nearest[key].gap):
+                a, b = (int(part) for part in search.pairs[pair[k]])
+                nearest[key] = RejectedPair((a, b), float(gap[k]), tilt, key[1])
+    return list(nearest.values())

@@ -1,38 +1,237 @@
-"""Overlaps: parts that share volume, with depth, volume, and share of the smaller part.
+"""Parts that overlap, and the reasons for which an overlap is no error.
+
+Depth of the corners of a part inside another part, by the winding number of its surface.
+
+For triangles that bound no body: an edge with one face, or with four.
+
+References
+----------
+A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
+
+Intersection of two overlapping parts as a mesh, by the library manifold3d.
+
+The surface of the intersection of A and B consists of the part of the surface of A inside B and the
+part of the surface of B inside A. The depth of the overlap follows from it:
+
+    depth = max over points x of either piece of |x - surface of the other part|,
+
+computed at the corners and at the middles of sides and triangles. The distance from the nearest
+corner of the other surface is an upper bound. So the points with the largest bounds are computed
+first, and the rest only until the bound falls below the largest distance.
+
+Curved faces count as their inscribed polyhedra, refined as requested.
+
+Overlaps: parts that share volume, with depth, volume, and share of the smaller part.
 
 Two convex parts share no volume if the plane of a facet of one has the other in front of it (within
 tolerance). If no facet's plane separates them, the largest ball inside both decides; it also
 recognises parts that only an edge against an edge separates.
 
-The triangles of other parts are intersected (`kilter.contact.fits.shared_body`). Triangles that
+The triangles of other parts are intersected (`kilter.contact.overlap`). Triangles that
 bound no body have no volume; for these the winding number shows which corners lie inside the other
 part.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Mask
+from kilter.arrays import TINY, Array, Mask, cross, distinct_rows
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
+from kilter.contact.common.contact_search import coincide, deep_boxes
+from kilter.contact.common.distances import PartSolids, at_most, surface_distance
+from kilter.contact.common.facets import Facets
+from kilter.contact.common.gaps import Tolerance
+from kilter.contact.common.patches import INTERFERE, SAME_BODY, Overlap
 from kilter.contact.contact_tolerances import COPY_PLACE
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.contact.face_patches import FacePatches, in_patch
-from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.part_solids import PartSolids
-from kilter.contact.fits.same_body import coincide, deep_boxes
-from kilter.contact.fits.shared_body import SharedBody, depth_of, shared_body
-from kilter.contact.fits.winding_depth import depth_by_winding
-from kilter.contact.gaps import Tolerance
-from kilter.contact.planar.facets import Facets
 from kilter.solvers.problem import LinearProgram
 from kilter.work import stop_if_late
 
-__all__ = ["find_overlaps"]
+__all__ = [
+    "SharedBody",
+    "depth_by_winding",
+    "depth_of",
+    "find_overlaps",
+    "inside_part",
+    "shared_body",
+]
+
+
+PROBES = 300
+"""Largest number of points of a part that are tested."""
+BATCH = 100_000
+"""Largest number of pairs (point, triangle) computed at once; more leave the processor's cache."""
+
+
+def depth_by_winding(
+    geometry: Geometry,
+    parts: tuple[int, int],
+    tolerance: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    """Depth to which two parts overlap, at corners and edge middles [length unit]; 0: none."""
+    a, b = parts
+    return max(_depth_inside(geometry, *pair, tolerance, without) for pair in ((a, b), (b, a)))
+
+
+def _depth_inside(
+    geometry: Geometry,
+    a: int,
+    b: int,
+    tolerance: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    """Largest depth of points of part a inside part b [length unit]; 0: none."""
+    corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
+    sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
+    probes = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides])
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
+    probes = _some_without(distinct_rows(probes)[0], without)
+    if not len(probes):
+        return 0.0
+    inside = inside_part(geometry, b, probes)
+    return float(surface_distance(probes[inside], triangles).max(initial=0.0))
+
+
+def inside_part(geometry: Geometry, part: int, points: Array) -> Mask:
+    """Mask of points inside the surface of a part, shape (n,)."""
+    triangles = geometry.corners_of(part)
+    batches = np.array_split(points, 1 + len(points) * len(triangles) // BATCH)
+    return np.concatenate([_winding_number(batch, triangles) > 0.5 for batch in batches])
+
+
+def _some_without(probes: Array, without: Callable[[Array], Mask]) -> Array:
+    """About `PROBES` points, evenly spread over the given ones, for which `without` is False."""
+    step = len(probes) // PROBES + 1
+    chosen = probes[:0]
+    for k in range(step):  # one round is enough unless `without` removes many points
+        batch = probes[k::step]
+        chosen = np.concatenate([chosen, batch[~without(batch)]])
+        if len(chosen) >= PROBES // 2:
+            break
+    return chosen
+
+
+def _winding_number(points: Array, triangles: Array) -> Array:
+    """Winding number of a closed surface about each point: 1 inside, 0 outside, shape (n,)."""
+    middle = triangles.mean(axis=(0, 1))
+    x, corners = points - middle, triangles - middle
+    # products of two or three of a - x, b - x, c - x are linear in x, except for |x|^2: expanded,
+    # they need no array of points times triangles times coordinates
+    a, b, c = corners.transpose(1, 0, 2)
+    square = (x**2).sum(axis=1)[:, None]
+    la, lb, lc = (
+        np.sqrt(np.maximum(square + (corner**2).sum(axis=1) - 2 * (x @ corner.T), 0.0))
+        for corner in (a, b, c)
+    )
+    bc = cross(b, c)
+    top = np.einsum("ti,ti->t", a, bc) - x @ (bc + cross(c, a) + cross(a, b)).T
+    bottom = la * lb * lc
+    for p, q, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        product = np.einsum("ti,ti->t", p, q) - x @ (p + q).T + square
+        bottom += product * length
+    winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
+    return winding
+
+
+FIRST = 200
+"""Points in the first batch of distances; each further batch is twice as large."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SharedBody:
+    """The intersection of two overlapping parts, as a mesh in the world frame.
+
+    Attributes
+    ----------
+    volume : float
+        Volume [length unit^3].
+    corners : ndarray, shape (T, 3, 3)
+        Triangles of its surface.
+    of_first : ndarray of bool, shape (T,)
+        True if a triangle lies on the surface of the first part, else on that of the second.
+    """
+
+    volume: float
+    corners: Array
+    of_first: Mask
+
+
+def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:
+    """The intersection of parts a and b, empty if they are apart; None if a part is not closed.
+
+    Returns
+    -------
+    SharedBody or None
+        None if the triangles of a part bound no body: an edge with one face, or with four.
+    """
+    solid_a, solid_b = solids.of(a), solids.of(b)
+    if solid_a is None or solid_b is None:
+        return None
+    center = solids.geometry.center
+    common = solid_a ^ solid_b.translate(tuple((center[b] - center[a]).tolist()))
+    mesh = common.to_mesh64()
+    length = np.diff(np.asarray(mesh.run_index, dtype=np.int64)) // 3
+    first = np.repeat(np.array(mesh.run_original_id) == a + 1, length.astype(np.int64))
+    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts)] + center[a]
+    return SharedBody(float(common.volume()), corners, first)
+
+
+def depth_of(
+    solids: PartSolids,
+    parts: tuple[int, int],
+    body: SharedBody,
+    *,
+    least: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    """Depth to which two parts overlap, at least `least` [length unit].
+
+    Returns
+    -------
+    float
+        `least` if the overlap is not deeper.
+    """
+    deepest = least
+    for part, on_other in ((parts[1], body.of_first), (parts[0], ~body.of_first)):
+        points = _probes(body.corners[on_other])
+        points = points[~without(points)]
+        surface = solids.geometry.corners_of(part)
+        deepest = _farthest(points, body.corners[~on_other], surface, deepest)
+    return deepest
+
+
+def _probes(corners: Array) -> Array:
+    """Corners, edge middles and centres of triangles, each point once."""
+    middles = (corners + np.roll(corners, -1, axis=1)) / 2
+    points = np.concatenate([corners.reshape(-1, 3), middles.reshape(-1, 3), corners.mean(axis=1)])
+    return distinct_rows(points)[0]
+
+
+def _farthest(points: Array, patch: Array, surface: Array, least: float) -> float:
+    """Largest distance of points from a surface; `least` if all points are nearer than that.
+
+    `patch` is a part of the surface, which bounds the distances from above.
+    """
+    if not len(points):
+        return least
+    bound = at_most(points, patch if len(patch) else surface)
+    order = np.argsort(-bound, kind="stable")
+    begin, count = 0, FIRST
+    while begin < len(order) and bound[order[begin]] > least:
+        batch = order[begin : begin + count]
+        batch = batch[bound[batch] > least]
+        least = max(least, float(surface_distance(points[batch], surface, bound[batch]).max()))
+        begin, count = begin + count, 2 * count
+    return least
 
 
 @dataclass(frozen=True, slots=True, eq=False)
