@@ -186,7 +186,7 @@ class Fixture(Answer):
     @key
     def warnings(self) -> list[str]:
         """Warnings about the contacts."""
-        return self.contacts.remarks()
+        return list(self.contacts.warnings)
 
     @property
     @key
