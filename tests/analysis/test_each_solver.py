@@ -12,7 +12,7 @@ from solvers_apart import each_solver, recorded, sides
 from kilter import check
 from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import SOLVERS, judge
-from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.analysis.load_limit import find_limit, gravity_wrench
 from kilter.scenes import arches, scene, stacks, walls
 from kilter.scenes.registry import SCENES
 from kilter.solvers import cone_interior_point

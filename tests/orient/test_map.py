@@ -84,7 +84,7 @@ def test_vertices_facets_and_partitions_fit_together(name):
     for vertex in range(0, len(found.vertices), 7):
         rays = found.partition(vertex)
         g = random.dirichlet(np.ones(len(rays)), size=5) @ rays
-        assert (found.partition_of(g) == vertex).all()
+        assert ((g @ found.vertices.T).argmax(axis=1) == vertex).all()
 
 
 @pytest.mark.slow
@@ -92,7 +92,7 @@ def test_partitions_are_where_one_displacement_is_optimal():
     program = program_of("paper-figure-8")
     found, work = stability_map(program), VirtualWork(program)
     g = on_facets(program, 200)
-    mine = found.vertices[found.partition_of(g)] / found.mass
+    mine = found.vertices[(g @ found.vertices.T).argmax(axis=1)] / found.mass
     theirs = np.array([work.solve(d).q for d in g])
     assert np.abs(mine - theirs).max() < 1e-8
 

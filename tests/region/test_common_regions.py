@@ -42,7 +42,8 @@ def test_stable_for_all_is_stable_for_each(names: tuple[str, str]) -> None:
     each = [region_of(name) for name in names]
     region = common_region([part.assemblies[0] for part in each])
     asked = np.vstack([directions(part, 300) for part in [*each, region]])
-    near = np.min([part.cone.boundary_angle(asked) for part in [*each, region]], axis=0) < 1e-6
+    planes = np.vstack([[*part.cone.equations, *part.cone.facets] for part in [*each, region]])
+    near = np.abs(asked @ planes.T).min(axis=1) < 1e-6 * np.linalg.norm(asked, axis=1)
     wanted = np.all([part.contains(asked) for part in each], axis=0)
     assert (region.contains(asked) == wanted)[~near].all()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import open_pairs_answer
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.tell.record import Answer, InPython, UnitWord, Vector, key

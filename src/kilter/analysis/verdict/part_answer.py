@@ -7,29 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.decision.motion import PartMotion
 from kilter.arrays import Array
 from kilter.validate import frozen
 
-__all__ = ["PartAnswer", "PartMotion", "PointForces"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PartMotion:
-    """Accelerations with which a part starts to move from rest; arrays are read-only.
-
-    Attributes
-    ----------
-    acceleration : ndarray, shape (6,)
-        Linear [m/s^2] and angular [rad/s^2] acceleration, world frame.
-    relative : ndarray, shape (2,)
-        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
-    moves : bool
-        Whether the part starts to move.
-    """
-
-    acceleration: Array
-    relative: Array
-    moves: bool
+__all__ = ["PartAnswer", "PointForces"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

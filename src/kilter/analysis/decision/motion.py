@@ -31,7 +31,6 @@ from kilter.analysis.analysis_tolerances import (
     MOVES,
     ZERO_MOTION,
 )
-from kilter.analysis.verdict.part_answer import PartMotion
 from kilter.arrays import TINY, Array, Mask
 from kilter.assembly import Part
 from kilter.errors import InputError, nearest_name, some_names
@@ -84,6 +83,25 @@ NO_MOTION_OF_LIMITS = (
 )
 UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
 """Words for a part if no solver finished, by whether a proof shows that the part moves."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartMotion:
+    """Accelerations with which a part starts to move from rest; arrays are read-only.
+
+    Attributes
+    ----------
+    acceleration : ndarray, shape (6,)
+        Linear [m/s^2] and angular [rad/s^2] acceleration, world frame.
+    relative : ndarray, shape (2,)
+        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
+    moves : bool
+        Whether the part starts to move.
+    """
+
+    acceleration: Array
+    relative: Array
+    moves: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
