@@ -175,7 +175,7 @@ def brute_wrong(assembly: kilter.Assembly, orders: Sequence[kilter.Order], tally
     for hold, order in enumerate(orders):
         if order.found and not low <= order.holds_max <= high:
             yield f"{kind_of(order)}, by all orders {low} to {high}"
-        if order.verdict == "none-found" and order.exhausted and high <= hold:
+        if order.verdict == "none-found" and order.search.exhausted and high <= hold:
             yield f"none found with {hold}, by all orders {high} are enough"
         least = (MOST if low > MOST else -1) if order.locked else anyhow - 1
         if order.verdict == "impossible" and least < hold:

@@ -7,7 +7,6 @@ import os
 import signal
 from collections.abc import Generator, Iterator
 from contextlib import suppress
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -25,8 +24,7 @@ settings.load_profile("kilter")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """`--each-solver FILE`: see `solvers_apart`; `--kills N`: see `tests/cli/test_writing.py`."""
-    parser.addoption("--each-solver", metavar="FILE", type=Path, help="ask each solver by itself")
+    """`--kills N`: see `tests/cli/test_writing.py`."""
     parser.addoption("--block", metavar="K/N", help="run the K-th of N blocks of the tests")
     parser.addoption("--kills", type=int, default=12, help="moments at which a writer is killed")
 
@@ -76,19 +74,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if block:
         items[:], others = in_block(items, block)
         config.hook.pytest_deselected(items=others)
-
-
-@pytest.fixture(autouse=True)
-def asked_of_each_solver(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Programs that the test has judged, asked of each solver, where that is asked for."""
-    file = request.config.getoption("--each-solver")
-    if file is None:
-        yield
-        return
-    from solvers_apart import each_solver
-
-    with each_solver(request.node.nodeid, file):
-        yield
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -7,7 +7,6 @@ file: nothing of the answer but the proof itself is used.
 from __future__ import annotations
 
 import json
-import warnings
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ import pytest
 import stranger
 
 from kilter import InputError, check
+from kilter.analysis.decision.judge import SOLVERS, Solver, judge
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.assembly import Assembly
@@ -23,7 +23,7 @@ from kilter.files import from_dict, to_dict
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
 
-__all__ = ["judged", "kappa", "program_of", "reloaded", "verified", "z_of"]
+__all__ = ["judged", "kappa", "program_of", "reloaded", "sides", "verified", "z_of"]
 
 
 def reloaded(assembly: Assembly) -> Assembly:
@@ -105,6 +105,11 @@ def program_of(assembly: Assembly, *, possible: bool = False, sticking: bool = F
     return build_program(assembly, detect.contacts(assembly), possible=possible, sticking=sticking)
 
 
+def sides(program: Program) -> dict[Solver, bool | None]:
+    """Side that each solver proves by itself: stable, unstable, or none."""
+    return {solver: judge(program, solver=solver).stable for solver in SOLVERS}
+
+
 def z_of(assembly: Assembly) -> float:
     """Optimum z of the displacement program, for an assembly of any verdict."""
     return judged(assembly).displacement.z
@@ -113,13 +118,6 @@ def z_of(assembly: Assembly) -> float:
 def kappa(assembly: Assembly) -> float:
     """Instability of an assembly of any verdict [-]."""
     return judged(assembly).motion.instability
-
-
-def quiet(function: Any, *arguments: Any, **options: Any) -> Any:
-    """Call a function without its Python warnings."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return function(*arguments, **options)
 
 
 def random_turn(random: np.random.Generator) -> np.ndarray:

@@ -146,12 +146,6 @@ def test_no_contact_set_between_contradicts_a_verdict(seed: int) -> None:
     assert census().asked(seed)[1] == []  # type: ignore[attr-defined]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12, 42))
-def test_no_contact_set_between_contradicts_any_verdict(seed: int) -> None:
-    assert census().asked(seed)[1] == []  # type: ignore[attr-defined]
-
-
 @REAL
 @pytest.mark.slow
 def test_a_vault_as_published_names_the_pairs_that_decide() -> None:

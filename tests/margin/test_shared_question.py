@@ -116,4 +116,4 @@ def test_a_plan_asks_once_which_pairs_decide(monkeypatch: pytest.MonkeyPatch) ->
     order = kilter.plan(staggered_dome(2, rings=2, per_ring=8))
     assert calls == [True]
     assert order.verdict == "undecided"
-    assert order.finished.question is not None
+    assert order.decision.question is not None

@@ -121,10 +121,9 @@ def entered(order: Order, count: int) -> list[str]:
     assembly = order.states.assembly
     sweeps, solids = Sweeps(order.states.contacts), PartSolids(assembly.geometry)
     size, found = assembly.geometry.size, []
-    far = 2 * float(np.ptp(assembly.geometry.vertices, axis=0).max())
     standing = {part.name for part in assembly if part.grounded}
     for step in order.steps:
-        places = places_along(step.path(far), count)
+        places = places_along(step.path, count)
         for moved in map(assembly.index_of, step.parts):
             for other in map(assembly.index_of, sorted(standing - {step.over})):
                 small = min(solids.of(moved).volume(), solids.of(other).volume())

@@ -166,7 +166,8 @@ def place(
             for angle in turns
         ]
     best = max(
-        answers, key=lambda answer: answer.best[3] if answer.best else float(answer.undecided) - 2
+        answers,
+        key=lambda answer: answer.best.margin if answer.best else float(answer.undecided) - 2,
     )
     if figure is not None:
         publish.draw(best, figure)

@@ -24,6 +24,7 @@ from kilter.contact.common.patches import Patches, PossibleContacts
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
 from kilter.contact.curved.coaxial_faces import Fit, coaxial_fits
+from kilter.contact.curved.curved_patches import raised_warnings
 from kilter.contact.curved.rims import rim_contacts
 from kilter.contact.flat_contacts import GAP_EDGES
 from kilter.contact.friction_coefficients import (
@@ -33,6 +34,7 @@ from kilter.contact.friction_coefficients import (
 )
 from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
+from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warnings
 from kilter.errors import InputError
 from kilter.values.guesses import guarded
 from kilter.work import facts_of, stop_after, take_at_least
@@ -206,16 +208,17 @@ def _contact_set(
     """
     gap = search.limits.gap
     examined = findings.search
-    flat, near, smooth = findings.flat, findings.near, findings.smooth
+    flat, sharp, joints = findings.flat, findings.sharp, findings.smooth.joints
     faces = findings.faces
-    found = Patches.join([faces, near.patches, _listed_patches(assembly)])
+    found = Patches.join([faces, sharp.patches, _listed_patches(assembly)])
     patches, of_pieces = with_piece_friction(assembly, examined, found)
     unsupported = findings.unsupported
     overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.ends))
     rejected = sorted([*findings.refused, *findings.near_edges], key=_rank)
-    rims = rim_contacts(search.geometry, flat.patches)
-    possible = PossibleContacts.join([near.possible, rims, findings.curved.possible])
-    tilted = smooth.possible(friction_coefficients(assembly, examined.pairs, greatest=True))
+    # the first rows are the normals of the degenerate points, in order
+    possible = [sharp.degenerate.pushes(), sharp.possible]
+    if len(search.geometry.surfaces):
+        possible += [rim_contacts(search.geometry, flat.patches), findings.curved.possible]
     unexamined = search.pairs[len(examined.pairs) :]
     left_open = find_open_pairs(assembly, overlaps, rejected, unsupported, unexamined)
     cut = sum(pair.kind == "unexamined" for pair in left_open)
@@ -238,29 +241,38 @@ def _contact_set(
         unsupported=unsupported,
         possible=PossibleContacts.join(
             [
-                _with_friction(assembly, possible),
+                _with_friction(assembly, PossibleContacts.join(possible)),
                 of_pieces,
-                tilted,
+                _tilted_forces(assembly, findings),
                 open_forces(left_open, search.geometry),
             ]
         ),
         near=tuple(rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
-        gap_counts=flat.counts,
+        gap_counts=np.bincount(flat.gaps[:, 1], minlength=len(GAP_EDGES) - 1),
         searched=tolerance,
         gap=float(gap.max(initial=0.0)),
         notes=(
             *((f"the time limit was reached: {unexamined_words(cut)}",) if cut else ()),
             *gap_warnings(flat.patches, rejected, examined.limits),
-            *findings.curved.warnings,
-            *smooth.warnings,
+            *raised_warnings(findings.curved.raised),
+            *smooth_warnings(joints),
             *closed_by_clearance(assembly, faces, examined.limits),
         ),
-        degenerate=near.degenerate,
+        degenerate=sharp.degenerate,
         open_pairs=left_open,
         fits=_fits(assembly, examined, tolerance, {frozenset(pair.ends) for pair in overlaps}),
     )
+
+
+def _tilted_forces(assembly: Assembly, findings: PairFindings) -> PossibleContacts:
+    """Forces of smooth contacts, within friction and the error of their normals."""
+    if not findings.smooth.joints:
+        return PossibleContacts.none()
+    pairs = findings.search.pairs
+    mu = friction_coefficients(assembly, pairs, greatest=True)
+    return possible_forces_of(findings.smooth.joints, pairs, mu)
 
 
 def _fits(

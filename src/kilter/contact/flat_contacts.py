@@ -23,8 +23,6 @@ first: such a piece along a line of contact would widen the hull of its neighbou
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +34,7 @@ from kilter.assembly.surfaces import FREE
 from kilter.contact.common.broad import facet_pairs
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.facets import Facets, facet_triangles
+from kilter.contact.common.findings import FacePatches, Findings
 from kilter.contact.common.gaps import (
     APART,
     PENETRATES,
@@ -45,7 +44,7 @@ from kilter.contact.common.gaps import (
     nearest_gap,
     touches,
 )
-from kilter.contact.common.patches import KeptPairs, Patches
+from kilter.contact.common.patches import Patches
 from kilter.contact.common.polygons import (
     FacetFrame,
     Pieces,
@@ -64,10 +63,9 @@ from kilter.contact.contact_tolerances import (
     STRAIGHT,
     WHOLE,
 )
-from kilter.contact.smooth.smooth_joints import SmoothJoints
 from kilter.shape.closed import shared_edges
 
-__all__ = ["GAP_EDGES", "FlatContacts", "find_flat", "merge", "missing_areas"]
+__all__ = ["GAP_EDGES", "find_flat", "merge", "missing_areas"]
 
 
 def missing_areas(geometry: Geometry, facets: Facets, chosen: Index) -> Array:
@@ -369,53 +367,18 @@ GAP_EDGES: Array = np.concatenate([[-np.inf], -DECADES[::-1], [0.0], DECADES, [n
 """Bin edges of the histogram of gaps, relative to the size of the smaller part [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FlatContacts:
-    """Result of the search for flat contacts: patches, near faces, and the gaps of opposed faces.
-
-    Attributes
-    ----------
-    patches : Patches
-    rejected : list of RejectedPair
-    gaps : ndarray of int, shape (n, 2)
-        Row of the pair, and interval of `GAP_EDGES`, of each gap between opposed faces.
-    """
-
-    patches: Patches
-    rejected: list[RejectedPair]
-    gaps: Index
-
-    @property
-    def counts(self) -> Index:
-        """Number of gaps in each interval of `GAP_EDGES`."""
-        return np.bincount(self.gaps[:, 1], minlength=len(GAP_EDGES) - 1)
-
-    @staticmethod
-    def join(blocks: Sequence[tuple[int, FlatContacts]]) -> FlatContacts:
-        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
-        return FlatContacts(
-            Patches.join(block.patches.after(begin) for begin, block in blocks),
-            [pair for _, block in blocks for pair in block.rejected],
-            np.concatenate([np.add(block.gaps, (begin, 0)) for begin, block in blocks]),
-        )
-
-    def among(self, kept: KeptPairs) -> FlatContacts:
-        """The contacts of some of the pairs, with new numbers."""
-        return FlatContacts(
-            kept.patches(self.patches), list(kept.records(self.rejected)), kept.rows(self.gaps)
-        )
-
-
-def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
+def find_flat(faces: FacePatches) -> Findings:
     """Find the contacts of flat faces of near pairs, except facets of smooth contacts."""
+    search = faces.search
     geometry, facets, limits = search.geometry, search.facets, search.limits
     widest = max(LOOKED_AT_ANGLE, 2 * search.angle)
     cosine = float(np.cos(widest))
     pair, i, j = facet_pairs(facets, search.boxes, search.pairs, limits.margin, cosine)
     flat = ~(facets.curved[i] | facets.curved[j])
     pair, i, j = pair[flat], i[flat], j[flat]
-    plain = ~smooth.between(pair, i, j)
-    pair, i, j = pair[plain], i[plain], j[plain]
+    if faces.smooth.joints:
+        plain = ~faces.smooth.between(pair, i, j)
+        pair, i, j = pair[plain], i[plain], j[plain]
     frames = facet_frames(facets, pair, i, j, limits.margin[pair])
     angle = search.angle + _angle_rounding(search, frames)
     size = np.minimum(geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]])
@@ -436,7 +399,7 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
     patches, thin = merge(search, frames, accepted)
     rejected = _rejected_pairs(search, frames, refused, angle)
     rejected += _rejected_pairs(search, frames, thin, angle, THIN)
-    return FlatContacts(patches, rejected, np.concatenate(gaps))
+    return Findings(patches, tuple(rejected), gaps=np.concatenate(gaps))
 
 
 def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:

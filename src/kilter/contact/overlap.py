@@ -46,11 +46,11 @@ from kilter.assembly.geometry import Geometry
 from kilter.contact.common.contact_search import coincide, deep_boxes
 from kilter.contact.common.distances import PartSolids, at_most, surface_distance
 from kilter.contact.common.facets import Facets
+from kilter.contact.common.findings import FacePatches, in_patch, is_settled
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import INTERFERE, SAME_BODY, Overlap
 from kilter.contact.contact_tolerances import COPY_PLACE
 from kilter.contact.curved.coaxial_faces import coaxial_fits
-from kilter.contact.face_patches import FacePatches, in_patch
 from kilter.solvers.problem import LinearProgram
 from kilter.work import stop_if_late
 
@@ -265,7 +265,7 @@ def find_overlaps(
     tolerance = search.limits.gap + geometry.slack[a] + geometry.slack[b]
     deep = deep_boxes(geometry, boxes, search.pairs, search.limits)
     # convex parts with a patch lie on either side of its plane
-    rows = np.flatnonzero(deep & ~(both_convex & face_patches.has_patch))
+    rows = np.flatnonzero(deep & ~(is_settled(face_patches)))
     overlaps = list({overlap.ends: overlap for overlap in face_patches.curved.overlaps}.values())
     overlaps += [_same_body(geometry, (i, j)) for i, j in search.same_bodies.tolist()]
     recorded = {overlap.ends for overlap in overlaps}

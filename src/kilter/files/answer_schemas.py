@@ -25,7 +25,12 @@ from typing_extensions import TypedDict
 
 from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin import Margin
+from kilter.analysis.placing.check_plan import CheckedPlan
+from kilter.analysis.placing.place import Places
 from kilter.analysis.planning.hold.fixture import Fixture
+from kilter.analysis.planning.order.order import Order
+from kilter.analysis.scene_states.scene_report import SceneReport
+from kilter.analysis.settled_pose.settle import Settled
 from kilter.analysis.transport.transport_answer import Transport
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
@@ -37,11 +42,6 @@ from kilter.tell.answer_data.other_data import (
     IncompleteData,
     VerifyData,
 )
-from kilter.tell.answer_data.packing_data import PackingData
-from kilter.tell.answer_data.place_data import PlaceData
-from kilter.tell.answer_data.plan_data import PlanData
-from kilter.tell.answer_data.scene_data import SceneData
-from kilter.tell.answer_data.settle_data import SettleData
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
@@ -49,18 +49,18 @@ __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 ANSWERS: dict[str, Any] = {
     "batch": BatchData,
     "check": CheckData,
-    "check-plan": PackingData,
+    "check-plan": CheckedPlan,
     "contacts": ContactsData,
     "hold": Fixture,
     "improve": Improvement,
     "incomplete": IncompleteData,
     "margin": Margin,
     "orient": OrientData,
-    "place": PlaceData,
-    "plan": PlanData,
+    "place": Places,
+    "plan": Order,
     "region": RegionData,
-    "scene": SceneData,
-    "settle": SettleData,
+    "scene": SceneReport,
+    "settle": Settled,
     "transport": Transport,
     "verify": VerifyData,
 }
@@ -195,7 +195,9 @@ def _plain(kind: Any) -> Any:
 
 
 def _scalar(array: Any) -> Any:
-    """The type of an entry in JSON data, from the type of the array."""
+    """The type of an entry in JSON data, from the type of the array; float of other types."""
+    if get_origin(array) is not np.ndarray:
+        return float
     [kind] = get_args(get_args(array)[1])
     return type(np.zeros(1, kind).item())
 

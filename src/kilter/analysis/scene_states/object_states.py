@@ -148,17 +148,17 @@ def scene(
     survey.judge()
     free = ~assembly.geometry.grounded
     objects = tuple(
-        survey.states[k] if is_free else SceneObject(name, "held")
-        for k, (name, is_free) in enumerate(zip(assembly.names, free.tolist(), strict=True))
+        survey.states[k] if is_free else survey.entry(k, "held")
+        for k, is_free in enumerate(free.tolist())
     )
     return SceneReport(
-        assembly,
-        contacts,
-        objects,
-        tuple(survey.verdicts),
-        require,
-        (*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
-        time.perf_counter() - started,
+        objects=objects,
+        require=require,
+        warnings=(*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
+        seconds=time.perf_counter() - started,
+        assembly=assembly,
+        contacts=contacts,
+        verdicts=tuple(survey.verdicts),
     )
 
 
@@ -167,7 +167,7 @@ def _repaired(
 ) -> SceneReport:
     """The report about a scene after its repair (`kilter.analysis.scene_states.scene_repair`)."""
     first = scene(assembly, contacts=contacts, **given)
-    falls = {entry.name: entry.move for entry in first if entry.move is not None}
+    falls = {entry.name: entry.pose for entry in first if entry.pose is not None}
     fallen = assembly.with_poses(falls) if falls else assembly
     tolerance = given["tolerance"]
     touching = detect.contacts(fallen, tolerance=tolerance) if falls else contacts
@@ -207,6 +207,13 @@ class _Survey:
         self.down: Array = self.assembly.down
         self.overlap = _worst_overlaps(self.assembly, self.contacts)
         """The deepest overlap of each part that is the fault of one."""
+
+    def entry(self, k: int, state: ObjectState, **more: Any) -> SceneObject:
+        """A part with its state."""
+        part = self.assembly.parts[k]
+        geometry: Any = part.geometry or "as-drawn"
+        units = self.assembly.units
+        return SceneObject(name=part.name, state=state, geometry=geometry, units=units, **more)
 
     def judge(self) -> None:
         """Find the states of all free parts."""
@@ -286,13 +293,12 @@ class _Survey:
             if k in self.overlap:
                 self._overlapping(k)
             else:
-                name = self.assembly.names[k]
-                self.states[k] = SceneObject(name, "at-rest", level, if_held=if_held)
+                self.states[k] = self.entry(k, "at-rest", level=level, if_held=if_held)
 
     def _overlapping(self, k: int) -> None:
         overlap, names = self.overlap[k], self.assembly.names
         other = overlap.ends[0] if overlap.ends[1] == k else overlap.ends[1]
-        self.states[k] = SceneObject(names[k], "overlaps", gap=-overlap.depth, other=names[other])
+        self.states[k] = self.entry(k, "overlaps", gap=-overlap.depth, other=names[other])
 
     def _overlapping_among(self, members: Index) -> bool:
         """Give the overlapping members their state; whether there are any."""
@@ -306,23 +312,22 @@ class _Survey:
         fall = falling_distance(self.assembly, self.sweeps, members, self.down)
         parts = self.assembly.parts
         for k in members.tolist():
-            name, pose = parts[k].name, parts[k].pose
+            pose = parts[k].pose
             if k in self.overlap:
                 self._overlapping(k)
             elif fall is None:
-                self.states[k] = SceneObject(name, "falls", motion="nothing is below it")
+                self.states[k] = self.entry(k, "falls", motion="nothing is below it")
             else:
                 other, touching = parts[fall.other].name, self._touching_gap(fall.part, fall.other)
                 moved = Pose(pose.position + fall.distance * self.down, pose.rotation)
+                found = {"gap": fall.distance, "other": other}
                 if fall.distance <= touching:
                     # a round part that is sunk by less than its triangles show has no contact
                     state: ObjectState = "overlaps" if fall.distance < -touching else "open"
                     raised = moved if state == "overlaps" else None
-                    self.states[k] = SceneObject(name, state, None, fall.distance, other, raised)
+                    self.states[k] = self.entry(k, state, pose=raised, **found)
                     continue
-                self.states[k] = SceneObject(
-                    name, "floats", None, fall.distance, other, moved, if_held=if_held
-                )
+                self.states[k] = self.entry(k, "floats", pose=moved, if_held=if_held, **found)
 
     def _touching_gap(self, part: int, other: int) -> float:
         """Gap up to which two parts touch [length unit]."""
@@ -359,9 +364,8 @@ class _Survey:
             if k in self.overlap:
                 self._overlapping(k)
             else:
-                name = self.assembly.names[k]
-                words = verdict.words(name)
-                self.states[k] = SceneObject(name, "falls", motion=words, if_held=if_held)
+                words = verdict.words(self.assembly.names[k]) or None
+                self.states[k] = self.entry(k, "falls", motion=words, if_held=if_held)
         return bool(moves.any())
 
     def _open(self, members: Index, if_held: tuple[str, ...]) -> None:
@@ -377,7 +381,7 @@ class _Survey:
             if pair is not None:
                 other = names[pair.ends[0] if pair.ends[1] == k else pair.ends[1]]
                 gap = pair.gap
-            self.states[k] = SceneObject(names[k], "open", None, gap, other, if_held=if_held)
+            self.states[k] = self.entry(k, "open", gap=gap, other=other, if_held=if_held)
 
 
 def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:

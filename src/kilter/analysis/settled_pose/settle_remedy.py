@@ -42,7 +42,7 @@ def settle_remedy(verdict: Verdict) -> Remedy | None:
         answer = settle(assembly, contacts=contacts, require="equilibrium", effort=0.0)
     except KilterError:
         return None
-    if answer.state != "at-rest" or answer.after is None:
+    if answer.state != "at-rest" or answer.settled_verdict is None:
         return None
     moved = float(answer.distance.max(initial=0.0))
-    return Remedy("--settle", answer.after.verdict, answer.level, moved, assembly.units)
+    return Remedy("--settle", answer.settled_verdict.verdict, answer.level, moved, assembly.units)

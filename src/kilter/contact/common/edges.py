@@ -2,8 +2,8 @@
 
 An edge of the triangles is a chord of the curve in which its two faces meet. A point of the chord
 is moved to the curve by Newton steps of least length: with the distances d of a point from both
-faces and their normals N, the step is -N^T (N N^T)^-1 d. The step leaves the position along the curve, so that the fraction of
-the chord remains a parameter of the curve.
+faces and their normals N, the step is -N^T (N N^T)^-1 d. The step leaves the position along the
+curve, so that the fraction of the chord remains a parameter of the curve.
 """
 
 from __future__ import annotations

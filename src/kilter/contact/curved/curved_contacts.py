@@ -30,6 +30,7 @@ from kilter.assembly.surfaces import CYLINDER, KINDS, SPHERE, Surfaces
 from kilter.contact.common.broad import facets_in, joins
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.edges import part_curves
+from kilter.contact.common.findings import CurvedFindings, FacePatches
 from kilter.contact.common.gaps import THIN, RejectedPair
 from kilter.contact.contact_tolerances import FULL_TURN, INTERFERENCE
 from kilter.contact.curved.candidates import (
@@ -59,12 +60,12 @@ from kilter.contact.curved.contact_points import (
 )
 from kilter.contact.curved.curved_patches import (
     CandidateLimits,
-    CurvedContacts,
     CurvedPatch,
     PatchBuilder,
     SurfacePairs,
     classify,
     pack,
+    without_repeats,
 )
 from kilter.contact.curved.rims import balls_on_rims, rims_on_planes, tips_on_faces
 from kilter.contact.curved.tangency import find_candidates
@@ -241,25 +242,24 @@ def gaps_between(
     return (low, low) if low < -limit else (high, high)
 
 
-def find_curved(search: ContactSearch) -> CurvedContacts:
+def find_curved(faces: FacePatches) -> CurvedFindings:
     """Find the contacts of curved faces between the near pairs of parts of a search."""
+    search = faces.search
     geometry, pairs = search.geometry, search.pairs
-    builder, unknown = PatchBuilder(), np.empty((0, 3), dtype=np.int64)
-    raised = unknown[:, 0]
     owners = np.diff(geometry.surfaces.start) > 0
     rows = np.flatnonzero(owners[pairs].any(axis=1))
-    if len(rows):
-        both, flat = _near_surfaces(search, rows)
-        builder, unknown = _build_patches(search, both, flat)
-        doubt = geometry.surfaces.doubt
-        rough = {
-            patch.pair
-            for patch in builder.touching
-            if max(doubt[k] if k >= 0 else 0.0 for k in patch.surface)
-            > search.limits.gap[patch.pair]
-        }
-        raised = np.array(sorted(rough), dtype=np.int64)
-    return pack(search, builder, unknown, raised)
+    if not len(rows):
+        return CurvedFindings()
+    both, flat = _near_surfaces(search, rows)
+    builder, unknown = _build_patches(search, both, flat)
+    doubt = geometry.surfaces.doubt
+    rough = {
+        patch.pair
+        for patch in builder.touching
+        if max(doubt[k] if k >= 0 else 0.0 for k in patch.surface) > search.limits.gap[patch.pair]
+    }
+    raised = np.array(sorted(rough), dtype=np.int64)
+    return without_repeats(pack(search, builder, unknown, raised), faces)
 
 
 # candidates ---------------------------------------------------------------------------

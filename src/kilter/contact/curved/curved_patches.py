@@ -14,9 +14,8 @@ share nothing, although the outer shell as a solid shaft would overlap the inner
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import chain
 
 import numpy as np
 
@@ -25,21 +24,20 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS
 from kilter.contact.common.broad import joins
 from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.findings import CurvedFindings, FacePatches, on_flat
 from kilter.contact.common.gaps import APART, PENETRATES, RejectedPair
-from kilter.contact.common.patches import INTERFERE, KeptPairs, Overlap, Patches, PossibleContacts
+from kilter.contact.common.patches import INTERFERE, Overlap, Patches, PossibleContacts
 from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL, WALL_RIM
 from kilter.contact.curved.contact_points import PatchPoints
 
 __all__ = [
     "CandidateLimits",
-    "CurvedContacts",
     "CurvedPatch",
     "PatchBuilder",
     "SurfacePairs",
     "classify",
-    "no_curved",
-    "on_flat",
     "pack",
+    "raised_warnings",
     "shared_depth",
     "without_repeats",
 ]
@@ -116,84 +114,6 @@ def _line_through(corners: Array, x: Array, n: Array) -> tuple[Mask, Array]:
 
 NAMED = ("sphere", "torus", "cone", "cylinder")
 """Kinds of surface in order of precedence: a patch has the name of the first kind in it."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CurvedContacts:
-    """Result of the search for curved contacts: patches ordered by pair, near pairs and overlaps.
-
-    Attributes
-    ----------
-    patches : Patches
-    surface : ndarray of int, shape (P, 2)
-        Curved surfaces of part a and b of each patch; -1: a flat face.
-    zone : ndarray, shape (P,)
-        Distance from the contact within which triangles may touch [length unit].
-    unknown : ndarray of int, shape (m, 3)
-        Row of the pair, and curved surfaces of a and b (-1: flat faces) without a formula.
-    possible : PossibleContacts
-        Outer rows of the patches whose points lie inside the true cone of forces.
-    rejected, overlaps
-        As in `ContactSet`.
-    raised : ndarray of int, shape (k,)
-        Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
-    """
-
-    patches: Patches
-    surface: Index
-    zone: Array
-    unknown: Index
-    possible: PossibleContacts
-    rejected: tuple[RejectedPair, ...]
-    overlaps: tuple[Overlap, ...]
-    raised: Index
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings about the pairs of parts whose gap tolerance was raised; empty without them."""
-        count = len(self.raised)
-        if not count:
-            return ()
-        pairs = "1 pair" if count == 1 else f"{count} pairs"
-        return (
-            f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
-            "height of the arcs over their triangles; a smaller clearance or interference is not "
-            "detected",
-        )
-
-    @staticmethod
-    def join(blocks: Sequence[tuple[int, CurvedContacts]]) -> CurvedContacts:
-        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
-        found = [block for _, block in blocks]
-        return CurvedContacts(
-            patches=Patches.join(block.patches.after(begin) for begin, block in blocks),
-            surface=np.concatenate([block.surface for block in found]),
-            zone=np.concatenate([block.zone for block in found]),
-            unknown=np.concatenate(
-                [np.add(block.unknown, (begin, 0, 0)) for begin, block in blocks]
-            ),
-            possible=PossibleContacts.join(block.possible for block in found),
-            rejected=tuple(chain.from_iterable(block.rejected for block in found)),
-            overlaps=tuple(chain.from_iterable(block.overlaps for block in found)),
-            raised=np.concatenate([block.raised + begin for begin, block in blocks]),
-        )
-
-    def among(self, kept: KeptPairs) -> CurvedContacts:
-        """The contacts of some of the pairs, with new numbers.
-
-        `surface` and the surfaces of `unknown` keep the numbers of the surfaces of all parts.
-        """
-        patches = kept.rows_of(self.patches.pair)
-        return CurvedContacts(
-            patches=kept.patches(self.patches),
-            surface=self.surface[patches],
-            zone=self.zone[patches],
-            unknown=kept.rows(self.unknown),
-            possible=kept.possible(self.possible),
-            rejected=kept.records(self.rejected),
-            overlaps=kept.records(self.overlaps),
-            raised=kept.rows(self.raised[:, None])[:, 0],
-        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -367,15 +287,14 @@ def _parts(search: ContactSearch, patch: CurvedPatch) -> tuple[int, int]:
     return a, b
 
 
-def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> CurvedContacts:
+def without_repeats(curved: CurvedFindings, faces: FacePatches) -> CurvedFindings:
     """Curved contacts without lines and points that lie in a flat patch of the same pair.
 
     These lie on the rim of the flat patch.
 
-    Such a repeat is the seam of a fillet. `tolerance` is the gap tolerance of each pair [length
-    unit].
+    Such a repeat is the seam of a fillet.
     """
-    patches = curved.patches
+    patches, flat, tolerance = curved.patches, faces.flat.patches, faces.search.limits.gap
     keep = np.ones(len(patches), dtype=bool)
     for patch in np.flatnonzero(np.isin(patches.pair, flat.pair)):
         pair, slack = int(patches.pair[patch]), 2 * tolerance[patches.pair[patch]]
@@ -393,27 +312,9 @@ def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> 
     )
 
 
-def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
-    """Mask of points, shape (n, 3), within `slack` of a flat convex polygon."""
-    level = np.abs((points - corners[0]) @ normal) <= slack
-    along = np.roll(corners, -1, axis=0) - corners
-    side = cross(along[None], points[:, None] - corners[None]) @ normal
-    side = ratio(side, np.linalg.norm(along, axis=1))
-    if float((cross(along, corners.mean(axis=0) - corners) @ normal).sum()) < 0:
-        side = -side  # the corners run clockwise
-    inside: Mask = level & (side >= -slack).all(axis=1)
-    return inside
-
-
-def no_curved(search: ContactSearch) -> CurvedContacts:
-    """The contacts of curved faces in a search without such faces: none."""
-    empty = np.empty((0, 3), dtype=np.int64)
-    return pack(search, PatchBuilder(), empty, empty[:, 0])
-
-
 def pack(
     search: ContactSearch, builder: PatchBuilder, unknown: Index, raised: Index
-) -> CurvedContacts:
+) -> CurvedFindings:
     """Convert the patches of a builder to arrays, ordered by pair, with normals from a to b.
 
     Parameters
@@ -421,7 +322,7 @@ def pack(
     search : ContactSearch
     builder : PatchBuilder
     unknown : ndarray of int, shape (m, 3)
-        Pairs of surfaces without a formula: see `CurvedContacts`.
+        Pairs of surfaces without a formula: see `CurvedFindings`.
     raised : ndarray of int, shape (k,)
         Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
     """
@@ -457,7 +358,7 @@ def pack(
         mu=np.zeros(len(outer)),
         degenerate=np.full(len(outer), -1),
     )
-    return CurvedContacts(
+    return CurvedFindings(
         patches=patches,
         surface=surface,
         zone=np.array([patch.zone for patch in touching]),
@@ -465,7 +366,7 @@ def pack(
         possible=possible,
         rejected=tuple(rejected),
         overlaps=tuple(overlaps),
-        raised=raised,
+        raised=raised[:, None],
     )
 
 
@@ -496,3 +397,16 @@ def _kind(search: ContactSearch, surface: list[int]) -> str:
     """Name of the kind of contact between two surfaces, such as "cylinder"; -1: a flat face."""
     kinds = {KINDS[search.geometry.surfaces.kind[k]] for k in surface if k >= 0}
     return next(name for name in NAMED if name in kinds)
+
+
+def raised_warnings(raised: Index) -> tuple[str, ...]:
+    """Warnings about the pairs of parts whose gap tolerance was raised; empty without them."""
+    count = len(raised)
+    if not count:
+        return ()
+    pairs = "1 pair" if count == 1 else f"{count} pairs"
+    return (
+        f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
+        "height of the arcs over their triangles; a smaller clearance or interference is not "
+        "detected",
+    )

@@ -13,8 +13,7 @@ polygons; the circumscribed polygons bound the answer from the other side
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -25,11 +24,10 @@ from kilter.contact.common.broad import Boxes, joins
 from kilter.contact.common.distances import near_triangles
 from kilter.contact.common.edges import Edges
 from kilter.contact.common.facets import Facets
-from kilter.contact.common.patches import KeptPairs, PossibleContacts, UnsupportedContact
+from kilter.contact.common.findings import CurvedFindings, FacePatches, explained
+from kilter.contact.common.patches import PossibleContacts, UnsupportedContact
 from kilter.contact.contact_tolerances import FACETED_ANGLE, SMOOTH_ANGLE
-from kilter.contact.curved.curved_patches import CurvedContacts
 from kilter.contact.curved.rims import Force, possible_forces
-from kilter.contact.face_patches import FacePatches, explained
 from kilter.shape.covering import covered
 
 __all__ = [
@@ -38,7 +36,6 @@ __all__ = [
     "edges_near_faces",
     "edges_on_faces",
     "explained_points",
-    "no_round_contacts",
     "round_contacts",
 ]
 
@@ -167,7 +164,7 @@ def _is_sharp(geometry: Geometry, facets: Facets, edges: Edges, edge: Index) -> 
 
 
 def _lies_on_patch(
-    curved: CurvedContacts, pair: Index, surface: Index, s: Surfaces, p: Array, q: Array,
+    curved: CurvedFindings, pair: Index, surface: Index, s: Surfaces, p: Array, q: Array,
     limit: Array,
 ) -> Mask:  # fmt: skip
     """Mask of edges whose two ends lie on a surface that already has a contact patch."""
@@ -264,47 +261,10 @@ NearFaces = tuple[Index, Index, Index]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundContacts:
-    """Contacts at curved surfaces without a contact formula, with the forces they may exert.
+    """Contacts at curved surfaces without a formula, a record for each pair, and their forces."""
 
-    Attributes
-    ----------
-    unsupported : tuple of UnsupportedContact
-        A record for each pair of parts.
-    possible : PossibleContacts
-    parts, points : ndarray, shape (n, 2) and (n, 3)
-        All points of these contacts, with the parts that may touch there; world frame.
-    """
-
-    unsupported: tuple[UnsupportedContact, ...]
-    possible: PossibleContacts
-    parts: Index
-    points: Array
-
-    @staticmethod
-    def join(blocks: Sequence[RoundContacts]) -> RoundContacts:
-        """Concatenate contacts, in order."""
-        return RoundContacts(
-            tuple(contact for block in blocks for contact in block.unsupported),
-            PossibleContacts.join(block.possible for block in blocks),
-            np.concatenate([block.parts for block in blocks]),
-            np.concatenate([block.points for block in blocks]),
-        )
-
-    def among(self, kept: KeptPairs) -> RoundContacts:
-        """The contacts of some of the pairs, with new numbers."""
-        rows = np.flatnonzero(kept.of_parts(*self.parts.T))
-        return RoundContacts(
-            kept.records(self.unsupported),
-            kept.possible(self.possible),
-            kept.new_part[self.parts[rows]],
-            self.points[rows],
-        )
-
-
-def no_round_contacts() -> RoundContacts:
-    """A value of `RoundContacts` without contacts."""
-    none = np.empty((0, 2), dtype=np.int64), np.empty((0, 3))
-    return RoundContacts((), possible_forces([], two_sided=True), *none)
+    unsupported: tuple[UnsupportedContact, ...] = ()
+    possible: PossibleContacts = field(default_factory=PossibleContacts.none)
 
 
 def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array) -> Mask:
@@ -401,14 +361,7 @@ def _round_contacts_of(
         else:
             pair_forces = _any_wrench(point, float(geometry.radius[[a, b]].min()))
         forces.extend((a, b, force_point, normal) for force_point, normal in pair_forces)
-    owner = [pair for pair, points in points_of_pair.items() for _ in points]
-    points = [point for points in points_of_pair.values() for point, _ in points]
-    return RoundContacts(
-        tuple(unsupported),
-        possible_forces(forces, two_sided=True),
-        pairs[np.array(owner, dtype=np.int64)],
-        np.array(points).reshape(-1, 3),
-    )
+    return RoundContacts(tuple(unsupported), possible_forces(forces, two_sided=True))
 
 
 def _any_wrench(point: Array, arm: float) -> list[tuple[Array, Array]]:

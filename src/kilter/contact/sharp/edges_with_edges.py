@@ -19,6 +19,7 @@ from kilter.contact.common.broad import joins
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.distances import segment_distance
 from kilter.contact.common.edges import EdgeCurves
+from kilter.contact.common.findings import FacePatches
 from kilter.contact.common.gaps import APART, PENETRATES, RejectedPair
 from kilter.contact.common.patches import Patches, PossibleContacts
 from kilter.contact.contact_tolerances import (
@@ -30,7 +31,6 @@ from kilter.contact.contact_tolerances import (
     MEAN_NORMAL,
 )
 from kilter.contact.curved.rims import cone_tips, possible_forces
-from kilter.contact.face_patches import FacePatches
 from kilter.contact.sharp.edges_on_curves import explained_points
 
 __all__ = [

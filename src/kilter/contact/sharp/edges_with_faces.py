@@ -27,6 +27,7 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, Rows, across, cross
 from kilter.assembly.surfaces import KINDS, SPHERE
 from kilter.contact.common.edges import CurvePoints, EdgeCurves, face_distance
+from kilter.contact.common.findings import FacePatches
 from kilter.contact.contact_tolerances import (
     ARC_LEVEL,
     ARC_SLOPE,
@@ -35,7 +36,6 @@ from kilter.contact.contact_tolerances import (
     STRAIGHT_EDGE,
 )
 from kilter.contact.curved.contact_points import TURN, ring, slices
-from kilter.contact.face_patches import FacePatches
 from kilter.contact.sharp.edges_on_curves import explained_points
 from kilter.contact.sharp.edges_with_edges import (
     EdgeContact,

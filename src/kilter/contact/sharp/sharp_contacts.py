@@ -20,7 +20,6 @@ facet as points; every other point is a patch of its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,10 +29,9 @@ from kilter.assembly.geometry import Geometry
 from kilter.contact.common.broad import Boxes
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.edges import EdgeCurves, Edges, find_edges
-from kilter.contact.common.gaps import RejectedPair
+from kilter.contact.common.findings import FacePatches, Findings, explained, is_settled, on_patches
 from kilter.contact.common.patches import (
     DegeneratePoints,
-    KeptPairs,
     Patches,
     PossibleContacts,
     UnsupportedContact,
@@ -47,14 +45,12 @@ from kilter.contact.contact_tolerances import (
     ONE_POINT,
 )
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
-from kilter.contact.face_patches import FacePatches, explained, on_patches
 from kilter.contact.sharp.edges_on_curves import (
     NearFaces,
     RoundContacts,
     beside_curved,
     edges_near_faces,
     explained_points,
-    no_round_contacts,
     round_contacts,
 )
 from kilter.contact.sharp.edges_with_edges import (
@@ -67,7 +63,7 @@ from kilter.contact.sharp.edges_with_faces import EdgeFacePairs, edge_contacts_o
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings, PairBlock, meetings
 from kilter.contact.sharp.normals import Clauses, Pushes, normals_of
 
-__all__ = ["NearContacts", "edge_contacts", "near_contacts"]
+__all__ = ["edge_contacts", "find_sharp"]
 
 
 def edge_contacts(
@@ -196,47 +192,6 @@ PAIRS = 20_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class NearContacts:
-    """Contacts at edges and corners, and contacts at round faces that are not modelled."""
-
-    patches: Patches
-    degenerate: DegeneratePoints
-    rounds: RoundContacts
-    rejected: tuple[RejectedPair, ...] = ()
-
-    def unsupported(self, geometry: Geometry) -> tuple[UnsupportedContact, ...]:
-        """Records of the contacts that are not modelled."""
-        return (*_unsupported_of(self.degenerate, geometry), *self.rounds.unsupported)
-
-    @property
-    def possible(self) -> PossibleContacts:
-        """Forces that contacts may exert that are not modelled.
-
-        The first rows are the normals of `degenerate`, in order.
-        """
-        return PossibleContacts.join([self.degenerate.pushes(), self.rounds.possible])
-
-    @staticmethod
-    def join(blocks: Sequence[tuple[int, NearContacts]]) -> NearContacts:
-        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
-        return NearContacts(
-            Patches.join(block.patches.after(begin) for begin, block in blocks),
-            DegeneratePoints.join([block.degenerate for _, block in blocks]),
-            RoundContacts.join([block.rounds for _, block in blocks]),
-            tuple(pair for _, block in blocks for pair in block.rejected),
-        )
-
-    def among(self, kept: KeptPairs) -> NearContacts:
-        """The contacts of some of the pairs, with new numbers."""
-        return NearContacts(
-            kept.patches(self.patches),
-            kept.degenerate(self.degenerate)[0],
-            self.rounds.among(kept),
-            kept.records(self.rejected),
-        )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class _SharpSearch:
     """Input of the search for edge contacts: the patches so far, and the edges of the parts."""
 
@@ -256,39 +211,37 @@ class _SharpSearch:
         return self.face_patches.search.limits.gap
 
 
-def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> NearContacts:
-    """Find contacts at corners, edges and round faces that the patches so far do not explain.
-
-    `rejected` are near faces: their pairs are already known to be open.
-    """
-    search = face_patches.search
-    boxes, convex = search.boxes, search.facets.convex_part
+def find_sharp(face_patches: FacePatches) -> Findings:
+    """Find contacts at corners, edges and round faces that the patches so far do not explain."""
+    search, boxes = face_patches.search, face_patches.search.boxes
     a, b = search.pairs.T
-    # for convex parts a patch is complete
-    settled = convex[a] & convex[b] & face_patches.has_patch
-    reach = _reach(face_patches, rejected)
-    sharp_rows = np.flatnonzero(_boxes_meet(boxes, a, b, search.limits.gap) & ~settled)
-    round_rows = np.flatnonzero(_boxes_meet(boxes, a, b, reach) & ~settled)
+    open_pairs = ~is_settled(face_patches)
+    reach = _reach(face_patches)
+    sharp_rows = np.flatnonzero(_boxes_meet(boxes, a, b, search.limits.gap) & open_pairs)
+    round_rows = np.flatnonzero(_boxes_meet(boxes, a, b, reach) & open_pairs)
     round_rows = round_rows[_round_parts(search.geometry)[search.pairs[round_rows]].any(axis=1)]
-    patches, degenerate, rounds = Patches.none(), DegeneratePoints.none(), no_round_contacts()
-    touching = EdgeTouching()
     all_rows = np.union1d(sharp_rows, round_rows)
-    if len(all_rows):
-        edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
-        sharp_search = _SharpSearch(face_patches, edges)
-        candidates = _meetings(sharp_search, sharp_rows, search.limits.gap)
-        candidates = candidates.take(
-            np.flatnonzero(~face_patches.smooth.explains(candidates.pair, candidates.middle))
-        )
-        candidates = candidates.take(np.flatnonzero(~_beside_curved(sharp_search, candidates)))
-        pushes, clauses = _normals(sharp_search, candidates)
-        all_pushes = pushes
-        pushes, clauses = _without_explained(candidates, pushes, clauses, face_patches)
-        patches = edge_contacts(search, edges, candidates, pushes)
-        degenerate = _degenerate_points(sharp_search, candidates, clauses, all_pushes)
-        rounds, touching = _round_contacts(sharp_search, round_rows, reach)
-        patches = Patches.join([patches, touching.patches(search)]).ordered()
-    return NearContacts(patches, degenerate, rounds, touching.rejected(search))
+    if not len(all_rows):
+        return Findings()
+    edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
+    near = _SharpSearch(face_patches, edges)
+    candidates = _meetings(near, sharp_rows, search.limits.gap)
+    candidates = candidates.take(
+        np.flatnonzero(~face_patches.smooth.explains(candidates.pair, candidates.middle))
+    )
+    candidates = candidates.take(np.flatnonzero(~_beside_curved(near, candidates)))
+    all_pushes, clauses = _normals(near, candidates)
+    pushes, clauses = _without_explained(candidates, all_pushes, clauses, face_patches)
+    patches = edge_contacts(search, edges, candidates, pushes)
+    degenerate = _degenerate_points(near, candidates, clauses, all_pushes)
+    rounds, touching = _round_contacts(near, round_rows, reach)
+    return Findings(
+        patches=Patches.join([patches, touching.patches(search)]).ordered(),
+        rejected=touching.rejected(search),
+        unsupported=(*_unsupported_of(degenerate, search.geometry), *rounds.unsupported),
+        possible=rounds.possible,
+        degenerate=degenerate,
+    )
 
 
 def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
@@ -339,7 +292,7 @@ def _boxes_meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
     return np.asarray(apart.max(axis=1) <= grow)
 
 
-def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array:
+def _reach(face_patches: FacePatches) -> Array:
     """Largest gap at which edges and free-form faces of each pair may touch a round face.
 
     In the length unit, shape (number of pairs,).
@@ -347,6 +300,7 @@ def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array
     For a pair without touching or near faces it is the loose tolerance.
     """
     limits, search = face_patches.search.limits, face_patches.search
+    rejected = [*face_patches.flat.rejected, *face_patches.curved.rejected]
     near = {tuple(sorted(faces.ends)) for faces in rejected}
     has_near = [tuple(sorted(pair)) in near for pair in search.pairs.tolist()] if near else False
     size = search.geometry.size[search.pairs].min(axis=1)
@@ -364,7 +318,7 @@ def _round_contacts(
     """
     touching = EdgeTouching()
     if not len(rows):
-        return no_round_contacts(), touching
+        return RoundContacts(), touching
     geometry, face_patches = near.geometry, near.face_patches
     curves = EdgeCurves(geometry, face_patches.search.facets, near.edges)
     candidates = _meetings(near, rows, reach + geometry.slack[near.pairs].sum(axis=1))

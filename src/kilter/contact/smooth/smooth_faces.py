@@ -54,6 +54,7 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
 from kilter.contact.common.broad import joins
 from kilter.contact.common.distances import segment_distance
+from kilter.contact.common.findings import Matches
 from kilter.contact.contact_tolerances import (
     DISTANCE_ROUNDING,
     FIT_CUT,
@@ -66,7 +67,7 @@ from kilter.contact.contact_tolerances import (
 )
 from kilter.shape.closed import shared_edges
 
-__all__ = ["Matches", "SmoothFace", "matches", "smooth_faces"]
+__all__ = ["SmoothFace", "matches", "smooth_faces"]
 
 
 FEWEST = 16
@@ -307,29 +308,6 @@ def _slopes(terms: Array, z: Array, weight: Array, counts: tuple[int, ...]) -> l
         slopes[~is_regular] = np.einsum("nik,nk->ni", inverse[:, :2], right[~is_regular])
         fits.append(slopes)
     return fits
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Matches(Rows):
-    """Contact points of two smooth faces, with their normals, gaps and errors.
-
-    Attributes
-    ----------
-    point, normal : ndarray, shape (n, 3)
-        Points half-way between the surfaces; unit normals from the first face to the second.
-    gap : ndarray, shape (n,)
-        Gap between the surfaces [length unit].
-    apart : ndarray, shape (n,)
-        Half the angle between the normals of the two surfaces [rad].
-    doubt : ndarray, shape (n,)
-        Error of the more accurate of the two normals [rad].
-    """
-
-    point: Array = columns(3)
-    normal: Array = columns(3)
-    gap: Array = columns()
-    apart: Array = columns()
-    doubt: Array = columns()
 
 
 def matches(first: SmoothFace, second: SmoothFace, reach: float, slack: float) -> Matches:
