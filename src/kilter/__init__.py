@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from kilter.analysis.many.verdicts import Verdicts as Verdicts
     from kilter.analysis.margins.improve import Improvement as Improvement
     from kilter.analysis.margins.improve import improve as improve
-    from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
+    from kilter.analysis.margins.margin_answer import Margin as Margin
     from kilter.analysis.placing.check_plan import CheckedPlan as CheckedPlan
     from kilter.analysis.placing.check_plan import check_plan as check_plan
     from kilter.analysis.placing.piles.pile import Pile as Pile
@@ -172,7 +172,7 @@ _HOMES = {
     "Health": "kilter.health",
     "Improvement": "kilter.analysis.margins.improve",
     "LoadedAnswer": "kilter.files.answer_files",
-    "Margin": "kilter.analysis.margins.margin",
+    "Margin": "kilter.analysis.margins.margin_answer",
     "Order": "kilter.analysis.planning.order.order",
     "PartAnswer": "kilter.analysis.verdict.part_answer",
     "Patch": "kilter.contact.common.patches",

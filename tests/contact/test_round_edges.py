@@ -8,7 +8,7 @@ from solids import bore, cone_frustum, peg
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Part, Pose
-from kilter.analysis.margins.margin import Margin
+from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration
 from kilter.contact import contacts
