@@ -9,7 +9,7 @@ the heaviest mass there follows from a limit of load.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -32,18 +32,17 @@ from kilter.analysis.placing.uncertain_part import mass_limits, part_cases
 from kilter.analysis.placing.upright_prisms import PlacedPrism, find_tops, placed_prism
 from kilter.assembly import Assembly, Part
 from kilter.assembly.masses import reweighed
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import detect
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.json_answer import AnswerInWords
-from kilter.tell.levels import REQUIRE, holds, require_level
+from kilter.tell.levels import holds, require_level
 from kilter.tell.place_words import place_sentence
-from kilter.threads import on_one_thread
 from kilter.validate import finite, number
 from kilter.values.guesses import guarded
-from kilter.work import EFFORT
+from kilter.work import stop_after
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.place_data import LevelPlacesData, PlaceData
@@ -229,10 +228,9 @@ def box_to_place(
     return Part(name, Box(lengths), pose, mass=number(mass, "mass", lowest=0))
 
 
-@guarded
-@on_one_thread
+@question()
 def place(
-    assembly: AssemblyOrPath,
+    asked: Question,
     part: Part,
     *,
     at: ArrayLike | None = None,
@@ -240,14 +238,6 @@ def place(
     center_within: float = 0.0,
     clear: float = 0.0,
     accuracy: float | None = None,
-    friction: float | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    require: str = REQUIRE,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    progress: Callable[[str], None] | None = None,
 ) -> Places:
     """Find where the next part stands on an assembly, or decide whether it stands at a place.
 
@@ -270,14 +260,8 @@ def place(
     accuracy : float, optional
         Largest width of the strip between places that stand and places that fall; by default a
         500th of the extent of the map [length unit].
-    friction, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    contacts : ContactSet, optional
-        Contacts of this assembly for a map; by default they are detected.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which a given place counts as standing. A map has the level equilibrium.
-    tolerance, effort, progress : optional
-        As in `kilter.check`.
 
     Returns
     -------
@@ -285,6 +269,8 @@ def place(
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit.
     InputError
         If gravity does not act along -z, no part is held, or an argument is invalid.
 
@@ -306,12 +292,7 @@ def place(
     >>> round(answer.best[3], 6), round(unsure.best[3], 6)
     (0.5, 0.4)
     """
-    started = time.perf_counter()
-    tell = progress or (lambda stage: None)
-    require = require_level(require, strict=True)
-    assembly = asked_assembly(
-        assembly, "place", contacts, friction=friction, down=None, ground=ground, floor=floor
-    )
+    assembly, require = asked.assembly, require_level(asked.require, strict=True)
     assembly.require_grounded()
     if assembly.planar or not np.allclose(assembly.down, [0, 0, -1]):
         raise InputError(
@@ -334,16 +315,29 @@ def place(
             hint="leave out clear or at",
             option="leave out --clear or --at",
         )
+    with stop_after(asked.seconds_left):
+        return _places(asked.but(require=require), part, limits, at, center_within, clear, accuracy)
+
+
+def _places(
+    asked: Question,
+    part: Part,
+    limits: tuple[float, float],
+    at: ArrayLike | None,
+    center_within: float,
+    clear: float,
+    accuracy: float | None,
+) -> Places:
+    """The answer of `place` about a part with given limits of its mass [kg]."""
+    assembly = asked.assembly
     tops = find_tops(assembly)
-    tell("contacts")
+    asked.tell("contacts")
     levels: tuple[LevelMap, ...] = ()
     best = decision = question = None
     programs, width = 0, 0.0
     if at is not None:
         prism = placed_prism(Assembly([part], units=assembly.units))
-        decision = decide_at(
-            assembly, part, limits, center_within, tops, at, require, tolerance, effort
-        )
+        decision = decide_at(asked, part, limits, center_within, tops, at)
         remarks = decision.remarks(assembly)
     else:
         prism, _ = case_prism(part, assembly.units)
@@ -351,9 +345,8 @@ def place(
         bounds = np.array(domain.bounds)
         extent = float((bounds[2:] - bounds[:2]).max())
         width = ACCURACY * extent if accuracy is None else number(accuracy, "accuracy", lowest=0)
-        if contacts is None:
-            contacts = detect.contacts(assembly, tolerance=tolerance)
-        tell("places")
+        contacts = detect.touching(asked.but(progress=None))
+        asked.tell("places")
         cases = part_cases(part, limits, center_within)
         maps = map_cases(assembly, contacts, tops, part, cases, domain, width, clear)
         question = MapQuestion(contacts, domain, clear, tuple(maps))
@@ -374,11 +367,11 @@ def place(
         limits,
         float(center_within),
         question,
-        require,
+        asked.require,
         width,
         programs,
         tuple(remarks),
-        time.perf_counter() - started,
+        time.perf_counter() - asked.begun,
     )
 
 

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check, check_level
 from kilter.analysis.settled_pose.near_points import find_near_points
@@ -26,18 +25,16 @@ from kilter.analysis.settled_pose.settle_tolerances import REACH
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.tell.json_answer import AnswerInWords
-from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
+from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.numbers import NO_ANGLE
 from kilter.tell.settle_words import settle_sentence
-from kilter.threads import on_one_thread
 from kilter.validate import number
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
+from kilter.work import stop_after
 
 if TYPE_CHECKING:
     from kilter.tell.answer_data.settle_data import SettleData
@@ -215,23 +212,13 @@ class Settled(AnswerInWords):
         return f"<Settled: {self.state}, moved {far:.3g} {self.drawn.units}>"
 
 
-@guarded
-@on_one_thread
+@question()
 def settle(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
     reach: float | None = None,
     keep: str | Iterable[str] = (),
     drop: bool = False,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    progress: Callable[[str], None] | None = None,
 ) -> Settled:
     """Move the parts of an assembly by little until they touch and rest on each other.
 
@@ -246,14 +233,8 @@ def settle(
         Parts that must not move although they are not held; ``*`` and ``?`` are wildcards.
     drop : bool
         Whether hanging parts first fall straight down until they meet another part.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    contacts : ContactSet, optional
-        Contacts of this assembly; by default they are detected from its geometry.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Settled.at_rest` is true from this level.
-    tolerance, effort, progress : optional
-        As in `kilter.check`. They concern the verdicts before and after.
 
     Returns
     -------
@@ -261,6 +242,8 @@ def settle(
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit.
     InputError
         If no part is held, or an argument is invalid.
 
@@ -280,20 +263,22 @@ def settle(
     >>> answer["box"].pose.position.round(6)
     array([0. , 0. , 0.5])
     """
-    started = time.perf_counter()
-    tell = progress or (lambda stage: None)
-    require = require_level(require, strict=True)
-    assembly = asked_assembly(
-        assembly, "settle", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    with stop_after(asked.seconds_left):
+        return _settle(asked, reach, keep, drop)
+
+
+def _settle(asked: Question, reach: float | None, keep: str | Iterable[str], drop: bool) -> Settled:
+    """Settle the assembly of a question, as `settle`, within the time of the caller."""
+    assembly, tell = asked.assembly, asked.tell
+    asked = asked.but(time_limit=None, require=require_level(asked.require, strict=True))
     assembly.require_grounded()
     most = None if reach is None else number(reach, "reach", lowest=0)
     if most == 0.0:
         raise InputError("reach is 0", hint="give a length above zero")
     kept = assembly.matching(keep)
-    if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    before = check_level(assembly, contacts, require=ROUGHLY, effort=effort, progress=progress)
+    contacts = detect.touching(asked)
+    roughly = asked.but(require=ROUGHLY)
+    before = check_level(roughly.but(contacts=contacts))
     bodies = rigid_bodies(assembly, kept)
     dropped = 0.0
     refusal = _refusal(assembly)
@@ -314,18 +299,14 @@ def settle(
     if found.state == "at-rest":
         tell("verification")
         assert found.points is not None
-        closed = closed_contacts(settled, found.points, progress=progress)
-        closed_verdict = check_level(
-            closed.assembly, closed.contacts, require=require, effort=effort, progress=progress
-        )
+        closed = closed_contacts(settled, found.points, progress=asked.progress)
+        closed_verdict = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
         why = _unproved(closed, closed_verdict)
         if why:
             found = replace(found, state="not-found", why=why)
         else:
-            asked = ROUGHLY if holds(closed_verdict.level, require) else require
-            after = check(
-                settled, tolerance=tolerance, require=asked, effort=effort, progress=progress
-            )
+            again = roughly if holds(closed_verdict.level, asked.require) else asked
+            after = check(again.but(assembly=settled, contacts=None))
     return Settled(
         assembly,
         settled,
@@ -341,10 +322,10 @@ def settle(
         closed_gap(settled),
         before,
         after,
-        require,
+        asked.require,
         dropped,
         tuple(dict.fromkeys(before.warnings if after is None else after.warnings)),
-        time.perf_counter() - started,
+        time.perf_counter() - asked.begun,
     )
 
 

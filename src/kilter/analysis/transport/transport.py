@@ -13,7 +13,7 @@ the levels of check.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -36,16 +36,14 @@ from kilter.analysis.transport.transport_answer import CarriedCase, DirectionLim
 from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet
 from kilter.contact.round_edges import round_edges
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.program import Program, build_program
-from kilter.tell.levels import REQUIRE, level_rank, require_level
-from kilter.threads import on_one_thread
+from kilter.tell.levels import level_rank, require_level
 from kilter.validate import number
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT, Work, stop_after, units_of
+from kilter.work import Work, stop_after
 
 if TYPE_CHECKING:
     pass
@@ -58,15 +56,10 @@ AXES = (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("-y", (0, -1,
 """Names and directions of acceleration of an answer without a question."""
 
 
-@guarded
-@on_one_thread
+@question()
 def transport(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
     accelerate: ArrayLike | None = None,
     turn: CarrierMotion | None = None,
     code: str | None = None,
@@ -76,12 +69,6 @@ def transport(
     collapse: bool = False,
     fc: float = CONFIDENCE_FACTOR,
     mu_range: tuple[float, float] | None = None,
-    contacts: ContactSet | None = None,
-    require: str = REQUIRE,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Transport:
     """Compute the accelerations of a carrier under which an assembly stays in place.
 
@@ -90,8 +77,6 @@ def transport(
     assembly : Assembly, or path
         Its frame is fixed in the carrier, and its held parts belong to the carrier. Loads and
         bonds are fixed in the carrier.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     accelerate : array_like, shape (3,), optional
         Is this acceleration of the carrier carried [m/s^2]?
     turn : CarrierMotion, optional
@@ -115,8 +100,6 @@ def transport(
         case of every limit, exactly; a level above "equilibrium" is decided at both ends.
     require : {"equilibrium", "settles", "proved"}
         Level from which the answer is yes. `Transport.carried` is true from this level.
-    contacts, tolerance, effort, time_limit, progress
-        As in `kilter.check`.
 
     Raises
     ------
@@ -140,12 +123,7 @@ def transport(
     >>> question.carried, round(question.cases[0].factor.value, 4)
     (True, 1.308)
     """
-    tell = progress or (lambda stage: None)
-    started = time.perf_counter()
-    assembly = asked_assembly(
-        assembly, "transport", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
-    require = require_level(require)
+    assembly, require, tell = asked.assembly, require_level(asked.require), asked.tell
     motions = _questions(assembly, accelerate, turn, code, forward, path)
     fc = number(fc, "confidence factor", lowest=1.0)
     if collapse and (motions or path is not None):
@@ -154,26 +132,12 @@ def transport(
             hint="ask for them without another question",
         )
     ends = [1.0] if mu_range is None else sorted(set(Ranges(mu=mu_range).mu))
-    work = Work(units_of(effort), progress, time_limit=time_limit)
-    rest = check(
-        assembly,
-        contacts=contacts,
-        tolerance=tolerance,
-        require="equilibrium",
-        effort=effort,
-        time_limit=work.seconds,
-        progress=progress,
-    )
+    work, at_rest = asked.work(), asked.but(require="equilibrium")
+    rest = check(at_rest)
     detected = rest.contacts
     frictions = [detected if end == 1.0 else detected.with_friction_share(end) for end in ends]
     if frictions[0] is not detected:
-        rest = check(
-            assembly,
-            contacts=frictions[0],
-            require="equilibrium",
-            effort=effort,
-            time_limit=work.seconds,
-        )
+        rest = check(at_rest.but(contacts=frictions[0], progress=None))
     program = build_program(assembly, frictions[0])
     # a copy of a contact point would also copy its bond
     round_ = not (program.planar or program.has_strength or len(program.part_a) > EXACT)
@@ -197,8 +161,7 @@ def transport(
     least: DirectionLimit | None = None
     section: Slice | None = None
     speed: PathLimit | None = None
-    asked = bool(motions) or path is not None
-    if not asked and rest.verdict != "unstable":
+    if not (motions or path is not None) and rest.verdict != "unstable":
         for name, direction in _axes(assembly):
             tell(f"acceleration along {name}")
             limit = in_time(name, lambda direction=direction: carried.along(direction))  # type: ignore[misc]
@@ -225,7 +188,7 @@ def transport(
         tell("path")
         speed = in_time("path", lambda: find_path_limit(program, path, tell))
     cases = tuple(
-        _decide(assembly, frictions, carried, name, motion, require, effort, work, in_time)
+        _decide(assembly, frictions, carried, name, motion, require, asked.effort, work, in_time)
         for name, motion in motions
     )
     return Transport(
@@ -247,7 +210,7 @@ def transport(
         require=require,
         missing=missing,
         warnings=tuple(rest.warnings),
-        seconds={**rest.seconds, "total": time.perf_counter() - started},
+        seconds={**rest.seconds, "total": time.perf_counter() - asked.begun},
     )
 
 
