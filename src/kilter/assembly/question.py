@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,9 +32,6 @@ from kilter.validate import name_list, number
 from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, facts_of, units_of
 
-if TYPE_CHECKING:
-    from kilter.contact import ContactSet, Tolerance
-
 __all__ = ["SHARED", "AssemblyOrPath", "Question", "holding", "on_floor", "question"]
 
 AssemblyOrPath = Assembly | str | os.PathLike[str]
@@ -42,14 +39,14 @@ AssemblyOrPath = Assembly | str | os.PathLike[str]
 Answer = TypeVar("Answer")
 
 
-def _told(kind: str, *lines: str) -> dict[str, str]:
-    """What docstrings say of a keyword: its type in words, and the lines about its meaning."""
-    return {"kind": kind, "text": "\n        ".join(lines)}
+def _told(kind: str, *lines: str, annotation: str = "") -> dict[str, str]:
+    """The text of a docstring about a keyword, and its annotation if it is a class of contacts."""
+    return {"kind": kind, "text": "\n        ".join(lines), "annotation": annotation}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """What every question shares; a function that gets it as its assembly asks it as it is.
+    """The record of the shared keywords; a function that gets it answers it without a change.
 
     The other fields are the function that is asked, the assembly with the changes of the keywords,
     and the time at which the question began [s].
@@ -83,19 +80,21 @@ class Question:
             "True adds a held table under the lowest point; a number is its height [length].",
         ),
     )
-    contacts: ContactSet | None = field(
+    contacts: Any = field(
         default=None,
         metadata=_told(
             "ContactSet, optional",
             "Contacts of this assembly; by default they are detected from its geometry.",
+            annotation="ContactSet | None",
         ),
     )
-    tolerance: Tolerance | None = field(
+    tolerance: Any = field(
         default=None,
         metadata=_told(
             "Tolerance, optional",
             "Tolerances of the detection: gap, angle and clearance. By default those of the",
             "assembly.",
+            annotation="Tolerance | None",
         ),
     )
     require: str = field(
@@ -266,7 +265,7 @@ def question(
                 name=name,
                 kind=inspect.Parameter.KEYWORD_ONLY,
                 default=defaults.get(name, entry.default),
-                annotation=entry.type,
+                annotation=entry.metadata["annotation"] or entry.type,
             )
             for name, entry in SHARED.items()
             if name not in lacks.split()
