@@ -336,7 +336,11 @@ def _directions(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
             verdict = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
-            return answer.region, full_answer(verdict, answer.sentence), answer.verdict == "none"
+            return (
+                answer.stable_region,
+                full_answer(verdict, answer.sentence),
+                answer.verdict == "none",
+            )
         tell("stable region")
         stable = _region(assembly, contacts, notes)
     except InputError as error:

@@ -8,8 +8,6 @@ the heaviest mass there follows from a limit of load.
 
 from __future__ import annotations
 
-from kilter.contact import ContactSet
-
 import time
 from collections.abc import Sequence
 from dataclasses import replace
@@ -35,7 +33,7 @@ from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, 
 from kilter.assembly import Assembly, Part
 from kilter.assembly.masses import reweighed
 from kilter.assembly.question import Question, question
-from kilter.contact import detect
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box

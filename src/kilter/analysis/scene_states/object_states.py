@@ -19,11 +19,10 @@ high parts for the smaller part.
 
 from __future__ import annotations
 
-from typing import Any
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 

@@ -7,8 +7,6 @@ answer includes the proof that fewer supports are not enough
 
 from __future__ import annotations
 
-from kilter.work import Work
-
 import time
 from collections.abc import Iterable
 
@@ -28,6 +26,7 @@ from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.supports import Support
 from kilter.errors import InputError
 from kilter.tell.levels import require_level
+from kilter.work import Work
 
 __all__ = ["hold"]
 
