@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from build_schemas import texts_of
 
 import kilter
-from kilter.files.answer_schemas import texts_of
 
 PAGES = sorted((Path(__file__).resolve().parents[2] / "docs" / "reference").glob("*.md"))
 SCHEMAS = Path(kilter.__file__).parent / "files/schemas"

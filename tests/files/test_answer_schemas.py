@@ -26,7 +26,7 @@ INVALID = fastjsonschema.JsonSchemaValueException
 
 def test_the_published_schemas_are_those_of_the_models() -> None:
     """After a change of a model: python docs/build_schemas.py."""
-    from kilter.files.answer_schemas import build_all_schemas
+    from build_schemas import build_all_schemas
 
     built = build_all_schemas()
     assert {name: schema(name) for name in built} == built

@@ -171,12 +171,9 @@ class Asked:
         known = known_words()
         facts = f"{known[:1].upper()}{known[1:]}." if known else ""
         sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
-        answer: dict[str, Any] = {
-            "verdict": "undecided",
-            "sentence": sentence,
-            "time_limit": self.limit,
-            "warnings": [],
-        }
+        from kilter.tell.record import Incomplete
+
+        answer = Incomplete(sentence=sentence, time_limit=self.limit).to_dict()
         emit(as_json(answer) if self.writes_json else sentence, self.output)
         tell_written(self.output, "incomplete answer", self.quiet)
         return VERDICT["undecided"]

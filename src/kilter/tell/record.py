@@ -23,7 +23,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, fields
 from enum import Enum
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_transform
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -39,6 +40,7 @@ __all__ = [
     "Ends",
     "Guarantee",
     "InPython",
+    "Incomplete",
     "LevelWord",
     "Lines",
     "OneOf",
@@ -211,6 +213,21 @@ class Answer(Record):
         return html_of(self.to_dict())
 
 
+class Incomplete(Answer):
+    """Answer that a command prints if the time limit ended its computation."""
+
+    answer: ClassVar[str] = "incomplete"
+
+    verdict: Literal["undecided"] = "undecided"
+    """The verdict."""
+    sentence: str
+    """The known facts, in words."""
+    time_limit: float | None
+    """The time limit [s]; null without the option --time-limit."""
+    warnings: tuple[str, ...] = ()
+    """Warnings."""
+
+
 class AnswerInWords(Answer):
     """Base class of answers whose sentence is made from their data."""
 
@@ -262,6 +279,8 @@ def json_value(value: Any) -> Any:
         value = value.item()
     if isinstance(value, Enum):
         return value.value
+    if isinstance(value, Path):
+        return str(value)
     if isinstance(value, float):
         return value + 0.0 if math.isfinite(value) else None
     if isinstance(value, Mapping):

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from kilter.analysis.many.batch_cluster import ClusterWorkers
 from kilter.analysis.many.batch_folder import BatchFolder, open_folder
@@ -23,13 +23,10 @@ from kilter.analysis.many.batch_workers import LocalWorkers, Task, Workers
 from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.reading import reading_for
-from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, require_level
+from kilter.tell.record import Answer, InPython, Record, key
 from kilter.values.guesses import guarded
 from kilter.work import EFFORT
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.other_data import BatchData
 
 __all__ = ["CHUNK", "Batch", "batch", "run_batch"]
 
@@ -42,51 +39,49 @@ TOLD = 1000
 """Largest number of errors that an answer of `batch` lists."""
 
 
-@dataclass(slots=True, eq=False)
-class Batch(Answer):
-    """Result of a batch of verdicts: number of rows of each kind, and the files that contain them.
+class BatchError(Record):
+    """A file without a verdict, and the reason."""
 
-    Attributes
-    ----------
-    folder : Path
-        Folder of the row files.
-    files : list of Path
-        Those of the rows, in order of the chunks.
-    rows : int
-    counts : dict from str to int
-        How many there are of each verdict, "error" among them.
-    errors : list of (str, str)
-        Files without a verdict, and why; the first thousand.
-    found_there : int
-        Rows that an earlier run had written.
-    """
+    file: str
+    """Path of the file."""
+    error: str
+    """Reason, in words."""
+
+
+class Batch(Answer):
+    """Result of a batch of verdicts: the files with the rows, and the number of each verdict."""
 
     answer: ClassVar[str] = "batch"
 
     folder: Path
-    files: list[Path] = field(default_factory=list)
-    rows: int = 0
-    counts: Counter[str] = field(default_factory=Counter)
-    errors: list[tuple[str, str]] = field(default_factory=list)
+    """Folder of the row files."""
+    paths: InPython[list[Path]]
+    """Paths of the row files, in order of the chunks."""
+    counts: dict[str, int] = field(default_factory=dict)
+    """Number of rows of each verdict, "error" among them."""
+    errors: list[BatchError] = field(default_factory=list)
+    """Files without a verdict, and the reasons; the first thousand."""
     found_there: int = 0
+    """Number of rows that an earlier run had written."""
+
+    @property
+    @key
+    def files(self) -> list[str]:
+        """Names of the row files."""
+        return [path.name for path in self.paths]
+
+    @property
+    @key
+    def rows(self) -> int:
+        """Number of rows."""
+        return sum(self.counts.values())
 
     def add(self, rows: Sequence[BatchRow]) -> None:
         """Count the rows of a finished chunk of the batch."""
-        self.rows += len(rows)
-        self.counts.update(row["verdict"] for row in rows)
-        wrong = [(row["file"], row["error"] or "") for row in rows if row["verdict"] == "error"]
-        self.errors += wrong[: TOLD - len(self.errors)]
-
-    def to_dict(self) -> BatchData:
-        """The answer of ``kilter batch --json``."""
-        return {
-            "folder": str(self.folder),
-            "files": [path.name for path in self.files],
-            "rows": self.rows,
-            "counts": dict(self.counts.most_common()),
-            "errors": [{"file": file, "error": error} for file, error in self.errors],
-            "found_there": self.found_there,
-        }
+        for row in rows:
+            self.counts[row["verdict"]] = self.counts.get(row["verdict"], 0) + 1
+        wrong = [row for row in rows if row["verdict"] == "error"][: TOLD - len(self.errors)]
+        self.errors.extend(BatchError(file=row["file"], error=row["error"] or "") for row in wrong)
 
 
 @guarded
@@ -175,7 +170,8 @@ def run_batch(
         )
     question = dataclasses.replace(question, base=base)
     with open_folder(Path(output), files, question, size=size) as folder:
-        tables = Batch(folder.path, [folder.file(k) for k in range(folder.chunks)])
+        paths = [folder.file(k) for k in range(folder.chunks)]
+        tables = Batch(folder=folder.path, paths=paths)
         left = []
         for k in range(folder.chunks):
             rows = folder.read(k)
@@ -183,14 +179,15 @@ def run_batch(
                 left.append(k)
             else:
                 tables.add(rows)
-        tables.found_there = tables.rows
+        tables = dataclasses.replace(tables, found_there=tables.rows)
         workers = _workers(cluster, min(count, max(len(left), 1)), question)
         try:
             _run(workers, folder, files, left, tables, progress or (lambda done, of: None))
         finally:
             workers.end()
-    tables.errors.sort()
-    return tables
+    frequent = sorted(tables.counts.items(), key=lambda count: -count[1])
+    errors = sorted(tables.errors, key=lambda entry: (entry.file, entry.error))
+    return dataclasses.replace(tables, counts=dict(frequent), errors=errors)
 
 
 def _workers(cluster: str | None, count: int, question: BatchQuestion) -> Workers:
