@@ -333,7 +333,7 @@ def test_tables_are_parquet_where_pyarrow_is(
     monkeypatch.undo()
     first = kilter.batch(piles, tmp_path, chunk=13, processes=1)
     assert [path.suffix for path in first.paths] == [".parquet"] * 2
-    rows = [row for path in first.files for row in parquet.read_table(path).to_pylist()]
+    rows = [row for path in first.paths for row in parquet.read_table(path).to_pylist()]
     wanted = judged_rows(list(enumerate(listed_files(piles)[1])), BatchQuestion(base=piles))
     assert rows == wanted
     again = kilter.batch(piles, tmp_path, chunk=13, processes=1)

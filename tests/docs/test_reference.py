@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from build_schemas import texts_of
+from answer_schemas import texts_of
 
 import kilter
 
@@ -85,6 +85,7 @@ def test_what_is_left_out_is_seen() -> None:
         """Two numbers."""
 
         told: int
+        """A number."""
         hidden: int
 
         @property

@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
-from kilter.analysis.open_pairs.ordinary_contacts import (
+from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.ordinary_contacts import (
     trial_words,
 )
 from kilter.analysis.verdict.remarks import gaps_under_straps, loose_parts, remarks

@@ -17,8 +17,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
-
 from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold, wrong_lashing
@@ -53,7 +51,7 @@ from kilter.second_order.proofs.push_recheck import rests_without_friction, wron
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 from kilter.tell.levels import holds as holds_at
 from kilter.tell.levels import level_of, level_rank, require_level
-from kilter.tell.record import AnswerInWords, UnitWord, Vector
+from kilter.tell.record import AnswerInWords, UnitWord
 from kilter.values.guesses import guarded
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
@@ -62,7 +60,7 @@ NEEDS_FORCES = "its second order needs a proof by forces without friction"
 """Objection to second-order proofs of clusters that only friction holds."""
 
 
-class Verification(AnswerInWords):
+class Verification(AnswerInWords, kw_only=False):
     """Result of the verification of a proof: the level that it proves, and its errors."""
 
     answer: ClassVar[str] = "verify"
@@ -72,23 +70,25 @@ class Verification(AnswerInWords):
     verdict: str
     """The statement of the proof: a verdict, or the kind of a bundle of proofs."""
     level: str | None
-    """Level that was recomputed; of a bundle the lowest of its states that stay. Null for a motion,
-    or without a valid proof."""
+    """Level that was recomputed, of a bundle the lowest of its states that stay.
+
+    It is null for a motion, and without a valid proof.
+    """
     claimed: str | None
     """Level that the file claims; null if it claims that the assembly falls."""
     require: str | None
     """The required level; null: the claimed level."""
-    residual: float | None = None
-    """Largest imbalance of a part over its weight [-]; null without forces."""
-    power: float | None = None
-    """Power of the motion if the fastest part moves at 1 m/s [W]; null without a motion."""
     reasons: tuple[str, ...]
     """Reasons why the proof does not hold; empty if it holds."""
-    notes: tuple[str, ...] = ()
+    residual: float | None
+    """Largest imbalance of a part over its weight [-]; null without forces."""
+    power: float | None
+    """Power of the motion if its fastest part moves at 1 m/s [W]; null without a motion."""
+    notes: tuple[str, ...]
     """Further verified statements, and statements that a proof file cannot prove."""
     held: tuple[str, ...]
     """Names of the held parts."""
-    gravity: Vector
+    gravity: tuple[float, float, float]
     """Gravity [m/s^2]."""
     units: UnitWord
     """Length unit of the assembly."""
@@ -230,14 +230,17 @@ def _of_another_file(proof: Mapping[str, Any], path: Path, require: str | None) 
     """Failed verification of a proof that was made for an older version of the file."""
     reason = f"the proof is about another version of {path.name} (its sha256 differs)"
     return Verification(
-        holds=False,
-        verdict=proof["verdict"],
-        level=None,
-        claimed=level_of(proof["verdict"]),
-        require=require,
-        reasons=(reason,),
+        False,
+        proof["verdict"],
+        None,
+        level_of(proof["verdict"]),
+        require,
+        (reason,),
+        None,
+        None,
+        (),
         held=tuple(part["name"] for part in proof["parts"] if part["grounded"]),
-        gravity=np.array(proof["gravity"], dtype=np.float64),
+        gravity=tuple(proof["gravity"]),
         units=str(proof.get("units", "")),
         options=proof["options"],
         tolerance=proof["tolerance"],
@@ -303,17 +306,17 @@ def verify_bundle(
     reasons += together
     level = min(levels, key=level_rank, default=None)
     return Verification(
-        holds=not reasons and (require is None or holds_at(level, require)),
-        verdict=bundle["kind"],
-        level=None if reasons else level,
-        claimed=level,
-        require=require,
-        residual=max(residual, default=None),
-        power=min(power, default=None),
-        reasons=tuple(reasons),
-        notes=(*notes, *(f"{count} x {statement}" for statement, count in counts.items())),
+        not reasons and (require is None or holds_at(level, require)),
+        bundle["kind"],
+        None if reasons else level,
+        level,
+        require,
+        tuple(reasons),
+        max(residual, default=None),
+        min(power, default=None),
+        (*notes, *(f"{count} x {statement}" for statement, count in counts.items())),
         held=tuple(part.name for part in assembly if part.grounded),
-        gravity=assembly.gravity,
+        gravity=tuple(assembly.gravity.tolist()),
         units=assembly.units,
         options=proof["options"],
         tolerance=proof["tolerance"],
@@ -424,17 +427,17 @@ def verify_proof(
         notes.append(note)
     needed = claimed if require is None else require
     return Verification(
-        holds=not reasons and (needed is None or holds_at(level, needed)),
-        verdict=proof["verdict"],
-        level=level,
-        claimed=claimed,
-        require=require,
-        residual=result.residual,
-        power=result.power,
-        reasons=tuple(reasons),
-        notes=tuple(notes),
+        not reasons and (needed is None or holds_at(level, needed)),
+        proof["verdict"],
+        level,
+        claimed,
+        require,
+        tuple(reasons),
+        result.residual,
+        result.power,
+        tuple(notes),
         held=tuple(part.name for part in assembly if part.grounded),
-        gravity=assembly.gravity,
+        gravity=tuple(assembly.gravity.tolist()),
         units=assembly.units,
         options=proof["options"],
         tolerance=proof["tolerance"],

@@ -97,14 +97,10 @@ def batch(
         if result.found_there:
             before = f" ({result.found_there:,} of them from an earlier run)"
         rows, files = count(result.rows, "row", grouped=True), count(len(result.files), "file")
+        first = [(entry.file, entry.error) for entry in result.errors]
         head = f"{output}: {rows} in {files}{before}: {counts}"
         emit(
-            "\n".join(
-                [
-                    head,
-                    *_error_lines([(entry.file, entry.error) for entry in result.errors], errors),
-                ]
-            ),
+            "\n".join([head, *_error_lines(first, errors)]),
             None,
         )
     return SOME_ERRORS if errors else WRITTEN

@@ -24,7 +24,7 @@ from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, f
 from enum import Enum
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -40,7 +40,6 @@ __all__ = [
     "Ends",
     "Guarantee",
     "InPython",
-    "Incomplete",
     "LevelWord",
     "Lines",
     "OneOf",
@@ -211,21 +210,6 @@ class Answer(Record):
         from kilter.tell.html import html_of
 
         return html_of(self.to_dict())
-
-
-class Incomplete(Answer):
-    """Answer that a command prints if the time limit ended its computation."""
-
-    answer: ClassVar[str] = "incomplete"
-
-    verdict: Literal["undecided"] = "undecided"
-    """The verdict."""
-    sentence: str
-    """The known facts, in words."""
-    time_limit: float | None
-    """The time limit [s]; null without the option --time-limit."""
-    warnings: tuple[str, ...] = ()
-    """Warnings."""
 
 
 class AnswerInWords(Answer):

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections import deque
-from collections.abc import Callable, Sequence
-from dataclasses import field
+from collections import Counter, deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -24,7 +24,7 @@ from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.reading import reading_for
 from kilter.tell.levels import REQUIRE, require_level
-from kilter.tell.record import Answer, InPython, Record, key
+from kilter.tell.record import Answer, Record
 from kilter.values.guesses import guarded
 from kilter.work import EFFORT
 
@@ -45,43 +45,47 @@ class BatchError(Record):
     file: str
     """Path of the file."""
     error: str
-    """Reason, in words."""
+    """The reason."""
 
 
 class Batch(Answer):
-    """Result of a batch of verdicts: the files with the rows, and the number of each verdict."""
+    """Result of a batch of verdicts: numbers of rows, and the files that contain them."""
 
     answer: ClassVar[str] = "batch"
 
-    folder: Path
+    folder: str
     """Folder of the row files."""
-    paths: InPython[list[Path]]
-    """Paths of the row files, in order of the chunks."""
-    counts: dict[str, int] = field(default_factory=dict)
-    """Number of rows of each verdict, "error" among them."""
-    errors: list[BatchError] = field(default_factory=list)
-    """Files without a verdict, and the reasons; the first thousand."""
-    found_there: int = 0
-    """Number of rows that an earlier run had written."""
+    files: tuple[str, ...]
+    """Names of the row files, in order of the chunks."""
+    rows: int
+    """Number of rows."""
+    counts: Mapping[str, int]
+    """Number of rows of each verdict, the most frequent first; "error" is among them."""
+    errors: tuple[BatchError, ...]
+    """Files without a verdict, the first thousand."""
+    found_there: int
+    """Rows that an earlier run had written."""
 
     @property
-    @key
-    def files(self) -> list[str]:
-        """Names of the row files."""
-        return [path.name for path in self.paths]
+    def paths(self) -> list[Path]:
+        """Paths of the row files."""
+        return [Path(self.folder) / name for name in self.files]
 
-    @property
-    @key
-    def rows(self) -> int:
-        """Number of rows."""
-        return sum(self.counts.values())
+
+@dataclass(slots=True)
+class _Tally:
+    """Numbers of rows that are written, and their first errors."""
+
+    rows: int = 0
+    counts: Counter[str] = field(default_factory=Counter)
+    errors: list[tuple[str, str]] = field(default_factory=list)
 
     def add(self, rows: Sequence[BatchRow]) -> None:
         """Count the rows of a finished chunk of the batch."""
-        for row in rows:
-            self.counts[row["verdict"]] = self.counts.get(row["verdict"], 0) + 1
-        wrong = [row for row in rows if row["verdict"] == "error"][: TOLD - len(self.errors)]
-        self.errors.extend(BatchError(file=row["file"], error=row["error"] or "") for row in wrong)
+        self.rows += len(rows)
+        self.counts.update(row["verdict"] for row in rows)
+        wrong = [(row["file"], row["error"] or "") for row in rows if row["verdict"] == "error"]
+        self.errors += wrong[: TOLD - len(self.errors)]
 
 
 @guarded
@@ -170,24 +174,29 @@ def run_batch(
         )
     question = dataclasses.replace(question, base=base)
     with open_folder(Path(output), files, question, size=size) as folder:
-        paths = [folder.file(k) for k in range(folder.chunks)]
-        tables = Batch(folder=folder.path, paths=paths)
+        tally = _Tally()
         left = []
         for k in range(folder.chunks):
             rows = folder.read(k)
             if rows is None:
                 left.append(k)
             else:
-                tables.add(rows)
-        tables = dataclasses.replace(tables, found_there=tables.rows)
+                tally.add(rows)
+        found_there = tally.rows
         workers = _workers(cluster, min(count, max(len(left), 1)), question)
         try:
-            _run(workers, folder, files, left, tables, progress or (lambda done, of: None))
+            _run(workers, folder, files, left, tally, progress or (lambda done, of: None))
         finally:
             workers.end()
-    frequent = sorted(tables.counts.items(), key=lambda count: -count[1])
-    errors = sorted(tables.errors, key=lambda entry: (entry.file, entry.error))
-    return dataclasses.replace(tables, counts=dict(frequent), errors=errors)
+        files_of_rows = [folder.file(k).name for k in range(folder.chunks)]
+    return Batch(
+        folder=str(folder.path),
+        files=tuple(files_of_rows),
+        rows=tally.rows,
+        counts=dict(tally.counts.most_common()),
+        errors=tuple(BatchError(file=file, error=error) for file, error in sorted(tally.errors)),
+        found_there=found_there,
+    )
 
 
 def _workers(cluster: str | None, count: int, question: BatchQuestion) -> Workers:
@@ -201,13 +210,13 @@ def _run(
     folder: BatchFolder,
     files: Sequence[str],
     left: Sequence[int],
-    tables: Batch,
+    tally: _Tally,
     progress: Callable[[int, int], None],
 ) -> None:
     """Judge the chunks of a batch that are not written yet, and write their rows."""
     waiting = deque(Task(k, tuple((n, files[n]) for n in folder.places(k))) for k in left)
     rows: dict[int, dict[int, BatchRow]] = {k: {} for k in left}
-    progress(tables.rows, folder.count)
+    progress(tally.rows, folder.count)
     while rows:
         while waiting and workers.free:
             workers.take(waiting.popleft())
@@ -221,8 +230,8 @@ def _run(
                 whole = [chunk_rows[n] for n in folder.places(task.chunk)]
                 folder.write(task.chunk, whole)
                 del rows[task.chunk]
-                tables.add(whole)
-        progress(tables.rows, folder.count)
+                tally.add(whole)
+        progress(tally.rows, folder.count)
 
 
 def _rows_of_dead_task(task: Task) -> tuple[list[BatchRow], list[Task]]:

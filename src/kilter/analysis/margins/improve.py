@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.turning_tolerances import MOVES
 from kilter.arrays import Array
 from kilter.assembly import Assembly

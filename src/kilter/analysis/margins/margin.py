@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
+from kilter.analysis.decision.bond_factor import BondFactor
 from kilter.analysis.decision.fitted_normals import fits_left_out
-from kilter.analysis.margins.bond_factor import BondFactor
+from kilter.analysis.decision.open_question import open_pair_names
+from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.level_limits import LevelLimits, Limits
-from kilter.analysis.margins.load_limit import Limit, Why
 from kilter.analysis.margins.margin_proofs import margin_proofs
 from kilter.analysis.margins.margin_question import MarginQuestion, margin_question
 from kilter.analysis.margins.margin_steps import MarginSteps
@@ -28,7 +29,6 @@ from kilter.analysis.margins.pushes import Push
 from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin, tilt_about
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty
 from kilter.analysis.margins.what_helps import Help
-from kilter.analysis.open_pairs.open_question import open_pair_names
 from kilter.analysis.verdict.answers import OfAssembly
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array

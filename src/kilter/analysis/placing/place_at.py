@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.load_limit import Limit, find_limit
 from kilter.analysis.placing.default_density import density_matters
 from kilter.analysis.placing.uncertain_part import part_cases
 from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import EXACT, Limit, LimitSteps
+from kilter.analysis.load_limit import EXACT, Limit, LimitSteps
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.transport.carried_set import CarriedSet, Slice
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
