@@ -33,12 +33,12 @@ from kilter.analysis.planning.order.order import Order
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.settled_pose.settle import Settled
 from kilter.analysis.transport.transport_answer import Transport
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.analysis.verification import Verification
 from kilter.cli.asked import Incomplete
+from kilter.contact import ContactSet
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
-from kilter.tell.answer_data.check_data import CheckData
-from kilter.tell.answer_data.contacts_data import ContactsData
 from kilter.tell.answer_data.directions_data import OrientData, RegionData
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
@@ -46,9 +46,9 @@ __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
 ANSWERS: dict[str, Any] = {
     "batch": Batch,
-    "check": CheckData,
+    "check": Verdict,
     "check-plan": CheckedPlan,
-    "contacts": ContactsData,
+    "contacts": ContactSet,
     "hold": Fixture,
     "improve": Improvement,
     "incomplete": Incomplete,

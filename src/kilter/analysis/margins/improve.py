@@ -154,8 +154,8 @@ def improve(
     report_fact = facts_of(progress)
     if report_fact is not None:
         report_fact("verdict", f"the given model is {verdict.verdict.replace('-', ' ')}")
-    program = build_program(assembly, verdict.contacts)
-    factor = find_bond_factor(program, verdict.contacts)
+    program = build_program(assembly, verdict.contact_set)
+    factor = find_bond_factor(program, verdict.contact_set)
     share, weakest, motion, near = np.inf, None, None, list[int]()
     if isinstance(factor, BondFactor):
         share = factor.value
@@ -197,7 +197,7 @@ def improve(
         weakest=weakest,
         best=best,
         tried=tuple(tried),
-        warnings=tuple(verdict.warnings),
+        warnings=verdict.notes,
     )
 
 

@@ -288,7 +288,7 @@ def margin(
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
         assembly=assembly,
-        contacts=verdict.contacts,
+        contacts=verdict.contact_set,
         check=verdict,
         verdict=verdict.verdict,
         sentence=verdict.sentence,
@@ -306,8 +306,8 @@ def _limits(
 ) -> dict[str, Any]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
     assembly = question.assembly
-    program = build_program(assembly, verdict.contacts)
-    warnings = [*verdict.warnings, *_left_out(assembly, verdict.contacts, program)]
+    program = build_program(assembly, verdict.contact_set)
+    warnings = [*verdict.notes, *_left_out(assembly, verdict.contact_set, program)]
     steps = MarginSteps(
         work=work,
         tell=tell,

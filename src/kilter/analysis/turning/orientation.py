@@ -410,7 +410,7 @@ def _not_found(
     down = near.diamond.direction
     verdict = check(assembly.with_down(down), contacts=every.contacts[0])
     # the region has named the parts that touch nothing
-    more = [text for text in verdict.warnings if not text.startswith("touches nothing")]
+    more = [text for text in verdict.notes if not text.startswith("touches nothing")]
     more += [] if verdict.motion.known else [NO_MOTION]
     if why:
         sentence = f"Undecided: {'; '.join(why)}."

@@ -184,9 +184,9 @@ class Fixture(Answer):
 
     @property
     @key
-    def warnings(self) -> list[str]:
+    def warnings(self) -> tuple[str, ...]:
         """Warnings about the contacts."""
-        return self.contacts.remarks()
+        return self.contacts.warnings
 
     @property
     @key
