@@ -424,7 +424,7 @@ def verify_proof(
 
 
 def _wrong_second_order(
-    assembly: Assembly, contacts: ContactSet, program: Program, proof: Mapping[str, Any]
+    assembly: Assembly, contacts: ContactSet, program: Program, proof: dict[str, Any]
 ) -> list[str]:
     """Reasons why the statement of second order does not hold."""
     second = proof["second_order"]
