@@ -35,7 +35,7 @@ from kilter.arrays import Mask
 from kilter.assembly import Assembly, Joint, JointEntry, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.assembly.plain_joints import plain_joints
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
+from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
@@ -296,21 +296,12 @@ class Region(InCells, RegionShape, AnswerInWords):
         return f"Region({self})"
 
 
-@guarded
-@on_one_thread
+@question(lacks="require effort")
 def region(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
     gap_deg: float = GAP_DEG,
     rests: bool = False,
-    tolerance: Tolerance | None = None,
-    time_limit: float | None = None,
-    progress: Tell | None = None,
 ) -> Region:
     """Find every direction of gravity for which an assembly stays together.
 
@@ -318,14 +309,10 @@ def region(
     ----------
     assembly : Assembly, or path
         It has at least one held part.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     gap_deg : float
         How far apart the inner and the outer cone may be, with friction in space [deg].
     rests : bool
         Also which of its axis, lines and rays are strict minima of energy (`Region.rests`).
-    contacts, tolerance, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -353,32 +340,28 @@ def region(
     >>> rough.exact, round(rough.half_angle_deg, 1), rough.gap_deg < 0.1
     (False, 26.5, True)
     """
-    assembly = asked_assembly(
-        assembly, "region", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    assembly = asked.assembly
     require_no_bonds(assembly, "region", NO_CONE)
     assembly.require_grounded()
     started = time.perf_counter()
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
+    contacts = detect.touching(asked)
     rubs = bool((contacts.patch_mu > 0).any())
     if rests and rubs:
         raise InputError(
             "places of rest can be computed only without friction", hint="leave friction out"
         )
-    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
+    limit = asked.seconds_left
     pairs = still_open(contacts.open_pairs, assembly)
     with given_direction_known(assembly, contacts, limit):
         with stop_after(limit if limit is None or not pairs else limit / 2):
-            stable = _region(assembly, contacts, rubs, gap_deg, started, progress)
+            stable = _region(assembly, contacts, rubs, gap_deg, started, asked.progress)
         if pairs:
             joined = _all_joined(assembly, contacts)
             if _joined_holds(stable, joined):
                 stable = replace(stable, joined_holds=True)
             else:
-                other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
+                now = time.perf_counter()
+                other = _region(joined, contacts, rubs, gap_deg, now, asked.progress)
                 stable = replace(
                     stable, if_joined=RegionShape(cone=other.cone, facets=other.facets)
                 )

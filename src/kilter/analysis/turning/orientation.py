@@ -18,12 +18,10 @@ Mattikalli, Khosla, Repetto and Baraff (1993), sections 2.3 and 3.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.judge import Judgement, judge
@@ -43,8 +41,8 @@ from kilter.analysis.verdict.verdict_answer import VerdictTolerance
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.contact.common.patches import UnsupportedContact
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
@@ -53,9 +51,7 @@ from kilter.rigid import rotation_between
 from kilter.tell.numbers import vector
 from kilter.tell.record import InPython, LevelWord, Record, Shape, Vector, key
 from kilter.tell.words import found_sentence
-from kilter.threads import on_one_thread
 from kilter.validate import frozen
-from kilter.values.guesses import guarded
 from kilter.work import seconds_left
 
 __all__ = ["Orientation", "orient"]
@@ -169,20 +165,11 @@ class Orientation(OfAssembly):
         return f"Orientation({self.verdict}, down {vector(self.down)}{width})"
 
 
-@guarded
-@on_one_thread
+@question(lacks="require effort")
 def orient(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
     method: Method = "joint",
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Orientation:
     """Find the stable direction of gravity with the widest margin, or the nearest to stable.
 
@@ -192,12 +179,8 @@ def orient(
     ----------
     assembly : Assembly, or path
         It has at least one held part, and no loads.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     method : {"joint", "walk"}
         For the nearest direction on the paper's diamond.
-    contacts, tolerance, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -219,18 +202,10 @@ def orient(
     >>> round(orient(stacks.block_on_slope(40.0, friction=0.5)).tilt_margin_deg, 1)
     26.5
     """
-    started = time.perf_counter()
-    assembly = asked_assembly(
-        assembly, "orient", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
-    _require_turnable(assembly, method)
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
-    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
-    with given_direction_known(assembly, contacts, limit):
-        return _orient(assembly, contacts, method, limit, progress)
+    _require_turnable(asked.assembly, method)
+    contacts = detect.touching(asked)
+    with given_direction_known(asked.assembly, contacts, asked.seconds_left):
+        return _orient(asked.but(contacts=contacts), method)
 
 
 def _orientation(every: Region, down: Array, method: Method, **known: Any) -> Orientation:
@@ -252,20 +227,13 @@ def _orientation(every: Region, down: Array, method: Method, **known: Any) -> Or
     )
 
 
-def _orient(
-    assembly: Assembly,
-    contacts: ContactSet,
-    method: Method,
-    time_limit: float | None,
-    progress: Callable[[str], None] | None,
-) -> Orientation:
+def _orient(asked: Question, method: Method) -> Orientation:
     """Find the orientation of an assembly with given contacts, as `orient`."""
-    tell = progress or (lambda stage: None)
-    program = build_program(assembly, contacts)
+    contacts, left, tell = detect.touching(asked), asked.seconds_left, asked.tell
+    program = build_program(asked.assembly, contacts)
     tell("stable region")
-    limit = None if time_limit is None else OF_REGION * time_limit
-    words = progress if program.mu.any() else None
-    every = region(assembly, contacts=contacts, time_limit=limit, progress=words)
+    part = asked.within(None if left is None else OF_REGION * left)
+    every = region(part if program.mu.any() else part.but(progress=None))
     if every.kind == "none" and every.joined_holds:
         return _open_pairs_decide(program, every, method)
     tell("orientation")
