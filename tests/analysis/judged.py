@@ -52,7 +52,7 @@ def judged(assembly: Assembly, **options: Any) -> Verdict:
     searched = verdict.verdict == "settles" and options.get("effort", 1.0) < 1.0
     assert answer.holds or (searched and answer.level == "equilibrium"), answer.reasons
     assert answer.verdict == verdict.verdict
-    _convinces_a_stranger(proof, verdict.tolerance)
+    _convinces_a_stranger(proof, verdict.tolerance.verdict)
     _exactly_one_holds(verdict)
     _moves_as_it_should(verdict)
     return verdict
@@ -95,7 +95,7 @@ def _moves_as_it_should(verdict: Verdict) -> None:
     if verdict.verdict in ("settles", "potentially-stable") and verdict.why != "push-open":
         assert verdict.guarantee in ("refuted", "open")
         assert verdict.seated is not None
-        passed, of = verdict.tries
+        passed, of = verdict.tries.passed, verdict.tries.of
         assert (verdict.verdict == "settles") == (verdict.guarantee == "open" and passed == of == 8)
     assert (verdict.verdict in ("potentially-stable", "balanced")) == (verdict.why is not None)
 

@@ -32,8 +32,8 @@ def balls() -> Assembly:
 def test_parts_are_drawn_at_the_places_of_the_path(opened: Callable) -> None:
     assembly = scene(NAME)
     verdict = kilter.check(assembly)
-    assert verdict.second_order is not None
-    path = find_path_places(assembly, verdict.second_order)
+    assert verdict.second_order_answer is not None
+    path = find_path_places(assembly, verdict.second_order_answer)
     assert path is not None
     page = opened(NAME)
     assert page.js("document.getElementById('fall').hidden") is False

@@ -37,7 +37,7 @@ def depths(assembly: Assembly) -> dict[tuple[int, int], float]:
     """Depth of overlap of pairs of parts [size of the smaller part]."""
     size = assembly.geometry.size
     found = kilter.contacts(assembly).overlaps
-    return {one.parts: one.depth / size[list(one.parts)].min() for one in found}
+    return {one.ends: one.depth / size[list(one.ends)].min() for one in found}
 
 
 BLOCKED = ("paper-figure-3-vertices", "cad-export")

@@ -31,8 +31,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_headlines_name_no_paper() -> None:
     assert not [words for words in SENTENCES.values() if "paper" in words or "order" in words]
     verdict = kilter.check(kilter.example("paper-figure-9"))
-    assert verdict.second_order is not None
-    assert verdict.second_order.state == "free"  # the blocks can circulate
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.state == "free"  # the blocks can circulate
     assert verdict.sentence == "Stable: it cannot start to move, even without friction."
 
 

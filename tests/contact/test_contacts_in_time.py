@@ -75,7 +75,7 @@ def test_pairs_after_the_limit_are_open(clock: Callable[[int], None]) -> None:
     assert {pair.kind for pair in cut.open_pairs} == {"unexamined"}
     assert not len(cut.alone)
     assert "the time limit was reached: the contacts of 3 pairs of parts were not examined" in (
-        cut.remarks()
+        cut.warnings
     )
     validator("contacts")(cut.to_dict())
     assert "a longer --time-limit" in text_of(cut.to_dict())

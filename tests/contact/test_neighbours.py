@@ -23,8 +23,8 @@ BASE = block("base", [-5, -5, -1], [5, 5, 0], grounded=True)
 
 
 def only(assembly: Assembly) -> dict:
-    (one,) = [one for one in contacts(assembly).nearest() if not one["grounded"]]
-    return one
+    (one,) = [one for one in contacts(assembly).nearest if not one.grounded]
+    return one.to_dict()
 
 
 # nearest parts ----------------------------------------------------------------------------
@@ -86,10 +86,10 @@ def test_a_gap_of_round_faces_is_right_within_what_is_told() -> None:
     # within a bore, where boxes enclose each other
     rod = pin("rod", 0.5, 3.0, [0, 0.2, 0])
     held = tube("ring", 1.0, 2.0, 4.0, grounded=True)
-    found = contacts(Assembly([held, rod])).nearest()
-    assert [one["part"] for one in found] == ["ring", "rod"]
-    assert found[0]["gap"] == found[1]["gap"]
-    assert abs(found[0]["gap"] - 0.3) <= found[0]["accuracy"] < 0.01
+    found = contacts(Assembly([held, rod])).nearest
+    assert [one.part for one in found] == ["ring", "rod"]
+    assert found[0].gap == found[1].gap
+    assert abs(found[0].gap - 0.3) <= found[0].accuracy < 0.01
 
 
 def test_of_several_the_nearest_is_named_though_its_box_is_not() -> None:
@@ -97,22 +97,22 @@ def test_of_several_the_nearest_is_named_though_its_box_is_not() -> None:
     beam = Part("beam", Box([12, 0.2, 0.2]), Pose([0, 6, 6], turn([0, 1, 1], 90)))
     near = block("near", [1.2, 0.0, 6.0], [2.2, 1.0, 7.0])
     assembly = Assembly([BASE, beam, near, block("top", [-1, 0, 6], [0, 1, 7])])
-    found = {one["part"]: one for one in contacts(assembly).nearest()}
+    found = {one.part: one for one in contacts(assembly).nearest}
     gaps = []
     for other in ("base", "beam", "near"):
         two = Assembly([assembly[other], assembly["top"]])
-        gaps.append((next(o for o in contacts(two).nearest() if o["part"] == "top")["gap"], other))
-    assert (found["top"]["gap"], found["top"]["nearest"]) == min(gaps)
+        gaps.append((next(o for o in contacts(two).nearest if o.part == "top").gap, other))
+    assert (found["top"].gap, found["top"].nearest) == min(gaps)
 
 
 def test_what_touches_overlaps_or_is_joined_is_not_alone() -> None:
     cube = block("cube", [0, 0, 0], [1, 1, 1])
     sunk = block("sunk", [0, 0, 0.9], [1, 1, 2])
-    assert contacts(Assembly([BASE, cube, sunk])).nearest() == []
+    assert contacts(Assembly([BASE, cube, sunk])).nearest == ()
     aside = Assembly([BASE, cube, block("aside", [3, 0, 0.5], [4, 1, 1])])
-    assert [one["part"] for one in contacts(aside).nearest()] == ["aside"]
+    assert [one.part for one in contacts(aside).nearest] == ["aside"]
     alone = Assembly([block("cube", [0, 0, 0], [1, 1, 1], grounded=True)])
-    assert contacts(alone).nearest() == [
+    assert [one.to_dict() for one in contacts(alone).nearest] == [
         {"part": "cube", "nearest": None, "gap": None, "accuracy": None, "grounded": True}
     ]
 
@@ -215,7 +215,7 @@ def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place() -> None:
     nut = pin("nut", 6.83, 6.5, grounded=True)
     found = check(Assembly([nut, pin("bolt", 4, 40)], units="mm"))
     assert found.verdict != "stable"
-    (overlap,) = found.contacts.overlaps
+    (overlap,) = found.contact_set.overlaps
     assert overlap.share == pytest.approx((4 / 6.83) ** 2, rel=0.01)
 
 
@@ -251,7 +251,7 @@ def table_with(*places: tuple[float, float, float]) -> Assembly:
 
 
 def test_a_copy_that_overlaps_where_the_others_do_not_is_asked_about() -> None:
-    told = [w for w in contacts(table_with((0, 0, 1), (3, 0, 0.9))).remarks() if "right place" in w]
+    told = [w for w in contacts(table_with((0, 0, 1), (3, 0, 0.9))).warnings if "right place" in w]
     assert told == [
         "is 'foot_1' in the right place? it overlaps 'base', but its copy 'foot_0' overlaps nothing"
     ]
@@ -260,7 +260,7 @@ def test_a_copy_that_overlaps_where_the_others_do_not_is_asked_about() -> None:
 
 @pytest.mark.parametrize("places", [[(0, 0, 1), (3, 0, 1)], [(0, 0, 0.9), (3, 0, 0.8)]])
 def test_copies_that_all_overlap_or_none_are_not_asked_about(places) -> None:  # type: ignore[no-untyped-def]
-    assert not any("placed" in w for w in contacts(table_with(*places)).remarks())
+    assert not any("placed" in w for w in contacts(table_with(*places)).warnings)
 
 
 def test_a_copy_that_is_fastened_is_meant_so() -> None:

@@ -60,7 +60,7 @@ def test_a_tilted_cube_by_its_angle(share: float, kind: list[str]) -> None:
 def test_what_is_known_of_it_is_said() -> None:
     found = contacts(stacked(-0.25))
     (one,) = found.open_pairs
-    assert (one.parts, one.kind, one.depth) == ((0, 1), "overlap", pytest.approx(0.25))
+    assert (one.ends, one.kind, one.depth) == ((0, 1), "overlap", pytest.approx(0.25))
     assert one.volume == pytest.approx(0.25)
     entry = found.to_dict()["open_pairs"][0]
     assert entry["parts"] == ["slab", "cube"]

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from answer_schemas import texts_of
 
 import kilter
-from kilter.files.answer_schemas import texts_of
 
 PAGES = sorted((Path(__file__).resolve().parents[2] / "docs" / "reference").glob("*.md"))
 SCHEMAS = Path(kilter.__file__).parent / "files/schemas"
@@ -85,6 +85,7 @@ def test_what_is_left_out_is_seen() -> None:
         """Two numbers."""
 
         told: int
+        """A number."""
         hidden: int
 
         @property

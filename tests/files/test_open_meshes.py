@@ -116,15 +116,15 @@ def test_a_held_open_mesh_holds() -> None:
     assert warning.endswith("a held part needs no closed mesh")
     found = check(assembly)
     assert found.verdict == "stable"
-    assert not [r for r in found.contacts.rejected if r.why == UNKNOWN]
+    assert not [r for r in found.contact_set.rejected if r.why == UNKNOWN]
     assert assembly.geometry.volume[0] == pytest.approx(1.0, rel=1e-2)
 
 
 def test_what_comes_near_a_hole_is_listed() -> None:
     assembly = on(Part("base", without_face_at(TOP), grounded=True))
     found = contacts(assembly)
-    assert [r.parts for r in found.rejected if r.why == UNKNOWN] == [(0, 1)]
-    assert [(pair.parts, pair.kind, pair.why) for pair in found.open_pairs] == [
+    assert [r.ends for r in found.rejected if r.why == UNKNOWN] == [(0, 1)]
+    assert [(pair.ends, pair.kind, pair.why) for pair in found.open_pairs] == [
         ((0, 1), "near", UNKNOWN)
     ]
     assert len(found)  # the rest of the face still has contacts
@@ -188,9 +188,9 @@ def test_the_hull_replaces_a_free_mesh_with_a_large_hole_and_its_contacts_are_op
     assert "mass and centre are those of its convex hull" in warning
     answer = check(assembly)
     assert answer.verdict == "undecided"
-    assert [pair.parts for pair in answer.contacts.open_pairs] == [(0, 1)]
+    assert [pair.ends for pair in answer.contact_set.open_pairs] == [(0, 1)]
     beside = Assembly([table, Part("lid", LID), Part("cube", Box([1, 1, 1]), Pose([1.5, 0, 0]))])
-    assert {pair.parts for pair in check(beside).contacts.open_pairs} == {(0, 1)}
+    assert {pair.ends for pair in check(beside).contact_set.open_pairs} == {(0, 1)}
 
 
 def test_a_flat_open_mesh_is_refused_by_name() -> None:

@@ -71,8 +71,8 @@ def test_curved_blocks_on_the_interfaces_of_the_file(mu: float, forces: bool) ->
     path = DATA / "compas_cra" / "curve-3-blocks.json"
     found = check(load(path, ground="0", contacts="file", friction=mu))
     assert (found.verdict != "unstable") == forces
-    assert len(found.contacts) == 40
-    assert found.certificate is not None
+    assert len(found.contact_set) == 40
+    assert found.evidence is not None
 
 
 @pytest.mark.slow
@@ -81,5 +81,5 @@ def test_crossvault_on_the_interfaces_of_the_file() -> None:
     assembly = load(path, contacts="file", friction=0.84)
     assert [part.name for part in assembly.parts if part.grounded] == ["180", "181", "182", "183"]
     found = check(assembly)
-    assert len(found.contacts) == 488
+    assert len(found.contact_set) == 488
     assert found.verdict not in ("unstable", "undecided")

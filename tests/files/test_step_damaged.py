@@ -233,7 +233,7 @@ def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path: Path) -> None:
     touching = contacts(Assembly(parts))
     assert not len(touching)
     assert not touching.overlaps
-    assert [(pair.parts, pair.kind) for pair in touching.open_pairs] == [((0, 1), "near")]
+    assert [(pair.ends, pair.kind) for pair in touching.open_pairs] == [((0, 1), "near")]
 
 
 def test_a_solid_without_faces_has_no_volume() -> None:

@@ -122,7 +122,7 @@ def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does() -> None:
     for parts, volume in OVERLAPS.items():
         assert found[parts].volume == pytest.approx(volume, rel=0.02)
     # both are parts of the same foot, whose copy is placed correctly
-    asked = next(word for word in contacts.remarks() if "in the right place" in word)
+    asked = next(word for word in contacts.warnings if "in the right place" in word)
     assert "is 'foot_2/footback' in the right place?" in asked
     assert "its copy 'foot_1/footfront' overlaps nothing" in asked
 

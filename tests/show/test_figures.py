@@ -239,7 +239,7 @@ def test_a_notebook_shows_hostile_names_as_text() -> None:
     assert "&lt;script&gt;" in text
     assert "\u202e" not in text
     assert len(text) < 8000
-    told = dataclasses.replace(verdict, sentence="<img src=x onerror=alert(1)>", warnings=("<b>",))
+    told = dataclasses.replace(verdict, sentence="<img src=x onerror=alert(1)>", notes=("<b>",))
     assert "<img" not in told._repr_html_()
     assert "<b>" not in told._repr_html_()
 
@@ -357,6 +357,6 @@ def test_straps_are_lines_in_the_figure_and_in_the_page() -> None:
     verdict = kilter.check(load)
     words = [text.get_text() for text in draw_assembly(verdict).legends[0].get_texts()]
     assert "1 strap" in words
-    things = build_things(load, verdict.contacts)
+    things = build_things(load, verdict.contact_set)
     line = np.array(things["straps"][0]) + things["center"]
     assert np.allclose(line, [[2, 0, 0], [0.5, 0, 1]])

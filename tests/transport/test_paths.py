@@ -9,7 +9,7 @@ import pytest
 from boxes_on_deck import random_stack, stack_on_deck
 
 import kilter
-from kilter.analysis.margins.load_limit import NoLimit
+from kilter.analysis.load_limit import NoLimit
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath, path_from_poses, read_path
 from kilter.analysis.transport.path import find_path_limit
@@ -68,16 +68,6 @@ def test_circle_at_fixed_heading_and_along_it() -> None:
     # the box turns with the carrier about its own centre, which needs no force
     assert answer.speed.factor == pytest.approx(expected, rel=1e-6)
     assert not answer.speed.between_samples
-
-
-@pytest.mark.slow
-def test_quintic_through_its_poses() -> None:
-    """Cubic splines through 201 poses; the samples bound the factor from above."""
-    share = np.linspace(0, 1, 201)
-    along = 2 * (10 * share**3 - 15 * share**4 + 6 * share**5)
-    place = np.column_stack([along, 0 * along, 0 * along])
-    expected = np.sqrt(MU * G * 1.5**2 / (2 * 10 / np.sqrt(3)))
-    assert _factor(path_from_poses(1.5 * share, place)) == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.parametrize("degrees", [8, -25])

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.turning_tolerances import MOVES
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -154,8 +154,8 @@ def improve(
     report_fact = facts_of(progress)
     if report_fact is not None:
         report_fact("verdict", f"the given model is {verdict.verdict.replace('-', ' ')}")
-    program = build_program(assembly, verdict.contacts)
-    factor = find_bond_factor(program, verdict.contacts)
+    program = build_program(assembly, verdict.contact_set)
+    factor = find_bond_factor(program, verdict.contact_set)
     share, weakest, motion, near = np.inf, None, None, list[int]()
     if isinstance(factor, BondFactor):
         share = factor.value
@@ -197,7 +197,7 @@ def improve(
         weakest=weakest,
         best=best,
         tried=tuple(tried),
-        warnings=tuple(verdict.warnings),
+        warnings=verdict.notes,
     )
 
 

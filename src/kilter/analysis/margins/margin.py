@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
+from kilter.analysis.decision.bond_factor import BondFactor
 from kilter.analysis.decision.fitted_normals import fits_left_out
-from kilter.analysis.margins.bond_factor import BondFactor
+from kilter.analysis.decision.open_question import open_pair_names
+from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.level_limits import LevelLimits, Limits
-from kilter.analysis.margins.load_limit import Limit, Why
 from kilter.analysis.margins.margin_proofs import margin_proofs
 from kilter.analysis.margins.margin_question import MarginQuestion, margin_question
 from kilter.analysis.margins.margin_steps import MarginSteps
@@ -28,7 +29,6 @@ from kilter.analysis.margins.pushes import Push
 from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin, tilt_about
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty
 from kilter.analysis.margins.what_helps import Help
-from kilter.analysis.open_pairs.open_question import open_pair_names
 from kilter.analysis.verdict.answers import OfAssembly
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
@@ -288,7 +288,7 @@ def margin(
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
         assembly=assembly,
-        contacts=verdict.contacts,
+        contacts=verdict.contact_set,
         check=verdict,
         verdict=verdict.verdict,
         sentence=verdict.sentence,
@@ -306,8 +306,8 @@ def _limits(
 ) -> dict[str, Any]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
     assembly = question.assembly
-    program = build_program(assembly, verdict.contacts)
-    warnings = [*verdict.warnings, *_left_out(assembly, verdict.contacts, program)]
+    program = build_program(assembly, verdict.contact_set)
+    warnings = [*verdict.notes, *_left_out(assembly, verdict.contact_set, program)]
     steps = MarginSteps(
         work=work,
         tell=tell,

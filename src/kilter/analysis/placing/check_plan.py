@@ -130,6 +130,7 @@ class CheckedPlan(Answer):
     seconds: float
     """Duration [s]."""
     plan: InPython[PackingPlan]
+    """The checked plan."""
     assembly: InPython[Assembly]
     """The finished pile with its base and held parts."""
 

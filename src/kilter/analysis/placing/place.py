@@ -122,7 +122,9 @@ class Places(Answer):
     seconds: float
     """Duration [s]."""
     assembly: InPython[Assembly]
+    """The assembly without the part."""
     part: InPython[Part]
+    """The part that is put down."""
     prism: InPython[PlacedPrism | None]
     """The part as a prism; None if it is no upright convex prism."""
     question: InPython[MapQuestion | None] = None

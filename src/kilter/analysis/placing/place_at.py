@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.load_limit import Limit, find_limit
 from kilter.analysis.placing.default_density import density_matters
 from kilter.analysis.placing.uncertain_part import part_cases
 from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted
@@ -73,7 +73,7 @@ class AtPlace(Record):
         level = self.worst.level
         if len(self.verdicts) == 1:
             return level
-        most = "equilibrium" if (self.worst.contacts.patch_mu > 0).any() else "proved"
+        most = "equilibrium" if (self.worst.contact_set.patch_mu > 0).any() else "proved"
         return min(level, most, key=level_rank)
 
     @property
@@ -94,7 +94,7 @@ class AtPlace(Record):
         The warning about the default density is left out if the verdict and the heaviest mass do
         not depend on it, unless the assembly without the part (`base`) has this warning, too.
         """
-        remarks = self.worst.contacts.warnings
+        remarks = self.worst.contact_set.warnings
         idle = set(density_warnings(self.worst.assembly.parts)) - {*base.geometry.warnings}
         limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
         if not idle or limited or any(map(density_matters, self.verdicts)):

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import open_pairs_answer
 from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.polyhedral_cone import Cone

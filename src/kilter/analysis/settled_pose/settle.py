@@ -335,7 +335,7 @@ def settle(
         depth=found.depth,
         why=found.why,
         require=require,
-        warnings=tuple(dict.fromkeys(warned.warnings)),
+        warnings=tuple(dict.fromkeys(warned.notes)),
         seconds=time.perf_counter() - started,
         drawn=assembly,
         assembly=settled,

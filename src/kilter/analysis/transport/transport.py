@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import EXACT, Limit, LimitSteps
+from kilter.analysis.load_limit import EXACT, Limit, LimitSteps
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.transport.carried_set import CarriedSet, Slice
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
@@ -179,7 +179,7 @@ def transport(
         mu_range=mu_range,
         require=require,
         missing=steps.missing,
-        warnings=tuple(steps.rest.warnings),
+        warnings=steps.rest.notes,
         seconds={**steps.rest.seconds, "total": time.perf_counter() - started},
     )
 
@@ -317,7 +317,7 @@ def _steps(
         time_limit=work.seconds,
         progress=progress,
     )
-    detected = rest.contacts
+    detected = rest.contact_set
     frictions = [detected if end == 1.0 else detected.with_friction_share(end) for end in ends]
     if frictions[0] is not detected:
         rest = check(

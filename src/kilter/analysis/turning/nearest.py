@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from kilter.analysis.decision.motion import find_motion
 from kilter.analysis.turning.facet_program import DiamondOptimum, joint
 from kilter.analysis.turning.least_instability import least_instability
 from kilter.analysis.turning.reachable import nearest_on_sphere
 from kilter.analysis.turning.walk import walk
 from kilter.analysis.verdict.displacement import find_displacement
-from kilter.analysis.verdict.motion import find_motion
 from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program

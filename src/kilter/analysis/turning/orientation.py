@@ -28,7 +28,8 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.open_pairs.open_question import open_pair_names, open_pairs_answer
+from kilter.analysis.decision.motion import NO_MOTION
+from kilter.analysis.decision.open_question import open_pair_names, open_pairs_answer
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
@@ -37,7 +38,6 @@ from kilter.analysis.turning.facet_program import DiamondOptimum, joint
 from kilter.analysis.turning.nearest import Method, Nearest, nearest
 from kilter.analysis.turning_tolerances import OPPOSITE, PLAIN
 from kilter.analysis.verdict.answers import joints_answer
-from kilter.analysis.verdict.motion import NO_MOTION
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -410,7 +410,7 @@ def _not_found(
     down = near.diamond.direction
     verdict = check(assembly.with_down(down), contacts=every.contacts[0])
     # the region has named the parts that touch nothing
-    more = [text for text in verdict.warnings if not text.startswith("touches nothing")]
+    more = [text for text in verdict.notes if not text.startswith("touches nothing")]
     more += [] if verdict.motion.known else [NO_MOTION]
     if why:
         sentence = f"Undecided: {'; '.join(why)}."

@@ -31,10 +31,8 @@ from kilter.analysis.analysis_tolerances import (
     MOVES,
     ZERO_MOTION,
 )
-from kilter.analysis.verdict.part_answer import PartMotion
 from kilter.arrays import TINY, Array, Mask
 from kilter.assembly import Part
-from kilter.errors import InputError, nearest_name, some_names
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
@@ -87,6 +85,25 @@ UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PartMotion:
+    """Accelerations with which a part starts to move from rest; arrays are read-only.
+
+    Attributes
+    ----------
+    acceleration : ndarray, shape (6,)
+        Linear [m/s^2] and angular [rad/s^2] acceleration, world frame.
+    relative : ndarray, shape (2,)
+        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
+    moves : bool
+        Whether the part starts to move.
+    """
+
+    acceleration: Array
+    relative: Array
+    moves: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ImpendingMotion:
     """Accelerations with which all parts start to move from rest.
 
@@ -103,8 +120,6 @@ class ImpendingMotion:
     residual : float
         Residual of the optimality conditions by `optimality` [g], or of Coulomb's law [-].
         Infinite if no solver finished; the accelerations are then 0 and have no meaning.
-    names : tuple of str
-        Names of the parts; ``motion["upper"]`` is the motion of a part.
     gains : ndarray, shape (N, 6), or None
         If the accelerations are not known, the motion of the proof: translations [length unit] and
         rotations [rad] of any common size, which gain energy. None if there is no such proof.
@@ -115,16 +130,7 @@ class ImpendingMotion:
     moves: Mask
     instability: float
     residual: float
-    names: tuple[str, ...] = ()
     gains: Array | None = None
-
-    def __getitem__(self, name: str) -> PartMotion:
-        if name not in self.names:
-            near = nearest_name(name, self.names)
-            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self.names, 8)}"
-            raise InputError(f"no part is named {name!r}", hint=hint)
-        k = self.names.index(name)
-        return PartMotion(self.acceleration[k], self.relative[k], bool(self.moves[k]))
 
     @property
     def known(self) -> bool:
