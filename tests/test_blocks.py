@@ -85,4 +85,4 @@ def test_the_option_for_runs_them_and_the_examples_of_the_file() -> None:
     source = "src/kilter/shape/covering.py"
     run = [sys.executable, "-m", "pytest", "--for", source, "--collect-only"]
     listed = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert "test_covering.py" in listed
+    assert "test_distances.py" in listed

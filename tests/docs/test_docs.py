@@ -1,12 +1,17 @@
-"""Every code block of README and docs runs; every command and flag that they name exists."""
+"""Pages of the documentation run, and are those that their programs write."""
 
 from __future__ import annotations
 
+import json
+import os
 import re
 import shlex
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import kilter
@@ -14,6 +19,8 @@ from kilter.cli import main
 from kilter.cli.commands import COMMANDS, functions_of
 from kilter.cli.declarations import declared_of
 from kilter.cli.option_parser import with_values
+from kilter.scenes import scene
+from kilter.scenes.walls import wall
 
 ROOT = Path(__file__).resolve().parents[2]
 OTHERS = ("compas", "compas_assembly")
@@ -204,3 +211,168 @@ def test_an_example_is_what_its_scene_makes(path: Path) -> None:
 
     made = scene(path.name.removesuffix(".kilter.json"))
     assert to_dict(load(path)) == to_dict(made)
+
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs/report.md").read_text(encoding="utf-8")
+
+
+def stated(pattern: str) -> float:
+    [number] = re.findall(pattern, PAGE)
+    return float(number)
+
+
+@pytest.mark.slow
+def test_a_cell_has_at_least_the_stated_size() -> None:
+    cell = kilter.check(scene("tower")).show()
+    least = stated(r"stored in the\nnotebook \(([\d.]+) MB and more\)")
+    assert least <= len(cell._repr_html_().encode()) / 1e6 < least + 0.1
+
+
+@pytest.mark.slow
+def test_a_page_of_ten_thousand_bricks_has_the_stated_size() -> None:
+    page = kilter.report(wall(100, 100)).html
+    size = stated(r"A page of 10,000 bricks has ([\d.]+) MB")
+    assert len(page.encode()) / 1e6 == pytest.approx(size, rel=0.1)
+
+
+NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
+LARGEST = 100_000
+"""Largest notebook [bytes]."""
+
+
+def cells(path: Path) -> list[dict[str, object]]:
+    return json.loads(path.read_text(encoding="utf-8"))["cells"]  # type: ignore[no-any-return]
+
+
+def test_there_is_a_notebook_for_each_user_and_for_the_paper() -> None:
+    names = {path.stem for path in NOTEBOOKS}
+    assert names == {"designer", "robot_planner", "architect", "paper_figures"}
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_small_and_complete(path: Path) -> None:
+    assert path.stat().st_size < LARGEST
+    first, *others = cells(path)
+    assert "".join(first["source"]).startswith("# ")  # type: ignore[arg-type]
+    assert 'pip install "kilter[' in "".join(first["source"])  # type: ignore[arg-type]
+    code = [cell for cell in others if cell["cell_type"] == "code"]
+    assert all(cell["execution_count"] is None for cell in code)
+    outputs = [output for cell in code for output in cell["outputs"]]  # type: ignore[attr-defined]
+    assert not [output for output in outputs if output["output_type"] == "error"]
+    assert any("image/png" in output.get("data", {}) for output in outputs)
+    assert str(ROOT) not in json.dumps(outputs)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs_and_prints_the_kept_text(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("nbclient", reason="pip install 'kilter[notebook]'")
+    pytest.importorskip("ipykernel", reason="pip install 'kilter[notebook]'")
+    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    from run_notebooks import main
+
+    monkeypatch.setattr(sys, "argv", ["run_notebooks.py", "--compare", path.stem])
+    assert main() == 0
+
+
+pytest.importorskip("mkdocs")
+pytest.importorskip("material")
+pytest.importorskip("mkdocstrings")
+
+
+@pytest.mark.slow
+def test_the_site_is_built_strictly_and_works_offline(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    result = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(site)],
+        cwd=ROOT,
+        env={"KILTER_GALLERY": "2", "NO_MKDOCS_2_WARNING": "1", **os.environ},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert result.returncode == 0, result.stderr
+    pages = sorted(site.rglob("*.html"))
+    assert len(pages) > 20
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        asked = re.findall(
+            r"<(?:script|img|iframe|source)[^>]*\ssrc=[\"']?(https?:[^\"' >]+)", text
+        )
+        asked += re.findall(r"<link[^>]*rel=[\"']?(?:stylesheet|preconnect|icon)[^>]*>", text)
+        assert not [a for a in asked if "http" in a], page.name
+    live = sorted((site / "live").glob("*.html"))
+    assert len(live) == 6
+    for page in live:
+        assert f"live/{page.name}" in (site / "gallery.html").read_text(encoding="utf-8")
+        assert "<canvas" in page.read_text(encoding="utf-8")
+    for page in ("index.html", "cad.html"):
+        assert '<a href="clamp.step" download' in (site / page).read_text(encoding="utf-8")
+    assert (site / "clamp.step").read_bytes() == (ROOT / "examples/clamp.step").read_bytes()
+    shown = (site / "gallery.html").read_text(encoding="utf-8")
+    assert "gallery/paper-figure-1.png" in shown
+    assert (site / "gallery" / "paper-figure-1.png").stat().st_size > 10_000
+    reference = (site / "reference" / "check.html").read_text(encoding="utf-8")
+    assert "kilter.analysis.verdict.verdict.Verdict" in reference
+
+
+EXAMPLE = ROOT / "examples" / "clamp.step"
+
+
+@pytest.fixture
+def clamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A base, an arm with a hole on it, a bolt in the hole and a nut round the bolt."""
+    pytest.importorskip("OCP", reason="needs the extra kilter[step]")
+    monkeypatch.syspath_prepend(str(ROOT / "tests" / "files"))
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
+    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+    from step_maker import write_step
+
+    def cylinder(radius: float, low: float, high: float) -> object:
+        axis = gp_Ax2(gp_Pnt(0, 0, low), gp_Dir(0, 0, 1))
+        return BRepPrimAPI_MakeCylinder(axis, radius, high - low).Shape()
+
+    def box(low: tuple[float, ...], high: tuple[float, ...]) -> object:
+        return BRepPrimAPI_MakeBox(gp_Pnt(*low), gp_Pnt(*high)).Shape()
+
+    shaft = cylinder(4, 0, 40)
+    arm = BRepAlgoAPI_Cut(box((-10, -10, 0), (60, 10, 10)), shaft).Shape()
+    nut = BRepAlgoAPI_Cut(cylinder(7, 10, 16), shaft).Shape()
+    roots = [("base", box((-30, -30, -10), (70, 30, 0)), None), ("arm", arm, None)]
+    return write_step(tmp_path / "clamp.step", [*roots, ("bolt", shaft, None), ("nut", nut, None)])
+
+
+@pytest.mark.slow
+def test_the_example_is_what_is_made_here(clamp: Path) -> None:
+    made, kept = (kilter.load(path, ground="base") for path in (clamp, EXAMPLE))
+    assert made.names == kept.names
+    for name in ("volume", "center", "inertia"):
+        assert np.array_equal(getattr(made.geometry, name), getattr(kept.geometry, name))
+    assert kilter.check(kept).stable
+
+
+@pytest.mark.slow
+def test_the_command_of_the_page_puts_the_nut_over_its_bolt(
+    clamp: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(clamp.parent)
+    page = (ROOT / "docs" / "planning-tutorial.md").read_text(encoding="utf-8")
+    [line] = re.findall(r"^kilter (plan examples/clamp\.step .*)$", page, flags=re.M)
+    words = shlex.split(line)
+    shutil.copytree(ROOT / "examples", clamp.parent / "examples")
+    assert main(words) == 0, capsys.readouterr().err
+    assert (clamp.parent / "clamp.html").stat().st_size > 1e5
+    capsys.readouterr()
+    assert main([*words[: words.index("-o")], "--json"]) == 0
+    steps = json.loads(capsys.readouterr().out)["steps"]
+    assert [step["parts"] for step in steps][-1] == ["nut"]
+    assert (steps[-1]["over"], steps[-1]["direction"]) == ("bolt", [0, 0, -1])
+    # without the word about the thread the nut is a ring that comes along any way that is free
+    screws = words.index("--screws")
+    assert main([*words[:screws], *words[screws + 3 : words.index("-o")], "--json"]) == 0
+    assert all(step["over"] is None for step in json.loads(capsys.readouterr().out)["steps"])

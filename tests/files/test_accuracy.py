@@ -1,12 +1,30 @@
-"""The accuracy estimated from the values of a file."""
+"""Accuracy of coordinates, stated or found, values out of range, and sound meshes."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+from step_maker import placement, write_step
 
-from kilter.files import load
+import kilter
+from kilter.analysis.check import check
+from kilter.assembly import Assembly, Part
+from kilter.assembly.polyhedra import polyhedron_moments
+from kilter.errors import InputError
+from kilter.files import from_dict, load, to_dict
 from kilter.files.accuracy import text_accuracy
+from kilter.files.bodies import split_bodies
+from kilter.files.stated_accuracy import stated_accuracy
+from kilter.rigid import Pose
+from kilter.shape import sound
+from kilter.shape.closed import open_edges, weld
+from kilter.shape.primitives import Box, Cylinder, Mesh, surface
+from kilter.shape.sound import weld_valid_meshes
+from kilter.validate import LARGEST
 
 RNG = np.random.default_rng(3)
 FULL = RNG.uniform(-20, 20, (50, 3))
@@ -80,3 +98,282 @@ def test_an_obj_of_float32_is_known_as_such(write, obj_box) -> None:
 
 def test_an_obj_of_meant_numbers_is_exact(write, obj_box) -> None:
     assert not load(write("a.obj", obj_box(0.5))).geometry.single.any()
+
+
+pytest.importorskip("OCP")
+
+
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if"
+MILLI = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))"
+PLAIN = "( LENGTH_UNIT ( ) NAMED_UNIT ( * ) SI_UNIT ( $ , .METRE. ) )"
+INCH = "(CONVERSION_BASED_UNIT('INCH',#9)LENGTH_UNIT()NAMED_UNIT(#8))"
+
+
+@pytest.mark.parametrize(("unit", "units", "factor"), [
+    (MILLI, "mm", 1), (MILLI, "cm", 0.1), (PLAIN, "mm", 1000), (INCH, "in", 1), (INCH, "mm", 25.4),
+    ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MICRO.,.METRE.))", "mm", 1e-3),
+    ("(CONVERSION_BASED_UNIT('cubit',#9)LENGTH_UNIT())", "mm", 0),
+    ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.HECTO.,.METRE.))", "mm", 0),
+])  # fmt: skip
+def test_it_is_read_in_its_unit(unit: str, units: str, factor: float, tmp_path: Path) -> None:
+    path = tmp_path / "a.step"
+    measure = "#7={}(LENGTH_MEASURE({}),#5,'distance_accuracy_value','');\n"
+    name = "UNCERTAINTY_MEASURE_WITH_UNIT"
+    rows = [measure.format(name, number) for number in ("2.E-3", "1.E-002", "-1.", "x", "1.E400")]
+    path.write_text(f"#5={unit};\n" + "".join(rows))
+    assert stated_accuracy([path], units) == pytest.approx(0.01 * factor)
+    assert stated_accuracy([tmp_path / "none.step"], units) == 0
+
+
+def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
+    """A cube whose centre of mass is `beyond` the edge of the block below it."""
+    roots = [
+        ("base", BRepPrimAPI_MakeBox(20.0, 20.0, 20.0).Shape(), None),
+        ("cube", BRepPrimAPI_MakeBox(10.0, 10.0, 10.0).Shape(), placement([15 + beyond, 5, 20])),
+    ]
+    text = write_step(path, [("all", roots, None)]).read_text()
+    assert "LENGTH_MEASURE(1.E-07)" in text
+    path.write_text(text.replace("LENGTH_MEASURE(1.E-07)", f"LENGTH_MEASURE({accuracy})"))
+    return load(path, ground="base")
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize(("beyond", "accuracy", "verdict"), [
+    (-0.004, "1.E-07", "stable"),
+    (-0.004, "0.01", "stable"),  # a stable nominal position is reported as stable
+    (0.004, "1.E-07", "unstable"),
+    (0.004, "0.01", "undecided"),
+    (0.1, "0.01", "unstable"),
+    (0.1, "100.", "undecided"),
+    (1.0, "100.", "unstable"),  # whatever accuracy the file states
+])  # fmt: skip
+def test_what_it_explains_is_not_proved_unstable(
+    beyond: float, accuracy: str, verdict: str, tmp_path: Path
+) -> None:
+    assembly = leaning(tmp_path / "a.step", beyond, accuracy)
+    found = check(assembly)
+    assert found.verdict == verdict
+    assert ("coordinates are not accurate enough" in found.sentence) == (verdict == "undecided")
+    written = to_dict(assembly)
+    assert to_dict(from_dict(written)) == written
+    assert check(from_dict(written)).verdict == verdict
+
+
+def test_what_falls_falls(tmp_path: Path) -> None:
+    """A part without contacts falls, however coarse the stated accuracy is."""
+    assembly = leaning(tmp_path / "a.step", 0.004, "0.01")
+    base, cube = assembly.parts
+    stray = Part("stray", cube.shape, Pose([100, 0, 0]))
+    assert check(Assembly([base, cube, stray], units="mm")).verdict == "unstable"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
+def test_bolts_whose_heads_are_off_by_less_than_the_file_knows() -> None:
+    assembly = load(DATA / "dm1-id-214.stp", floor=True)
+    stated = [getattr(part.shape, "uncertainty", 0) for part in assembly.parts[:7]]
+    assert stated == pytest.approx([0.01 / 25.4] * 7)
+    found = check(assembly)
+    assert found.verdict == "undecided"
+    assert "0.000394 in" in found.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
+def test_files_that_a_file_names_state_it_too() -> None:
+    assembly = load(DATA / "s1-tu-203" / "s1-tu-203.stp")
+    assert assembly.parts[0].shape.uncertainty == pytest.approx(0.000785973431)
+
+
+TETRAHEDRON = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+BEYOND = 1e101
+
+
+@pytest.mark.parametrize("size", [1e308, BEYOND])
+@pytest.mark.parametrize(
+    ("make", "what"),
+    [
+        (lambda size: kilter.Box([size, 1, 1]), "box"),
+        (lambda size: kilter.Mesh(np.array(TETRAHEDRON) * size, FACES), "a vertex"),
+        (lambda size: kilter.Prism([[0, 0], [size, 0], [0, size]], 1), "polygon"),
+        (lambda size: kilter.Pose([size, 0, 0]), "position of the pose"),
+        (lambda size: kilter.Pose([0, 0, 0], [size, 0, 0, size]), "rotation of the pose"),
+        (lambda size: kilter.Cylinder(size, 1), "radius of the cylinder"),
+    ],
+)
+def test_what_is_too_large_is_refused(make: Any, what: str, size: float) -> None:
+    make(LARGEST / 10)
+    with pytest.raises(InputError, match=f"{what} is of size|pose has a number that is not finite"):
+        make(size)
+
+
+@pytest.mark.parametrize("place", [0.0, 5e-324, 1e-150])
+def test_a_place_may_be_as_near_to_zero_as_it_likes(place: float) -> None:
+    assert kilter.Pose([place, 0, 0]).position[0] == place
+    assert kilter.Mesh(np.add(TETRAHEDRON, [place, 0, 0]), FACES).vertices[0, 0] == place
+
+
+@pytest.mark.parametrize("face", [[0, 0, 0, 0], [0, 1, 1, 0], [0, 1, 0, 1], [0, 1, 2, 1, 0]])
+def test_a_polygon_of_no_area_is_no_fault(face: list[int]) -> None:
+    """The flat face is dropped, and the mesh is closed without it."""
+    mesh = kilter.Mesh(TETRAHEDRON, [*FACES, face])
+    part = kilter.Part("one", mesh)
+    assert kilter.Assembly([part]).geometry.volume == pytest.approx(1 / 6)
+
+
+def test_an_obj_of_nothing_but_such_faces_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "flat.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2 1\nf 1 2 1 2\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"closed solid|no faces"):
+        _ = kilter.load(path).geometry
+
+
+Corners = tuple[np.ndarray, np.ndarray]
+
+
+def soup(corners: Corners) -> Corners:
+    """Triangles without shared vertices, as in STL."""
+    vertices, triangles = corners
+    return vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
+
+
+def damaged(corners: Corners, how: int, rng: np.random.Generator) -> Corners:
+    """A valid mesh (`kind` 0 to 2) or an invalid mesh (3 to 8)."""
+    vertices, triangles = (array.copy() for array in corners)
+    k = int(rng.integers(len(triangles)))
+    match how:
+        case 1:
+            return soup(corners)
+        case 2:
+            order = rng.permutation(len(vertices))
+            return vertices[order], np.argsort(order)[triangles]
+        case 3:
+            return vertices, np.delete(triangles, k, axis=0)
+        case 4:
+            return vertices, np.vstack([triangles, triangles[k]])
+        case 5:
+            triangles[k] = triangles[k, ::-1]
+        case 6:
+            return np.vstack([vertices, [9.0, 9, 9]]), triangles
+        case 7:
+            return vertices, np.vstack([triangles, triangles[k, [0, 0, 1]]])
+        case 8:  # a slightly displaced corner: the edge is open unless close corners are merged
+            vertices, triangles = soup(corners)
+            vertices[k] += 1e-12
+    return vertices, triangles
+
+
+@pytest.mark.parametrize("batch", [1, 40, 10**6])
+def test_many_at_once_as_one_by_one(batch: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sound, "BATCH", batch)
+    rng = np.random.default_rng(0)
+    kinds = [surface(Box([1, 2, 3])), surface(Cylinder(1.0, 2.0))]
+    how = rng.integers(0, 9, size=60)
+    meshes = [damaged(kinds[k % 2], int(one), rng) for k, one in enumerate(how)]
+    found = weld_valid_meshes(meshes)
+    assert [one is not None for one in found] == (how < 3).tolist()
+    for (vertices, triangles), one in zip(meshes, found, strict=True):
+        if one is None:
+            continue
+        alone, faces, notes = weld(vertices, triangles)
+        assert notes == []
+        assert len(open_edges(alone, faces)) == 0
+        assert np.array_equal(alone, one[0])
+        assert np.array_equal(faces, one[1])
+
+
+def test_none_at_all() -> None:
+    assert weld_valid_meshes([]) == []
+
+
+def boxes(*places: tuple[float, float, float], size: float = 1.0, turned: bool = False) -> Mesh:
+    """Several boxes as a single mesh."""
+    return merged(*[box(place, size, turned) for place in places])
+
+
+def box(at: tuple[float, float, float], size: float = 1.0, turned: bool = False) -> Mesh:
+    vertices, faces = surface(Box([size] * 3))
+    return Mesh(vertices + np.array(at), faces[:, ::-1] if turned else faces)
+
+
+def merged(*meshes: Mesh) -> Mesh:
+    start = np.cumsum([0, *[len(m.vertices) for m in meshes]])
+    return Mesh(
+        np.concatenate([m.vertices for m in meshes]),
+        np.concatenate([m.triangles + s for m, s in zip(meshes, start[:-1], strict=True)]),
+    )
+
+
+def volumes(mesh: Mesh) -> list[float]:
+    return [
+        float(polyhedron_moments(m.vertices, m.triangles, np.array([0, len(m.triangles)]))[0][0])
+        for m in split_bodies(mesh)
+    ]
+
+
+TOUCHING = {
+    "apart": [(0, 0, 0), (3, 0, 0)],
+    "face on face": [(0, 0, 0), (0, 0, 1)],
+    "edge on edge": [(0, 0, 0), (1, 0, 1)],
+    "corner on corner": [(0, 0, 0), (1, 1, 1)],
+    "shifted": [(0, 0, 0), (0.5, 0, 1)],
+    "four around an edge": [(0, 0, 0), (1, 0, 0), (0, 0, 1), (1, 0, 1)],
+    "eight around a corner": [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)],
+    "a row": [(k, 0, 0) for k in range(20)],
+}
+
+
+@pytest.mark.parametrize("places", TOUCHING.values(), ids=TOUCHING)
+@pytest.mark.parametrize("turned", [False, True], ids=["", "inside out"])
+def test_boxes_that_touch(places: list[tuple[float, float, float]], turned: bool) -> None:
+    expected = [-1.0 if turned else 1.0] * len(places)
+    assert volumes(boxes(*places, turned=turned)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_turned_and_rounded_to_float32(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    mesh = boxes((0, 0, 0), (0, 0, 1), (1, 0, 1), (0, 1, 0))
+    single = (mesh.vertices @ turn.T + 5).astype(np.float32)
+    order = rng.permutation(len(mesh.triangles))
+    assert volumes(Mesh(single, mesh.triangles[order])) == pytest.approx([1] * 4, rel=1e-5)
+
+
+def test_a_hole_stays_with_the_body_around_it() -> None:
+    hollow = merged(box((0, 0, 0), 4), box((0, 0, 0), 2, turned=True))
+    both = merged(hollow, box((0, 0, 0), 1), box((9, 0, 0), 1))
+    assert volumes(both) == pytest.approx([64 - 8, 1, 1])
+
+
+def test_a_body_whose_faces_share_no_corners_is_one() -> None:
+    whole = box((0, 0, 0))
+    soup = Mesh(whole.vertices[whole.triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3))
+    assert len(split_bodies(soup)) == 1
+
+
+def test_pieces_that_are_open_stay_together_where_they_share_a_corner() -> None:
+    whole = box((0, 0, 0))
+    lid = merged(Mesh(whole.vertices, whole.triangles[:2]), box((5, 0, 0)))
+    assert len(split_bodies(lid)) == 2
+    # the lid has an extra corner in the middle of its edge, so the sides have no such edge
+    vertices = np.vstack([whole.vertices, (whole.vertices[4:8].sum(axis=0) / 4)[None]])
+    fan = np.array([[4, 5, 8], [5, 7, 8], [7, 6, 8], [6, 4, 8]])
+    sides = np.delete(whole.triangles, [2, 3], axis=0)
+    assert len(split_bodies(Mesh(vertices, np.vstack([sides, fan])))) == 1
+
+
+def test_accuracy_and_empty_meshes_pass_through() -> None:
+    mesh = boxes((0, 0, 0), (3, 0, 0))
+    parts = split_bodies(Mesh(mesh.vertices, mesh.triangles, accuracy=0.25))
+    assert [part.accuracy for part in parts] == [0.25, 0.25]
+    assert len(split_bodies(Mesh([], np.empty((0, 3), dtype=int)))) == 1
+
+
+def test_a_face_of_two_corners_is_no_body() -> None:
+    vertices, faces = surface(Box([1, 1, 1]))
+    for extra in ([[0, 0, 1]], [[3, 2, 2], [5, 5, 5]]):
+        (body,) = split_bodies(Mesh(vertices, np.vstack([faces, extra])))
+        assert len(body.triangles) == 12
