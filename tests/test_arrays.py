@@ -1,7 +1,5 @@
 """Arrays, work, and the nearest point of a cone."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -48,13 +46,13 @@ def things(n: int) -> Things:
     return Things(np.outer(k, np.ones(3)), np.column_stack([k, k]), k / 2, k % 2 == 0)
 
 
-def test_cross_is_numpys() -> None:
+def test_cross_is_numpys():
     a, b = np.random.default_rng(1).normal(size=(2, 50, 3))
     assert np.allclose(cross(a, b), np.cross(a, b), rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("shape", [(3,), (0, 3), (40, 3), (2, 5, 3)])
-def test_across_makes_a_right_handed_frame(shape: tuple[int, ...]) -> None:
+def test_across_makes_a_right_handed_frame(shape):
     n = unit_rows(np.random.default_rng(2).normal(size=shape))
     u, v = across(n)
     assert u.shape == v.shape == shape
@@ -64,12 +62,12 @@ def test_across_makes_a_right_handed_frame(shape: tuple[int, ...]) -> None:
 
 
 @pytest.mark.parametrize("axis", [*np.eye(3), *-np.eye(3)])
-def test_across_an_axis_has_no_rounding(axis: Array) -> None:
+def test_across_an_axis_has_no_rounding(axis):
     u, v = across(axis)
     assert sorted(np.abs([*u, *v]).tolist()) == [0, 0, 0, 0, 1, 1]
 
 
-def test_ratio_and_unit_rows_are_finite_where_nothing_is_divided() -> None:
+def test_ratio_and_unit_rows_are_finite_where_nothing_is_divided():
     assert ratio(0.0, 0.0) == 0.0
     assert ratio([1.0, 3.0], 2.0).tolist() == [0.5, 1.5]
     rows = unit_rows(np.array([[3.0, 4.0], [0.0, 0.0]]))
@@ -77,7 +75,7 @@ def test_ratio_and_unit_rows_are_finite_where_nothing_is_divided() -> None:
 
 
 @given(COUNTS)
-def test_runs_are_what_loops_make_of_them(count: list[int]) -> None:
+def test_runs_are_what_loops_make_of_them(count):
     owner, place = counted(count)
     plain = [(k, j) for k, n in enumerate(count) for j in range(n)]
     assert list(zip(owner.tolist(), place.tolist(), strict=True)) == plain
@@ -85,7 +83,7 @@ def test_runs_are_what_loops_make_of_them(count: list[int]) -> None:
 
 
 @given(COUNTS.filter(len), st.data())
-def test_ragged_rows_are_the_slices_one_after_the_other(count: list[int], data: object) -> None:
+def test_ragged_rows_are_the_slices_one_after_the_other(count, data):
     which = data.draw(st.lists(st.integers(0, len(count) - 1), max_size=6))  # type: ignore[attr-defined]
     start = starts(count)
     owner, row = ragged(start, np.array(which, dtype=np.int64))
@@ -93,7 +91,7 @@ def test_ragged_rows_are_the_slices_one_after_the_other(count: list[int], data: 
     assert list(zip(owner.tolist(), row.tolist(), strict=True)) == plain
 
 
-def test_rows_are_taken_and_joined_together() -> None:
+def test_rows_are_taken_and_joined_together():
     five = things(5)
     some = five.take(np.array([3, 1]))
     assert (some.size * 2).tolist() == some.pair[:, 0].tolist() == some.at[:, 0].tolist() == [3, 1]
@@ -103,14 +101,14 @@ def test_rows_are_taken_and_joined_together() -> None:
     assert both.pair[:, 1].tolist() == [3, 1, 0, 1, 2, 3, 4]
 
 
-def test_no_rows_keep_their_shapes_and_types() -> None:
+def test_no_rows_keep_their_shapes_and_types():
     for none in (Things.none(), Things.join([]), things(4).take([])):
         assert len(none) == 0
         assert (none.at.shape, none.pair.shape, none.size.shape) == ((0, 3), (0, 2), (0,))
         assert (none.pair.dtype, none.flat.dtype) == (np.int64, np.bool_)
 
 
-def test_read_only_arrays_are_views_that_refuse() -> None:
+def test_read_only_arrays_are_views_that_refuse():
     mine = np.zeros(3)
     held = Things(np.zeros((3, 3)), np.zeros((3, 2), dtype=np.int64), mine, mine > 0)
     read_only(held)
@@ -120,7 +118,7 @@ def test_read_only_arrays_are_views_that_refuse() -> None:
 
 
 @given(st.lists(st.tuples(st.integers(0, 7), st.integers(0, 7)), max_size=12))
-def test_connected_things_share_a_number(pairs: list[tuple[int, int]]) -> None:
+def test_connected_things_share_a_number(pairs):
     first, second = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     label = connected(8, first, second)
     plain = list(range(8))  # each pair gives all of one group the number of the other
@@ -131,7 +129,7 @@ def test_connected_things_share_a_number(pairs: list[tuple[int, int]]) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_few_and_many_pairs_are_numbered_alike(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_few_and_many_pairs_are_numbered_alike(seed, monkeypatch):
     rng = np.random.default_rng(seed)
     chain = rng.permutation(300)
     for first, second in [rng.integers(0, 300, (2, 250)), (chain[:-1], chain[1:])]:
@@ -273,7 +271,7 @@ def test_words_come_through_once_a_second_and_stages_always(monkeypatch):
     assert len(words) == 5
 
 
-def test_the_distance_is_that_of_the_weights() -> None:
+def test_the_distance_is_that_of_the_weights():
     """The nearest point is half of (0, -1, 1, 0); the residual that `nnls` states is shorter."""
     vectors = np.array([[0.0, -1, 1, 0], [0, -1, 1, 0], [0, -1, 1, 1]])
     target = np.array([2.0, -2, -1, 0])
@@ -284,7 +282,7 @@ def test_the_distance_is_that_of_the_weights() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_no_vector_leads_nearer(seed: int) -> None:
+def test_no_vector_leads_nearer(seed):
     rng = np.random.default_rng(seed)
     for _ in range(30):
         vectors = rng.integers(-1, 2, size=rng.integers(2, [40, 8])).astype(float)

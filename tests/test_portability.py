@@ -1,7 +1,5 @@
 """Portability: names of POSIX systems, threads, and a release."""
 
-from __future__ import annotations
-
 import ast
 import datetime
 import importlib.util
@@ -158,7 +156,7 @@ TESTS = sorted((ROOT / "tests").rglob("test_*.py"))
 
 
 @pytest.mark.slow
-def test_the_program_guards_each_name_that_only_posix_has() -> None:
+def test_the_program_guards_each_name_that_only_posix_has():
     found = {
         path.relative_to(ROOT).as_posix(): uses
         for path in SOURCES
@@ -168,7 +166,7 @@ def test_the_program_guards_each_name_that_only_posix_has() -> None:
 
 
 @pytest.mark.slow
-def test_the_program_opens_each_text_file_as_utf_8() -> None:
+def test_the_program_opens_each_text_file_as_utf_8():
     found = {
         path.relative_to(ROOT).as_posix(): lines
         for path in SOURCES
@@ -178,7 +176,7 @@ def test_the_program_opens_each_text_file_as_utf_8() -> None:
 
 
 @pytest.mark.slow
-def test_each_test_that_needs_posix_is_skipped_on_other_systems() -> None:
+def test_each_test_that_needs_posix_is_skipped_on_other_systems():
     found = {
         path.relative_to(ROOT).as_posix(): names
         for path in TESTS
@@ -198,11 +196,11 @@ def test_each_test_that_needs_posix_is_skipped_on_other_systems() -> None:
         ("open('/proc/self')", [(1, "/proc/self")]),
     ],
 )
-def test_the_search_finds_what_is_not_guarded(source: str, found: list[tuple[int, str]]) -> None:
+def test_the_search_finds_what_is_not_guarded(source, found):
     assert unguarded(source) == found
 
 
-def test_the_search_finds_a_test_without_a_skip_also_by_its_helper() -> None:
+def test_the_search_finds_a_test_without_a_skip_also_by_its_helper():
     source = "import os\ndef end():\n    os.kill(1, 9)\n{}def test_a():\n    end()\n"
     assert unmarked_tests(source.format("")) == ["test_a"]
     mark = "@pytest.mark.skipif(os.name != 'posix', reason='signals')\n"
@@ -212,7 +210,7 @@ def test_the_search_finds_a_test_without_a_skip_also_by_its_helper() -> None:
     ]
 
 
-def test_the_search_finds_text_in_the_encoding_of_the_system() -> None:
+def test_the_search_finds_text_in_the_encoding_of_the_system():
     assert text_without_encoding("open('a')\nopen('a', 'rb')\np.write_text('x')\n") == [1, 3]
     assert text_without_encoding("p.read_text('utf-8')\np.write_text('x', 'utf-8')") == []
 
@@ -232,7 +230,7 @@ def outer() -> tuple[set[int], set[int]]:
     return inner(), threads()
 
 
-def test_a_call_within_another_leaves_the_one_thread_to_it() -> None:
+def test_a_call_within_another_leaves_the_one_thread_to_it():
     with threadpool_limits(limits=2):
         if threads() != {2}:
             pytest.skip("linear algebra here has one thread only")
@@ -240,7 +238,7 @@ def test_a_call_within_another_leaves_the_one_thread_to_it() -> None:
         assert threads() == {2}
 
 
-def test_threads_come_back_after_a_call_that_failed() -> None:
+def test_threads_come_back_after_a_call_that_failed():
     @on_one_thread
     def fails() -> None:
         raise ZeroDivisionError
@@ -272,7 +270,7 @@ def beside(act: Callable[[], None]) -> set[int]:
     return found[0]
 
 
-def test_a_call_that_ends_leaves_the_one_thread_to_a_call_beside_it() -> None:
+def test_a_call_that_ends_leaves_the_one_thread_to_a_call_beside_it():
     with threadpool_limits(limits=2):
         if threads() != {2}:
             pytest.skip("linear algebra here has one thread only")
@@ -285,7 +283,7 @@ def test_a_call_that_ends_leaves_the_one_thread_to_a_call_beside_it() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork there")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork")
-def test_a_process_forked_beside_a_call_has_what_was_before_it() -> None:
+def test_a_process_forked_beside_a_call_has_what_was_before_it():
     with threadpool_limits(limits=2):
         if threads() != {2}:
             pytest.skip("linear algebra here has one thread only")
@@ -337,14 +335,14 @@ def copy(tmp_path: Path) -> Path:
 @pytest.mark.skipif(
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
-def test_each_file_states_the_version_of_the_package() -> None:
+def test_each_file_states_the_version_of_the_package():
     assert set(program("release").versions().values()) == {kilter.__version__}
 
 
 @pytest.mark.skipif(
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
-def test_a_release_sets_the_version_and_dates_the_changelog(copy: Path) -> None:
+def test_a_release_sets_the_version_and_dates_the_changelog(copy):
     release = program("release")
     for version in ("0.2.0", "0.3.0"):
         release.set_version(version, datetime.date(2027, 1, 31), copy)
@@ -370,9 +368,7 @@ AUDITS = {
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
 @pytest.mark.parametrize("case", AUDITS)
-def test_only_a_known_vulnerability_ends_a_release(
-    case: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_only_a_known_vulnerability_ends_a_release(case, monkeypatch, capsys):
     """A service that is out of reach, or knows no package, is named: it proves nothing."""
     answer, sentence = AUDITS[case]
     other = {"name": "own", "skip_reason": "not found"}
@@ -394,7 +390,7 @@ def test_only_a_known_vulnerability_ends_a_release(
 @pytest.mark.skipif(
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
-def test_an_audit_names_the_requirements_of_users() -> None:
+def test_an_audit_names_the_requirements_of_users():
     release = program("release")
     required = release.requirements()
     assert {"kilter", "step", "mcp"} <= set(required)
@@ -406,7 +402,7 @@ def test_an_audit_names_the_requirements_of_users() -> None:
 @pytest.mark.skipif(
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
-def test_every_place_states_the_same_pythons() -> None:
+def test_every_place_states_the_same_pythons():
     """Classifiers, the checks of a release, the workflows and the recipe."""
     with open(ROOT / "pyproject.toml", "rb") as stream:
         project = tomllib.load(stream)["project"]
@@ -431,7 +427,7 @@ def test_every_place_states_the_same_pythons() -> None:
 @pytest.mark.skipif(
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
-def test_the_recipe_needs_what_the_package_needs() -> None:
+def test_the_recipe_needs_what_the_package_needs():
     with open(ROOT / "pyproject.toml", "rb") as stream:
         needed = tomllib.load(stream)["project"]["dependencies"]
     recipe = (ROOT / "conda/recipe.yaml").read_text(encoding="utf-8")
@@ -443,7 +439,7 @@ def test_the_recipe_needs_what_the_package_needs() -> None:
 @pytest.mark.skipif(
     not (PROGRAMS / "release.py").is_file(), reason="a source distribution has no folder .ci"
 )
-def test_an_address_reaches_each_file_and_can_be_changed(copy: Path) -> None:
+def test_an_address_reaches_each_file_and_can_be_changed(copy):
     address = program("set_address")
     untouched = {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()}
     address.set_address("https://example.org/a/b", "https://example.org/c", copy)

@@ -1,9 +1,6 @@
 """Parts of the page in Chromium: cells, falls, motions, forces, plans, views."""
 
-from __future__ import annotations
-
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +49,7 @@ BLOCKED = ("paper-figure-3-vertices", "cad-export")
 
 @pytest.mark.browser
 @pytest.mark.parametrize("name", SCENES)
-def test_play_stops_before_parts_enter_each_other(name: str, opened: Callable) -> None:
+def test_play_stops_before_parts_enter_each_other(name, opened):
     assembly = scene(name)
     if not kilter.check(assembly, effort=0).moving:
         pytest.skip("nothing moves")
@@ -76,7 +73,7 @@ def test_play_stops_before_parts_enter_each_other(name: str, opened: Callable) -
 
 
 @pytest.mark.browser
-def test_what_is_asked_sees_parts_that_enter() -> None:
+def test_what_is_asked_sees_parts_that_enter():
     """The test fails for a motion that does not stop."""
     assembly = scene("paper-figure-8")
     rest = place_shapes(assembly)
@@ -98,7 +95,7 @@ def _drawn(page: Any) -> Any:
 
 @pytest.mark.browser
 @pytest.mark.parametrize("kind", ["check", "region", "plan"])
-def test_a_cell_opens_and_turns_without_a_network(chromium: Any, tmp_path: Path, kind: str) -> None:
+def test_a_cell_opens_and_turns_without_a_network(chromium, tmp_path, kind):
     shown = getattr(kilter, kind)(scene("tower")).show(height=500)
     path = tmp_path / "cell.html"
     path.write_text(f"<!doctype html><body>{shown._repr_html_()}</body>", encoding="utf-8")
@@ -131,7 +128,7 @@ def balls() -> Assembly:
 
 
 @pytest.mark.browser
-def test_parts_are_drawn_at_the_places_of_the_path(opened: Callable) -> None:
+def test_parts_are_drawn_at_the_places_of_the_path(opened):
     assembly = scene(NAME)
     verdict = kilter.check(assembly)
     assert verdict.second_order_answer is not None
@@ -154,7 +151,7 @@ def test_parts_are_drawn_at_the_places_of_the_path(opened: Callable) -> None:
 
 
 @pytest.mark.browser
-def test_play_goes_to_the_end_and_the_mark_with_it(opened: Callable) -> None:
+def test_play_goes_to_the_end_and_the_mark_with_it(opened):
     page = opened(balls())
     mark = "document.querySelector('#fall-graph .mark').getAttribute('cx') * 1"
     before = page.js(mark)
@@ -175,7 +172,7 @@ def test_play_goes_to_the_end_and_the_mark_with_it(opened: Callable) -> None:
 
 
 @pytest.mark.browser
-def test_without_shapes_the_page_shows_how_it_begins(opened: Callable) -> None:
+def test_without_shapes_the_page_shows_how_it_begins(opened):
     page = opened(next(case for case in CASES if case.number == "02").build(0.0))
     assert page.js("document.getElementById('fall').hidden") is True
     assert page.js("document.getElementById('motion').disabled") is False
@@ -186,7 +183,7 @@ def test_without_shapes_the_page_shows_how_it_begins(opened: Callable) -> None:
 
 
 @pytest.mark.browser
-def test_what_is_no_more_than_stable_has_no_card(opened: Callable) -> None:
+def test_what_is_no_more_than_stable_has_no_card(opened):
     page = opened("tower")
     assert page.js("document.getElementById('fall').hidden") is True
     assert page.js("document.getElementById('motion-row').hidden") is False
@@ -210,7 +207,7 @@ SHOWN = "window.kilter.shown"
 
 @pytest.mark.browser
 @pytest.mark.parametrize("name", BALANCED)
-def test_the_shown_forces_balance_every_weight(name: str, opened: Callable) -> None:
+def test_the_shown_forces_balance_every_weight(name, opened):
     assembly = scene(name)
     page = opened(name)
     page.js("() => { const s = document.getElementById('show-forces'); s.checked || s.click(); }")
@@ -228,7 +225,7 @@ def test_the_shown_forces_balance_every_weight(name: str, opened: Callable) -> N
 
 @pytest.mark.browser
 @pytest.mark.parametrize("name", ["arch", "slope-with-friction", "three-cylinders"])
-def test_resultants_are_those_of_python(name: str, opened: Callable) -> None:
+def test_resultants_are_those_of_python(name, opened):
     forces = kilter.check(scene(name)).forces
     page = opened(name)
     told = page.js(SHOWN)
@@ -248,7 +245,7 @@ def test_resultants_are_those_of_python(name: str, opened: Callable) -> None:
 
 
 @pytest.mark.browser
-def test_forces_follow_what_is_hidden_isolated_and_cut(opened: Callable) -> None:
+def test_forces_follow_what_is_hidden_isolated_and_cut(opened):
     page = opened("tower")
     assert len(page.js(SHOWN)) == 5
     page.js("window.kilter.select(3)")
@@ -270,7 +267,7 @@ def test_forces_follow_what_is_hidden_isolated_and_cut(opened: Callable) -> None
 
 
 @pytest.mark.browser
-def test_the_line_of_thrust_goes_through_the_arch(opened: Callable) -> None:
+def test_the_line_of_thrust_goes_through_the_arch(opened):
     page = opened("arch")
     rods = "window.kilter.stage.forces.group.children.map(one => one.count)"
     before = sum(page.js(rods))
@@ -281,7 +278,7 @@ def test_the_line_of_thrust_goes_through_the_arch(opened: Callable) -> None:
 
 
 @pytest.mark.browser
-def test_a_line_of_contact_is_a_line_without_beads(opened: Callable) -> None:
+def test_a_line_of_contact_is_a_line_without_beads(opened):
     page = opened("three-cylinders")
     counts = page.js(
         "window.kilter.stage.parts.patches.children.map(one => one.geometry.getIndex().count)"
@@ -290,7 +287,7 @@ def test_a_line_of_contact_is_a_line_without_beads(opened: Callable) -> None:
 
 
 @pytest.mark.browser
-def test_a_round_contact_is_a_surface_with_rings_and_no_beads(opened: Callable) -> None:
+def test_a_round_contact_is_a_surface_with_rings_and_no_beads(opened):
     sleeve = tube("sleeve", 1.0, 2.0, 3.0, grounded=True)
     page = opened(Assembly([sleeve, Part("shaft", Cylinder(1.0, 5.0), Pose([0, 0, 0.2]))]))
     counts = page.js(
@@ -306,7 +303,7 @@ def test_a_round_contact_is_a_surface_with_rings_and_no_beads(opened: Callable) 
 
 
 @pytest.mark.browser
-def test_parts_are_coloured_by_the_bond_that_they_use_most(opened: Callable) -> None:
+def test_parts_are_coloured_by_the_bond_that_they_use_most(opened):
     cubes = [Part(f"c{k}", Box([1, 1, 1]), Pose([0, 0, -k]), grounded=k == 0) for k in range(4)]
     bonds = [Bond((f"c{k + 1}", f"c{k}"), pull=9810.0) for k in range(3)]
     assembly = Assembly(cubes, bonds=bonds)
@@ -352,9 +349,7 @@ def page_of(order: kilter.Order, folder: Path) -> Path:
 
 
 @pytest.mark.browser
-def test_it_plays_from_the_base_to_the_whole(
-    built: kilter.Order, opened: Callable, tmp_path: Path
-) -> None:
+def test_it_plays_from_the_base_to_the_whole(built, opened, tmp_path):
     page = opened(page_of(built, tmp_path))
     assert page.text("when") == "step 1 of 9"
     assert len(page.js(PICTURED)) == 3  # the base of two parts, and the first part near its place
@@ -370,9 +365,7 @@ def test_it_plays_from_the_base_to_the_whole(
 
 
 @pytest.mark.browser
-def test_scrubbing_shows_each_step_and_what_it_holds(
-    built: kilter.Order, opened: Callable, tmp_path: Path
-) -> None:
+def test_scrubbing_shows_each_step_and_what_it_holds(built, opened, tmp_path):
     page = opened(page_of(built, tmp_path))
     names = page.js("window.kilter.page.parts.names")
     base = built.to_dict()["base"]
@@ -398,9 +391,7 @@ def test_scrubbing_shows_each_step_and_what_it_holds(
 
 
 @pytest.mark.browser
-def test_the_strip_is_painted_clicked_and_walked_by_keys(
-    built: kilter.Order, opened: Callable, tmp_path: Path
-) -> None:
+def test_the_strip_is_painted_clicked_and_walked_by_keys(built, opened, tmp_path):
     page = opened(page_of(built, tmp_path))
     page.until(f"{PAINTED} >= 5")
     buttons = page.page.locator("#strip button")
@@ -427,9 +418,7 @@ def test_the_strip_is_painted_clicked_and_walked_by_keys(
 
 
 @pytest.mark.browser
-def test_it_is_pulled_apart_with_a_line_from_each_part_to_its_seat(
-    built: kilter.Order, opened: Callable, tmp_path: Path
-) -> None:
+def test_it_is_pulled_apart_with_a_line_from_each_part_to_its_seat(built, opened, tmp_path):
     page = opened(page_of(built, tmp_path))
     lines = "window.kilter.stage.lines.geometry.attributes.position"
     assert not page.js("window.kilter.stage.lines.visible")
@@ -443,17 +432,13 @@ def test_it_is_pulled_apart_with_a_line_from_each_part_to_its_seat(
 
 @pytest.mark.browser
 @pytest.mark.parametrize("width", [400, 800])
-def test_a_narrow_window_is_not_overrun(
-    width: int, built: kilter.Order, opened: Callable, tmp_path: Path
-) -> None:
+def test_a_narrow_window_is_not_overrun(width, built, opened, tmp_path):
     page = opened(page_of(built, tmp_path), viewport={"width": width, "height": 800})
     assert page.js("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.browser
-def test_every_picture_is_there_when_it_is_printed(
-    built: kilter.Order, opened: Callable, tmp_path: Path
-) -> None:
+def test_every_picture_is_there_when_it_is_printed(built, opened, tmp_path):
     page = opened(page_of(built, tmp_path), viewport={"width": 400, "height": 600})
     page.js("window.dispatchEvent(new Event('beforeprint'))")
     assert page.js(PAINTED) == 9
@@ -463,9 +448,7 @@ def test_every_picture_is_there_when_it_is_printed(
 
 
 @pytest.mark.browser
-def test_an_impossibility_has_no_film_and_shows_how_parts_fall(
-    opened: Callable, tmp_path: Path
-) -> None:
+def test_an_impossibility_has_no_film_and_shows_how_parts_fall(opened, tmp_path):
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6, planar=False), kilter.PlanRules(hold=0))
     page = opened(page_of(order, tmp_path))
     assert page.text("verdict") == "Impossible"
@@ -475,7 +458,7 @@ def test_an_impossibility_has_no_film_and_shows_how_parts_fall(
 
 
 @pytest.mark.browser
-def test_a_tower_without_webgl_still_says_its_steps(without_webgl: Any, tmp_path: Path) -> None:
+def test_a_tower_without_webgl_still_says_its_steps(without_webgl, tmp_path):
     path = page_of(kilter.plan(scene("tower")), tmp_path)
     page = without_webgl
     page.goto(path.as_uri())
@@ -485,7 +468,7 @@ def test_a_tower_without_webgl_still_says_its_steps(without_webgl: Any, tmp_path
 
 
 @pytest.mark.browser
-def test_the_plan_of_the_dome_plays(opened: Callable, tmp_path: Path) -> None:
+def test_the_plan_of_the_dome_plays(opened, tmp_path):
     if not (DATA / "learn2assemble").is_dir():
         pytest.skip("real data is not here: ../shared/data beside the checkout")
     dome = kilter.load(DATA / "learn2assemble" / "dome").with_grounded(["72"])

@@ -1,7 +1,5 @@
 """The workbench in Chromium: hostile folders, a forwarded port, places and views."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Iterator
@@ -41,9 +39,7 @@ def hostile() -> Assembly:
 
 @pytest.mark.browser
 @pytest.mark.skipif(os.name != "posix", reason="links of POSIX")
-def test_a_link_in_the_place_of_the_autosave_is_a_sentence(
-    user: Callable, folder: Path, startup: Path
-) -> None:
+def test_a_link_in_the_place_of_the_autosave_is_a_sentence(user, folder, startup):
     page = user(hostile())
     autosave_path(folder / "file.kilter.json").symlink_to(startup)
     (folder / "file.choices.kilter.json").symlink_to(startup.with_name("gone"))
@@ -70,9 +66,7 @@ def test_a_link_in_the_place_of_the_autosave_is_a_sentence(
 
 
 @pytest.mark.browser
-def test_a_mesh_outside_of_the_folder_names_the_folder_to_open(
-    user: Callable, folder: Path, tmp_path: Path
-) -> None:
+def test_a_mesh_outside_of_the_folder_names_the_folder_to_open(user, folder, tmp_path):
     page = user(None)
     (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\n")
     (folder / "robot.urdf").write_text(
@@ -127,9 +121,7 @@ def through(
 
 @pytest.mark.browser
 @pytest.mark.parametrize("way", WAYS)
-def test_a_user_acts_exports_drops_and_saves_through(
-    way: str, through: Callable, tmp_path: Path
-) -> None:
+def test_a_user_acts_exports_drops_and_saves_through(way, through, tmp_path):
     page, port = through(*WAYS[way])
     page.until("Boolean(window.bench && window.bench.session && window.bench.session.file)")
     page.answered().choose("C3").click("#do-hold")
@@ -165,7 +157,7 @@ def test_a_user_acts_exports_drops_and_saves_through(
 
 
 @pytest.mark.browser
-def test_a_name_that_is_not_allowed_is_named_with_the_option(through: Callable) -> None:
+def test_a_name_that_is_not_allowed_is_named_with_the_option(through):
     page, _ = through(HUB, {"prefix": PREFIX}, ())
     assert f"--host {HUB}" in page.page.inner_text("body")
     # a proxy that replaces the host hides the name: only the origin of the connection shows it
@@ -179,7 +171,7 @@ WORDS = {"the box stands": "stands", "something falls": "falls", "open": "open"}
 
 
 @pytest.mark.browser
-def test_the_part_follows_the_pointer(opened: Callable, tmp_path: Path) -> None:
+def test_the_part_follows_the_pointer(opened, tmp_path):
     places = kilter.place(scene("tower"), box_to_place([0.5, 0.5, 0.5], 1.0))
     kilter.report(places, tmp_path / "map.html")
     page = opened(tmp_path / "map.html")
@@ -232,7 +224,7 @@ CORNERS = """() => {
 @pytest.mark.parametrize(
     "name", ["paper-figure-8", "tower", "corner-wedges", "bracket", "trough", "closed-frame"]
 )
-def test_names_lie_on_their_own_parts_and_on_no_other(name: str, opened: Callable) -> None:
+def test_names_lie_on_their_own_parts_and_on_no_other(name, opened):
     page = opened(name)
     for turn in (0.0, 0.7, 2.0):
         page.js("a => window.kilter.stage.orbit(a, 0)", turn)
@@ -259,7 +251,7 @@ def test_names_lie_on_their_own_parts_and_on_no_other(name: str, opened: Callabl
 
 @pytest.mark.browser
 @pytest.mark.parametrize("name", ["tower", "arch", "corner-wedges", "staircase"])
-def test_all_stays_in_the_frame_pulled_apart_and_turned(name: str, opened: Callable) -> None:
+def test_all_stays_in_the_frame_pulled_apart_and_turned(name, opened):
     page = opened(name)
     page.page.wait_for_timeout(100)
     start = page.js("window.kilter.stage.camera.position.length()")
@@ -286,7 +278,7 @@ def test_all_stays_in_the_frame_pulled_apart_and_turned(name: str, opened: Calla
 
 
 @pytest.mark.browser
-def test_the_reader_who_came_nearer_stays_so_much_nearer(opened: Callable) -> None:
+def test_the_reader_who_came_nearer_stays_so_much_nearer(opened):
     page = opened("tower")
     length = "window.kilter.stage.camera.position.length()"
     far = page.js(length)
@@ -299,7 +291,7 @@ def test_the_reader_who_came_nearer_stays_so_much_nearer(opened: Callable) -> No
 
 
 @pytest.mark.browser
-def test_the_knob_of_gravity_hides_no_axis(opened: Callable) -> None:
+def test_the_knob_of_gravity_hides_no_axis(opened):
     page = opened("corner-wedges")
     ask = """down => {
         const ball = window.kilter.ball, told = [];

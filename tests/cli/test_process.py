@@ -1,7 +1,5 @@
 """The process of a command: start, streams, outputs, doctor, and what it leaves behind."""
 
-from __future__ import annotations
-
 import gc
 import json
 import locale
@@ -64,14 +62,14 @@ def loaded_by(code: str) -> set[str]:
     ],
 )
 @pytest.mark.quick("help")
-def test_the_start_imports_few_packages(code: str, allowed: set[str]) -> None:
+def test_the_start_imports_few_packages(code, allowed):
     loaded = {name.partition(".")[0] for name in loaded_by(code)}
     assert "kilter" in loaded
     assert loaded & set(HEAVY) <= allowed
 
 
 @pytest.mark.slow
-def test_a_check_of_boxes_imports_no_module_that_it_does_not_need(tmp_path: Path) -> None:
+def test_a_check_of_boxes_imports_no_module_that_it_does_not_need(tmp_path):
     """The variables of the environment are those that a command sets for itself."""
     path = tmp_path / "a.kilter.json"
     boxes = [{"name": "a", "box": [1, 1, 1], "grounded": True}]
@@ -86,7 +84,7 @@ def test_a_check_of_boxes_imports_no_module_that_it_does_not_need(tmp_path: Path
 
 
 @pytest.mark.slow
-def test_numpy_lists_all_its_submodules_after_the_import_of_scipy() -> None:
+def test_numpy_lists_all_its_submodules_after_the_import_of_scipy():
     code = (
         "import numpy\nbefore = dir(numpy), numpy.__all__\n"
         "from kilter.cli.quick_scipy import import_scipy_quickly\nimport_scipy_quickly()\n"
@@ -97,9 +95,7 @@ def test_numpy_lists_all_its_submodules_after_the_import_of_scipy() -> None:
 
 
 @pytest.mark.parametrize("own", [True, False], ids=["own process", "process of a caller"])
-def test_a_command_leaves_no_objects_to_the_collections_at_the_end_of_its_process(
-    own: bool,
-) -> None:
+def test_a_command_leaves_no_objects_to_the_collections_at_the_end_of_its_process(own):
     code = (
         "import gc, sys\nfrom kilter.cli import main\nsys.argv = ['kilter', '--version']\n"
         f"main({'' if own else 'sys.argv[1:]'})\n"
@@ -134,7 +130,7 @@ def ended(files: Path, words: str, redirect: str) -> tuple[int, str]:
         pytest.param("--version", marks=pytest.mark.slow),
     ],
 )
-def test_a_full_output_is_one_sentence(files: Path, words: str) -> None:
+def test_a_full_output_is_one_sentence(files, words):
     code, error = ended(files, words, "> /dev/full")
     assert code == 2
     assert error == (
@@ -151,14 +147,14 @@ def test_a_full_output_is_one_sentence(files: Path, words: str) -> None:
         *(pytest.param(one, marks=pytest.mark.slow) for one in (">&-", "2>&-", "2> /dev/full")),
     ],
 )
-def test_the_code_says_it_where_a_stream_is_closed(files: Path, redirect: str) -> None:
+def test_the_code_says_it_where_a_stream_is_closed(files, redirect):
     assert ended(files, "check slope.kilter.json", redirect)[0] == 1
     assert ended(files, "check no.kilter.json", redirect)[0] == 2
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full of Linux")
 @pytest.mark.slow
-def test_closed_streams_are_no_place_for_files(files: Path) -> None:
+def test_closed_streams_are_no_place_for_files(files):
     """What is opened first gets the number of a closed stream, and what libraries print with it."""
     proof = files / "proof.json"
     assert ended(files, "check slope.kilter.json --proof proof.json", ">&- 2>&-")[0] == 1
@@ -167,7 +163,7 @@ def test_closed_streams_are_no_place_for_files(files: Path) -> None:
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full of Linux")
 @pytest.mark.slow
-def test_nothing_comes_from_a_closed_input(files: Path) -> None:
+def test_nothing_comes_from_a_closed_input(files):
     code, error = ended(files, "check -", "<&-")
     assert code == 2
     assert error.startswith("kilter: standard input: the file is empty")
@@ -175,7 +171,7 @@ def test_nothing_comes_from_a_closed_input(files: Path) -> None:
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full of Linux")
 @pytest.mark.slow
-def test_a_pipe_that_nobody_reads_is_no_fault(files: Path) -> None:
+def test_a_pipe_that_nobody_reads_is_no_fault(files):
     out, into = os.pipe()
     os.close(out)
     words = [sys.executable, "-m", "kilter", "contacts", str(files / "slope.kilter.json")]
@@ -213,9 +209,7 @@ def device(path: Path, minor: int) -> None:
 @pytest.mark.skipif(os.name != "posix", reason="devices, pipes and links of POSIX")
 @pytest.mark.parametrize("option", ["-o", "--proof"])
 @pytest.mark.parametrize(("minor", "code"), [(3, 0), (7, 2)], ids=["null", "full"])
-def test_a_device_is_written_into(
-    option: str, minor: int, code: int, tower: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_device_is_written_into(option, minor, code, tower, capsys):
     device(tower / "device", minor)
     before = kind("device")
     assert main(["check", "tower.kilter.json", option, "device", "--quiet"]) == code
@@ -226,7 +220,7 @@ def test_a_device_is_written_into(
 
 
 @pytest.mark.skipif(os.name != "posix", reason="devices, pipes and links of POSIX")
-def test_a_pipe_gets_all_data_and_stays(tmp_path: Path) -> None:
+def test_a_pipe_gets_all_data_and_stays(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     with pytest.raises(InputError, match=r"pipe: cannot be written: No such device"):
@@ -243,7 +237,7 @@ def test_a_pipe_gets_all_data_and_stays(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="devices, pipes and links of POSIX")
-def test_an_inherited_pipe_is_written_into() -> None:
+def test_an_inherited_pipe_is_written_into():
     """As a shell gives it: `kilter check FILE -o >(program)`."""
     if not Path("/dev/fd").exists():
         pytest.skip("no /dev/fd here")
@@ -255,7 +249,7 @@ def test_an_inherited_pipe_is_written_into() -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="devices, pipes and links of POSIX")
-def test_a_link_stays_and_its_target_is_written(tower: Path) -> None:
+def test_a_link_stays_and_its_target_is_written(tower):
     Path("link").symlink_to("made.json")
     Path("loop").symlink_to("loop")
     before = kind("link")
@@ -267,9 +261,7 @@ def test_a_link_stays_and_its_target_is_written(tower: Path) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="devices, pipes and links of POSIX")
-def test_a_name_that_is_too_long_is_a_sentence(
-    tower: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_name_that_is_too_long_is_a_sentence(tower, capsys):
     long = "x" * 4000
     for words in (["check", f"{long}.json"], ["check", f"{long}.step"], ["batch", long, "-o", "d"],
                   ["check", "tower.kilter.json", "-o", long]):  # fmt: skip
@@ -289,7 +281,7 @@ def package(requirement: str) -> str:
 
 
 @pytest.mark.slow
-def test_here_all_that_is_installed_works(capsys: pytest.CaptureFixture[str]) -> None:
+def test_here_all_that_is_installed_works(capsys):
     assert main(["doctor", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     looks = {look["name"]: look for look in answer["looks"]}
@@ -302,7 +294,7 @@ def test_here_all_that_is_installed_works(capsys: pytest.CaptureFixture[str]) ->
         assert looks[name]["remedy"] == (f"pip install 'kilter[{name}]'" if absent else "")
 
 
-def test_packages_and_extras_are_those_of_the_project() -> None:
+def test_packages_and_extras_are_those_of_the_project():
     assert list(health.NEEDED) == [package(one) for one in SETTINGS["project"]["dependencies"]]
     extras = SETTINGS["project"]["optional-dependencies"]
     assert set(health.EXTRAS) == set(extras) - FOR_OURSELVES
@@ -311,7 +303,7 @@ def test_packages_and_extras_are_those_of_the_project() -> None:
 
 
 @pytest.mark.parametrize("name", ["HiGHS", "Clarabel"])
-def test_a_solver_that_answers_wrong_is_seen(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solver_that_answers_wrong_is_seen(name, monkeypatch):
     from kilter.solvers import clarabel, highs
 
     home: ModuleType = highs if name == "HiGHS" else clarabel
@@ -330,9 +322,7 @@ def test_a_solver_that_answers_wrong_is_seen(name: str, monkeypatch: pytest.Monk
 
 
 @pytest.mark.slow
-def test_what_cannot_be_imported_is_broken_and_costs_no_other_look(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_imported_is_broken_and_costs_no_other_look(monkeypatch, capsys):
     def lost(*given: object) -> None:
         raise ImportError("libhighs.so is not there")
 
@@ -347,7 +337,7 @@ def test_what_cannot_be_imported_is_broken_and_costs_no_other_look(
     assert rows["figures"].endswith("absent  kilter draw; pip install 'kilter[figures]'")
 
 
-def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_package_that_is_missing_is_named(monkeypatch):
     monkeypatch.setattr(health, "NEEDED", ("numpy", "no_such_module"))
     look = health._look("packages", health._packages)
     assert look.state == "broken"
@@ -356,7 +346,7 @@ def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.slow
-def test_a_solid_of_another_volume_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solid_of_another_volume_is_seen(monkeypatch):
     pytest.importorskip("OCP")
     assert health._extra("step").state == "works"
     monkeypatch.setattr(health, "BALL", health.BALL.replace("#10,1.);", "#10,2.);"))
@@ -440,9 +430,7 @@ def mask() -> int:
 @pytest.mark.parametrize(
     "name", [one if one in QUICK else pytest.param(one, marks=pytest.mark.slow) for one in COMMANDS]
 )
-def test_a_command_changes_nothing_of_the_process(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_command_changes_nothing_of_the_process(name, capsys):
     words, code = COMMANDS[name]
     main(words)  # what is loaded once, is loaded
     before = signal.signal(signal.SIGINT, handled)
@@ -459,9 +447,7 @@ def test_a_command_changes_nothing_of_the_process(
 
 @POSIX
 @pytest.mark.slow
-def test_a_fault_changes_nothing_either(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_fault_changes_nothing_either(monkeypatch, capsys):
     main(["check", "tower.kilter.json"])
 
     def breaks(*given: object, **named: object) -> None:
@@ -475,7 +461,7 @@ def test_a_fault_changes_nothing_either(
 
 
 @POSIX
-def test_a_command_in_a_thread_of_somebody_else(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_command_in_a_thread_of_somebody_else(capsys):
     """No signal can be set there, and none is."""
     main(["check", "tower.kilter.json"])
     was, codes = state(), []

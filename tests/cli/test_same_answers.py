@@ -1,7 +1,5 @@
 """A command, its function, its next step and its repeated numbers ask the same question."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from collections.abc import Callable
@@ -46,16 +44,14 @@ def timeless(answer: Any) -> Any:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("verb", VERBS)
 @pytest.mark.parametrize("name", SCENES)
-def test_command_and_function_agree(
-    name: str, verb: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_and_function_agree(name, verb, capsys):
     kilter.dump(kilter.example(name), "a.json")
     answer = getattr(kilter, verb)(kilter.load("a.json")).to_dict()
     assert timeless(said(capsys, verb, "a.json")) == timeless(answer)
 
 
 @pytest.mark.slow
-def test_options_of_reading_are_those_of_load(capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_of_reading_are_those_of_load(capsys):
     kilter.dump(kilter.example("paper-figure-8"), "a.json")
     words = ["--without", "C3", "--down", "0.1", "0", "-1", "--friction", "0.3", "--floor", "-9"]
     answer = said(capsys, "check", "a.json", *words, "--proof", "p.json")
@@ -68,7 +64,7 @@ def test_options_of_reading_are_those_of_load(capsys: pytest.CaptureFixture[str]
         )
 
 
-def test_the_list_of_examples(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_list_of_examples(capsys):
     assert said(capsys, "example") == [entry.to_dict() for entry in kilter.example()]
 
 
@@ -186,7 +182,7 @@ JOINED = Assembly([TABLE, ARM], units="mm", joints=[HINGE])
 @pytest.mark.parametrize(
     "verb", ["contacts", "check", "hold", "margin", "orient", "plan", "region", "transport"]
 )
-def test_open_pairs_have_the_depth_and_the_gap_of_the_drawing(verb: str) -> None:
+def test_open_pairs_have_the_depth_and_the_gap_of_the_drawing(verb):
     pairs = getattr(kilter, verb)(OPEN).to_dict()["open_pairs"]
     found = {tuple(one["parts"]): (one["gap"], one["depth"], one["volume"]) for one in pairs}
     assert found["table", "near"] == (pytest.approx(0.01), None, None)
@@ -195,7 +191,7 @@ def test_open_pairs_have_the_depth_and_the_gap_of_the_drawing(verb: str) -> None
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("verb", ["contacts", "check", "margin", "orient", "region", "transport"])
-def test_joints_have_the_limits_the_friction_and_the_spring_of_the_file(verb: str) -> None:
+def test_joints_have_the_limits_the_friction_and_the_spring_of_the_file(verb):
     """Regions and orientations leave out friction and springs, as their warnings state."""
     (entry,) = getattr(kilter, verb)(JOINED).to_dict()["joints"]
     kept = ("limits",) if verb in ("orient", "region") else tuple(MORE)
@@ -278,7 +274,7 @@ CASES: dict[str, tuple[Callable[[], Any], dict[str, Any]]] = {
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("name", CASES)
-def test_a_number_of_the_question_is_repeated_as_asked(name: str) -> None:
+def test_a_number_of_the_question_is_repeated_as_asked(name):
     ask, expected = CASES[name]
     answer = ask().to_dict()
     for path, value in expected.items():
@@ -313,8 +309,8 @@ def box(tmp_path: Path) -> str:
 @pytest.mark.parametrize("floor", [["--floor"], ["--floor", "0"]], ids=["lowest", "height"])
 @pytest.mark.parametrize("off", [-0.01, 0.01])
 def test_check_falls_where_margin_region_and_orient_have_their_limit(
-    box: str, floor: list[str], off: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+    box, floor, off, tmp_path, capsys
+):
     degrees = LIMIT + off
     proof = tmp_path / "p.json"
     options = [*floor, *words(degrees)]
@@ -329,7 +325,7 @@ def test_check_falls_where_margin_region_and_orient_have_their_limit(
     assert json.loads(capsys.readouterr().out)["tilt_deg"] == pytest.approx(-off, abs=1e-6)
 
 
-def test_region_and_orient_ask_about_the_same_floor(box: str) -> None:
+def test_region_and_orient_ask_about_the_same_floor(box):
     drawn = kilter.load(box, floor=True)
     turned = kilter.load(box, floor=True, down=down(5))
     for assembly in (drawn, turned):
@@ -339,7 +335,7 @@ def test_region_and_orient_ask_about_the_same_floor(box: str) -> None:
         assert kilter.orient(assembly).tilt_margin_deg == pytest.approx(LIMIT, abs=0.01)
 
 
-def test_a_floor_without_another_direction_has_no_note(box: str) -> None:
+def test_a_floor_without_another_direction_has_no_note(box):
     assert kilter.load(box, floor=True, down=[0, 0, -3]).notes == ()
     assert kilter.load(box, down=down(5)).notes == ()
     sideways = kilter.load(box, floor=True, up="x")
@@ -369,9 +365,7 @@ def ask(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper-figure-1", "paper-figure-11", "corner-wedges", "tower"])
-def test_the_orientation_found_is_stable_and_its_turn_leads_there(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_orientation_found_is_stable_and_its_turn_leads_there(name, capsys):
     file = written(name)
     code, answer = ask(capsys, "orient", file)
     assert code == 0
@@ -383,9 +377,7 @@ def test_the_orientation_found_is_stable_and_its_turn_leads_there(
 
 
 @pytest.mark.slow
-def test_where_nothing_is_stable_the_nearest_is_given_with_what_moves(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_where_nothing_is_stable_the_nearest_is_given_with_what_moves(capsys):
     code, answer = ask(capsys, "orient", written("floating-block"))
     assert code == 1
     assert not answer["found"]
@@ -396,9 +388,7 @@ def test_where_nothing_is_stable_the_nearest_is_given_with_what_moves(
 
 
 @pytest.mark.slow
-def test_friction_that_can_hold_it_is_found_and_said_to_be_no_guarantee(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_friction_that_can_hold_it_is_found_and_said_to_be_no_guarantee(capsys):
     code, answer = ask(capsys, "orient", written("arch"), "--method", "walk")
     assert (code, answer["verdict"], answer["method"]) == (0, "found", "walk")
     assert answer["sentence"].startswith("Forces that hold it exist")
@@ -415,9 +405,7 @@ def test_friction_that_can_hold_it_is_found_and_said_to_be_no_guarantee(
         ("floating-block", "none"),
     ],
 )
-def test_region_in_words_and_as_data(
-    name: str, kind: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_region_in_words_and_as_data(name, kind, capsys):
     file = written(name)
     assert main(["region", file, "--quiet"]) == 0
     assert f"{kind}, dimension" in capsys.readouterr().out
@@ -429,7 +417,7 @@ def test_region_in_words_and_as_data(
 
 
 @pytest.mark.slow
-def test_a_region_common_to_several_lies_in_each(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_region_common_to_several_lies_in_each(capsys):
     files = [written("paper-figure-10"), written("paper-figure-11")]
     _, answer = ask(capsys, "region", *files, "--common")
     assert answer["kind"] == "ray"
@@ -448,7 +436,7 @@ def test_a_region_common_to_several_lies_in_each(capsys: pytest.CaptureFixture[s
         (["region"], "FILE"),
     ],
 )
-def test_wrong_usage(words: list[str], expected: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage(words, expected, capsys):
     written("books"), written("tower")
     assert main(words) == 2
     out, error = capsys.readouterr()
@@ -463,9 +451,7 @@ def test_wrong_usage(words: list[str], expected: str, capsys: pytest.CaptureFixt
     ("file", "held", "kind"),
     [("cubes", ["0"], "ray"), ("H", ["0", "1"], "line"), ("type-a", ["0", "1"], "fan")],
 )
-def test_real_assemblies(
-    file: str, held: list[str], kind: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_real_assemblies(file, held, kind, capsys):
     words = [str(SHARED / "compas_cra" / f"{file}.json")]
     words += [w for name in held for w in ("--ground", name)]
     _, answer = ask(capsys, "region", *words)

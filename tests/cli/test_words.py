@@ -1,7 +1,5 @@
 """Words for users: one answer in every voice, manners, sentences read once, hostile names."""
 
-from __future__ import annotations
-
 import csv
 import html
 import io
@@ -42,9 +40,7 @@ from kilter.values.guesses import MEANT, WORDS, meant_word
 @pytest.mark.parametrize(
     "name", ["tower", "paper-figure-8", "slope-with-friction", "wall-with-lintel"]
 )
-def test_page_notebook_and_terminal_tell_the_same_facts(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_page_notebook_and_terminal_tell_the_same_facts(name, monkeypatch):
     monkeypatch.setattr(module, "MAP_PARTS", 0)  # its programs take most of the time
     assembly = scene(name)
     verdict = kilter.check(assembly, effort=0)
@@ -74,9 +70,7 @@ def terms(page: str) -> list[tuple[str, str]]:
 
 
 @pytest.mark.slow
-def test_the_greatest_force_is_one_number_everywhere(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_greatest_force_is_one_number_everywhere(tmp_path, monkeypatch):
     arch = scene("arch")
     verdict = kilter.check(arch, effort=0)
     phrase = forces_phrase(verdict.to_dict()["forces"])
@@ -91,7 +85,7 @@ def test_the_greatest_force_is_one_number_everywhere(
 
 
 @pytest.mark.slow
-def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_page_orients_as_orient_does_with_friction(monkeypatch):
     block = scene("slope-with-friction")
     answer = kilter.orient(block)
     monkeypatch.setattr(module, "MAP_PARTS", 0)
@@ -103,13 +97,13 @@ def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.Monke
     assert f"<dt>stable directions</dt><dd>{words}</dd>" in page
 
 
-def test_what_was_not_measured_is_not_told() -> None:
+def test_what_was_not_measured_is_not_told():
     shown = kilter.check(scene("trough"), effort=0)
     assert shown.to_dict()["instability"] is None
     assert "kappa" not in shown._repr_html_()
 
 
-def test_names_are_harmless_in_every_voice() -> None:
+def test_names_are_harmless_in_every_voice():
     part = kilter.Part("<b>\x1b[31m\n", kilter.Box([1, 1, 1]), grounded=True)
     answer = kilter.check(Assembly([part])).to_dict()
     assert "\x1b" not in text_of(answer)
@@ -117,7 +111,7 @@ def test_names_are_harmless_in_every_voice() -> None:
     assert "\x1b" not in html_of(answer)
 
 
-def test_a_program_that_calls_main_keeps_its_warnings(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_program_that_calls_main_keeps_its_warnings(capsys):
     import warnings
 
     before = list(warnings.filters)
@@ -134,7 +128,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def test_headlines_name_no_paper() -> None:
+def test_headlines_name_no_paper():
     assert not [words for words in SENTENCES.values() if "paper" in words or "order" in words]
     verdict = kilter.check(kilter.example("paper-figure-9"))
     assert verdict.second_order_answer is not None
@@ -150,7 +144,7 @@ READ_TWICE = (
 )  # fmt: skip
 
 
-def test_no_sentence_has_the_words_that_were_read_twice() -> None:
+def test_no_sentence_has_the_words_that_were_read_twice():
     written = " ".join(
         " ".join(re.sub(r'"\s*f?"', "", path.read_text("utf-8")).split())
         for path in (ROOT / "src/kilter/tell").glob("*.py")
@@ -166,12 +160,12 @@ def test_no_sentence_has_the_words_that_were_read_twice() -> None:
         ("unstable", "Unstable, by more than the accuracy of its coordinates: no contact"),
     ],
 )
-def test_the_accuracy_of_coordinates_follows_the_verdict(verdict: str, begins: str) -> None:
+def test_the_accuracy_of_coordinates_follows_the_verdict(verdict, begins):
     assert verdict_sentence(verdict, coarse=True).startswith(begins)
 
 
 @pytest.mark.parametrize(("mu", "phrase"), [(0.0, "without friction no"), (1.0, "no contact")])
-def test_without_friction_is_said_only_of_files_without_friction(mu: float, phrase: str) -> None:
+def test_without_friction_is_said_only_of_files_without_friction(mu, phrase):
     hanging = Assembly([TABLE, Part("box", Box(1, 1, 1), [0, 0, 3])], friction=mu)
     assert kilter.check(hanging).sentence.startswith(f"Unstable: {phrase}")
 
@@ -194,11 +188,11 @@ def objects(*states: str, level: str | None = None) -> dict[str, Any]:
         ),
     ],
 )
-def test_a_single_object_is_not_counted(answer: dict[str, Any], sentence: str) -> None:
+def test_a_single_object_is_not_counted(answer, sentence):
     assert scene_sentence(answer) == sentence
 
 
-def test_a_pile_at_a_lower_level_names_the_required_one() -> None:
+def test_a_pile_at_a_lower_level_names_the_required_one():
     item = {"name": "crate", "verdict": "potentially-stable", "level": "equilibrium"}
     answer = {"first": None, "stands": False, "items": [item], "require": "settles"}
     assert packing_sentence(answer) == (
@@ -207,7 +201,7 @@ def test_a_pile_at_a_lower_level_names_the_required_one() -> None:
     )
 
 
-def test_the_reason_why_no_support_helps_is_a_motion_that_none_stops() -> None:
+def test_the_reason_why_no_support_helps_is_a_motion_that_none_stops():
     motions = [
         {"moving": ["beam"], "stopped_by": ["prop-1"]},
         {"moving": ["lamp"], "stopped_by": []},
@@ -221,7 +215,7 @@ def test_the_reason_why_no_support_helps_is_a_motion_that_none_stops() -> None:
     assert len(hold_facts({**answer, "verdict": "held"})) == len(hold_facts(answer)) + 1
 
 
-def test_a_table_without_a_row_is_not_printed() -> None:
+def test_a_table_without_a_row_is_not_printed():
     """A ball on a ball: balanced, and nothing starts by itself."""
     below = Part("below", Sphere(1), [0, 0, 1], grounded=True)
     answer = dict(kilter.check(Assembly([below, Part("ball", Sphere(0.5), [0, 0, 2.5])])).to_dict())
@@ -234,7 +228,7 @@ def test_a_table_without_a_row_is_not_printed() -> None:
 @pytest.mark.parametrize(
     ("pairs", "why"), [([], "a limit of the work was reached"), ([{}], "open pairs decide it")]
 )
-def test_open_pairs_are_blamed_only_if_there_are_any(pairs: list[Any], why: str) -> None:
+def test_open_pairs_are_blamed_only_if_there_are_any(pairs, why):
     case = {"verdict": "undecided", "level": None, "factor": None, "motion": ""}
     answer = {
         "cases": [case], "code": "", "carried": None, "open_pairs": pairs,
@@ -242,7 +236,7 @@ def test_open_pairs_are_blamed_only_if_there_are_any(pairs: list[Any], why: str)
     assert transport_sentence(answer) == f"Undecided for this acceleration: {why}."
 
 
-def test_held_parts_that_touch_each_other_are_no_warning(say: Any) -> None:
+def test_held_parts_that_touch_each_other_are_no_warning(say):
     box = Part("box", Box(1, 1, 1), [0, 0, 0.5])
     kilter.dump(Assembly([TABLE, box]), "a.kilter.json")
     assert say("check a.kilter.json --floor")[2] == ""
@@ -257,9 +251,7 @@ def test_held_parts_that_touch_each_other_are_no_warning(say: Any) -> None:
      ([0.5, 1.5], "hold a.kilter.json")],
     ids=["one floats", "a group floats", "one falls"],
 )  # fmt: skip
-def test_the_step_after_a_scene_that_floats_moves_it_to_rest(
-    heights: list[float], step: str, say: Any
-) -> None:
+def test_the_step_after_a_scene_that_floats_moves_it_to_rest(heights, step, say):
     boxes = [Part(f"b{k}", Box(1, 1, 1), [0.6 * k, 0, z]) for k, z in enumerate(heights)]
     kilter.dump(Assembly([TABLE, *boxes]), "a.kilter.json")
     code, out, _ = say("check a.kilter.json")
@@ -267,7 +259,7 @@ def test_the_step_after_a_scene_that_floats_moves_it_to_rest(
     assert f"next: kilter {step}\n" in out
 
 
-def test_a_plan_that_is_written_as_a_page_prints_its_sentence(say: Any) -> None:
+def test_a_plan_that_is_written_as_a_page_prints_its_sentence(say):
     kilter.dump(kilter.example("arch").without("voussoir-1?"), "a.kilter.json")
     sentence = kilter.plan("a.kilter.json", floor=True).sentence
     _, out, error = say("plan a.kilter.json --floor -o x.html --quiet")
@@ -276,7 +268,7 @@ def test_a_plan_that_is_written_as_a_page_prints_its_sentence(say: Any) -> None:
     assert " ".join(sentence.split()) in " ".join(error.split())
 
 
-def test_a_layer_over_another_file_than_usd_is_refused(say: Any) -> None:
+def test_a_layer_over_another_file_than_usd_is_refused(say):
     kilter.dump(Assembly([TABLE, Part("box", Box(1, 1, 1), [0, 0, 0.501])]), "a.kilter.json")
     code, out, error = say("settle a.kilter.json -o rest.usda")
     assert (code, out) == (2, "")
@@ -287,7 +279,7 @@ def test_a_layer_over_another_file_than_usd_is_refused(say: Any) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("shape", "exact"), [(Box(2, 2, 4), True), (Cylinder(1, 4), False)])
-def test_a_push_over_a_round_edge_is_not_called_exact(shape: Any, exact: bool) -> None:
+def test_a_push_over_a_round_edge_is_not_called_exact(shape, exact):
     """The tower tips at atan(1 / 2), over a circle, too. A push counts it as a polygon inside."""
     import math
 
@@ -299,7 +291,7 @@ def test_a_push_over_a_round_edge_is_not_called_exact(shape: Any, exact: bool) -
     assert margin.tilt_deg == pytest.approx(tips, abs=1e-6)
 
 
-def test_a_packing_list_is_a_file_of_every_command(say: Any) -> None:
+def test_a_packing_list_is_a_file_of_every_command(say):
     Path("list.csv").write_text(
         "name,length,width,height,mass,x,y,z\na,1,1,1,5,0,0,0\nb,1,1,1,5,0,0,1\n", "utf-8"
     )
@@ -309,7 +301,7 @@ def test_a_packing_list_is_a_file_of_every_command(say: Any) -> None:
     assert "a packing list (CSV)" in " ".join(shown.split())
 
 
-def test_the_readme_counts_the_blocks_of_its_first_command() -> None:
+def test_the_readme_counts_the_blocks_of_its_first_command():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     example = kilter.load(ROOT / "examples/paper-figure-9.kilter.json")
     words = {2: "two", 3: "three", 4: "four", 5: "five"}
@@ -317,7 +309,7 @@ def test_the_readme_counts_the_blocks_of_its_first_command() -> None:
     assert re.search(rf"checks an example of {words[free]} free blocks", readme)
 
 
-def test_a_stack_that_a_simulator_sank_is_not_proposed_to_be_joined(say: Any) -> None:
+def test_a_stack_that_a_simulator_sank_is_not_proposed_to_be_joined(say):
     """It topples: the upper cube hangs over the lower one by more than half of its width."""
     cube = Box(0.1, 0.1, 0.1)
     low, high = Part("low", cube, [0, 0, 0.0497]), Part("high", cube, [0.06, 0, 0.1492])
@@ -337,7 +329,7 @@ def options_of(command: str) -> dict[str, Declared]:
     return {name: each for each in declared_of(function) for name in each.declaration.names}
 
 
-def test_help_fits_a_screen_and_has_every_command_in_a_group() -> None:
+def test_help_fits_a_screen_and_has_every_command_in_a_group():
     lines = overview().splitlines()
     assert len(lines) <= 24
     assert max(map(len, lines)) <= 80
@@ -347,7 +339,7 @@ def test_help_fits_a_screen_and_has_every_command_in_a_group() -> None:
 
 
 @pytest.mark.parametrize("words", [[], ["--help"], ["-h"]])
-def test_help_is_the_overview(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_is_the_overview(words, capsys):
     assert main(words) == 0
     assert capsys.readouterr().out.strip() == overview().strip()
 
@@ -365,15 +357,13 @@ def test_help_is_the_overview(words: list[str], capsys: pytest.CaptureFixture[st
         ("--join", "--fasten"),
     ],
 )
-def test_a_guessed_option_names_the_option_that_it_means(
-    typed: str, meant: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_guessed_option_names_the_option_that_it_means(typed, meant, capsys):
     assert main(["check", "a.json", typed, "x"]) == 2
     message = f"kilter: there is no option {typed}: use {meant}; see 'kilter check --help'\n"
     assert capsys.readouterr().err == message
 
 
-def test_each_guess_means_an_option_that_exists_and_none_is_an_option_of_a_command() -> None:
+def test_each_guess_means_an_option_that_exists_and_none_is_an_option_of_a_command():
     params = {name: set(options_of(name)) for name in COMMANDS}
     everywhere = set().union(*params.values())
     assert {f"--{name}" for name in WORDS} <= everywhere
@@ -383,7 +373,7 @@ def test_each_guess_means_an_option_that_exists_and_none_is_an_option_of_a_comma
     assert meant_word("--mu", params["verify"]) is None
 
 
-def test_several_names_after_one_option(capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_names_after_one_option(capsys):
     kilter.dump(kilter.example("tower"), "tower.kilter.json")
     Path("cube-2").mkdir()
     for words in (
@@ -400,9 +390,7 @@ def test_several_names_after_one_option(capsys: pytest.CaptureFixture[str]) -> N
     assert len(json.loads(capsys.readouterr().out)["parts"]) == 4
 
 
-def test_names_that_begin_like_numbers_and_a_name_that_is_missing(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_names_that_begin_like_numbers_and_a_name_that_is_missing(capsys):
     options = options_of("check")
     words = ["a.json", "--ground", "0", "1", "--floor", "--json"]
     apart = ["a.json", "--ground=0", "--ground=1", "--floor=lowest", "--json"]
@@ -412,7 +400,7 @@ def test_names_that_begin_like_numbers_and_a_name_that_is_missing(
     assert "--ground needs NAME..." in capsys.readouterr().err
 
 
-def test_a_written_answer_is_reported_with_its_path(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_written_answer_is_reported_with_its_path(capsys):
     kilter.dump(kilter.example("tower"), "tower.kilter.json")
     for words, content in (
         (["check", "--json"], "answer of check as JSON"),
@@ -429,9 +417,7 @@ def test_a_written_answer_is_reported_with_its_path(capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize("command", ["check", "check tower.kilter.json", "contacts"])
-def test_a_file_that_ends_like_json_gets_json(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_ends_like_json_gets_json(command, capsys):
     kilter.dump(kilter.example("tower"), "tower.kilter.json")
     name, *more = command.split()
     main([name, *more, "tower.kilter.json", "-o", "x.json"])
@@ -439,7 +425,7 @@ def test_a_file_that_ends_like_json_gets_json(
     assert json.loads(Path("x.json").read_text(encoding="utf-8"))
 
 
-def test_an_example_prints_the_answer_of_check(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_example_prints_the_answer_of_check(capsys):
     assert main(["example", "paper-figure-8"]) == 0
     path, sentence, step = capsys.readouterr().out.splitlines()
     assert path.startswith("paper-figure-8.kilter.json: ")
@@ -447,7 +433,7 @@ def test_an_example_prints_the_answer_of_check(capsys: pytest.CaptureFixture[str
     assert step == "next: kilter check paper-figure-8.kilter.json"
 
 
-def test_each_command_requires_one_level_or_states_the_reason() -> None:
+def test_each_command_requires_one_level_or_states_the_reason():
     for name in COMMANDS:
         option = options_of(name).get("--require")
         if option is not None and option.default != "settles":
@@ -494,7 +480,7 @@ def file(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.slow
 @pytest.mark.parametrize("file", ["escape", "direction", "lines", "long"], indirect=True)
-def test_no_command_prints_a_hostile_name(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_command_prints_a_hostile_name(file, capsys):
     for command, *words in WORDS_NAMES:
         assert main([command, file, *words]) in (0, 1, 2, 3, 4)
         printed = capsys.readouterr()
@@ -504,9 +490,7 @@ def test_no_command_prints_a_hostile_name(file: str, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize("file", ["escape"], indirect=True)
-def test_json_keeps_the_name_and_colours_are_those_of_kilter(
-    file: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_json_keeps_the_name_and_colours_are_those_of_kilter(file, capsys, monkeypatch):
     main(["check", file, "--json"])
     text = capsys.readouterr().out
     assert "\x1b" not in text
@@ -519,7 +503,7 @@ def test_json_keeps_the_name_and_colours_are_those_of_kilter(
     assert text.count("\x1b") == 2
 
 
-def test_an_error_cuts_quoted_names_and_no_sentence() -> None:
+def test_an_error_cuts_quoted_names_and_no_sentence():
     sentence = "part 'a' lies on " + "very " * 30 + "long words, and the file's unit is 'm'"
     assert InputError(sentence).what == sentence
     error = InputError(
@@ -529,7 +513,7 @@ def test_an_error_cuts_quoted_names_and_no_sentence() -> None:
     assert "nnn...nnn" in error.what
 
 
-def test_a_copied_command_ends_no_word_early() -> None:
+def test_a_copied_command_ends_no_word_early():
     """A backslash at the end of a word in double quotes would join it to the next word."""
     words = ["kilter", "check", "--fasten", "a b\\", "; touch hit #", "!x", "$(x)", "`x`"]
     shlex = pytest.importorskip("shlex")
@@ -546,7 +530,7 @@ def cells(text: str) -> list[str]:
 @pytest.mark.parametrize(
     "name", [*NAMES.values(), "'=a", "''@", "+1", "-1e5", "=", "\t=x", "'a", "1" * 60 + "x"]
 )
-def test_a_cell_runs_no_formula_and_keeps_the_name(name: str) -> None:
+def test_a_cell_runs_no_formula_and_keeps_the_name(name):
     cell = safe_cell(name)
     assert cell.isprintable()
     assert is_numeric(cell) or cell[0] not in "=+-@\t\r\n"
@@ -556,9 +540,7 @@ def test_a_cell_runs_no_formula_and_keeps_the_name(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("part", ["formula", "sum", "minus"])
-def test_no_table_begins_a_cell_with_a_formula(
-    part: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_table_begins_a_cell_with_a_formula(part, tmp_path, monkeypatch):
     """The table of a plan can be read again, and a batch states the file of each row."""
     monkeypatch.chdir(tmp_path)
     name = "=cmd.kilter.json"
@@ -577,9 +559,7 @@ def test_no_table_begins_a_cell_with_a_formula(
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["\ud800.step", "a\0b.step", "x" * 5000 + ".step"])
-def test_choices_about_a_name_that_the_system_rejects(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_choices_about_a_name_that_the_system_rejects(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("c.json").write_text(json.dumps({"kilter": 1, "file": name}))
     assert main(["check", "c.json"]) == 2
@@ -590,9 +570,7 @@ def test_choices_about_a_name_that_the_system_rejects(
 
 
 @pytest.mark.parametrize("text", ["[]", "5", '"a"', "[" * 100_000])
-def test_a_batch_with_a_damaged_manifest_is_refused(
-    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_batch_with_a_damaged_manifest_is_refused(text, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("files").mkdir()
     kilter.dump(pile("a"), "files/a.kilter.json")
@@ -604,8 +582,8 @@ def test_a_batch_with_a_damaged_manifest_is_refused(
 
 
 def test_names_of_a_packing_plan_are_printed_without_control_characters(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+    tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     size = {f"{key}/mm": 100 for key in ("length", "width", "height")}
     item = {"article": "a\u202e\x1b[8m", "weight/kg": 1, **size}

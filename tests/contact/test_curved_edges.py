@@ -1,7 +1,5 @@
 """Edges on curves, balls on rims and round edges, against circles and closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from solids import bore, cone_frustum, cone_socket, peg, revolved, torus
@@ -92,7 +90,7 @@ def seated(radius: float, hole: float, lift: float = 0.0, aside: float = 0.0) ->
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_the_ball_touches_the_whole_rim_with_its_own_normals(seed: int) -> None:
+def test_the_ball_touches_the_whole_rim_with_its_own_normals(seed):
     rng = np.random.default_rng(seed)
     radius = float(rng.uniform(0.5, 2.0))
     hole = radius * float(rng.uniform(0.2, 0.95))
@@ -110,7 +108,7 @@ def test_the_ball_touches_the_whole_rim_with_its_own_normals(seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
-def test_the_ball_stays_up_to_the_tilt_at_which_its_weight_passes_the_rim(seed: int) -> None:
+def test_the_ball_stays_up_to_the_tilt_at_which_its_weight_passes_the_rim(seed):
     """Its weight passes through the rim at the angle whose sine is the ratio of the radii."""
     rng = np.random.default_rng(seed)
     radius = float(rng.uniform(0.5, 2.0))
@@ -126,18 +124,18 @@ def test_the_ball_stays_up_to_the_tilt_at_which_its_weight_passes_the_rim(seed: 
         assert turned.verdict == verdict
 
 
-def test_a_ball_that_is_not_over_the_middle_of_the_hole_is_open() -> None:
+def test_a_ball_that_is_not_over_the_middle_of_the_hole_is_open():
     found = contacts(seated(1.0, 0.5, aside=0.01))
     assert not len(found)
 
 
-def test_a_ball_above_or_in_the_rim_does_not_touch_it() -> None:
+def test_a_ball_above_or_in_the_rim_does_not_touch_it():
     assert not len(contacts(seated(1.0, 0.5, lift=0.01)))
     sunk = contacts(seated(1.0, 0.5, lift=-0.05))
     assert [pair.kind for pair in sunk.open_pairs] == ["overlap"]
 
 
-def test_a_ball_under_a_ceiling_with_a_hole_falls() -> None:
+def test_a_ball_under_a_ceiling_with_a_hole_falls():
     assert check(seated(1.0, 0.5), down=[0, 0, 1]).verdict == "unstable"
 
 
@@ -351,7 +349,7 @@ CENTERS = [[0.0, 0.0, 1.7], [0.12, -0.2, 1.1]]
 @pytest.mark.slow
 @pytest.mark.parametrize("center", CENTERS, ids=["0", "1"])
 @pytest.mark.parametrize("name", BODIES)
-def test_a_part_tips_over_the_circle(name: str, center: list[float]) -> None:
+def test_a_part_tips_over_the_circle(name, center):
     shape, low, radius = BODIES[name]()
     body = standing(shape, low, center)
     aside = np.array(center[:2])
@@ -371,7 +369,7 @@ def test_a_part_tips_over_the_circle(name: str, center: list[float]) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("angle", [0.3, 2.0, 4.4])
-def test_a_carrier_tips_it_over_the_circle_in_each_direction(angle: float) -> None:
+def test_a_carrier_tips_it_over_the_circle_in_each_direction(angle):
     aside, height = np.array([0.12, -0.2]), 1.1
     body = standing(Cylinder(1, 4), -2.0, [*aside, height], mu=3.0)
     touching = contacts(body)
@@ -384,7 +382,7 @@ def test_a_carrier_tips_it_over_the_circle_in_each_direction(angle: float) -> No
 
 
 @pytest.mark.slow
-def test_an_edge_ends_where_its_table_ends() -> None:
+def test_an_edge_ends_where_its_table_ends():
     """The table ends at x = 0.4, so the part tips over a line there, and else over the circle."""
     table = Part("table", Box(10, 10, 1), [-4.6, 0, -0.5], grounded=True)
     stand = standing(Cylinder(1, 4), -2.0, [-0.25, 0.0, 2.0])
@@ -402,7 +400,7 @@ def test_an_edge_ends_where_its_table_ends() -> None:
 
 
 @pytest.mark.slow
-def test_the_circle_is_that_of_the_smaller_face() -> None:
+def test_the_circle_is_that_of_the_smaller_face():
     for upper, lower, radius, height in ((1.0, 0.7, 0.7, 3.0), (1.0, 1.0, 1.0, 5.0)):
         parts = [
             TABLE,
@@ -415,7 +413,7 @@ def test_the_circle_is_that_of_the_smaller_face() -> None:
 
 
 @pytest.mark.slow
-def test_a_mesh_remains_a_polygon_and_says_so() -> None:
+def test_a_mesh_remains_a_polygon_and_says_so():
     vertices, triangles = kilter.shape.primitives.surface(Cylinder(1, 4))
     found = tilt_of(standing(Mesh(vertices, triangles), -2.0, [0, 0, 2.0]))
     assert not found.exact
@@ -424,7 +422,7 @@ def test_a_mesh_remains_a_polygon_and_says_so() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(4))
-def test_a_slip_in_all_directions_is_bracketed(seed: int) -> None:
+def test_a_slip_in_all_directions_is_bracketed(seed):
     """Boxes in a column slip at mu g whatever their heights and offsets."""
     rng = np.random.default_rng([55, seed])
     parts, height = [TABLE], 0.0
@@ -442,7 +440,7 @@ def test_a_slip_in_all_directions_is_bracketed(seed: int) -> None:
     assert found.lower <= 0.27 + 1e-12
 
 
-def test_no_distance_is_proved_beyond_the_limit() -> None:
+def test_no_distance_is_proved_beyond_the_limit():
     body = standing(Cylinder(1, 4), -2.0, [0.0, 0.0, 1.0], mu=0.4)
     touching = contacts(body)
     program, edges = build_program(body, touching), round_edges(body, touching)

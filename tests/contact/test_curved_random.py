@@ -1,7 +1,5 @@
 """Curved contacts in any pose, at any scale, with and without a gap: none lost, none invented."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import sys

@@ -1,7 +1,5 @@
 """Near boxes, distances of triangles, coverings, refined bodies and copies."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -128,7 +126,7 @@ def pairs_of(assembly: kilter.Assembly) -> int:
 
 
 @pytest.mark.slow
-def test_parts_that_all_lie_in_one_another_are_refused() -> None:
+def test_parts_that_all_lie_in_one_another_are_refused():
     """Before their pairs are listed: a file of 1 MB could ask for all of the memory."""
     assert pairs_of(piled(1000, 0.0)) == 1000 * 999 // 2
     for count in (1002, 5000):
@@ -137,7 +135,7 @@ def test_parts_that_all_lie_in_one_another_are_refused() -> None:
 
 
 @pytest.mark.slow
-def test_a_floor_under_many_parts_is_no_crowd() -> None:
+def test_a_floor_under_many_parts_is_no_crowd():
     assert pairs_of(piled(20_000, 2.0, floor=True)) == 20_000
 
 
@@ -189,13 +187,13 @@ def _least_by_sampling(point: Array, triangle: Array) -> float:
 
 @pytest.mark.quick(6)
 @pytest.mark.parametrize("seed", range(20))
-def test_the_nearest_of_all_triangles_counts(seed: int) -> None:
+def test_the_nearest_of_all_triangles_counts(seed):
     points, triangles = _scene(seed)
     each = np.array([surface_distance(points, triangle[None]) for triangle in triangles])
     assert surface_distance(points, triangles) == pytest.approx(each.min(axis=0), rel=1e-14)
 
 
-def test_the_distance_from_a_triangle_agrees_with_a_search_over_its_points() -> None:
+def test_the_distance_from_a_triangle_agrees_with_a_search_over_its_points():
     points, triangles = _scene(3)
     for point, triangle in zip(points[:12], triangles[:12], strict=False):
         exact = surface_distance(point[None], triangle[None])[0]
@@ -203,7 +201,7 @@ def test_the_distance_from_a_triangle_agrees_with_a_search_over_its_points() -> 
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_points_within_a_distance_agree_with_the_distances(seed: int) -> None:
+def test_points_within_a_distance_agree_with_the_distances(seed):
     points, triangles = _scene(seed)
     distance = surface_distance(points, triangles)
     for reach in np.quantile(distance, [0.0, 0.3, 0.8]).tolist():
@@ -212,7 +210,7 @@ def test_points_within_a_distance_agree_with_the_distances(seed: int) -> None:
         assert (within == (distance <= reach))[clear].all()
 
 
-def test_an_upper_bound_is_never_exceeded() -> None:
+def test_an_upper_bound_is_never_exceeded():
     points, triangles = _scene(5)
     bound = np.full(len(points), 0.1)
     distance = surface_distance(points, triangles, bound)
@@ -369,7 +367,7 @@ def written(found: ContactSet) -> str:
     return json.dumps(found.to_dict())
 
 
-def test_the_copy_of_a_round_pin_is_an_overlap_with_its_exact_volume() -> None:
+def test_the_copy_of_a_round_pin_is_an_overlap_with_its_exact_volume():
     found = contacts(twice())
     (overlap,) = found.overlaps
     assert overlap.why == SAME_BODY
@@ -380,7 +378,7 @@ def test_the_copy_of_a_round_pin_is_an_overlap_with_its_exact_volume() -> None:
     assert kinds[frozenset(overlap.parts)] == "overlap"
 
 
-def test_other_contacts_are_those_without_the_copy() -> None:
+def test_other_contacts_are_those_without_the_copy():
     assembly = twice()
     alone = contacts(assembly.without(["copy"]))
     found = contacts(assembly)
@@ -389,14 +387,14 @@ def test_other_contacts_are_those_without_the_copy() -> None:
     assert np.array_equal(found.patch_area[kept], alone.patch_area)
 
 
-def test_both_sides_of_the_limit_between_a_copy_and_an_overlap() -> None:
+def test_both_sides_of_the_limit_between_a_copy_and_an_overlap():
     size = float(twice().geometry.size[2])
     near, far = (contacts(twice(share * SAME_PLACE * size)) for share in (0.5, 2.0))
     assert [overlap.why for overlap in near.overlaps] == [SAME_BODY]
     assert [overlap.why for overlap in far.overlaps] == ["overlap"]
 
 
-def test_a_copy_thinner_than_the_tolerance_is_no_overlap() -> None:
+def test_a_copy_thinner_than_the_tolerance_is_no_overlap():
     sheets = [block(name, [0, 0, 0], [1, 1, 0.01]) for name in ("one", "two")]
     assembly = Assembly([BASE, *sheets])
     assert [o.why for o in contacts(assembly, tolerance=Tolerance(gap=0.009)).overlaps] == [
@@ -405,7 +403,7 @@ def test_a_copy_thinner_than_the_tolerance_is_no_overlap() -> None:
     assert contacts(assembly, tolerance=Tolerance(gap=0.011)).overlaps == ()
 
 
-def test_a_copy_is_left_out_although_a_block_lies_in_its_variant() -> None:
+def test_a_copy_is_left_out_although_a_block_lies_in_its_variant():
     """Both overlaps have the share 1; only the copy is certainly too many."""
     block_in_variant = [block("block", [3, 3, 0], [4, 4, 1]), block("long", [3, 3, 0], [4, 5, 1])]
     assembly = Assembly([BASE, *block_in_variant, *twice().parts[1:]])
@@ -416,7 +414,7 @@ def test_a_copy_is_left_out_although_a_block_lies_in_its_variant() -> None:
 
 
 @pytest.mark.slow
-def test_a_copy_under_a_time_limit_and_in_kept_contacts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_copy_under_a_time_limit_and_in_kept_contacts(monkeypatch):
     assembly, tolerance = twice(), Tolerance()
     more = Assembly([*assembly.parts, Part("third", assembly["pin"].shape, Pose([0, 0, 1]))])
     kept = KeptContacts.find(more, tolerance)

@@ -1,11 +1,8 @@
 """Open pairs, gaps and depths by hand, and the nearest part of a part that touches nothing."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -56,17 +53,17 @@ def kinds(assembly: Assembly, **options: object) -> list[str]:
         (-0.3, ["overlap"]),
     ],
 )
-def test_a_cube_over_a_slab_by_its_gap(gap: float, kind: list[str]) -> None:
+def test_a_cube_over_a_slab_by_its_gap(gap, kind):
     size = float(contacts(stacked(0.0)).assembly.geometry.size[1])
     assert kinds(stacked(gap * size)) == kind
 
 
 @pytest.mark.parametrize(("share", "kind"), [(0.99, ["near"]), (1.01, [])])
-def test_a_tilted_cube_by_its_angle(share: float, kind: list[str]) -> None:
+def test_a_tilted_cube_by_its_angle(share, kind):
     assert kinds(stacked(0.0, tilt=share * LOOSE_ANGLE)) == kind
 
 
-def test_what_is_known_of_it_is_said() -> None:
+def test_what_is_known_of_it_is_said():
     found = contacts(stacked(-0.25))
     (one,) = found.open_pairs
     assert (one.ends, one.kind, one.depth) == ((0, 1), "overlap", pytest.approx(0.25))
@@ -79,7 +76,7 @@ def test_what_is_known_of_it_is_said() -> None:
 
 
 @pytest.mark.parametrize("depth", [1e-3, -1e-4])
-def test_what_is_joined_or_held_is_not_open(depth: float) -> None:
+def test_what_is_joined_or_held_is_not_open(depth):
     assembly = stacked(-depth)
     assert len(kinds(assembly)) == 1
     assert kinds(assembly.with_joints([Joint(("cube", "slab"))])) == []
@@ -90,7 +87,7 @@ def test_what_is_joined_or_held_is_not_open(depth: float) -> None:
     )
 
 
-def test_a_wider_tolerance_closes_a_gap() -> None:
+def test_a_wider_tolerance_closes_a_gap():
     assembly = stacked(1e-4)
     assert kinds(assembly) == ["near"]
     assert kinds(assembly, tolerance=Tolerance(gap=2e-4)) == []
@@ -100,12 +97,12 @@ def test_a_wider_tolerance_closes_a_gap() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("radius", "kind"), [(0.999, ["clearance"]), (1.001, ["overlap"])])
-def test_a_round_fit_with_clearance_or_interference(radius: float, kind: list[str]) -> None:
+def test_a_round_fit_with_clearance_or_interference(radius, kind):
     found = Assembly([tube("tube", 1.0, 2.0, 1.0, grounded=True), pin("pin", radius, 4.0)])
     assert kinds(found) == kind
 
 
-def test_the_depth_of_two_corners_is_at_most_the_way_in() -> None:
+def test_the_depth_of_two_corners_is_at_most_the_way_in():
     # no facet is nearly across the way, so the planes of the facets alone give a depth of .2
     upper, lower = scene("paper-figure-3-vertices").parts[::-1]
     sunk = replace(upper, pose=Pose([0, 0, -0.01]))
@@ -113,7 +110,7 @@ def test_the_depth_of_two_corners_is_at_most_the_way_in() -> None:
     assert 0.005 < overlap.depth <= 0.01
 
 
-def test_the_depth_of_crossing_ridges_is_measured_across_both() -> None:
+def test_the_depth_of_crossing_ridges_is_measured_across_both():
     lower = Part("lower", Prism([[-1, -1], [1, -1], [0, 0]], 2.0), grounded=True)
     turned = Pose([0, 0, -0.02], [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
     upper = Part("upper", Prism([[-1, 1], [1, 1], [0, 0]], 2.0), turned)
@@ -129,7 +126,7 @@ def answered(*parts: Part, **more: object) -> dict:
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-4, -2e-4])
-def test_a_patch_under_a_plate(gap: float) -> None:
+def test_a_patch_under_a_plate(gap):
     """A plate of 20 x 30 x 10, `gap` above its base, glued by 0.5 N/mm^2."""
     plate = block("plate", [0, 0, gap], [20, 30, 10 + gap])
     answer = answered(
@@ -150,7 +147,7 @@ def test_a_patch_under_a_plate(gap: float) -> None:
     assert not gap / size > edges[bin_ + 1] + 1e-15
 
 
-def test_a_patch_under_a_tilted_plate_states_its_least_and_its_largest_gap() -> None:
+def test_a_patch_under_a_tilted_plate_states_its_least_and_its_largest_gap():
     turn, low = math.radians(0.02), 1e-5
     height = low + 5 * (math.cos(turn) + math.sin(turn))
     quaternion = [math.cos(turn / 2), 0, math.sin(turn / 2), 0]
@@ -163,7 +160,7 @@ def test_a_patch_under_a_tilted_plate_states_its_least_and_its_largest_gap() -> 
 
 
 @pytest.mark.parametrize(("degrees", "gap"), [(0.0, 1e-3), (0.5, 2e-3)])
-def test_a_pair_that_is_rejected_states_its_gap_and_its_angle(degrees: float, gap: float) -> None:
+def test_a_pair_that_is_rejected_states_its_gap_and_its_angle(degrees, gap):
     turn = math.radians(degrees)
     height = gap + 5 * (math.cos(turn) + math.sin(turn))
     quaternion = [math.cos(turn / 2), 0, math.sin(turn / 2), 0]
@@ -175,7 +172,7 @@ def test_a_pair_that_is_rejected_states_its_gap_and_its_angle(degrees: float, ga
     assert pair["gap"] == pytest.approx(gap, rel=1e-4)
 
 
-def test_a_cube_that_is_sunk_into_its_base_and_one_above_it() -> None:
+def test_a_cube_that_is_sunk_into_its_base_and_one_above_it():
     sunk = block("sunk", [-40, -40, -2], [-20, -30, 8])
     above = block("above", [0, 0, 3], [10, 10, 10])
     answer = answered(BASE, sunk, above)
@@ -189,7 +186,7 @@ def test_a_cube_that_is_sunk_into_its_base_and_one_above_it() -> None:
     assert 0 <= abs(alone["gap"] - 3) <= alone["accuracy"] < 1e-9
 
 
-def test_a_pin_in_a_ring_has_its_radius_its_clearance_and_the_length_of_the_ring() -> None:
+def test_a_pin_in_a_ring_has_its_radius_its_clearance_and_the_length_of_the_ring():
     ring = tube("ring", 5.0, 10.0, 20.0, [3, 0, 10], grounded=True)
     answer = answered(ring, pin("pin", 4.9, 40.0, [3, 0, 15]))
     (fit,) = answer["fits"]
@@ -200,7 +197,7 @@ def test_a_pin_in_a_ring_has_its_radius_its_clearance_and_the_length_of_the_ring
     assert abs(alone["gap"] - 0.1) <= alone["accuracy"] < 0.05
 
 
-def test_ridges_that_cross_at_a_point_are_named_with_it() -> None:
+def test_ridges_that_cross_at_a_point_are_named_with_it():
     lower = Part("lower", Prism([[-1, -1], [1, -1], [0, 0]], 2.0), Pose([7, 5, 1]), grounded=True)
     turned = Pose([7, 5.5, 1], [math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
     upper = Part("upper", Prism([[-1, 1], [1, 1], [0, 0]], 2.0), turned)
@@ -228,7 +225,7 @@ def only(assembly: Assembly) -> dict:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("factor", [1e-3, 1.0, 1e3])
-def test_a_gap_between_faces_edges_and_corners_is_their_distance(factor: float) -> None:
+def test_a_gap_between_faces_edges_and_corners_is_their_distance(factor):
     cases = [
         (Pose([0, 0, 0.75]), 0.25),  # face over face
         (Pose([5.7, 0, 1.1]), np.hypot(0.2, 0.6)),  # edge beside edge
@@ -248,7 +245,7 @@ def test_a_gap_between_faces_edges_and_corners_is_their_distance(factor: float) 
             assert found["accuracy"] < 1e-9 * factor
 
 
-def test_a_play_below_a_floating_part_is_a_remedy_and_a_wide_gap_is_none() -> None:
+def test_a_play_below_a_floating_part_is_a_remedy_and_a_wide_gap_is_none():
     for gap, options in ((0.03, ["--gap 0.0303"]), (0.3, [])):
         hook = block("hook", [-1, -1, gap], [1, 1, 1 + gap])
         remedies = check(Assembly([GROUND, hook])).remedies
@@ -257,7 +254,7 @@ def test_a_play_below_a_floating_part_is_a_remedy_and_a_wide_gap_is_none() -> No
 
 
 @pytest.mark.parametrize("sunk", [0.02, 0.04])
-def test_a_play_is_closed_together_with_joints_of_parts_that_overlap_by_less(sunk: float) -> None:
+def test_a_play_is_closed_together_with_joints_of_parts_that_overlap_by_less(sunk):
     """An arm is sunk into a post sideways: a tolerance above `sunk` finds no overlap there."""
     hook = block("hook", [-1, -1, 0.03], [1, 1, 1.03])
     post = block("post", [2, -1, 0], [3, 1, 4], grounded=True)
@@ -267,7 +264,7 @@ def test_a_play_is_closed_together_with_joints_of_parts_that_overlap_by_less(sun
     assert (remedy.option, remedy.level) == (f"{joined} --gap 0.0303", "proved")
 
 
-def test_the_play_of_one_part_asks_the_next_question_about_another() -> None:
+def test_the_play_of_one_part_asks_the_next_question_about_another():
     hook = block("hook", [-1, -1, 0.03], [1, 1, 1.03])
     ring = tube("ring", 1.1, 2.0, 4.0, [0, 9, 5], grounded=True)
     shaft = pin("shaft", 1.0, 4.0, [0, 9, 5])  # a play too wide for this gap tolerance
@@ -275,7 +272,7 @@ def test_the_play_of_one_part_asks_the_next_question_about_another() -> None:
     assert (remedy.option, remedy.leads_to) == ("--gap 0.0303", "undecided")
 
 
-def test_a_gap_of_round_faces_is_right_within_what_is_told() -> None:
+def test_a_gap_of_round_faces_is_right_within_what_is_told():
     ball = Part("ball", Sphere(2.0), Pose([0, 0, 2.75]))
     found = only(Assembly([GROUND, ball]))
     assert abs(found["gap"] - 0.75) <= found["accuracy"] < 0.1
@@ -288,7 +285,7 @@ def test_a_gap_of_round_faces_is_right_within_what_is_told() -> None:
     assert abs(found[0].gap - 0.3) <= found[0].accuracy < 0.01
 
 
-def test_of_several_the_nearest_is_named_though_its_box_is_not() -> None:
+def test_of_several_the_nearest_is_named_though_its_box_is_not():
     """A long diagonal beam has the nearer box, a small block the nearer surface."""
     beam = Part("beam", Box([12, 0.2, 0.2]), Pose([0, 6, 6], turn([0, 1, 1], 90)))
     near = block("near", [1.2, 0.0, 6.0], [2.2, 1.0, 7.0])
@@ -301,7 +298,7 @@ def test_of_several_the_nearest_is_named_though_its_box_is_not() -> None:
     assert (found["top"].gap, found["top"].nearest) == min(gaps)
 
 
-def test_what_touches_overlaps_or_is_joined_is_not_alone() -> None:
+def test_what_touches_overlaps_or_is_joined_is_not_alone():
     cube = block("cube", [0, 0, 0], [1, 1, 1])
     sunk = block("sunk", [0, 0, 0.9], [1, 1, 2])
     assert contacts(Assembly([GROUND, cube, sunk])).nearest == ()
@@ -314,9 +311,7 @@ def test_what_touches_overlaps_or_is_joined_is_not_alone() -> None:
 
 
 @pytest.mark.slow
-def test_check_and_contacts_name_the_nearest_in_words_and_data(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_and_contacts_name_the_nearest_in_words_and_data(tmp_path, capsys):
     file = str(tmp_path / "a.kilter.json")
     dump(Assembly([GROUND, block("top", [0, 0, 0.25], [1, 1, 1])], units="mm"), file)
     for command in ("check", "contacts"):
@@ -343,7 +338,7 @@ def lying(share: float, *, grounded: bool = False) -> Assembly:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("judge", [check, orient, region, margin])
-def test_parts_that_share_more_than_half_are_open(judge) -> None:  # type: ignore[no-untyped-def]
+def test_parts_that_share_more_than_half_are_open(judge):  # type: ignore[no-untyped-def]
     remark = "'a' and 'b' share 51 % of 'b': misplaced, or drawn"
     assert coincident_remarks(contacts(lying(0.51)))[0].startswith(remark)
     assert coincident_remarks(contacts(lying(0.49))) == []
@@ -354,7 +349,7 @@ def test_parts_that_share_more_than_half_are_open(judge) -> None:  # type: ignor
 
 
 @pytest.mark.slow
-def test_the_likely_reason_is_told() -> None:
+def test_the_likely_reason_is_told():
     frames = [block(f"part-{k}", [-k - 1, -1, -1], [k + 1, 1, 1]) for k in range(3)]
     with pytest.raises(InputError, match="each file seems to be in a frame of its own; export"):
         check(Assembly([block("g", [-9, -9, -9], [9, 9, -8], grounded=True), *frames]))
@@ -376,7 +371,7 @@ def test_the_likely_reason_is_told() -> None:
 
 
 @pytest.mark.parametrize("count", [2, 3])
-def test_a_whole_beside_its_parts_is_named_and_left_out(count: int) -> None:
+def test_a_whole_beside_its_parts_is_named_and_left_out(count):
     """The whole is a bar of unit cubes; with one cube in a longer bar it is only misplaced."""
     cubes = [block(f"cube-{k}", [k, 0, 0], [k + 1, 1, 1]) for k in range(count)]
     table = block("table", [-1, -1, -1], [9, 2, 0], grounded=True)
@@ -393,7 +388,7 @@ def test_a_whole_beside_its_parts_is_named_and_left_out(count: int) -> None:
     )
 
 
-def test_frames_of_files_are_mentioned_only_for_several_files() -> None:
+def test_frames_of_files_are_mentioned_only_for_several_files():
     nested = [block(f"part-{k}", [-k - 1, -1, -1], [k + 1, 1, 1]) for k in range(3)]
     parts = [block("g", [-9, -9, -9], [9, 9, -8], grounded=True), *nested]
     answer = check(Assembly(parts, source="model.step"))
@@ -406,7 +401,7 @@ def test_frames_of_files_are_mentioned_only_for_several_files() -> None:
 
 
 @pytest.mark.slow
-def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place() -> None:
+def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place():
     """M8: a hexagon of 13 mm as a round of as much area, on a shank of 8 mm."""
     nut = pin("nut", 6.83, 6.5, grounded=True)
     found = check(Assembly([nut, pin("bolt", 4, 40)], units="mm"))
@@ -416,9 +411,7 @@ def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place() -> None:
 
 
 @pytest.mark.slow
-def test_a_raw_folder_is_refused_in_a_sentence_and_contacts_lists_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_raw_folder_is_refused_in_a_sentence_and_contacts_lists_it(tmp_path, capsys):
     from kilter.shape.primitives import surface
 
     for k in range(3):
@@ -446,7 +439,7 @@ def table_with(*places: tuple[float, float, float]) -> Assembly:
     return Assembly([GROUND, *feet, Part("peg", Box([1, 1, 1]), Pose([4, 4, 0.3]))])
 
 
-def test_a_copy_that_overlaps_where_the_others_do_not_is_asked_about() -> None:
+def test_a_copy_that_overlaps_where_the_others_do_not_is_asked_about():
     told = [w for w in contacts(table_with((0, 0, 1), (3, 0, 0.9))).warnings if "right place" in w]
     assert told == [
         "is 'foot_1' in the right place? it overlaps 'base', but its copy 'foot_0' overlaps nothing"
@@ -455,11 +448,11 @@ def test_a_copy_that_overlaps_where_the_others_do_not_is_asked_about() -> None:
 
 
 @pytest.mark.parametrize("places", [[(0, 0, 1), (3, 0, 1)], [(0, 0, 0.9), (3, 0, 0.8)]])
-def test_copies_that_all_overlap_or_none_are_not_asked_about(places) -> None:  # type: ignore[no-untyped-def]
+def test_copies_that_all_overlap_or_none_are_not_asked_about(places):  # type: ignore[no-untyped-def]
     assert not any("placed" in w for w in contacts(table_with(*places)).warnings)
 
 
-def test_a_copy_that_is_fastened_is_meant_so() -> None:
+def test_a_copy_that_is_fastened_is_meant_so():
     assembly = table_with((0, 0, 1), (3, 0, 0.9))
     joined = fastened(assembly, [("base", "foot_1")])
     assert not any("placed" in w for w in check(joined).warnings)

@@ -1,12 +1,9 @@
 """Friction of pieces and changes of friction; features that are found."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -64,7 +61,7 @@ def desk(*, round_feet: bool = False, **changes: Any) -> Assembly:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("round_feet", [False, True])
-def test_a_patch_has_the_friction_of_its_pieces(round_feet: bool) -> None:
+def test_a_patch_has_the_friction_of_its_pieces(round_feet):
     patches = list(kilter.contacts(desk(round_feet=round_feet)))
     assert {(patch.pieces, patch.mu) for patch in patches} == {((0, 1), 0.1), ((0, 2), 0.3)}
     for patch in patches:
@@ -72,7 +69,7 @@ def test_a_patch_has_the_friction_of_its_pieces(round_feet: bool) -> None:
 
 
 @pytest.mark.parametrize(("factor", "held"), [(0.999, True), (1.001, False)])
-def test_a_verdict_counts_the_friction_of_each_piece(factor: float, held: bool) -> None:
+def test_a_verdict_counts_the_friction_of_each_piece(factor, held):
     # Down a slope t along x the rough legs bear most if they press at x = .8, and the others at -1:
     # the share (1 + t h) / 1.8 of the weight. The limit is t = .1 + .2 (1 + t h) / 1.8.
     assembly = desk()
@@ -81,13 +78,13 @@ def test_a_verdict_counts_the_friction_of_each_piece(factor: float, held: bool) 
     assert (kilter.check(assembly.with_down([slope, 0, -1])).verdict != "unstable") is held
 
 
-def test_the_friction_of_the_whole_pair_counts_for_its_other_pieces() -> None:
+def test_the_friction_of_the_whole_pair_counts_for_its_other_pieces():
     pairs = [FrictionPair(("floor", "desk"), 0.1, (0, 1)), WHOLE]
     assert sorted(kilter.contacts(desk(friction_pairs=pairs)).patch_mu) == [0.1, 0.5]
     assert sorted(kilter.contacts(desk(friction_pairs=pairs[:1])).patch_mu) == [0.1, 0.9]
 
 
-def test_pieces_that_do_not_touch_have_no_patch() -> None:
+def test_pieces_that_do_not_touch_have_no_patch():
     apart = GivenContact(("desk", "floor"), [], [0, 0, 1], pieces=(1, 0))
     found = kilter.contacts(desk(contacts=[apart]))
     assert found.patch_pieces.tolist() == [[0, 2]]
@@ -116,9 +113,7 @@ def tripod(mu: tuple[float, float], slope: float) -> Assembly:
     ("mu", "verdict"),
     [((0.4, 0.4), "stable"), ((0.2, 0.2), "unstable"), ((0.2, 0.4), "undecided")],
 )
-def test_a_contact_of_uncertain_pieces_is_decided_by_both(
-    mu: tuple[float, float], verdict: str
-) -> None:
+def test_a_contact_of_uncertain_pieces_is_decided_by_both(mu, verdict):
     found = kilter.contacts(tripod(mu, 0.3))
     assert found.patch_mu.tolist() == [min(mu)] * 3
     assert found.possible.mu.tolist() == ([max(mu)] * 3 if mu[0] != mu[1] else [])
@@ -126,7 +121,7 @@ def test_a_contact_of_uncertain_pieces_is_decided_by_both(
     assert kilter.check(found.assembly).verdict.replace("potentially-", "") == verdict
 
 
-def test_pieces_are_kept_by_files_scales_and_equality(tmp_path: Path) -> None:
+def test_pieces_are_kept_by_files_scales_and_equality(tmp_path):
     assembly = desk()
     assert from_dict(json.loads(json.dumps(to_dict(assembly)))) == assembly
     path = tmp_path / "desk.kilter.json"
@@ -147,14 +142,14 @@ def test_pieces_are_kept_by_files_scales_and_equality(tmp_path: Path) -> None:
     assert sorted(kilter.contacts(again).patch_mu) == [0.1, 0.3]
 
 
-def test_the_friction_option_leaves_friction_pairs_and_says_so(tmp_path: Path) -> None:
+def test_the_friction_option_leaves_friction_pairs_and_says_so(tmp_path):
     kilter.dump(desk(), tmp_path / "desk.kilter.json")
     found = kilter.load(tmp_path / "desk.kilter.json", friction=0.6)
     assert "2 friction pairs keep their own coefficient" in found.notes[-1]
     assert sorted(kilter.contacts(found).patch_mu) == [0.1, 0.3]
 
 
-def test_saved_choices_replace_the_friction_of_pieces(tmp_path: Path) -> None:
+def test_saved_choices_replace_the_friction_of_pieces(tmp_path):
     kilter.dump(desk(), tmp_path / "desk.kilter.json")
     for entry, mu in (
         ({"parts": ["floor", "desk"], "mu": 0.7}, [0.7, 0.7]),
@@ -190,7 +185,7 @@ def test_saved_choices_replace_the_friction_of_pieces(tmp_path: Path) -> None:
     ],
     ids=["number", "points", "mesh", "unknown", "twice"],
 )
-def test_pieces_that_make_no_sense_are_refused(make: Any, words: str) -> None:
+def test_pieces_that_make_no_sense_are_refused(make, words):
     with pytest.raises(InputError, match=words):
         make()
 
@@ -203,7 +198,7 @@ def touching(assembly):
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(40))
-def test_a_change_of_friction_equals_a_new_detection(seed: int) -> None:
+def test_a_change_of_friction_equals_a_new_detection(seed):
     smooth = pushed_assembly(seed, touching).drawn.with_friction(0.0)
     changed = detected_with_friction(kilter.contacts(smooth), 0.3)
     # other parts have their own geometry, so that no recent search serves them
@@ -285,9 +280,7 @@ PAIRS = list(pairs())
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("pair", PAIRS, ids=[pair[0] for pair in PAIRS])
-def test_found_features_are_those_of_a_hand(
-    pair: tuple[str, Assembly, Feature, Feature],
-) -> None:
+def test_found_features_are_those_of_a_hand(pair):
     _, assembly, a, b = pair
     features, has, forms = found(assembly)
     assert len(features)
@@ -297,9 +290,7 @@ def test_found_features_are_those_of_a_hand(
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("pair", PAIRS, ids=[pair[0] for pair in PAIRS])
-def test_turned_parts_have_the_same_features(
-    pair: tuple[str, Assembly, Feature, Feature],
-) -> None:
+def test_turned_parts_have_the_same_features(pair):
     assembly = pair[1]
     features, has, forms = found(assembly)
     pose = Pose([3, -4, 5], turn([1, 2, 3], 50))
@@ -311,7 +302,7 @@ def test_turned_parts_have_the_same_features(
     np.testing.assert_allclose(blocks.T @ other @ blocks, forms, atol=1e-9)
 
 
-def test_corners_of_a_flat_patch_are_corners_and_crossings() -> None:
+def test_corners_of_a_flat_patch_are_corners_and_crossings():
     """Corners of b lie on the face; edges cross at the overhang of b."""
     features, has, _ = found(on(TABLE, Box([1, 1, 1]), [1.8, 0, 0.5]))
     assert has.all()
@@ -329,7 +320,7 @@ def test_corners_of_a_flat_patch_are_corners_and_crossings() -> None:
 
 
 @pytest.mark.slow
-def test_faces_that_end_together_are_conformal() -> None:
+def test_faces_that_end_together_are_conformal():
     same = held(Box([1, 1, 1]), [0, 0, -0.5])
     for assembly in (
         on(same, Box([1, 1, 1]), [0, 0, 0.5]),
@@ -341,7 +332,7 @@ def test_faces_that_end_together_are_conformal() -> None:
         assert features.conformal.all()
 
 
-def test_a_line_that_ends_on_both_parts_keeps_its_points() -> None:
+def test_a_line_that_ends_on_both_parts_keeps_its_points():
     """Yaw of a cylinder on one of its length: (psi s)^2 / (R + r)."""
     log = held(Cylinder(1.3, 2), [0, 0, -1.3], LYING)
     features, has, forms = found(on(log, Cylinder(0.7, 2), [0, 0, 0.7], LYING))
@@ -350,7 +341,7 @@ def test_a_line_that_ends_on_both_parts_keeps_its_points() -> None:
     np.testing.assert_allclose(forms[:, 11, 11], 1 / 2.0, atol=1e-9)
 
 
-def test_what_is_not_known_exactly_is_open() -> None:
+def test_what_is_not_known_exactly_is_open():
     """A ball of triangles on a table; a corner in a notch; a closed clearance."""
     mesh = Mesh(*surface(Sphere(0.5)))
     low = -mesh.vertices[:, 2].min()

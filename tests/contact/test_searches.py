@@ -1,7 +1,5 @@
 """Searches for contacts: their results, tolerances and time, and searches that are kept."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import random
@@ -40,7 +38,7 @@ def arrays(values):
             yield from arrays(value)
 
 
-def test_every_array_of_contacts_is_read_only() -> None:
+def test_every_array_of_contacts_is_read_only():
     found = detect.contacts(scene("tower"))
     held = dict(arrays(found))
     assert len(held) > 20
@@ -49,14 +47,14 @@ def test_every_array_of_contacts_is_read_only() -> None:
         found.normals[0] = 0.0
 
 
-def test_contacts_print_as_one_short_line() -> None:
+def test_contacts_print_as_one_short_line():
     text = repr(detect.contacts(scene("tower")))
     assert "\n" not in text
     assert len(text) < 100
     assert text.startswith("<ContactSet: patches 5, points 20, pairs 5")
 
 
-def test_contacts_know_the_names_and_joints_of_their_assembly() -> None:
+def test_contacts_know_the_names_and_joints_of_their_assembly():
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     found = detect.contacts(Assembly([floor, cube], joints=[Joint(("floor", "cube"))]))
@@ -80,12 +78,12 @@ CHAINS = [
 
 
 @pytest.mark.parametrize("chain", CHAINS, ids=lambda chain: " < ".join(chain))
-def test_tolerances_are_ordered(chain: tuple[str, ...]) -> None:
+def test_tolerances_are_ordered(chain):
     values = [getattr(t, name) for name in chain]
     assert all(low < high for low, high in pairwise(values))
 
 
-def test_one_true_normal_found_from_both_sides_is_one() -> None:
+def test_one_true_normal_found_from_both_sides_is_one():
     # faces tilted by the angle tolerance, directions off by what counts as a plane, both ways
     assert t.ANGLE <= t.CONE_ANGLE
     assert t.ANGLE + t.CONE_ANGLE <= t.NORMAL_SNAP
@@ -93,11 +91,11 @@ def test_one_true_normal_found_from_both_sides_is_one() -> None:
     assert t.EDGE_STRAIGHTNESS == t.NORMAL_SNAP
 
 
-def test_gaps_that_are_looked_at_hold_the_cluster() -> None:
+def test_gaps_that_are_looked_at_hold_the_cluster():
     assert 1 < t.CLUSTER < t.LOOKED_AT_GAPS
 
 
-def test_a_gap_tolerance_as_wide_as_a_play_adds_little_to_the_reach() -> None:
+def test_a_gap_tolerance_as_wide_as_a_play_adds_little_to_the_reach():
     # its limit lies above the reach of the default tolerance, and that of narrow ones grows with it
     assert t.LOOKED_AT_GAPS * t.GAP < t.LOOKED_AT_SIZE
     geometry = Assembly([Part("cube", Box([1, 1, 1]))]).geometry
@@ -111,18 +109,18 @@ def test_a_gap_tolerance_as_wide_as_a_play_adds_little_to_the_reach() -> None:
 
 
 @pytest.mark.slow
-def test_no_small_number_of_the_contacts_goes_without_a_name() -> None:
+def test_no_small_number_of_the_contacts_goes_without_a_name():
     assert unnamed("contact", but="contact_tolerances.py") == []
 
 
-def test_a_gap_is_a_contact_up_to_its_limits() -> None:
+def test_a_gap_is_a_contact_up_to_its_limits():
     gap = np.array([[0.9, 2.0], [1.1, 2.0], [-2.0, -0.4], [-2.0, -0.6], [-9.0, 9.0]])
     closed, deepest = np.full(5, 1.0), np.full(5, 0.5)
     assert touches(gap, deepest, closed).tolist() == [True, False, True, False, True]
     assert nearest_gap(gap).tolist() == [0.9, 1.1, -0.4, -0.6, 0.0]
 
 
-def test_gap_tolerance_is_given_or_follows_the_size() -> None:
+def test_gap_tolerance_is_given_or_follows_the_size():
     size = np.array([1.0, 20.0])
     assert Tolerance().gap_of(size).tolist() == [t.GAP, 20 * t.GAP]
     assert Tolerance(gap=0.5).gap_of(size).tolist() == [0.5, 0.5]
@@ -282,13 +280,13 @@ def compare(assembly: Assembly, seed: int) -> int:
 
 
 @pytest.mark.parametrize("name", [name for name in QUICK if name in SCENES])
-def test_kept_contacts_equal_those_of_a_new_search(name: str) -> None:
+def test_kept_contacts_equal_those_of_a_new_search(name):
     assert compare(scene(name), 1) > 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
-def test_kept_contacts_of_every_example(seed: int) -> None:
+def test_kept_contacts_of_every_example(seed):
     small = [name for name in sorted(SCENES) if len(scene(name).parts) <= MOST_PARTS]
     assert sum(compare(scene(name), seed) for name in small) > 2 * len(small)
 
@@ -299,13 +297,13 @@ FILES = ("cax-if/as1-oc-214.stp", "cax-if/dm1-id-214.stp", "cad/flange_coupling.
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
-def test_kept_contacts_of_cad(name: str) -> None:
+def test_kept_contacts_of_cad(name):
     if not (DATA / name).exists():
         pytest.skip("../shared/data is not here")
     assert compare(kilter.load(DATA / name), 3) > 0
 
 
-def test_another_shape_pose_tolerance_or_free_part_is_not_served() -> None:
+def test_another_shape_pose_tolerance_or_free_part_is_not_served():
     tower = scene("tower")
     tolerance = Tolerance()
     base = next(part.name for part in tower.parts if part.grounded)
@@ -347,7 +345,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
 
 
 @pytest.mark.parametrize("name", ["arch", "paper-figure-3-vertices", "three-cylinders", "box-pile"])
-def test_batches_change_no_contact(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_batches_change_no_contact(name, monkeypatch):
     assembly = scene(name)
     whole = contacts(assembly)
     monkeypatch.setattr(pair_findings, "FIRST_BATCH", 1)
@@ -369,7 +367,7 @@ def cut_tower(late_from: Callable[[int], None]) -> tuple[Assembly, ContactSet]:
     return tower, contacts(tower, time_limit=1.0)
 
 
-def test_pairs_after_the_limit_are_open(clock: Callable[[int], None]) -> None:
+def test_pairs_after_the_limit_are_open(clock):
     _, cut = cut_tower(clock)
     assert (cut.pairs, cut.unexamined) == (2, 3)
     assert {pair.kind for pair in cut.open_pairs} == {"unexamined"}
@@ -381,7 +379,7 @@ def test_pairs_after_the_limit_are_open(clock: Callable[[int], None]) -> None:
     assert "a longer --time-limit" in text_of(cut.to_dict())
 
 
-def test_a_verdict_on_unexamined_pairs_is_undecided(clock: Callable[[int], None]) -> None:
+def test_a_verdict_on_unexamined_pairs_is_undecided(clock):
     tower, cut = cut_tower(clock)
     verdict = kilter.check(tower, contacts=cut)
     assert verdict.sentence == (
@@ -392,7 +390,7 @@ def test_a_verdict_on_unexamined_pairs_is_undecided(clock: Callable[[int], None]
     validator("check")(verdict.to_dict())
 
 
-def test_the_first_batch_may_be_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_first_batch_may_be_cut(monkeypatch):
     def late(*arguments: object) -> object:
         if len(arguments[1].pairs):  # type: ignore[attr-defined]
             raise TimeLimitReached
@@ -404,7 +402,7 @@ def test_the_first_batch_may_be_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (cut.pairs, cut.unexamined) == (0, 5)
 
 
-def test_a_search_inside_a_limit_of_another_computation_raises() -> None:
+def test_a_search_inside_a_limit_of_another_computation_raises():
     # incomplete contacts that nobody requested would be taken for complete ones
     with stop_after(0.0), pytest.raises(TimeLimitReached):
         contacts(stacks.tower())
@@ -422,9 +420,7 @@ def test_a_search_inside_a_limit_of_another_computation_raises() -> None:
         (kilter.orient, "region.contacts"),
     ],
 )
-def test_every_analysis_passes_its_limit_to_the_search(
-    analysis: Callable[..., object], contacts_of: str, clock: Callable[[int], None]
-) -> None:
+def test_every_analysis_passes_its_limit_to_the_search(analysis, contacts_of, clock):
     clock(1)
     found = attrgetter(contacts_of)(analysis(scene("tower"), time_limit=1.0))
     one = found[0] if isinstance(found, tuple) else found

@@ -1,7 +1,5 @@
 """Edges and corners: contacts of an oracle, constraints of first order, and verdicts."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 from itertools import islice

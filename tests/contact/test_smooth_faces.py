@@ -1,7 +1,5 @@
 """Free forms: joints and clearances with fitted normals, beside exact ones."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Pages of the documentation run, and are those that their programs write."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -34,9 +32,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_python_of_a_page_runs(
-    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_python_of_a_page_runs(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}  # a later block may use the names of an earlier block
     for block in blocks(page, "python"):
@@ -50,7 +46,7 @@ def test_python_of_a_page_runs(
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_commands_of_a_page_exist_with_their_flags(page: Path) -> None:
+def test_commands_of_a_page_exist_with_their_flags(page):
     text = page.read_text(encoding="utf-8")
     # a sentence may begin with the name of the program: only lines of code blocks are commands
     typed = [
@@ -81,9 +77,7 @@ def named_commands(line: str) -> list[list[str]]:
 
 @pytest.mark.quick("gallery.md")
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_shell_of_a_page_runs_and_says_what_is_shown(
-    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_shell_of_a_page_runs_and_says_what_is_shown(page, tmp_path, monkeypatch, capsys):
     """Commands run in the order of the page; what a page shows of an answer is its beginning."""
     monkeypatch.chdir(tmp_path)
     text = page.read_text(encoding="utf-8")
@@ -99,9 +93,7 @@ def test_shell_of_a_page_runs_and_says_what_is_shown(
                 assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
 
 
-def test_the_first_verdict_on_a_step_file_is_that_of_the_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_first_verdict_on_a_step_file_is_that_of_the_page(tmp_path, monkeypatch, capsys):
     pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
     shutil.copy(ROOT / "examples/clamp.step", tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -138,9 +130,7 @@ def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_every_command_that_the_readme_lists_runs(
-    assemblies: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_command_that_the_readme_lists_runs(assemblies, capsys):
     listed = [
         line
         for block in blocks(ROOT / "README.md", "text")
@@ -156,7 +146,7 @@ def test_every_command_that_the_readme_lists_runs(
         assert code in (0, 1, 3), f"{line}: {capsys.readouterr().err}"
 
 
-def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
+def test_a_page_that_names_a_missing_flag_fails(tmp_path):
     page = tmp_path / "new.md"
     typed = "```sh\nkilter draw FILE --colour red\n```"
     for line in (typed, "see `kilter draw FILE --colour red`"):
@@ -168,7 +158,7 @@ def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
         test_commands_of_a_page_exist_with_their_flags(page)
 
 
-def test_each_key_of_an_answer_is_explained() -> None:
+def test_each_key_of_an_answer_is_explained():
     text = (ROOT / "docs" / "answers.md").read_text(encoding="utf-8")
     [table] = re.findall(r"\| key of `check --json` \|.*?\n\n", text, flags=re.S)
     cells = " ".join(re.findall(r"^\| (`.*?) \|", table, flags=re.M))
@@ -176,26 +166,24 @@ def test_each_key_of_an_answer_is_explained() -> None:
     assert sorted(named) == sorted(kilter.check(kilter.example("tower")).to_dict())
 
 
-def test_every_page_is_in_the_site() -> None:
+def test_every_page_is_in_the_site():
     nav = re.findall(r"([\w/-]+\.md)", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     docs = ROOT / "docs"
     assert sorted(nav) == sorted(p.relative_to(docs).as_posix() for p in docs.rglob("*.md"))
 
 
-def test_a_picture_of_a_page_is_small() -> None:
+def test_a_picture_of_a_page_is_small():
     for path in (ROOT / "docs" / "images").iterdir():
         assert path.stat().st_size < 150_000, path.name
 
 
-def test_links_between_pages_lead_somewhere() -> None:
+def test_links_between_pages_lead_somewhere():
     for page in PAGES:
         for target in re.findall(r"\]\((?!https?:)([^)#]+)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
-def test_the_verdict_shown_in_the_readme_is_what_kilter_says(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_verdict_shown_in_the_readme_is_what_kilter_says(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     [block] = [b for b in blocks(ROOT / "README.md", "text") if b.startswith("$ kilter check ")]
     shown = block.strip().splitlines()
@@ -205,7 +193,7 @@ def test_the_verdict_shown_in_the_readme_is_what_kilter_says(
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.json")), ids=lambda p: p.name)
-def test_an_example_is_what_its_scene_makes(path: Path) -> None:
+def test_an_example_is_what_its_scene_makes(path):
     from kilter.files import load, to_dict
     from kilter.scenes import scene
 
@@ -222,14 +210,14 @@ def stated(pattern: str) -> float:
 
 
 @pytest.mark.slow
-def test_a_cell_has_at_least_the_stated_size() -> None:
+def test_a_cell_has_at_least_the_stated_size():
     cell = kilter.check(scene("tower")).show()
     least = stated(r"stored in the\nnotebook \(([\d.]+) MB and more\)")
     assert least <= len(cell._repr_html_().encode()) / 1e6 < least + 0.1
 
 
 @pytest.mark.slow
-def test_a_page_of_ten_thousand_bricks_has_the_stated_size() -> None:
+def test_a_page_of_ten_thousand_bricks_has_the_stated_size():
     page = kilter.report(wall(100, 100)).html
     size = stated(r"A page of 10,000 bricks has ([\d.]+) MB")
     assert len(page.encode()) / 1e6 == pytest.approx(size, rel=0.1)
@@ -244,13 +232,13 @@ def cells(path: Path) -> list[dict[str, object]]:
     return json.loads(path.read_text(encoding="utf-8"))["cells"]  # type: ignore[no-any-return]
 
 
-def test_there_is_a_notebook_for_each_user_and_for_the_paper() -> None:
+def test_there_is_a_notebook_for_each_user_and_for_the_paper():
     names = {path.stem for path in NOTEBOOKS}
     assert names == {"designer", "robot_planner", "architect", "paper_figures"}
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_is_small_and_complete(path: Path) -> None:
+def test_a_notebook_is_small_and_complete(path):
     assert path.stat().st_size < LARGEST
     first, *others = cells(path)
     assert "".join(first["source"]).startswith("# ")  # type: ignore[arg-type]
@@ -266,9 +254,7 @@ def test_a_notebook_is_small_and_complete(path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_runs_and_prints_the_kept_text(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_notebook_runs_and_prints_the_kept_text(path, monkeypatch):
     pytest.importorskip("nbclient", reason="pip install 'kilter[notebook]'")
     pytest.importorskip("ipykernel", reason="pip install 'kilter[notebook]'")
     pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
@@ -285,7 +271,7 @@ pytest.importorskip("mkdocstrings")
 
 
 @pytest.mark.slow
-def test_the_site_is_built_strictly_and_works_offline(tmp_path: Path) -> None:
+def test_the_site_is_built_strictly_and_works_offline(tmp_path):
     site = tmp_path / "site"
     result = subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(site)],
@@ -348,7 +334,7 @@ def clamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_the_example_is_what_is_made_here(clamp: Path) -> None:
+def test_the_example_is_what_is_made_here(clamp):
     made, kept = (kilter.load(path, ground="base") for path in (clamp, EXAMPLE))
     assert made.names == kept.names
     for name in ("volume", "center", "inertia"):
@@ -357,9 +343,7 @@ def test_the_example_is_what_is_made_here(clamp: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_of_the_page_puts_the_nut_over_its_bolt(
-    clamp: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_of_the_page_puts_the_nut_over_its_bolt(clamp, monkeypatch, capsys):
     monkeypatch.chdir(clamp.parent)
     page = (ROOT / "docs" / "planning-tutorial.md").read_text(encoding="utf-8")
     [line] = re.findall(r"^kilter (plan examples/clamp\.step .*)$", page, flags=re.M)

@@ -1,9 +1,6 @@
 """Accuracy of coordinates, stated or found, values out of range, and sound meshes."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -34,69 +31,69 @@ def judged(values: np.ndarray, **options: bool) -> float | None:
     return text_accuracy(values, **options)(values)
 
 
-def test_float32_printed_in_full() -> None:
+def test_float32_printed_in_full():
     single = FULL.astype(np.float32).astype(np.float64)
     assert judged(single) == np.abs(single).max() * 2**-24
 
 
-def test_the_largest_of_each_mesh_counts() -> None:
+def test_the_largest_of_each_mesh_counts():
     single = FULL.astype(np.float32).astype(np.float64)
     assert text_accuracy(single)(single[:1]) == np.abs(single[0]).max() * 2**-24
 
 
 @pytest.mark.parametrize("places", range(5, 10))
-def test_decimals_that_were_rounded(places: int) -> None:
+def test_decimals_that_were_rounded(places):
     assert judged(np.round(FULL, places)) == pytest.approx(0.5 * 10**-places)
 
 
 @pytest.mark.parametrize("places", range(5))
-def test_few_decimals_are_meant(places: int) -> None:
+def test_few_decimals_are_meant(places):
     assert judged(np.round(FULL, places)) is None
 
 
 @pytest.mark.parametrize("places", [10, 12])
-def test_many_decimals_are_float64(places: int) -> None:
+def test_many_decimals_are_float64(places):
     assert judged(np.round(FULL, places)) is None
 
 
-def test_full_float64() -> None:
+def test_full_float64():
     assert judged(FULL) is None
 
 
-def test_short_dyadic_numbers_prove_nothing() -> None:
+def test_short_dyadic_numbers_prove_nothing():
     assert judged(np.array([0.5, 0.25, 12.125, 3])) is None
 
 
-def test_one_number_that_is_no_float32_decides() -> None:
+def test_one_number_that_is_no_float32_decides():
     single = FULL.astype(np.float32).astype(np.float64)
     single[7, 1] = 1 / 3
     assert judged(single) is None
 
 
 @pytest.mark.parametrize("digits", [5, 6, 7])
-def test_digits_behind_an_exponent(digits: int) -> None:
+def test_digits_behind_an_exponent(digits):
     printed = np.array([float(f"{x:.{digits}e}") for x in FULL.ravel() * 50])
     assert judged(printed, exponent=True) == pytest.approx(0.5 * 10.0 ** (2 - digits))
 
 
-def test_a_few_round_numbers_behind_an_exponent_are_meant() -> None:
+def test_a_few_round_numbers_behind_an_exponent_are_meant():
     assert judged(np.array([0.0, 1e3, 2.5e-4]), exponent=True) is None
 
 
 @pytest.mark.parametrize("values", [[], [np.nan], [np.inf, 1], [1e300, -1e300], [5e-324]])
-def test_odd_values_do_no_harm(values: list[float]) -> None:
+def test_odd_values_do_no_harm(values):
     judged(np.array(values))
     judged(np.array(values), exponent=True)
 
 
-def test_an_obj_of_float32_is_known_as_such(write, obj_box) -> None:
+def test_an_obj_of_float32_is_known_as_such(write, obj_box):
     single = np.float32(0.2525).item()
     assembly = load(write("a.obj", obj_box(2 * single)))
     assert assembly.geometry.accuracy == pytest.approx([single * 2**-24])
     assert assembly.geometry.single.all()
 
 
-def test_an_obj_of_meant_numbers_is_exact(write, obj_box) -> None:
+def test_an_obj_of_meant_numbers_is_exact(write, obj_box):
     assert not load(write("a.obj", obj_box(0.5))).geometry.single.any()
 
 
@@ -115,7 +112,7 @@ INCH = "(CONVERSION_BASED_UNIT('INCH',#9)LENGTH_UNIT()NAMED_UNIT(#8))"
     ("(CONVERSION_BASED_UNIT('cubit',#9)LENGTH_UNIT())", "mm", 0),
     ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.HECTO.,.METRE.))", "mm", 0),
 ])  # fmt: skip
-def test_it_is_read_in_its_unit(unit: str, units: str, factor: float, tmp_path: Path) -> None:
+def test_it_is_read_in_its_unit(unit, units, factor, tmp_path):
     path = tmp_path / "a.step"
     measure = "#7={}(LENGTH_MEASURE({}),#5,'distance_accuracy_value','');\n"
     name = "UNCERTAINTY_MEASURE_WITH_UNIT"
@@ -147,9 +144,7 @@ def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
     (0.1, "100.", "undecided"),
     (1.0, "100.", "unstable"),  # whatever accuracy the file states
 ])  # fmt: skip
-def test_what_it_explains_is_not_proved_unstable(
-    beyond: float, accuracy: str, verdict: str, tmp_path: Path
-) -> None:
+def test_what_it_explains_is_not_proved_unstable(beyond, accuracy, verdict, tmp_path):
     assembly = leaning(tmp_path / "a.step", beyond, accuracy)
     found = check(assembly)
     assert found.verdict == verdict
@@ -159,7 +154,7 @@ def test_what_it_explains_is_not_proved_unstable(
     assert check(from_dict(written)).verdict == verdict
 
 
-def test_what_falls_falls(tmp_path: Path) -> None:
+def test_what_falls_falls(tmp_path):
     """A part without contacts falls, however coarse the stated accuracy is."""
     assembly = leaning(tmp_path / "a.step", 0.004, "0.01")
     base, cube = assembly.parts
@@ -169,7 +164,7 @@ def test_what_falls_falls(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
-def test_bolts_whose_heads_are_off_by_less_than_the_file_knows() -> None:
+def test_bolts_whose_heads_are_off_by_less_than_the_file_knows():
     assembly = load(DATA / "dm1-id-214.stp", floor=True)
     stated = [getattr(part.shape, "uncertainty", 0) for part in assembly.parts[:7]]
     assert stated == pytest.approx([0.01 / 25.4] * 7)
@@ -180,7 +175,7 @@ def test_bolts_whose_heads_are_off_by_less_than_the_file_knows() -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
-def test_files_that_a_file_names_state_it_too() -> None:
+def test_files_that_a_file_names_state_it_too():
     assembly = load(DATA / "s1-tu-203" / "s1-tu-203.stp")
     assert assembly.parts[0].shape.uncertainty == pytest.approx(0.000785973431)
 
@@ -202,27 +197,27 @@ BEYOND = 1e101
         (lambda size: kilter.Cylinder(size, 1), "radius of the cylinder"),
     ],
 )
-def test_what_is_too_large_is_refused(make: Any, what: str, size: float) -> None:
+def test_what_is_too_large_is_refused(make, what, size):
     make(LARGEST / 10)
     with pytest.raises(InputError, match=f"{what} is of size|pose has a number that is not finite"):
         make(size)
 
 
 @pytest.mark.parametrize("place", [0.0, 5e-324, 1e-150])
-def test_a_place_may_be_as_near_to_zero_as_it_likes(place: float) -> None:
+def test_a_place_may_be_as_near_to_zero_as_it_likes(place):
     assert kilter.Pose([place, 0, 0]).position[0] == place
     assert kilter.Mesh(np.add(TETRAHEDRON, [place, 0, 0]), FACES).vertices[0, 0] == place
 
 
 @pytest.mark.parametrize("face", [[0, 0, 0, 0], [0, 1, 1, 0], [0, 1, 0, 1], [0, 1, 2, 1, 0]])
-def test_a_polygon_of_no_area_is_no_fault(face: list[int]) -> None:
+def test_a_polygon_of_no_area_is_no_fault(face):
     """The flat face is dropped, and the mesh is closed without it."""
     mesh = kilter.Mesh(TETRAHEDRON, [*FACES, face])
     part = kilter.Part("one", mesh)
     assert kilter.Assembly([part]).geometry.volume == pytest.approx(1 / 6)
 
 
-def test_an_obj_of_nothing_but_such_faces_is_refused(tmp_path: Path) -> None:
+def test_an_obj_of_nothing_but_such_faces_is_refused(tmp_path):
     path = tmp_path / "flat.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2 1\nf 1 2 1 2\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"closed solid|no faces"):
@@ -265,7 +260,7 @@ def damaged(corners: Corners, how: int, rng: np.random.Generator) -> Corners:
 
 
 @pytest.mark.parametrize("batch", [1, 40, 10**6])
-def test_many_at_once_as_one_by_one(batch: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_at_once_as_one_by_one(batch, monkeypatch):
     monkeypatch.setattr(sound, "BATCH", batch)
     rng = np.random.default_rng(0)
     kinds = [surface(Box([1, 2, 3])), surface(Cylinder(1.0, 2.0))]
@@ -283,7 +278,7 @@ def test_many_at_once_as_one_by_one(batch: int, monkeypatch: pytest.MonkeyPatch)
         assert np.array_equal(faces, one[1])
 
 
-def test_none_at_all() -> None:
+def test_none_at_all():
     assert weld_valid_meshes([]) == []
 
 
@@ -326,13 +321,13 @@ TOUCHING = {
 
 @pytest.mark.parametrize("places", TOUCHING.values(), ids=TOUCHING)
 @pytest.mark.parametrize("turned", [False, True], ids=["", "inside out"])
-def test_boxes_that_touch(places: list[tuple[float, float, float]], turned: bool) -> None:
+def test_boxes_that_touch(places, turned):
     expected = [-1.0 if turned else 1.0] * len(places)
     assert volumes(boxes(*places, turned=turned)) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_turned_and_rounded_to_float32(seed: int) -> None:
+def test_turned_and_rounded_to_float32(seed):
     rng = np.random.default_rng(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
@@ -342,19 +337,19 @@ def test_turned_and_rounded_to_float32(seed: int) -> None:
     assert volumes(Mesh(single, mesh.triangles[order])) == pytest.approx([1] * 4, rel=1e-5)
 
 
-def test_a_hole_stays_with_the_body_around_it() -> None:
+def test_a_hole_stays_with_the_body_around_it():
     hollow = merged(box((0, 0, 0), 4), box((0, 0, 0), 2, turned=True))
     both = merged(hollow, box((0, 0, 0), 1), box((9, 0, 0), 1))
     assert volumes(both) == pytest.approx([64 - 8, 1, 1])
 
 
-def test_a_body_whose_faces_share_no_corners_is_one() -> None:
+def test_a_body_whose_faces_share_no_corners_is_one():
     whole = box((0, 0, 0))
     soup = Mesh(whole.vertices[whole.triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3))
     assert len(split_bodies(soup)) == 1
 
 
-def test_pieces_that_are_open_stay_together_where_they_share_a_corner() -> None:
+def test_pieces_that_are_open_stay_together_where_they_share_a_corner():
     whole = box((0, 0, 0))
     lid = merged(Mesh(whole.vertices, whole.triangles[:2]), box((5, 0, 0)))
     assert len(split_bodies(lid)) == 2
@@ -365,14 +360,14 @@ def test_pieces_that_are_open_stay_together_where_they_share_a_corner() -> None:
     assert len(split_bodies(Mesh(vertices, np.vstack([sides, fan])))) == 1
 
 
-def test_accuracy_and_empty_meshes_pass_through() -> None:
+def test_accuracy_and_empty_meshes_pass_through():
     mesh = boxes((0, 0, 0), (3, 0, 0))
     parts = split_bodies(Mesh(mesh.vertices, mesh.triangles, accuracy=0.25))
     assert [part.accuracy for part in parts] == [0.25, 0.25]
     assert len(split_bodies(Mesh([], np.empty((0, 3), dtype=int)))) == 1
 
 
-def test_a_face_of_two_corners_is_no_body() -> None:
+def test_a_face_of_two_corners_is_no_body():
     vertices, faces = surface(Box([1, 1, 1]))
     for extra in ([[0, 0, 1]], [[3, 2, 2], [5, 5, 5]]):
         (body,) = split_bodies(Mesh(vertices, np.vstack([faces, extra])))

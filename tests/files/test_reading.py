@@ -1,7 +1,5 @@
 """Reading: options, folders, wrong files of kilter, damaged entries, real data."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import json
@@ -52,7 +50,7 @@ def obj(path: Path, boxes: list[tuple[Any, Any]]) -> Path:
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("axis", AXES)
-def test_up_is_down_turned_round(axis: str, sign: int, tmp_path: Path) -> None:
+def test_up_is_down_turned_round(axis, sign, tmp_path):
     path = obj(tmp_path / "a.obj", [([1, 1, 1], [0, 0, 0])])
     name = axis if sign > 0 else f"-{axis}"
     assert load(path, up=name).down.tolist() == [-sign * x for x in AXES[axis]]
@@ -63,12 +61,12 @@ def test_up_is_down_turned_round(axis: str, sign: int, tmp_path: Path) -> None:
     ({"up": "y", "down": (0, -1, 0)}, "up and down are both given"),
     ({"contacts": "mesh"}, "contacts are 'mesh'; use file or geometry"),
 ])  # fmt: skip
-def test_options_that_make_no_sense(options: dict[str, Any], words: str) -> None:
+def test_options_that_make_no_sense(options, words):
     with pytest.raises(InputError, match=words):
         load("a.obj", **options)
 
 
-def test_a_proof_s_options_carry_them() -> None:
+def test_a_proof_s_options_carry_them():
     reading = Reading(up="y", contacts="file")
     assert reading.options() == {"up": "y", "contacts": "file"}
     assert Reading.from_options(reading.options()) == reading
@@ -83,7 +81,7 @@ def toppled(turn: Any) -> list[tuple[Any, Any]]:
 
 
 @pytest.mark.parametrize(("turn", "up"), [([0, 1, 2], None), ([1, 2, 0], "y"), ([2, 0, 1], "x")])
-def test_a_hint_where_another_axis_seems_up(turn: list[int], up: str | None, tmp_path) -> None:
+def test_a_hint_where_another_axis_seems_up(turn, up, tmp_path):
     path = obj(tmp_path / "a.obj", toppled(turn))
     notes = [note for note in load(path).notes if "--up" in note]
     assert len(notes) == (up is not None)
@@ -93,7 +91,7 @@ def test_a_hint_where_another_axis_seems_up(turn: list[int], up: str | None, tmp
         assert not load(path, down=[0, 0, -1]).notes
 
 
-def test_the_way_up_decides_the_verdict(tmp_path: Path) -> None:
+def test_the_way_up_decides_the_verdict(tmp_path):
     path = obj(tmp_path / "a.obj", [([2, 1, 2], [0, 0, 0]), ([1, 1, 1], [0, 1, 0])])
     assert check(load(path, ground="box0")).verdict == "unstable"
     assert check(load(path, ground="box0", up="y")).verdict == "stable"
@@ -108,7 +106,7 @@ CUBES = [
 ASIDE = GivenContact(("table", "cube"), [[0.4, 0, 0], [0.4, 0.1, 0], [0.5, 0, 0]], [0, 0, 1])
 
 
-def test_contacts_of_a_kilter_file(tmp_path: Path) -> None:
+def test_contacts_of_a_kilter_file(tmp_path):
     """The cube tips on the points of the file, beside its centre of mass, but not on its faces."""
     dump(Assembly(CUBES, contacts=[ASIDE]), tmp_path / "a.kilter.json")
     verdicts = {
@@ -119,13 +117,13 @@ def test_contacts_of_a_kilter_file(tmp_path: Path) -> None:
     assert not load(tmp_path / "a.kilter.json", contacts="file").detect
 
 
-def test_a_file_without_contacts_has_none_to_take(tmp_path: Path) -> None:
+def test_a_file_without_contacts_has_none_to_take(tmp_path):
     dump(Assembly(CUBES), tmp_path / "a.kilter.json")
     with pytest.raises(InputError, match="lists no contacts; leave contacts='file' out"):
         load(tmp_path / "a.kilter.json", contacts="file")
 
 
-def test_a_floor_touches_nothing_in_the_file(tmp_path: Path) -> None:
+def test_a_floor_touches_nothing_in_the_file(tmp_path):
     dump(Assembly(CUBES, contacts=[ASIDE]), tmp_path / "a.kilter.json")
     with pytest.raises(InputError, match="the file lists none with the floor"):
         load(tmp_path / "a.kilter.json", contacts="file", floor=True)
@@ -147,7 +145,7 @@ def plain(entry: Any) -> Any:
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.kilter.json")), ids=lambda p: p.stem)
-def test_the_entries_of_an_example_are_those_of_the_models(path: Path) -> None:
+def test_the_entries_of_an_example_are_those_of_the_models(path):
     data = json.loads(path.read_text("utf-8"))
     entries = plain_entries(data)
     assert entries is not None
@@ -155,7 +153,7 @@ def test_the_entries_of_an_example_are_those_of_the_models(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["arch", "tower", "paper-figure-8"])
-def test_the_entries_of_a_scene_are_those_of_the_models(name: str) -> None:
+def test_the_entries_of_a_scene_are_those_of_the_models(name):
     data = json.loads(json.dumps(to_dict(example(name))))
     entries = plain_entries(data)
     assert entries is not None
@@ -186,14 +184,14 @@ def test_the_entries_of_a_scene_are_those_of_the_models(name: str) -> None:
     ],
     ids=str,
 )
-def test_what_the_models_reject_is_left_to_them(change: dict[str, Any]) -> None:
+def test_what_the_models_reject_is_left_to_them(change):
     data = {"kilter": 1, "parts": [CUBE]} | change
     with pytest.raises(ValidationError):
         AssemblyFile.model_validate(data)
     assert plain_entries(data) is None
 
 
-def test_many_values_and_solids_are_left_to_the_models() -> None:
+def test_many_values_and_solids_are_left_to_the_models():
     many = [CUBE | {"name": f"part {k}"} for k in range(MOST_VALUES)]
     assert plain_entries({"kilter": 1, "parts": many}) is None
     assert plain_entries({"kilter": 1, "parts": [{"name": "a", "solid": {}}]}) is None
@@ -230,7 +228,7 @@ FAULTS: dict[str, Callable[[], object]] = {
 
 
 @pytest.mark.parametrize("name", DAMAGED)
-def test_damaged_data_is_a_sentence_with_the_reason(name: str) -> None:
+def test_damaged_data_is_a_sentence_with_the_reason(name):
     with (
         pytest.raises(InputError, match=r"^a\.x: the file is damaged: .{4,160}; export it anew$"),
         reader_guard("a.x"),
@@ -239,13 +237,13 @@ def test_damaged_data_is_a_sentence_with_the_reason(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_a_fault_of_kilter_stays_a_fault(name: str) -> None:
+def test_a_fault_of_kilter_stays_a_fault(name):
     faults = (TypeError, AttributeError, RuntimeError, OSError, TimeLimitReached)
     with pytest.raises(faults), reader_guard("a.x"):
         FAULTS[name]()
 
 
-def test_a_reader_names_further_exceptions_and_its_own_errors_keep_their_words() -> None:
+def test_a_reader_names_further_exceptions_and_its_own_errors_keep_their_words():
     with (
         pytest.raises(InputError, match="damaged: out of rooms"),
         reader_guard("a.x", also=("builtins.RuntimeError",)),
@@ -264,7 +262,7 @@ def refused(path: Path) -> str:
     return str(caught.value)
 
 
-def test_one_part_a_file_in_the_order_people_count(write, obj_box) -> None:
+def test_one_part_a_file_in_the_order_people_count(write, obj_box):
     for k in (10, 2, 1):
         write(f"w/{k}.obj", "mtllib x.mtl\no object_1\n" + obj_box(1, (0, 0, k)))
     assembly = load(write("w/b.OBJ", obj_box()).parent)
@@ -274,25 +272,25 @@ def test_one_part_a_file_in_the_order_people_count(write, obj_box) -> None:
     assert assembly.notes == ()
 
 
-def test_several_objects_of_a_file_have_its_name_before_theirs(write, obj_box) -> None:
+def test_several_objects_of_a_file_have_its_name_before_theirs(write, obj_box):
     write("w/a.obj", "o x\n" + obj_box() + "o x\n" + obj_box(1, (3, 0, 0), 9))
     assembly = load(write("w/b.obj", obj_box()).parent)
     assert assembly.names == ("a/x", "a/x_2", "b")
 
 
-def test_files_of_one_stem_have_names_of_their_own(write, obj_box) -> None:
+def test_files_of_one_stem_have_names_of_their_own(write, obj_box):
     trimesh.creation.box().export(write("w/a.obj", obj_box()).with_suffix(".stl"))
     assert load(write("w/a.obj", obj_box()).parent).names == ("a", "a_2")
 
 
-def test_separate_bodies_of_a_nameless_file_are_one_part(write, obj_box) -> None:
+def test_separate_bodies_of_a_nameless_file_are_one_part(write, obj_box):
     path = write("w/a.obj", obj_box() + obj_box(1, (5, 0, 0), 9))
     assembly = load(path.parent)
     assert assembly.names == ("a",)
     assert assembly.notes == ("a.obj: 2 separate bodies, read as a single part",)
 
 
-def test_files_of_other_kinds_are_named_in_a_note(write, obj_box) -> None:
+def test_files_of_other_kinds_are_named_in_a_note(write, obj_box):
     write("w/readme.txt", "x")
     write("w/a.kilter.json", "x")
     write("w/sub/b.obj", obj_box())
@@ -301,25 +299,25 @@ def test_files_of_other_kinds_are_named_in_a_note(write, obj_box) -> None:
     assert note == ("ignored, not mesh or STEP files: 'a.kilter.json', 'readme.txt', 'sub'",)
 
 
-def test_many_ignored_files_are_counted(write, obj_box) -> None:
+def test_many_ignored_files_are_counted(write, obj_box):
     for k in range(20):
         write(f"w/{k}.txt", "x")
     assert "'7.txt' and 12 more" in load(write("w/a.obj", obj_box()).parent).notes[0]
 
 
-def test_a_folder_without_meshes(write) -> None:
+def test_a_folder_without_meshes(write):
     path = write("w/readme.txt", "x").parent
     assert "no mesh or STEP file in the folder; put files of .obj, .stl" in refused(path)
     write("w/a.kilter.json", "{}")
     assert "in the folder; give the file itself: 'a.kilter.json'" in refused(path)
 
 
-def test_a_damaged_file_is_named(write) -> None:
+def test_a_damaged_file_is_named(write):
     path = write("w/a.obj", "v 0 0 0\nf 1 2 3\n")
     assert f"{path}: line 2: the face names vertex 3, the file has 1" in refused(path.parent)
 
 
-def test_a_folder_without_rights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_without_rights(tmp_path, monkeypatch):
     def refuse(_: Path) -> None:
         raise PermissionError(13, "Permission denied")
 
@@ -327,7 +325,7 @@ def test_a_folder_without_rights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert "cannot be read: Permission denied; check" in refused(tmp_path)
 
 
-def test_units_of_files_that_state_theirs(write, tmp_path: Path, obj_box) -> None:
+def test_units_of_files_that_state_theirs(write, tmp_path, obj_box):
     folder = write("w/a.obj", obj_box()).parent
     trimesh.creation.box().export(folder / "b.3mf")
     assert load(folder).units == "mm"  # the only units that a file states
@@ -338,7 +336,7 @@ def test_units_of_files_that_state_theirs(write, tmp_path: Path, obj_box) -> Non
     assert load(folder).geometry.volume == pytest.approx([1e-9, 1])
 
 
-def test_distinct_names_keep_those_that_are_there() -> None:
+def test_distinct_names_keep_those_that_are_there():
     assert distinct(["a", "a", "a_2", "a", "b"]) == ["a", "a_3", "a_2", "a_4", "b"]
 
 
@@ -354,7 +352,7 @@ COUNTS |= {"shelf-stable": 9, "type-a": 3, "type-c": 3}
 )
 @pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "count"), COUNTS.items(), ids=COUNTS)
-def test_compas(name: str, count: int) -> None:
+def test_compas(name, count):
     assembly = load(DATA / "compas_cra" / f"{name}.json", density=2000)
     assert assembly.names == tuple(str(k) for k in range(count))
     assert (assembly.geometry.volume > 0).all()
@@ -371,7 +369,7 @@ def test_compas(name: str, count: int) -> None:
 @pytest.mark.parametrize(
     ("name", "count", "accuracy"), [("tetris-2", 17, 1e-7), ("dome", 73, 5e-9)]
 )
-def test_folders(name: str, count: int, accuracy: float, capfd) -> None:
+def test_folders(name, count, accuracy, capfd):
     assembly = load(DATA / "learn2assemble" / name)
     assert assembly.names == tuple(str(k) for k in range(count))
     assert assembly.notes == ("ignored, not mesh or STEP files: 'rbe_admm.json'",)
@@ -386,7 +384,7 @@ def test_folders(name: str, count: int, accuracy: float, capfd) -> None:
     not DATA.is_dir(), reason="real data is not here: ../shared/data beside the checkout"
 )
 @pytest.mark.parametrize("old", ["2db5a65-cubes", "84da9ff-cubes"])
-def test_files_of_2021_equal_what_they_were_made_into(old: str) -> None:
+def test_files_of_2021_equal_what_they_were_made_into(old):
     first, second = (load(DATA / "compas_cra" / f"{n}.json") for n in (f"old/{old}", "cubes"))
     assert to_dict(first) == to_dict(second)
 
@@ -394,7 +392,7 @@ def test_files_of_2021_equal_what_they_were_made_into(old: str) -> None:
 @pytest.mark.skipif(
     not DATA.is_dir(), reason="real data is not here: ../shared/data beside the checkout"
 )
-def test_densities_turn_the_verdict_over() -> None:
+def test_densities_turn_the_verdict_over():
     assembly = load(DATA / "compas_cra" / "densities.json", ground="0")
     assert assembly.geometry.mass / assembly.geometry.volume == pytest.approx([1, 1, 10])
     assert check(assembly).verdict == "stable"
@@ -409,7 +407,7 @@ def test_densities_turn_the_verdict_over() -> None:
 @pytest.mark.parametrize(
     ("mu", "forces"), sampled(2, [(0, False), (0.04, False), (0.02, False), (0.84, True)])
 )
-def test_curved_blocks_on_the_interfaces_of_the_file(mu: float, forces: bool) -> None:
+def test_curved_blocks_on_the_interfaces_of_the_file(mu, forces):
     """The friction limit is near .051; below it, the blocks slide along -x."""
     path = DATA / "compas_cra" / "curve-3-blocks.json"
     found = check(load(path, ground="0", contacts="file", friction=mu))
@@ -422,7 +420,7 @@ def test_curved_blocks_on_the_interfaces_of_the_file(mu: float, forces: bool) ->
     not DATA.is_dir(), reason="real data is not here: ../shared/data beside the checkout"
 )
 @pytest.mark.slow
-def test_crossvault_on_the_interfaces_of_the_file() -> None:
+def test_crossvault_on_the_interfaces_of_the_file():
     path = DATA / "compas_assembly" / "crossvault.json"
     assembly = load(path, contacts="file", friction=0.84)
     assert [part.name for part in assembly.parts if part.grounded] == ["180", "181", "182", "183"]
@@ -435,7 +433,7 @@ def test_crossvault_on_the_interfaces_of_the_file() -> None:
 @pytest.mark.skipif(
     not DATA.is_dir(), reason="real data is not here: ../shared/data beside the checkout"
 )
-def test_a_mount_with_coordinates_far_from_the_origin_is_proved() -> None:
+def test_a_mount_with_coordinates_far_from_the_origin_is_proved():
     """Rounding errors of 1e-12 in the rows made every simplex fail: no motion, no forces."""
     pytest.importorskip("OCP")
     verdict = check(load(DATA / "voron" / "MiniSB_adxl_mount.step", floor=True))

@@ -1,7 +1,5 @@
 """Shells, open meshes, faces on the wrong side."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +74,7 @@ def mesh_of(*shells: Shell) -> Mesh:
     ids=["nested", "hollow", "hollow-inside-out", "all-inwards", "three", "overlapping",
          "overlapping-inside-out", "one-inwards", "apart-inside-out", "drilled", "two-hollows"],
 )  # fmt: skip
-def test_shells_bound_matter_once(shells: list[Shell], volume: float, notes: list[str]) -> None:
+def test_shells_bound_matter_once(shells, volume, notes):
     geometry = Assembly([Part("a", mesh_of(*shells))]).geometry
     assert geometry.mass[0] == pytest.approx(1000 * volume, rel=1e-12)
     assert list(geometry.warnings) == notes
@@ -107,7 +105,7 @@ def body_of_cells(boxes: list[np.ndarray], outward: list[bool], size: int) -> np
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(60))
-def test_volume_and_centre_are_those_of_the_cells(seed: int) -> None:
+def test_volume_and_centre_are_those_of_the_cells(seed):
     """Boxes at random with corners on a grid, of which no two share a coordinate."""
     rng = np.random.default_rng(seed)
     count = 2 + seed % 4
@@ -127,7 +125,7 @@ def test_volume_and_centre_are_those_of_the_cells(seed: int) -> None:
 
 
 @pytest.mark.parametrize("shells", [1, 2])
-def test_arrays_with_several_shells_are_read_one_by_one(shells: int) -> None:
+def test_arrays_with_several_shells_are_read_one_by_one(shells):
     """The fast way for many plain meshes leaves them to the careful way."""
     tetrahedron = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -140,7 +138,7 @@ def test_arrays_with_several_shells_are_read_one_by_one(shells: int) -> None:
     assert len(which) == (shells == 1)
 
 
-def test_a_shell_that_crosses_itself_is_refused() -> None:
+def test_a_shell_that_crosses_itself_is_refused():
     """A prism over a bow tie whose far wing has a negative volume."""
     outline = [(0, -1), (0, 1), (10, -0.5), (10, 0.5)]
     corners = [(x, y, z) for z in (0, 1) for x, y in outline]
@@ -183,7 +181,7 @@ def without_face_at(point: tuple[float, float, float]) -> Mesh:
 @pytest.mark.quick(6)
 @pytest.mark.parametrize("shape", [Box([1, 2, 3]), Cylinder(1, 2)], ids=["box", "cylinder"])
 @pytest.mark.parametrize("seed", range(6))
-def test_mixed_winding_is_turned_with_a_warning(shape, seed: int) -> None:
+def test_mixed_winding_is_turned_with_a_warning(shape, seed):
     vertices, faces = surface(shape)
     rng = np.random.default_rng(seed)
     mixed = faces.copy()
@@ -203,7 +201,7 @@ def test_mixed_winding_is_turned_with_a_warning(shape, seed: int) -> None:
     assert np.array_equal(geometry.inertia, true.inertia)
 
 
-def test_a_hole_inside_stays_a_hole() -> None:
+def test_a_hole_inside_stays_a_hole():
     vertices, faces = surface(Box([4, 4, 4]))
     inner, _ = surface(Box([2, 2, 2]))
     hole = faces[:, ::-1].copy()
@@ -212,14 +210,14 @@ def test_a_hole_inside_stays_a_hole() -> None:
     assert Assembly([Part("shell", mesh)]).geometry.volume == pytest.approx([64 - 8])
 
 
-def test_what_is_sound_is_left_alone() -> None:
+def test_what_is_sound_is_left_alone():
     vertices, faces = fine()
     turned, count = orient_faces(vertices, faces)
     assert turned is faces or np.array_equal(turned, faces)
     assert count == 0
 
 
-def test_a_moebius_strip_is_not_turned() -> None:
+def test_a_moebius_strip_is_not_turned():
     n = 12
     angle = np.arange(n) * 2 * np.pi / n
     out = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
@@ -244,7 +242,7 @@ def on(base: Part) -> Assembly:
     return Assembly([base, Part("cube", Box([0.5, 0.5, 0.5]), Pose([0, 0, 0.75]))])
 
 
-def test_a_held_open_mesh_holds() -> None:
+def test_a_held_open_mesh_holds():
     """The hole is far from all contacts: the verdict is that of the closed mesh."""
     assembly = on(Part("base", without_face_at(SIDE), grounded=True))
     (warning,) = assembly.geometry.warnings
@@ -256,7 +254,7 @@ def test_a_held_open_mesh_holds() -> None:
     assert assembly.geometry.volume[0] == pytest.approx(1.0, rel=1e-2)
 
 
-def test_what_comes_near_a_hole_is_listed() -> None:
+def test_what_comes_near_a_hole_is_listed():
     assembly = on(Part("base", without_face_at(TOP), grounded=True))
     found = contacts(assembly)
     assert [r.ends for r in found.rejected if r.why == UNKNOWN] == [(0, 1)]
@@ -266,7 +264,7 @@ def test_what_comes_near_a_hole_is_listed() -> None:
     assert len(found)  # the rest of the face still has contacts
 
 
-def test_a_held_sheet_is_a_table() -> None:
+def test_a_held_sheet_is_a_table():
     """A sheet of two triangles supports a part above; facing down, its contacts are undecided."""
     corners = [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]
     cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
@@ -278,7 +276,7 @@ def test_a_held_sheet_is_a_table() -> None:
         assert check(Assembly([sheet, cube])).verdict == verdict
 
 
-def test_a_free_mesh_with_a_small_hole_uses_the_given_mass_and_centre() -> None:
+def test_a_free_mesh_with_a_small_hole_uses_the_given_mass_and_centre():
     mesh = without_face_at(SIDE)
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -1]), grounded=True)
     stone = Part("stone", mesh, mass=2.0, center_of_mass=[0.1, 0, 0])
@@ -291,7 +289,7 @@ def test_a_free_mesh_with_a_small_hole_uses_the_given_mass_and_centre() -> None:
     assert check(Assembly([table, beyond])).verdict == "unstable"
 
 
-def test_a_small_hole_is_closed_for_the_mass_of_a_free_part() -> None:
+def test_a_small_hole_is_closed_for_the_mass_of_a_free_part():
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -1]), grounded=True)
     closed = check(Assembly([table, Part("stone", Box([1, 1, 1]))]))
     for given in ({}, {"density": 1000.0}, {"mass": 2.0}):
@@ -307,7 +305,7 @@ LID = Mesh(surface(Box([1, 1, 1]))[0], surface(Box([1, 1, 1]))[1][:-2])
 """A cube without the two triangles of a face."""
 
 
-def test_a_large_hole_is_accepted_with_mass_and_centre() -> None:
+def test_a_large_hole_is_accepted_with_mass_and_centre():
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -1]), grounded=True)
     lid = Part("lid", LID, mass=1.0, center_of_mass=[0, 0, 0])
     assembly = Assembly([table, lid])
@@ -316,7 +314,7 @@ def test_a_large_hole_is_accepted_with_mass_and_centre() -> None:
     assert not assembly.geometry.unknown.whole.any()
 
 
-def test_the_hull_replaces_a_free_mesh_with_a_large_hole_and_its_contacts_are_open() -> None:
+def test_the_hull_replaces_a_free_mesh_with_a_large_hole_and_its_contacts_are_open():
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -1]), grounded=True)
     assembly = Assembly([table, Part("lid", LID)])
     assert assembly.geometry.volume[1] == pytest.approx(1.0)
@@ -329,13 +327,13 @@ def test_the_hull_replaces_a_free_mesh_with_a_large_hole_and_its_contacts_are_op
     assert {pair.ends for pair in check(beside).contact_set.open_pairs} == {(0, 1)}
 
 
-def test_a_flat_open_mesh_is_refused_by_name() -> None:
+def test_a_flat_open_mesh_is_refused_by_name():
     flat = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     with pytest.raises(InputError, match=r"part 'sheet': the mesh is open: 3 edges .*leave"):
         _ = Assembly([Part("sheet", flat)]).geometry
 
 
-def test_the_hole_is_where_it_is_after_a_turn() -> None:
+def test_the_hole_is_where_it_is_after_a_turn():
     pose = Pose([1, 2, 3], [np.sqrt(0.5), 0, np.sqrt(0.5), 0])  # x to -z
     geometry = Assembly([Part("base", without_face_at(SIDE), pose, grounded=True)]).geometry
     assert len(geometry.unknown) == 1
@@ -363,7 +361,7 @@ def cap(height: float, *, rest: bool) -> TopoDS_Shape:
 
 
 @pytest.mark.parametrize("height", [0.2, 0.9, 1.7])
-def test_the_other_side_has_the_rest_of_the_area(height: float) -> None:
+def test_the_other_side_has_the_rest_of_the_area(height):
     whole, small = 4 * np.pi * RADIUS**2, 2 * np.pi * RADIUS * (RADIUS - height)
     other = with_other_sides(cap(height, rest=True))
     assert _area(cap(height, rest=True)) == pytest.approx(whole - small)
@@ -371,7 +369,7 @@ def test_the_other_side_has_the_rest_of_the_area(height: float) -> None:
     assert with_other_sides(cap(height, rest=False)) is None
 
 
-def test_solids_without_such_faces_are_not_changed() -> None:
+def test_solids_without_such_faces_are_not_changed():
     assert with_other_sides(BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape()) is None
     assert ball_of(RADIUS).volume == pytest.approx(4 / 3 * np.pi * RADIUS**3)
 
@@ -401,15 +399,15 @@ def two_hemispheres(angle: float, *, hollow: bool = True) -> Solid:
 
 
 @pytest.mark.parametrize("angle", sampled(3, [60.0, 80.0, 100.0, 5.0, 120.0, 175.0]))
-def test_faces_on_each_other_are_recognised_by_the_shared_area(angle: float) -> None:
+def test_faces_on_each_other_are_recognised_by_the_shared_area(angle):
     assert has_doubled_faces(two_hemispheres(angle)) == (1 - angle / 180 > DOUBLED)
 
 
-def test_faces_with_material_on_the_same_side_are_no_error() -> None:
+def test_faces_with_material_on_the_same_side_are_no_error():
     assert not has_doubled_faces(two_hemispheres(5.0, hollow=False))
 
 
-def test_a_solid_with_doubled_faces_is_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solid_with_doubled_faces_is_rejected(monkeypatch):
     ball = ball_of(1.0)
     assert checked_solid(ball) is ball
     monkeypatch.setattr(checking, "has_doubled_faces", lambda solid: True)
@@ -419,7 +417,7 @@ def test_a_solid_with_doubled_faces_is_rejected(monkeypatch: pytest.MonkeyPatch)
 
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here: ../shared/data")
-def test_the_head_of_the_spaceship_has_the_mass_of_its_other_export() -> None:
+def test_the_head_of_the_spaceship_has_the_mass_of_its_other_export():
     wrong = load(DATA / "s1-c5-214" / "s1-c5-214.stp")
     right = load(DATA / "s1-tu-203" / "s1-tu-203.stp")
     mass = dict(zip(wrong.names, wrong.geometry.mass, strict=True))

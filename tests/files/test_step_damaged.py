@@ -1,7 +1,5 @@
 """STEP files that are damaged, real, or read by a process of their own."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import re
@@ -95,7 +93,7 @@ def area_of(face: Any) -> float:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SHAPES)
-def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> None:
+def test_faces_cut_here_meet_those_cut_by_occt(name, monkeypatch):
     """With each face in turn triangulated by kilter, the surface is closed with the same volume."""
     shape = SHAPES[name]
     whole = read_solid(shape).solid
@@ -120,7 +118,7 @@ def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> N
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_solid_whose_faces_are_all_cut_here(name: str, monkeypatch: Any) -> None:
+def test_a_solid_whose_faces_are_all_cut_here(name, monkeypatch):
     exact = read_solid(SHAPES[name]).solid
     monkeypatch.setattr(step_faces, "_occt_mesh", lambda face: None)
     found, note = read_solid(SHAPES[name])
@@ -133,7 +131,7 @@ def test_a_solid_whose_faces_are_all_cut_here(name: str, monkeypatch: Any) -> No
     assert sorted(s.kind for s in found.surfaces) == sorted(s.kind for s in exact.surfaces)
 
 
-def test_a_face_that_nothing_can_cut_is_a_hole(monkeypatch: Any) -> None:
+def test_a_face_that_nothing_can_cut_is_a_hole(monkeypatch):
     shape = box(2.0, 3.0, 4.0)
     own = step_faces._occt_mesh
 
@@ -153,7 +151,7 @@ def test_a_face_that_nothing_can_cut_is_a_hole(monkeypatch: Any) -> None:
 # solids that do not close -----------------------------------------------------------------------
 
 
-def test_faces_that_share_no_edges_are_sewn(tmp_path: Path) -> None:
+def test_faces_that_share_no_edges_are_sewn(tmp_path):
     assembly = load(write_step(tmp_path / "a.step", [("loose", apart(drilled()), None)]))
     (part,) = assembly.parts
     assert isinstance(part.shape, Solid)
@@ -164,7 +162,7 @@ def test_faces_that_share_no_edges_are_sewn(tmp_path: Path) -> None:
     assert part.shape.centroid == pytest.approx(sound.centroid)
 
 
-def test_a_shell_that_closes_is_a_solid_and_an_open_one_is_not(tmp_path: Path) -> None:
+def test_a_shell_that_closes_is_a_solid_and_an_open_one_is_not(tmp_path):
     faces = faces_of(box(2.0, 3.0, 4.0))
     skins = [("whole", shell_of(faces), None), ("lid", shell_of(faces[:4]), None)]
     assembly = load(write_step(tmp_path / "a.step", skins))
@@ -185,7 +183,7 @@ def open_box(path: Path, missing: int) -> Path:
     return path
 
 
-def test_a_solid_with_a_hole_reads_with_a_note(tmp_path: Path) -> None:
+def test_a_solid_with_a_hole_reads_with_a_note(tmp_path):
     assembly = load(open_box(tmp_path / "a.step", 1))
     (part,) = assembly.parts
     (note,) = assembly.notes
@@ -199,9 +197,7 @@ def test_a_solid_with_a_hole_reads_with_a_note(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("missing", "known"), [(0, True), (5, False)], ids=["side", "top"])
-def test_what_stands_on_it_is_certain_beside_the_hole_only(
-    missing: int, known: bool, tmp_path: Path
-) -> None:
+def test_what_stands_on_it_is_certain_beside_the_hole_only(missing, known, tmp_path):
     tub = load(open_box(tmp_path / "a.step", missing)).parts[0]
     cube = Part("cube", Box([1, 1, 1]), Pose([1, 1.5, 4.5]))
     assembly = Assembly([Part("tub", tub.shape, grounded=True), cube], units="mm")
@@ -214,7 +210,7 @@ def test_what_stands_on_it_is_certain_beside_the_hole_only(
 # stand-ins --------------------------------------------------------------------------------------
 
 
-def test_a_stand_in_is_the_hull_of_what_is_known() -> None:
+def test_a_stand_in_is_the_hull_of_what_is_known():
     solid, note = stand_in(box(2.0, 3.0, 4.0))
     assert solid is not None
     assert solid.stand_in
@@ -224,7 +220,7 @@ def test_a_stand_in_is_the_hull_of_what_is_known() -> None:
 
 
 @pytest.mark.slow
-def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path: Path) -> None:
+def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path):
     roots = [("base", box(4.0, 4.0, 1.0), None), ("stone", box(1, 1, 1), placement([1, 1, 1]))]
     path = write_step(tmp_path / "a.step", roots)
     steps: list[tuple[str, int]] = []
@@ -245,7 +241,7 @@ def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path: Path) -> None:
     assert [(pair.ends, pair.kind) for pair in touching.open_pairs] == [((0, 1), "near")]
 
 
-def test_a_solid_without_faces_has_no_volume() -> None:
+def test_a_solid_without_faces_has_no_volume():
     solid = TopoDS_Solid()
     BRep_Builder().MakeSolid(solid)
     assert read_solid(solid) == (None, "")
@@ -254,7 +250,7 @@ def test_a_solid_without_faces_has_no_volume() -> None:
 # left out before it is read ---------------------------------------------------------------------
 
 
-def test_without_leaves_solids_out_before_they_are_cut(tmp_path: Path) -> None:
+def test_without_leaves_solids_out_before_they_are_cut(tmp_path):
     roots = [(name, box(1.0, 1.0, 1.0 + k), None) for k, name in enumerate(("base", "a", "ab"))]
     path = write_step(tmp_path / "a.step", roots)
     steps: list[str] = []
@@ -381,7 +377,7 @@ def solid_of(assembly: Assembly, product: str) -> Solid:
 
 
 @pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
-def test_names_units_and_instances(assembly: Assembly) -> None:
+def test_names_units_and_instances(assembly):
     below = [f"nut-bolt-assembly_{k}/{part}" for k in (1, 2, 3) for part in ("bolt", "nut")]
     sides = [f"l-bracket-assembly_{k}/{n}" for k in (1, 2) for n in [*below, "l-bracket"]]
     rods = ["nut_1", "nut_2", "rod"]  # the only nut in the rod assembly
@@ -393,7 +389,7 @@ def test_names_units_and_instances(assembly: Assembly) -> None:
 
 @pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
 @pytest.mark.parametrize("product", FACES)
-def test_every_face_is_known(product: str, assembly: Assembly) -> None:
+def test_every_face_is_known(product, assembly):
     solid = solid_of(assembly, product)
     found = Counter(f"hollow {s.kind}" if s.hollow else s.kind for s in solid.surfaces)
     assert found == FACES[product]
@@ -406,7 +402,7 @@ def test_every_face_is_known(product: str, assembly: Assembly) -> None:
 
 
 @pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
-def test_volumes_by_formula(assembly: Assembly) -> None:
+def test_volumes_by_formula(assembly):
     def between(solid: Solid, normal: list[float]) -> np.ndarray:
         """Heights of the planes perpendicular to a direction."""
         planes = [s for s in solid.surfaces if s.kind == "plane"]
@@ -429,7 +425,7 @@ def test_volumes_by_formula(assembly: Assembly) -> None:
 
 @pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
 @pytest.mark.slow
-def test_it_is_read_quickly_and_written_exactly(assembly: Assembly) -> None:
+def test_it_is_read_quickly_and_written_exactly(assembly):
     start = time.process_time()
     load(FILE)
     assert time.process_time() - start < 4.0  # 0.5 s on a free core
@@ -449,7 +445,7 @@ OVERLAPS = {
 @pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
 @pytest.mark.slow
 @pytest.mark.skipif(not SPACESHIP.is_file(), reason="real data is not here")
-def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does() -> None:
+def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does():
     # mainbodyback has a solid cylinder of radius 73, mainbodyfront holes of 67 and 72 on its axis
     assembly = load(SPACESHIP)
     contacts = detect.contacts(assembly)
@@ -472,7 +468,7 @@ CLIPS = FILE.parents[1] / "voron" / "SKR_3_Din_Mount.step"
 @pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
 @pytest.mark.slow
 @pytest.mark.skipif(not CLIPS.is_file(), reason="real data is not here")
-def test_a_file_with_faces_that_the_mesher_leaves_out_is_read_whole() -> None:
+def test_a_file_with_faces_that_the_mesher_leaves_out_is_read_whole():
     assembly = load(CLIPS)
     assert Counter(name[:-2] for name in assembly.names) == {"DIN Clips (3)": 2, "SKR Bracket": 2}
     for part in assembly.parts:
@@ -488,7 +484,7 @@ def test_a_file_with_faces_that_the_mesher_leaves_out_is_read_whole() -> None:
 
 @pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
 @pytest.mark.slow
-def test_with_its_bolts_joined_it_is_stable_although_shafts_turn_in_their_bores() -> None:
+def test_with_its_bolts_joined_it_is_stable_although_shafts_turn_in_their_bores():
     held = load(FILE, ground=["plate"], friction=0.3)
     verdict = kilter.check(kilter.fastened(held, suggested=True))
     assert (verdict.verdict, verdict.level) == ("stable", "proved")
@@ -515,9 +511,7 @@ def census(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [*PLAYS, *COPIES, *MIRRORED])
-def test_the_known_outcome_follows_from_two_proposed_commands(
-    seed: int, census: Any, tmp_path: Path
-) -> None:
+def test_the_known_outcome_follows_from_two_proposed_commands(seed, census, tmp_path):
     case = census.examine(seed, tmp_path)
     assert case.fault == ""
     assert case.is_useful()
@@ -526,9 +520,7 @@ def test_the_known_outcome_follows_from_two_proposed_commands(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", MIRRORED)
-def test_the_image_of_a_sub_assembly_has_its_volumes_and_lies_on_the_base(
-    seed: int, census: Any, tmp_path: Path
-) -> None:
+def test_the_image_of_a_sub_assembly_has_its_volumes_and_lies_on_the_base(seed, census, tmp_path):
     file = census.write_drawn(census.draw(seed), tmp_path / "drawn.step")
     assembly = kilter.load(file)
     geometry = assembly.geometry

@@ -1,7 +1,5 @@
 """Densities and colours that STEP files state, and their use for masses and drawings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -179,9 +177,7 @@ OTHER = """
         (OTHER, None),
     ],
 )
-def test_the_name_of_a_material_is_read_in_each_form(
-    text: str, name: str | None, tmp_path: Path
-) -> None:
+def test_the_name_of_a_material_is_read_in_each_form(text, name, tmp_path):
     path = tmp_path / "part.step"
     path.write_text(SHAPES + text)
     assert [one.material for one in text_statements(path).values()] == [name] * (name is not None)
@@ -201,16 +197,14 @@ LAYER = "#30=PRESENTATION_LAYER_ASSIGNMENT('walls','visible',({item}));"
         (LAYER.format(item="#74") + "#32=INVISIBILITY((#30));", None, False),
     ],
 )
-def test_layers_and_hidden_solids(
-    text: str, layer: str | None, hidden: bool, tmp_path: Path
-) -> None:
+def test_layers_and_hidden_solids(text, layer, hidden, tmp_path):
     path = tmp_path / "part.step"
     path.write_text(SHAPES + text)
     stated = [(one.layer, one.hidden) for one in text_statements(path).values()]
     assert stated == ([(layer, hidden)] if layer or hidden else [])
 
 
-def test_material_layer_and_visibility_of_a_file_of_occt(tmp_path: Path) -> None:
+def test_material_layer_and_visibility_of_a_file_of_occt(tmp_path):
     nodes = [
         (name, BRepPrimAPI_MakeBox(1.0 + k, 2.0, 3.0).Solid(), None)
         for k, name in enumerate("abcd")
@@ -237,7 +231,7 @@ def test_material_layer_and_visibility_of_a_file_of_occt(tmp_path: Path) -> None
     assert [part["material"] for part in answer["parts"]] == ["material of a", None, None, None]
 
 
-def test_the_message_on_a_missing_density_names_the_material() -> None:
+def test_the_message_on_a_missing_density_names_the_material():
     free = [
         Part("light", Box([1, 1, 1]), [0, 0, 2], material="oak"),
         Part("heavy", Box([1, 1, 1]), [0, 0, 1], density=7850.0, material="steel"),
@@ -249,6 +243,6 @@ def test_the_message_on_a_missing_density_names_the_material() -> None:
 
 
 @pytest.mark.parametrize("label", ["", 3])
-def test_a_label_that_is_no_name_is_refused(label: object) -> None:
+def test_a_label_that_is_no_name_is_refused(label):
     with pytest.raises(InputError, match=r"part 'p': layer is .*; give a name"):
         Part("p", Box([1, 1, 1]), layer=label)  # type: ignore[arg-type]

@@ -1,7 +1,5 @@
 """Masses, inertia and friction of USD and of other formats."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -85,7 +83,7 @@ def computed(stage: Any, boxes: dict[str, Any]) -> tuple[float, np.ndarray, np.n
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(40))
-def test_bodies_have_the_mass_that_usd_computes(seed: int, tmp_path: Path) -> None:
+def test_bodies_have_the_mass_that_usd_computes(seed, tmp_path):
     """Masses, densities, centres and moments are stated at random, on the body and its boxes."""
     from pxr import UsdGeom
 
@@ -100,7 +98,7 @@ def test_bodies_have_the_mass_that_usd_computes(seed: int, tmp_path: Path) -> No
     assert np.allclose(own, inertia, rtol=0, atol=DIGITS * np.abs(inertia).max())
 
 
-def test_an_inertia_that_no_body_has_is_replaced_by_that_of_the_shape(tmp_path: Path) -> None:
+def test_an_inertia_that_no_body_has_is_replaced_by_that_of_the_shape(tmp_path):
     from pxr import Gf, UsdPhysics
 
     stage = Stage(tmp_path / "a.usda")
@@ -165,7 +163,7 @@ def combined(stage: Stage, first: str, second: str) -> float:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(40))
-def test_each_pair_of_colliders_has_the_friction_of_the_rules(seed: int, tmp_path: Path) -> None:
+def test_each_pair_of_colliders_has_the_friction_of_the_rules(seed, tmp_path):
     """A bench of two feet and a board stands with each foot on a tile of its own."""
     from pxr import UsdGeom
 
@@ -195,7 +193,7 @@ def test_each_pair_of_colliders_has_the_friction_of_the_rules(seed: int, tmp_pat
 
 
 @pytest.mark.parametrize("named", ["foot0", ""], ids=["collider", "body"])
-def test_a_filtered_collider_touches_nothing_and_the_others_do(named: str, tmp_path: Path) -> None:
+def test_a_filtered_collider_touches_nothing_and_the_others_do(named, tmp_path):
     from pxr import UsdGeom, UsdPhysics
 
     stage = Stage(tmp_path / "a.usda")
@@ -264,9 +262,7 @@ def written(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", FORMATS)
-def test_a_heavy_rim_does_not_turn_with_its_carrier(
-    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_heavy_rim_does_not_turn_with_its_carrier(kind, tmp_path, capsys):
     """3 kg m2 need 24 N m at 8 rad/s2; mu m g r gives at most 8.3 with all weight at corners."""
     path = written(tmp_path, kind, [0.4, 0.4, 0.1], [-2, 0, 0.05], 10.0, [1.6, 1.6, 3.0])
     words = ["--turn-faster", "0", "0", "8", "--about", "-2", "0", "0", "--friction", "0.3"]
@@ -287,14 +283,8 @@ def test_a_heavy_rim_does_not_turn_with_its_carrier(
     ids=["light-plate", "heavy-plate", "bar-with-heavy-ends"],
 )
 def test_a_body_tips_over_an_edge_as_its_inertia_states(
-    kind: str,
-    size: Any,
-    beyond: float,
-    mass: float,
-    inertia: float,
-    expected: float,
-    tmp_path: Path,
-) -> None:
+    kind, size, beyond, mass, inertia, expected, tmp_path
+):
     """The acceleration is m g d / (I + m d^2), with the centre d beyond the edge."""
     moments = [0.9 * inertia, inertia, inertia]
     path = written(tmp_path, kind, size, [beyond, 0, size[2] / 2], mass, moments)

@@ -1,7 +1,5 @@
 """False proofs from a seed are refused, and never both sides of a limit pass."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -70,19 +68,19 @@ CASES = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "first"), CASES)
-def test_no_forgery_is_accepted(kind: str, first: int) -> None:
+def test_no_forgery_is_accepted(kind, first):
     last = min(first + BLOCKS.get(kind, 6), SEEDS[kind])
     tally = tried(kind, range(first, last))
     assert tally.attempts
     assert not tally.accepted
 
 
-def test_each_kind_has_a_forger() -> None:
+def test_each_kind_has_a_forger():
     assert set(SEEDS) == set(KINDS)
 
 
 @pytest.mark.parametrize("kind", ["motion", "plan", "no plan"])
-def test_a_few_forgeries_are_refused(kind: str) -> None:
+def test_a_few_forgeries_are_refused(kind):
     assert not tried(kind, [100]).accepted
 
 
@@ -134,15 +132,15 @@ def require_one(seeds: Iterable[int], *, exact: bool) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 300, BLOCK))
-def test_forces_and_a_motion_never_both_pass(first: int) -> None:
+def test_forces_and_a_motion_never_both_pass(first):
     require_one(range(first, first + BLOCK), exact=True)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 160, BLOCK))
-def test_forces_and_a_motion_never_both_pass_for_coarse_data(first: int) -> None:
+def test_forces_and_a_motion_never_both_pass_for_coarse_data(first):
     require_one(range(first, first + BLOCK), exact=False)
 
 
-def test_the_least_case_of_each_family() -> None:
+def test_the_least_case_of_each_family():
     require_one([4, 6], exact=True)

@@ -1,12 +1,8 @@
 """Models of MuJoCo, and mechanisms beside its simulation."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -78,7 +74,7 @@ SCENES = {
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SCENES)
-def test_a_model_and_its_file_give_the_same_answer(agree: Agree, name: str) -> None:
+def test_a_model_and_its_file_give_the_same_answer(agree, name):
     made, verdict = SCENES[name]
     model = mujoco.MjModel.from_xml_string(made)
     found = agree(model, lambda path: path.write_text(made), "scene.xml", verdict)
@@ -93,7 +89,7 @@ def test_a_model_and_its_file_give_the_same_answer(agree: Agree, name: str) -> N
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("slope", "verdict"), [(0.29, True), (0.31, False)])
-def test_two_geoms_rub_with_the_greater_of_their_coefficients(slope: float, verdict: bool) -> None:
+def test_two_geoms_rub_with_the_greater_of_their_coefficients(slope, verdict):
     made = text(
         '<geom type="box" size="2 2 .5" pos="0 0 -.5" friction=".1"/>'
         + body("block", "0 0 .5", f'{BOX} friction=".3"'),
@@ -107,7 +103,7 @@ def test_two_geoms_rub_with_the_greater_of_their_coefficients(slope: float, verd
     assert kilter.load(mujoco.MjModel.from_xml_string(slick)).friction == 0
 
 
-def test_the_pose_is_that_of_a_keyframe_or_of_the_data() -> None:
+def test_the_pose_is_that_of_a_keyframe_or_of_the_data():
     keys = '<keyframe><key name="down" qpos="0 0 .5 1 0 0 0"/><key name="up" qpos="0 0 3 1 0 0 0"/>'
     made = text(FLOOR + body("box", "0 0 9", BOX), keys + "</keyframe>")
     model = mujoco.MjModel.from_xml_string(made)
@@ -122,7 +118,7 @@ def test_the_pose_is_that_of_a_keyframe_or_of_the_data() -> None:
         kilter.load(model, keyframe="dwn")
 
 
-def test_what_is_not_counted_is_said() -> None:
+def test_what_is_not_counted_is_said():
     made = text(
         body("arm", "0 0 0", 'type="box" size=".5 .1 .1"',
              '<joint name="j" axis="0 1 0" stiffness="3" range="-1 1" limited="true"/>'),
@@ -152,12 +148,12 @@ def test_what_is_not_counted_is_said() -> None:
         ),
     ],
 )
-def test_what_is_no_model_or_has_no_likeness_is_refused(value: Any, words: str) -> None:
+def test_what_is_no_model_or_has_no_likeness_is_refused(value, words):
     with pytest.raises(InputError, match=words):
         kilter.load(value())
 
 
-def test_a_file_that_mujoco_refuses_is_refused(tmp_path: Path) -> None:
+def test_a_file_that_mujoco_refuses_is_refused(tmp_path):
     path = tmp_path / "bad.xml"
     path.write_text("<mujoco><worldbody><geom size='-1'/></worldbody></mujoco>")
     with pytest.raises(InputError, match=r"bad\.xml: MuJoCo rejects it: "):
@@ -180,7 +176,7 @@ def simulated(assembly: kilter.Assembly, seconds: float = 1.0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["tower", "box-pile", "paper-figure-8", "arch"])
-def test_masses_poses_and_inertia_are_those_of_the_assembly(name: str) -> None:
+def test_masses_poses_and_inertia_are_those_of_the_assembly(name):
     made = dataclasses.replace(scene(name), units="cm")
     model = mujoco.MjModel.from_xml_string(made.to_mjcf())
     data = mujoco.MjData(model)
@@ -198,7 +194,7 @@ def test_masses_poses_and_inertia_are_those_of_the_assembly(name: str) -> None:
     assert np.allclose(again.geometry.center * 100, made.geometry.center, rtol=0, atol=1e-4)
 
 
-def test_what_stands_stands_and_what_falls_falls() -> None:
+def test_what_stands_stands_and_what_falls_falls():
     assert kilter.check(scene("tower")).stable
     assert simulated(scene("tower")).max() < 5e-3  # sinking of cubes of 1 m in soft contacts
     falls = scene("inverted-triangle")
@@ -207,13 +203,13 @@ def test_what_stands_stands_and_what_falls_falls() -> None:
 
 
 @pytest.mark.parametrize(("friction", "stands"), [(0.45, False), (0.55, True)])
-def test_a_block_on_a_slope_slides_below_its_friction_alone(friction: float, stands: bool) -> None:
+def test_a_block_on_a_slope_slides_below_its_friction_alone(friction, stands):
     made = block_on_slope(np.degrees(np.arctan(0.5)), friction=friction)
     assert kilter.check(made).stable is stands
     assert bool(simulated(made).max() < 0.05) is stands
 
 
-def test_joints_hold_as_they_do_here() -> None:
+def test_joints_hold_as_they_do_here():
     arm = kilter.Part("arm", kilter.Box([1, 0.2, 0.2]), kilter.Pose([0.5, 0, 0]))
     for joint, stands in (
         (kilter.Joint(("arm", "ground")), True),
@@ -230,7 +226,7 @@ def test_joints_hold_as_they_do_here() -> None:
         assert kilter.check(again).stable is stands
 
 
-def test_what_mjcf_has_no_word_for_is_refused() -> None:
+def test_what_mjcf_has_no_word_for_is_refused():
     with pytest.raises(InputError, match="no loads and no straps of known tension; remove them"):
         scene("books").to_mjcf()
     box = kilter.Part("box", kilter.Box([1, 1, 1]))
@@ -258,7 +254,7 @@ FILTERED = """
 """
 
 
-def test_pairs_that_the_model_filters_do_not_touch() -> None:
+def test_pairs_that_the_model_filters_do_not_touch():
     """The pairs of `mj_collision`: child and parent, bits of geoms, and excluded pairs are none."""
     model = mujoco.MjModel.from_xml_string(FILTERED)
     data = mujoco.MjData(model)
@@ -279,7 +275,7 @@ def test_pairs_that_the_model_filters_do_not_touch() -> None:
     }
 
 
-def test_a_filtered_floor_carries_nothing() -> None:
+def test_a_filtered_floor_carries_nothing():
     report = kilter.scene(kilter.load(mujoco.MjModel.from_xml_string(FILTERED)))
     assert (report["ghost"].state, report["ghost"].motion) == ("falls", "nothing is below it")
     assert (report["b"].state, report["b"].other) == ("floats", "floor")
@@ -402,7 +398,7 @@ def farthest(text: str) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(6))
-def test_a_mechanism_stays_in_the_simulation_exactly_if_it_is_stable(block: int) -> None:
+def test_a_mechanism_stays_in_the_simulation_exactly_if_it_is_stable(block):
     for seed in range(12 * block, 12 * block + 12):
         text = scene_mujoco(mechanism(seed))
         assembly = kilter.load(mujoco_case.MjModel.from_xml_string(text))
@@ -428,7 +424,7 @@ OPEN = (5, 12)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [*JUDGED, *OPEN])
-def test_a_proved_verdict_is_that_of_the_simulation(seed: int) -> None:
+def test_a_proved_verdict_is_that_of_the_simulation(seed):
     found = outcome(seed)
     assert not found.wrong
     assert found.verdict == JUDGED.get(seed, "potentially-stable")

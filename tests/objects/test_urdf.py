@@ -1,7 +1,5 @@
 """Robots of URDF: joints, masses, and guides of files."""
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path
@@ -48,7 +46,7 @@ def robot(tmp_path: Path, *elements: str, name: str = "robot.urdf") -> Path:
 BASE = link("base", '<box size="1 1 1"/>', 10)
 
 
-def test_a_box_on_its_base_and_the_same_parts_of_ones_own(tmp_path: Path) -> None:
+def test_a_box_on_its_base_and_the_same_parts_of_ones_own(tmp_path):
     path = robot(tmp_path, BASE, link("box", '<box size=".5 .5 .5"/>', 2),
                  joint("base", "box", "floating", "0 0 .75"))  # fmt: skip
     found = kilter.load(path)
@@ -75,9 +73,7 @@ def test_a_box_on_its_base_and_the_same_parts_of_ones_own(tmp_path: Path) -> Non
         ("prismatic", "0 1 0", True),
     ],
 )
-def test_an_arm_at_the_side_is_held_as_its_joint_holds(
-    tmp_path: Path, kind: str, axis: str, stable: bool
-) -> None:
+def test_an_arm_at_the_side_is_held_as_its_joint_holds(tmp_path, kind, axis, stable):
     """The frame is turned by 90 degrees about y, so the arm along its z is along the world's x."""
     arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .5", "0 0 .5")
     path = robot(
@@ -89,7 +85,7 @@ def test_an_arm_at_the_side_is_held_as_its_joint_holds(
     assert bool(found.notes) is (kind != "fixed")
 
 
-def test_links_near_a_joint_do_not_touch_and_points_are_no_shapes(tmp_path: Path) -> None:
+def test_links_near_a_joint_do_not_touch_and_points_are_no_shapes(tmp_path):
     """The cover is fixed to the arm, which a joint connects to the base; the marker is a point."""
     arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .4", "0 0 .4")
     path = robot(
@@ -111,16 +107,14 @@ def test_links_near_a_joint_do_not_touch_and_points_are_no_shapes(tmp_path: Path
 
 
 @pytest.mark.parametrize(("contacts", "verdict"), [(None, "unstable"), ("geometry", "undecided")])
-def test_links_that_overlap_at_their_joint_do_not_touch(
-    tmp_path: Path, contacts: Any, verdict: str
-) -> None:
+def test_links_that_overlap_at_their_joint_do_not_touch(tmp_path, contacts, verdict):
     arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .4", "0 0 .4")
     place = "0.5 0 0", f"0 {np.pi / 2} 0", "0 1 0"
     path = robot(tmp_path, BASE, arm, joint("base", "arm", "continuous", *place))
     assert kilter.check(kilter.load(path, contacts=contacts)).verdict == verdict
 
 
-def test_a_base_that_floats_stands_on_the_floor_or_tips(tmp_path: Path) -> None:
+def test_a_base_that_floats_stands_on_the_floor_or_tips(tmp_path):
     for reach, stable in ((0.4, True), (3.5, False)):
         arm = link("arm", '<box size=".2 .2 .2"/>', 10)
         path = robot(tmp_path, BASE, arm, joint("base", "arm", "fixed", f"{reach} 0 2"))
@@ -130,7 +124,7 @@ def test_a_base_that_floats_stands_on_the_floor_or_tips(tmp_path: Path) -> None:
         assert kilter.check(found).stable is stable
 
 
-def test_frames_are_passed_over_and_hold_what_is_fixed_to_them(tmp_path: Path) -> None:
+def test_frames_are_passed_over_and_hold_what_is_fixed_to_them(tmp_path):
     path = robot(tmp_path, '<link name="world"/><link name="tool"/>', BASE,
                  link("hand", '<sphere radius=".1"/>'), joint("world", "base", "fixed", "0 0 5"),
                  joint("base", "tool", "fixed", "0 0 1"), joint("tool", "hand", "fixed", "0 0 1"),
@@ -144,7 +138,7 @@ def test_frames_are_passed_over_and_hold_what_is_fixed_to_them(tmp_path: Path) -
     assert [one.parts for one in loose.joints] == [("hand", "base")]
 
 
-def test_meshes_are_found_beside_the_file_and_in_packages(tmp_path: Path) -> None:
+def test_meshes_are_found_beside_the_file_and_in_packages(tmp_path):
     trimesh = pytest.importorskip("trimesh")
     folder = tmp_path / "thing_description"
     (folder / "urdf").mkdir(parents=True)
@@ -159,7 +153,7 @@ def test_meshes_are_found_beside_the_file_and_in_packages(tmp_path: Path) -> Non
 
 
 @POSIX
-def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
+def test_a_pipe_is_not_opened(tmp_path):
     os.mkfifo(tmp_path / "pipe.stl")
     for name in ("pipe.stl", "package://pipe.stl", "package://somewhere/pipe.stl"):
         if name.startswith("package://some"):
@@ -170,20 +164,20 @@ def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
             kilter.load(robot(tmp_path, link("cube", shape)))
 
 
-def test_a_mass_of_zero_is_a_note(tmp_path: Path) -> None:
+def test_a_mass_of_zero_is_a_note(tmp_path):
     found = kilter.load(robot(tmp_path, link("base", '<box size="1 1 1"/>', 0)))
     assert found.notes[0] == "the mass of 'base' is 0, so it has its density"
     assert found.notes[1:] == ("the robot is its held root link: --base floating frees it",)
     assert found.geometry.mass.tolist() == [1000.0]
 
 
-def test_a_capsule_is_a_cylinder_with_round_ends(tmp_path: Path) -> None:
+def test_a_capsule_is_a_cylinder_with_round_ends(tmp_path):
     found = kilter.load(robot(tmp_path, link("a", '<capsule radius=".5" length="2"/>')))
     exact = np.pi * (0.5**2 * 2 + 4 / 3 * 0.5**3)
     assert found.geometry.volume[0] == pytest.approx(exact, rel=0.01)
 
 
-def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
+def test_several_shapes_of_a_link_are_one_part(tmp_path):
     two = """<link name="ell"><collision><geometry><box size="2 1 1"/></geometry></collision>
     <collision><origin xyz=".5 0 .5"/><geometry><box size="1 1 2"/></geometry></collision></link>"""
     found = kilter.load(robot(tmp_path, two))
@@ -230,12 +224,12 @@ def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
         ([link("a", '<box size="1 1 1"/>', mass=float("nan"))], "value of <mass> is 'nan'"),
     ],
 )
-def test_what_the_format_has_not_is_told(tmp_path: Path, elements: list[str], words: str) -> None:
+def test_what_the_format_has_not_is_told(tmp_path, elements, words):
     with pytest.raises(InputError, match=r"robot\.urdf: .*" + words):
         kilter.load(robot(tmp_path, *elements))
 
 
-def test_a_base_is_fixed_or_floating_and_xml_is_of_one_of_two_kinds(tmp_path: Path) -> None:
+def test_a_base_is_fixed_or_floating_and_xml_is_of_one_of_two_kinds(tmp_path):
     with pytest.raises(InputError, match="the base is 'loose'; use fixed or floating"):
         kilter.load(robot(tmp_path, BASE), base="loose")
     path = tmp_path / "x.xml"
@@ -248,7 +242,7 @@ def test_a_base_is_fixed_or_floating_and_xml_is_of_one_of_two_kinds(tmp_path: Pa
 
 
 @pytest.mark.slow
-def test_the_command_asks_the_same_and_its_proof_is_verified(tmp_path: Path) -> None:
+def test_the_command_asks_the_same_and_its_proof_is_verified(tmp_path):
     arm = link("arm", '<box size=".2 .2 .2"/>', 10)
     path = robot(tmp_path, BASE, arm, joint("base", "arm", "fixed", "3.5 0 2"))
     proof = str(tmp_path / "proof.json")
@@ -306,7 +300,7 @@ def random_robot(seed: int) -> tuple[str, dict[str, str]]:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(30))
-def test_bodies_have_the_masses_that_mujoco_reads(seed: int, tmp_path: Path) -> None:
+def test_bodies_have_the_masses_that_mujoco_reads(seed, tmp_path):
     """Links joined by fixed joints are one body of MuJoCo: mass, centre and inertia to 1e-9."""
     mujoco = pytest.importorskip("mujoco")
     text, top = random_robot(seed)
@@ -344,9 +338,7 @@ MASS = '<inertial><mass value="2"/>{}</inertial>'
         ('<inertia ixx="-1" iyy="1" izz="1"/>', ["no body has the inertia of 'a', so that of its"]),
     ],
 )
-def test_an_inertia_that_no_body_has_is_replaced_by_that_of_the_shape(
-    tmp_path: Path, inertia: str, words: list[str]
-) -> None:
+def test_an_inertia_that_no_body_has_is_replaced_by_that_of_the_shape(tmp_path, inertia, words):
     path = tmp_path / "r.urdf"
     path.write_text(
         f'<robot><link name="a">{MASS.format(inertia)}{BOX.format(size="1 1 1")}</link></robot>'
@@ -356,7 +348,7 @@ def test_an_inertia_that_no_body_has_is_replaced_by_that_of_the_shape(
     assert [note[: len(word)] for note, word in zip(found.notes, words, strict=True)] == words
 
 
-def test_links_fixed_to_a_frame_without_a_shape_are_one_body(tmp_path: Path) -> None:
+def test_links_fixed_to_a_frame_without_a_shape_are_one_body(tmp_path):
     """Two boxes and a mass on a frame that floats; a mass that turns without a shape is named."""
     box = BOX.format(size="1 1 1")
     path = tmp_path / "r.urdf"
@@ -420,7 +412,7 @@ IN_MJCF = {
 
 
 @pytest.mark.parametrize("name", IN_MJCF)
-def test_a_hinge_of_mjcf_holds_by_its_limits_friction_and_spring(tmp_path: Path, name: str) -> None:
+def test_a_hinge_of_mjcf_holds_by_its_limits_friction_and_spring(tmp_path, name):
     pytest.importorskip("mujoco")
     joint, rest, expected = IN_MJCF[name]
     found = mjcf(tmp_path, HINGE_FILES.format(joint), rest)
@@ -428,9 +420,7 @@ def test_a_hinge_of_mjcf_holds_by_its_limits_friction_and_spring(tmp_path: Path,
     assert word(found) == expected
 
 
-def test_positions_of_mjcf_count_from_the_keyframe_and_in_the_unit_of_the_compiler(
-    tmp_path: Path,
-) -> None:
+def test_positions_of_mjcf_count_from_the_keyframe_and_in_the_unit_of_the_compiler(tmp_path):
     pytest.importorskip("mujoco")
     joint = HINGE_FILES.format('range="-90 60" stiffness="3" springref="30" ref="10"')
     key = f'<keyframe><key name="k" qpos="{math.radians(60)}"/></keyframe>'
@@ -445,7 +435,7 @@ def test_positions_of_mjcf_count_from_the_keyframe_and_in_the_unit_of_the_compil
     assert word(mjcf(tmp_path, weak, compiler='angle="degree"')) == "unstable"
 
 
-def test_guides_of_other_joints_of_mjcf_are_ignored_with_a_note(tmp_path: Path) -> None:
+def test_guides_of_other_joints_of_mjcf_are_ignored_with_a_note(tmp_path):
     pytest.importorskip("mujoco")
     ball = mjcf(tmp_path, '<joint type="ball" range="0 1" stiffness="2" frictionloss="1"/>')
     assert ball.notes == ("ignored: 1 springs, 1 joint limits, 3 joint frictions",)
@@ -482,7 +472,7 @@ IN_URDF = {
 
 
 @pytest.mark.parametrize("name", IN_URDF)
-def test_a_joint_of_urdf_holds_by_its_limits_and_friction(tmp_path: Path, name: str) -> None:
+def test_a_joint_of_urdf_holds_by_its_limits_and_friction(tmp_path, name):
     kind, inner, expected = IN_URDF[name]
     assert word(urdf(tmp_path, kind, inner)) == expected
 
@@ -497,13 +487,11 @@ def test_a_joint_of_urdf_holds_by_its_limits_and_friction(tmp_path: Path, name: 
         (f'<limit lower="-.1" upper="1"/><dynamics friction="{1.01 * WEIGHT}"/>', "stable"),
     ],
 )
-def test_a_lift_of_urdf_stands_on_its_lower_stop(tmp_path: Path, inner: str, expected: str) -> None:
+def test_a_lift_of_urdf_stands_on_its_lower_stop(tmp_path, inner, expected):
     assert word(urdf(tmp_path, "prismatic", inner, axis="0 0 1")) == expected
 
 
-def test_wrong_limits_of_urdf_are_ignored_with_a_note_and_wrong_friction_is_refused(
-    tmp_path: Path,
-) -> None:
+def test_wrong_limits_of_urdf_are_ignored_with_a_note_and_wrong_friction_is_refused(tmp_path):
     crossed = urdf(tmp_path, "revolute", '<limit lower="1" upper="-1"/>')
     assert "the limits of the joint 'j' are ignored: the lower is above the upper" in crossed.notes
     for inner in ('<dynamics friction="-1"/>', '<limit lower="x" upper="1"/>'):
@@ -514,7 +502,7 @@ def test_wrong_limits_of_urdf_are_ignored_with_a_note_and_wrong_friction_is_refu
 GUIDE: dict[str, Any] = {"limits": [-0.5, 0.0], "friction": 0.25, "stiffness": 3.5, "rest": -0.125}
 
 
-def test_a_kilter_file_keeps_limits_friction_and_springs(tmp_path: Path) -> None:
+def test_a_kilter_file_keeps_limits_friction_and_springs(tmp_path):
     data = {
         "kilter": 1, "units": "mm",
         "parts": [{"name": "lid", "box": [1, 1, 1]}],
@@ -542,7 +530,7 @@ def test_a_kilter_file_keeps_limits_friction_and_springs(tmp_path: Path) -> None
         ("settle", "settle leaves out the friction, springs and limits of 1 joint"),
     ],
 )
-def test_commands_without_joint_forces_say_so(verb: str, words: str) -> None:
+def test_commands_without_joint_forces_say_so(verb, words):
     data = {
         "kilter": 1,
         "parts": [
@@ -558,7 +546,7 @@ def test_commands_without_joint_forces_say_so(verb: str, words: str) -> None:
         assert kilter.verify(assembly, answer.proof()).holds
 
 
-def test_a_scene_of_mujoco_cannot_state_guides_between_free_bodies() -> None:
+def test_a_scene_of_mujoco_cannot_state_guides_between_free_bodies():
     data = {
         "kilter": 1,
         "parts": [{"name": "lid", "box": [1, 1, 1]}],

@@ -98,7 +98,10 @@ def test_friction_that_is_left_open_is_named() -> None:
     verdict = kilter.check(next(one for one in ROLLING if one.number == "R2").build(0.9))
     assert verdict.second_order_answer is not None
     assert verdict.second_order_answer.rolling is not None
-    assert (verdict.second_order_answer.state, verdict.second_order_answer.rolling.state) == ("balanced", "open")
+    assert (verdict.second_order_answer.state, verdict.second_order_answer.rolling.state) == (
+        "balanced",
+        "open",
+    )
     left = verdict.second_order_answer.left_open(verdict.program.names)
     assert left.startswith("whether friction holds ")
 

@@ -1,7 +1,5 @@
 """Figures: drawings, numbers by hand, plans."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re
@@ -65,9 +63,7 @@ def named(names: list[str]) -> Assembly:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "paper-figure-8", "keystone", "ladder"])
 @pytest.mark.parametrize("angles", [(-32, 22), (140, 60), (75, -35)])
-def test_nothing_is_painted_over_what_lies_in_front_of_it(
-    name: str, angles: tuple[float, float]
-) -> None:
+def test_nothing_is_painted_over_what_lies_in_front_of_it(name, angles):
     # independent method: rays from the eye, and the depths of all triangles that they meet
     geometry, camera = scene(name).geometry, Camera.at(*angles)
     polygons: list[Polygon] = []
@@ -102,7 +98,7 @@ def depth(polygon: Polygon, point: np.ndarray, camera: Camera) -> float | None:
     return float((polygon.corners[0] - ray) @ polygon.normal) / facing
 
 
-def test_polygons_that_cross_each_other_are_cut() -> None:
+def test_polygons_that_cross_each_other_are_cut():
     def square(tilt: float) -> np.ndarray:
         return np.array([[-1, -1, -tilt], [1, -1, tilt], [1, 1, tilt], [-1, 1, -tilt]], float)
 
@@ -124,7 +120,7 @@ def test_polygons_that_cross_each_other_are_cut() -> None:
 
 
 @pytest.mark.slow
-def test_arrows_are_the_accelerations_of_the_answer() -> None:
+def test_arrows_are_the_accelerations_of_the_answer():
     verdict = kilter.check(scene("paper-figure-8"))
     figure = draw_assembly(verdict, view=(0.0, 0.0))
     arrows = [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
@@ -140,7 +136,7 @@ def test_arrows_are_the_accelerations_of_the_answer() -> None:
 
 
 @pytest.mark.slow
-def test_arrows_and_displaced_parts_are_whole() -> None:
+def test_arrows_and_displaced_parts_are_whole():
     """The springers of an arch with little friction move out of the picture of the parts alone."""
     figure = draw_assembly(kilter.check(scene("arch"), friction=0.3))
     [axes] = [axes for axes in figure.axes if axes.collections]
@@ -155,7 +151,7 @@ def test_arrows_and_displaced_parts_are_whole() -> None:
 
 
 @pytest.mark.slow
-def test_a_stable_assembly_has_forces_and_no_motion() -> None:
+def test_a_stable_assembly_has_forces_and_no_motion():
     verdict = kilter.check(scene("tower"))
     figure = draw_assembly(verdict)
     assert not [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
@@ -164,7 +160,7 @@ def test_a_stable_assembly_has_forces_and_no_motion() -> None:
 
 
 @pytest.mark.slow
-def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
+def test_a_ball_that_falls_is_outlined_where_it_comes_to():
     base = Part("base", Sphere(1.0), grounded=True)
     verdict = kilter.check(Assembly([base, Part("ball", Sphere(0.5), Pose([0, 0, 1.5]))]))
     end = np.zeros((2, 6))
@@ -182,7 +178,7 @@ def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("down", [[0, 0, 1], [1, 0, 0], [0.3, -0.5, 0.2]])
-def test_gravity_points_down_on_the_page(down: list[float]) -> None:
+def test_gravity_points_down_on_the_page(down):
     block = Part("held", Box([1, 1, 1]), Pose([0, 0, 5]), grounded=True)
     falling = Part("falling", Box([1, 1, 1]))
     verdict = kilter.check(Assembly([block, falling]).with_down(down))
@@ -195,7 +191,7 @@ def test_gravity_points_down_on_the_page(down: list[float]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["floating-block", "closed-frame", "corner-wedges", "channel",
                                   "paper-figure-10", "paper-figure-11", "tower"])  # fmt: skip
-def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
+def test_the_region_on_the_sphere_is_the_region(name):
     region = kilter.region(scene(name))
     figure = draw_region(region)
     for axes, k in zip(figure.axes, (0, 1), strict=True):
@@ -219,7 +215,7 @@ def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
+def test_hostile_names_are_text(recwarn):
     verdict = kilter.check(named(HOSTILE))
     figure = draw_assembly(verdict)
     svg = encode_figure(figure, ".svg").decode("utf-8")
@@ -238,7 +234,7 @@ def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
     assert not recwarn.list
 
 
-def test_a_notebook_shows_hostile_names_as_text() -> None:
+def test_a_notebook_shows_hostile_names_as_text():
     verdict = kilter.check(named(HOSTILE).with_down([1, 0, -1]))
     text = verdict._repr_html_()
     assert "<script" not in text
@@ -251,7 +247,7 @@ def test_a_notebook_shows_hostile_names_as_text() -> None:
 
 
 @pytest.mark.slow
-def test_answers_show_themselves_in_a_notebook() -> None:
+def test_answers_show_themselves_in_a_notebook():
     region = kilter.region(scene("paper-figure-10"))
     assert "fan" in region._repr_html_()
     assert "45 deg" in region._repr_html_()
@@ -263,13 +259,13 @@ def test_answers_show_themselves_in_a_notebook() -> None:
     assert figure._repr_png_().startswith(b"\x89PNG")
 
 
-def test_a_label_is_short() -> None:
+def test_a_label_is_short():
     assert len(label("x" * 10_000)) <= 24
     assert label("a\tb") == "a\ufffdb"
 
 
 @pytest.mark.slow
-def test_import_stays_light_and_pyplot_is_never_touched() -> None:
+def test_import_stays_light_and_pyplot_is_never_touched():
     code = (
         "import sys, kilter; assert 'matplotlib' not in sys.modules\n"
         "v = kilter.check(kilter.example('tower')); v._repr_html_()\n"
@@ -294,9 +290,7 @@ def wall(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("suffix", "start"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("PDF", b"%PDF")]
 )
-def test_draw_writes_each_kind_of_figure(
-    wall: Path, suffix: str, start: bytes, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_draw_writes_each_kind_of_figure(wall, suffix, start, capsys):
     out = wall.parent / f"f.{suffix}"
     assert main(["draw", str(wall), "-o", str(out)]) == 0
     assert out.read_bytes().startswith(start)
@@ -309,7 +303,7 @@ def test_draw_writes_each_kind_of_figure(
 
 
 @pytest.mark.slow
-def test_draw_what_region(wall: Path) -> None:
+def test_draw_what_region(wall):
     assert main(["draw", str(wall), "--what", "region", "-o", "r.svg", "--quiet"]) == 0
     assert "One direction of gravity is stable" in Path("r.svg").read_text(encoding="utf-8")
 
@@ -326,9 +320,7 @@ def test_draw_what_region(wall: Path) -> None:
         (["-o", "f.png", "--what", "sphere"], "sphere"),
     ],
 )
-def test_draw_refuses(
-    wall: Path, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_draw_refuses(wall, options, said, capsys):
     before = wall.read_bytes()
     assert main(["draw", str(wall), *options]) == 2
     error = capsys.readouterr().err
@@ -337,7 +329,7 @@ def test_draw_refuses(
     assert wall.read_bytes() == before
 
 
-def test_an_input_is_never_written_over(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_input_is_never_written_over(wall, capsys):
     odd = wall.rename(wall.with_name("input.svg"))
     before = odd.read_bytes()
     assert main(["draw", str(odd), "-o", "./input.svg"]) == 2
@@ -345,9 +337,7 @@ def test_an_input_is_never_written_over(wall: Path, capsys: pytest.CaptureFixtur
     assert odd.read_bytes() == before
 
 
-def test_draw_says_what_to_install(
-    wall: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_draw_says_what_to_install(wall, monkeypatch, capsys):
     from kilter.show import canvas
 
     monkeypatch.setattr(canvas.importlib.util, "find_spec", lambda name: None)
@@ -355,7 +345,7 @@ def test_draw_says_what_to_install(
     assert "pip install 'kilter[figures]'" in capsys.readouterr().err
 
 
-def test_straps_are_lines_in_the_figure_and_in_the_page() -> None:
+def test_straps_are_lines_in_the_figure_and_in_the_page():
     deck = Part("deck", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     crate = Part("crate", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     path = [("ground", [2, 0, 0]), ("crate", [0.5, 0, 1])]
@@ -381,7 +371,7 @@ def labels(figure: object) -> str:
 
 
 @pytest.mark.slow
-def test_a_cube_past_an_edge_has_arrows_of_its_acceleration_and_of_its_turn() -> None:
+def test_a_cube_past_an_edge_has_arrows_of_its_acceleration_and_of_its_turn():
     table = block("table", [-3000, -1000, -1000], [0, 1000, 0], grounded=True)
     past = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
     verdict = kilter.check(Assembly([table, past], units="mm"))
@@ -409,7 +399,7 @@ def test_a_cube_past_an_edge_has_arrows_of_its_acceleration_and_of_its_turn() ->
 
 
 @pytest.mark.parametrize("at", [-300, 300])
-def test_forces_on_a_beam_are_lines_in_proportion_at_their_ridges(at: float) -> None:
+def test_forces_on_a_beam_are_lines_in_proportion_at_their_ridges(at):
     triangle = [[-100, -100], [100, -100], [0, 0]]
     left, right = (
         Part(name, Prism(triangle, 400.0), Pose([x, 0, 0]), grounded=True)
@@ -435,7 +425,7 @@ def test_forces_on_a_beam_are_lines_in_proportion_at_their_ridges(at: float) -> 
 
 
 @pytest.mark.slow
-def test_the_boundary_of_carried_accelerations_and_its_weakest_direction() -> None:
+def test_the_boundary_of_carried_accelerations_and_its_weakest_direction():
     base = block("base", [-500, -500, -10], [500, 500, 0], grounded=True)
     box = Part("box", Box([100, 200, 300]), [0, 0, 150])
     answer = kilter.transport(Assembly([base, box], units="mm", friction=0.8))
@@ -460,7 +450,7 @@ def test_the_boundary_of_carried_accelerations_and_its_weakest_direction() -> No
 
 
 @pytest.mark.slow
-def test_the_movement_to_the_pose_at_rest_is_magnified_by_the_stated_factor() -> None:
+def test_the_movement_to_the_pose_at_rest_is_magnified_by_the_stated_factor():
     table = block("table", [-500, -500, -10], [500, 500, 0], grounded=True)
     hangs = Part("hangs", Box([100, 100, 100]), [0, 0, 50.5])
     figure = kilter.draw(kilter.settle(Assembly([table, hangs], units="mm")), view=FRONT)
@@ -478,7 +468,7 @@ pytest.importorskip("matplotlib", reason="needs the extra kilter[figures]")
 
 
 @pytest.mark.slow
-def test_a_picture_a_step_and_who_is_held(tmp_path: Path) -> None:
+def test_a_picture_a_step_and_who_is_held(tmp_path):
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
     figure = kilter.draw(order, tmp_path / "plan.svg")
     assert len(figure.axes) == len(order.steps) == 9
@@ -490,7 +480,7 @@ def test_a_picture_a_step_and_who_is_held(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_part_that_comes_stands_back_along_its_way() -> None:
+def test_the_part_that_comes_stands_back_along_its_way():
     figure = kilter.draw(kilter.plan(scene("tower")), view=(0, 0))
     for axes in figure.axes:
         low, high = axes.get_ylim()
@@ -501,7 +491,7 @@ def test_the_part_that_comes_stands_back_along_its_way() -> None:
 
 
 @pytest.mark.slow
-def test_names_are_no_formulas_and_the_same_plan_gives_the_same_bytes() -> None:
+def test_names_are_no_formulas_and_the_same_plan_gives_the_same_bytes():
     base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     cube = Part("$x^2$ <b>", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     pictures = [

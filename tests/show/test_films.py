@@ -1,7 +1,5 @@
 """Films of motions, falls and plans."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from pathlib import Path
@@ -34,7 +32,7 @@ def gone(film: Film, name: str) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_a_wedge_drives_the_other_out_by_the_slope_of_its_side() -> None:
+def test_a_wedge_drives_the_other_out_by_the_slope_of_its_side():
     verdict = kilter.check(scene("paper-figure-8"))
     film = Film(kilter.animate(verdict))
     assert film.animation["name"] == "motion"
@@ -47,7 +45,7 @@ def test_a_wedge_drives_the_other_out_by_the_slope_of_its_side() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_balanced_falls_along_its_path() -> None:
+def test_what_is_balanced_falls_along_its_path():
     base = Part("base", Sphere(1.0), grounded=True)
     film = Film(
         kilter.animate(kilter.check(Assembly([base, Part("ball", Sphere(0.5), Pose([0, 0, 1.5]))])))
@@ -63,7 +61,7 @@ def test_what_is_balanced_falls_along_its_path() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("gap", [0.1, 0.2])
-def test_a_block_falls_as_far_as_the_floor(gap: float) -> None:
+def test_a_block_falls_as_far_as_the_floor(gap):
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     block = Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5 + gap]))
     travel = free_travel(kilter.check(Assembly([floor, block])))
@@ -72,7 +70,7 @@ def test_a_block_falls_as_far_as_the_floor(gap: float) -> None:
     assert gap - 0.03 < -travel[1, 2] <= gap + ENTERS * diagonal
 
 
-def test_what_nothing_stops_goes_as_far_as_is_well_seen() -> None:
+def test_what_nothing_stops_goes_as_far_as_is_well_seen():
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     far = Part("far", Box([1, 1, 1]), Pose([9, 0, 9]))
     travel = free_travel(kilter.check(Assembly([floor, far])))
@@ -81,7 +79,7 @@ def test_what_nothing_stops_goes_as_far_as_is_well_seen() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in SCENES if name.startswith("paper")])
-def test_parts_end_no_deeper_in_each_other_than_they_begin(name: str) -> None:
+def test_parts_end_no_deeper_in_each_other_than_they_begin(name):
     verdict = kilter.check(scene(name))
     if not verdict.moving:
         pytest.skip("nothing moves")
@@ -102,7 +100,7 @@ def test_parts_end_no_deeper_in_each_other_than_they_begin(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_two_that_tip_together_stay_together() -> None:
+def test_two_that_tip_together_stay_together():
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     lower = Part("lower", Box([2, 1, 1]), Pose([2.2, 0, 0.5]))
     upper = Part("upper", Box([1, 1, 1]), Pose([2.2, 0, 1.5]))
@@ -121,7 +119,7 @@ def test_two_that_tip_together_stay_together() -> None:
 
 
 @pytest.mark.slow
-def test_other_programs_read_it(tmp_path: Path) -> None:
+def test_other_programs_read_it(tmp_path):
     out = tmp_path / "motion.glb"
     kilter.animate(kilter.check(scene("paper-figure-8")), out)
     read = trimesh.load(out)
@@ -129,9 +127,7 @@ def test_other_programs_read_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_writes_it_and_refuses_what_it_cannot_show(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_writes_it_and_refuses_what_it_cannot_show(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name in ("paper-figure-8", "tower"):
         main(["example", name])
@@ -150,7 +146,7 @@ def test_the_command_writes_it_and_refuses_what_it_cannot_show(
         assert not Path("none.glb").exists()
 
 
-def test_a_stable_assembly_is_refused_in_a_sentence() -> None:
+def test_a_stable_assembly_is_refused_in_a_sentence():
     with pytest.raises(InputError, match="no part is known to move: Stable"):
         kilter.animate(kilter.check(scene("tower")))
     with pytest.raises(InputError, match="a region has no motion"):
@@ -164,9 +160,7 @@ def built() -> tuple[kilter.Order, Film]:
 
 
 @pytest.mark.slow
-def test_each_part_comes_at_its_step_along_its_way_to_its_seat(
-    built: tuple[kilter.Order, Film],
-) -> None:
+def test_each_part_comes_at_its_step_along_its_way_to_its_seat(built):
     order, film = built
     for k, step in enumerate(order.steps):
         start = LEAD + k * STEP
@@ -183,7 +177,7 @@ def test_each_part_comes_at_its_step_along_its_way_to_its_seat(
 
 
 @pytest.mark.slow
-def test_a_mark_is_there_while_a_part_is_held(built: tuple[kilter.Order, Film]) -> None:
+def test_a_mark_is_there_while_a_part_is_held(built):
     order, film = built
     held = {name for step in order.steps for name in step.held}
     assert held
@@ -196,7 +190,7 @@ def test_a_mark_is_there_while_a_part_is_held(built: tuple[kilter.Order, Film]) 
 
 
 @pytest.mark.parametrize("units", ["m", "mm"])
-def test_at_rest_it_is_the_assembly_in_metres_with_y_up(units: str, tmp_path: Path) -> None:
+def test_at_rest_it_is_the_assembly_in_metres_with_y_up(units, tmp_path):
     made = dataclasses.replace(scene("tower"), units=units)
     kilter.animate(kilter.plan(made), tmp_path / "tower.glb")
     read = kilter.load(tmp_path / "tower.glb")
@@ -208,7 +202,7 @@ def test_at_rest_it_is_the_assembly_in_metres_with_y_up(units: str, tmp_path: Pa
     assert (np.diff(rises) > 0).all()
 
 
-def test_a_nut_turns_as_a_right_handed_thread_does_and_ends_at_rest() -> None:
+def test_a_nut_turns_as_a_right_handed_thread_does_and_ends_at_rest():
     order = kilter.plan(scene("tower"))
     answer: dict[str, Any] = json.loads(json.dumps(order.to_dict()))
     answer["steps"][0]["over"] = "base"
@@ -223,7 +217,7 @@ def test_a_nut_turns_as_a_right_handed_thread_does_and_ends_at_rest() -> None:
     assert len(times) == len(turns)
 
 
-def test_without_an_order_there_is_no_film(tmp_path: Path) -> None:
+def test_without_an_order_there_is_no_film(tmp_path):
     none = kilter.plan(arch(9, ratio=0.3, friction=0.6), kilter.PlanRules(hold=0))
     for write in (kilter.animate, kilter.draw):
         with pytest.raises(InputError, match="there are no steps to show"):
@@ -233,7 +227,7 @@ def test_without_an_order_there_is_no_film(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_plan_gives_the_same_bytes() -> None:
+def test_the_same_plan_gives_the_same_bytes():
     made: Assembly = scene("paper-figure-9")
     assert kilter.animate(kilter.plan(made)) == kilter.animate(kilter.plan(made))
 
@@ -248,7 +242,7 @@ def fall_of(assembly: Assembly) -> dict[str, Any] | None:
 
 
 @pytest.mark.slow
-def test_its_energy_is_in_joules_whatever_the_unit_of_length() -> None:
+def test_its_energy_is_in_joules_whatever_the_unit_of_length():
     base = Part("base", Sphere(100.0), grounded=True)
     aside = Part("aside", Sphere(10.0), Pose([900, 0, 0]), grounded=True)
     ball = Part("ball", Sphere(50.0), Pose([0, 0, 150]), mass=2.0)
@@ -266,7 +260,7 @@ def test_its_energy_is_in_joules_whatever_the_unit_of_length() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("thick", "friction"), [(0.6, "holds"), (1.4, "falls")])
-def test_it_says_what_friction_makes_of_it(thick: float, friction: str) -> None:
+def test_it_says_what_friction_makes_of_it(thick, friction):
     """A board on a roller rolls back if its centre is at most the radius above the roller."""
     lying = Pose.of([[1, 0, 0], [0, 0, -1], [0, 1, 0]]).rotation
     roller = Part("roller", Cylinder(0.5, 2.0), Pose([0, 0, 0], lying), grounded=True)
@@ -278,5 +272,5 @@ def test_it_says_what_friction_makes_of_it(thick: float, friction: str) -> None:
 
 
 @pytest.mark.slow
-def test_what_is_not_balanced_has_none() -> None:
+def test_what_is_not_balanced_has_none():
     assert fall_of(scene("tower")) is None

@@ -10,7 +10,6 @@ import math
 import re
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -90,7 +89,7 @@ def bad() -> str:
 
 
 @pytest.mark.slow
-def test_names_are_text_and_nothing_else(bad: str) -> None:
+def test_names_are_text_and_nothing_else(bad):
     plain = Tags(render(everything(scene("tower")), "tower"))
     tags = Tags(bad)
     kinds = lambda page: {tag for tag, _ in page.found}  # noqa: E731
@@ -105,7 +104,7 @@ def test_names_are_text_and_nothing_else(bad: str) -> None:
 
 
 @pytest.mark.slow
-def test_signs_that_turn_text_about_or_control_it_are_replaced(bad: str) -> None:
+def test_signs_that_turn_text_about_or_control_it_are_replaced(bad):
     for sign in "\u202e\u2066\x00\u2028":
         assert sign not in bad
     names = data_of(bad)["parts"]["names"]
@@ -115,13 +114,13 @@ def test_signs_that_turn_text_about_or_control_it_are_replaced(bad: str) -> None
     assert data_of(bad)["title"] == "</title><script>x</script>"
 
 
-def test_a_name_in_the_table_stands_apart_from_the_direction_of_its_line(bad: str) -> None:
+def test_a_name_in_the_table_stands_apart_from_the_direction_of_its_line(bad):
     assert '<bdi class="name">שלום עולם</bdi>' in bad
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("live", [False, True])
-def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live: bool) -> None:
+def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live):
     page = workbench_page("t0") if live else render(everything(scene("tower")), "tower")
     policy = re.search(r'http-equiv="Content-Security-Policy" content="([^"]*)"', page)
     assert policy is not None
@@ -142,7 +141,7 @@ def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live
 
 
 @pytest.mark.slow
-def test_the_page_names_no_address() -> None:
+def test_the_page_names_no_address():
     page = render(everything(scene("paper-figure-8")), "f8")
     found = set(re.findall(r"[a-z]+://[^\s\"'`<>)]+", page))
     # a namespace of elements, which is never requested
@@ -152,13 +151,13 @@ def test_the_page_names_no_address() -> None:
 
 
 @pytest.mark.slow
-def test_a_hundred_parts_take_less_than_a_megabyte_and_a_half() -> None:
+def test_a_hundred_parts_take_less_than_a_megabyte_and_a_half():
     page = render(everything(wall_of(100)), "wall")
     assert len(page.encode()) < 1.5e6
 
 
 @pytest.mark.slow
-def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
+def test_the_page_is_the_same_each_time_but_for_the_seconds():
     first, second = (render(everything(scene("paper-figure-8")), "f8") for _ in range(2))
     seconds = re.compile(r"<dt>seconds</dt><dd>.*?</dd>")
     assert seconds.sub("", first) == seconds.sub("", second)
@@ -166,7 +165,7 @@ def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sampled(len(NAMES) // 3, NAMES))
-def test_what_is_drawn_is_what_was_answered(name: str) -> None:
+def test_what_is_drawn_is_what_was_answered(name):
     assembly = scene(name)
     # without effort for a proof, so that the answer is fast
     answers = everything(assembly, effort=0)
@@ -189,7 +188,7 @@ def test_what_is_drawn_is_what_was_answered(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "corner-wedges", "paper-figure-10", "closed-frame"])
-def test_forces_of_the_rays_balance_every_part(name: str) -> None:
+def test_forces_of_the_rays_balance_every_part(name):
     assembly = scene(name)
     data = data_of(render(everything(assembly), name))
     rays, center = data["rays"], np.array(data["center"])
@@ -213,7 +212,7 @@ def test_forces_of_the_rays_balance_every_part(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_the_map_of_the_page_gives_z_of_the_program() -> None:
+def test_the_map_of_the_page_gives_z_of_the_program():
     from kilter.contact import detect
 
     assembly = scene("paper-figure-8")
@@ -232,7 +231,7 @@ def test_the_map_of_the_page_gives_z_of_the_program() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_left_out_is_said(monkeypatch):
     import kilter.analysis.everything as module
 
     monkeypatch.setattr(module, "MAP_PARTS", 3)
@@ -246,7 +245,7 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-def test_a_table_takes_no_room_in_the_first_view() -> None:
+def test_a_table_takes_no_room_in_the_first_view():
     """A held beam is shown up to 1.5 times the size of the free parts, a table is not."""
     block = Part("block", Box([2, 1, 1]), Pose([0, 0, 0.5]))
     on_table = data_of(render(everything(Assembly([block]).with_floor()), "block"))
@@ -256,14 +255,14 @@ def test_a_table_takes_no_room_in_the_first_view() -> None:
     assert on_beam["extent"] == pytest.approx([2.0, 0.5, 1.0])
 
 
-def test_a_force_is_said_as_the_program_of_the_page_says_it() -> None:
+def test_a_force_is_said_as_the_program_of_the_page_says_it():
     """`web/test` tests the page's function `force` with the same table."""
     table = json.loads((Path(__file__).parent / "forces.json").read_text(encoding="utf-8"))
     assert [force(newtons) for newtons, _ in table] == [words for _, words in table]
 
 
 @pytest.mark.slow
-def test_above_its_limit_the_region_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_above_its_limit_the_region_is_left_out(monkeypatch):
     import kilter.analysis.everything as module
 
     monkeypatch.setattr(module, "REGION_PARTS", 3)
@@ -274,7 +273,7 @@ def test_above_its_limit_the_region_is_left_out(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.slow
-def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch):
     import kilter.analysis.everything as module
 
     monkeypatch.setattr(module, "MAP_PROGRAMS", 20)
@@ -285,7 +284,7 @@ def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch: pytest.Monk
 
 
 @pytest.mark.slow
-def test_loads_leave_the_given_direction_alone() -> None:
+def test_loads_leave_the_given_direction_alone():
     assembly = scene("tower")
     load = kilter.Load("cube-5", [1.0, 0, 0])
     loaded = Assembly(assembly.parts, loads=[load])
@@ -297,19 +296,19 @@ def test_loads_leave_the_given_direction_alone() -> None:
     assert data["loads"][0]["force"] == [1.0, 0, 0]
 
 
-def test_everything_held_is_a_page_too() -> None:
+def test_everything_held_is_a_page_too():
     frame = Assembly([Part("a", Box([1, 1, 1]), grounded=True)])
     assert data_of(render(everything(frame), "x"))["given"]["verdict"] == "stable"
 
 
 @pytest.mark.slow
-def test_nothing_touching_is_a_page_too() -> None:
+def test_nothing_touching_is_a_page_too():
     data = data_of(render(everything(scene("floating-block")), "x"))
     assert data["given"]["verdict"] == "unstable"
 
 
 @pytest.mark.slow
-def test_the_drawing_has_no_way_to_compute() -> None:
+def test_the_drawing_has_no_way_to_compute():
     source = Path(kilter.__file__).parent / "show"
     for path in source.glob("*.py"):
         text = path.read_text(encoding="utf-8")
@@ -362,7 +361,7 @@ def numbers(text: str) -> list[float]:
 
 
 @pytest.mark.slow
-def test_a_beam_on_two_ridges() -> None:
+def test_a_beam_on_two_ridges():
     """Ridges at x = -1000 and 2000, and a beam of 100 kg with its centre at x = 300."""
     triangle = [[-100, -100], [100, -100], [0, 0]]
     left, right = (
@@ -404,7 +403,7 @@ def test_a_beam_on_two_ridges() -> None:
 
 
 @pytest.mark.slow
-def test_a_cube_past_an_edge_and_a_load() -> None:
+def test_a_cube_past_an_edge_and_a_load():
     """It turns about the edge 100 mm beside its centre: the motion is in mm/s^2, the load in N."""
     past = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
     rows, data = paged(Assembly([TABLE, past], units="mm"))
@@ -432,7 +431,7 @@ def test_a_cube_past_an_edge_and_a_load() -> None:
 
 
 @pytest.mark.slow
-def test_a_torque_needs_friction_although_its_resultant_is_none() -> None:
+def test_a_torque_needs_friction_although_its_resultant_is_none():
     """A slab is turned by 60 % of the torque of friction at its corners, 300 sqrt 2 mm away."""
     slab = Part("slab", Box([600, 600, 20]), [-1500, 0, 10], mass=10.0)
     torque = 0.6 * 0.5 * 10 * G * 300 * math.sqrt(2)
@@ -445,7 +444,7 @@ def test_a_torque_needs_friction_although_its_resultant_is_none() -> None:
 
 
 @pytest.mark.slow
-def test_the_fall_of_a_ball_off_a_ball_loses_its_weight_times_its_height() -> None:
+def test_the_fall_of_a_ball_off_a_ball_loses_its_weight_times_its_height():
     below = Part("below", kilter.Sphere(300.0), grounded=True)
     above = Part("above", kilter.Sphere(100.0), [0, 0, 400], mass=2.0)
     _, data = paged(Assembly([below, above], units="mm"))
@@ -473,7 +472,7 @@ ANSWERS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ask", ANSWERS, ids=["verdict", "region", "plan"])
-def test_a_cell_has_the_page_that_report_writes(ask: Any) -> None:
+def test_a_cell_has_the_page_that_report_writes(ask):
     answer = ask()
     shown = answer.show(height=333, title='<"me">')
     assert isinstance(shown, Shown)
@@ -495,7 +494,7 @@ def _untimed(page: str) -> str:
 
 
 @pytest.mark.slow
-def test_a_viewer_without_programs_gets_a_figure() -> None:
+def test_a_viewer_without_programs_gets_a_figure():
     pytest.importorskip("matplotlib")
     drawn = kilter.check(scene("tower")).show()._repr_svg_()
     assert drawn is not None
@@ -506,7 +505,7 @@ def test_a_viewer_without_programs_gets_a_figure() -> None:
 
 
 @pytest.mark.slow
-def test_what_cannot_be_shown_is_told() -> None:
+def test_what_cannot_be_shown_is_told():
     towers = [scene("tower"), scene("tower")]
     with pytest.raises(InputError, match=r"belongs to 2 assemblies, but a page shows one"):
         kilter.common_region(towers).show()
@@ -515,7 +514,7 @@ def test_what_cannot_be_shown_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_a_kernel_of_jupyter_shows_it() -> None:
+def test_a_kernel_of_jupyter_shows_it():
     pytest.importorskip("ipykernel")
     pytest.importorskip("nbclient")
     import nbformat

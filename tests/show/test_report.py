@@ -1,7 +1,5 @@
 """Reports, and the page of a plan."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -37,7 +35,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_report_writes_one_page_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+def test_report_writes_one_page_and_says_so(capsys):
     assert main(["report", "tower.kilter.json", "-o", "out.html"]) == 0
     page = Path("out.html").read_text(encoding="utf-8")
     assert page.startswith("<!doctype html>")
@@ -48,9 +46,7 @@ def test_report_writes_one_page_and_says_so(capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.slow
-def test_report_exits_with_0_whatever_the_verdict_and_may_be_quiet(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_report_exits_with_0_whatever_the_verdict_and_may_be_quiet(capsys):
     kilter.dump(scene("hanging-brick"), "h.json")
     assert main(["report", "h.json", "-o", "h.html", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
@@ -58,8 +54,8 @@ def test_report_exits_with_0_whatever_the_verdict_and_may_be_quiet(
 
 @pytest.mark.slow
 def test_more_parts_than_a_browser_can_show_are_refused_before_anything_is_asked(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+    monkeypatch, capsys
+):
     tower = scene("tower")
     monkeypatch.setattr(offline_page, "MOST", len(tower))
     assert kilter.report(tower).verdict == "stable"
@@ -72,14 +68,14 @@ def test_more_parts_than_a_browser_can_show_are_refused_before_anything_is_asked
 
 
 @pytest.mark.slow
-def test_a_page_grows_by_a_kilobyte_a_part() -> None:
+def test_a_page_grows_by_a_kilobyte_a_part():
     walls = [wall_of(bricks) for bricks in (4000, 5000)]  # both above the row limit of tables
     small, large = (len(kilter.report(wall).html) for wall in walls)
     assert 100 < (large - small) / (len(walls[1]) - len(walls[0])) < 1024
 
 
 @pytest.mark.slow
-def test_the_command_on_the_page_makes_the_page_again() -> None:
+def test_the_command_on_the_page_makes_the_page_again():
     words = ["report", "tower.kilter.json", "--down", "0.1", "0", "-1", "--without", "cube-5"]
     words += ["--friction", "0.25", "--gap", "0.001", "-o", "a b.html", "--quiet"]
     assert main(words) == 0
@@ -99,9 +95,7 @@ def test_the_command_on_the_page_makes_the_page_again() -> None:
 
 
 @pytest.mark.slow
-def test_margins_are_on_the_page_up_to_a_size_and_above_it_where_asked(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_margins_are_on_the_page_up_to_a_size_and_above_it_where_asked(monkeypatch):
     import kilter.analysis.everything as module
 
     kilter.dump(tower_of(2), "two.json")
@@ -120,7 +114,7 @@ def test_margins_are_on_the_page_up_to_a_size_and_above_it_where_asked(
 
 
 @pytest.mark.slow
-def test_a_page_of_eighteen_parts_of_step_has_less_than_a_megabyte() -> None:
+def test_a_page_of_eighteen_parts_of_step_has_less_than_a_megabyte():
     file = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
     pytest.importorskip("OCP")
     if not file.exists():
@@ -141,9 +135,7 @@ def test_a_page_of_eighteen_parts_of_step_has_less_than_a_megabyte() -> None:
         (["-o", "out.html", "--ground", "nobody"], "nobody"),
     ],
 )
-def test_report_refuses_with_one_sentence(
-    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_report_refuses_with_one_sentence(words, said, capsys):
     before = Path("tower.kilter.json").read_bytes()
     assert main(["report", "tower.kilter.json", *words]) == 2
     error = capsys.readouterr().err
@@ -153,23 +145,21 @@ def test_report_refuses_with_one_sentence(
     assert not Path("out.html").exists()
 
 
-def test_an_input_that_is_named_like_a_page_is_not_written_over(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_an_input_that_is_named_like_a_page_is_not_written_over(capsys):
     Path("tower.kilter.json").rename("tower.html")
     assert main(["report", "tower.html", "-o", "tower.html"]) == 2
     assert "overwritten" in capsys.readouterr().err
 
 
 @pytest.mark.slow
-def test_a_page_that_was_there_is_replaced_whole() -> None:
+def test_a_page_that_was_there_is_replaced_whole():
     Path("out.html").write_text("old")
     assert main(["report", "tower.kilter.json", "-o", "out.html", "--quiet"]) == 0
     assert Path("out.html").read_text(encoding="utf-8").startswith("<!doctype")
     assert sorted(p.name for p in Path().iterdir()) == ["out.html", "tower.kilter.json"]
 
 
-def test_a_change_of_a_file_or_of_a_mesh_that_it_names_is_seen(tmp_path: Path) -> None:
+def test_a_change_of_a_file_or_of_a_mesh_that_it_names_is_seen(tmp_path):
     first = fingerprint("tower.kilter.json")
     assert fingerprint("tower.kilter.json") == first
     data = json.loads(Path("tower.kilter.json").read_text())
@@ -202,7 +192,7 @@ def built() -> tuple[kilter.Order, str]:
 
 
 @pytest.mark.slow
-def test_the_data_are_those_of_the_plan(built: tuple[kilter.Order, str]) -> None:
+def test_the_data_are_those_of_the_plan(built):
     order, page = built
     data, told = data_of(page), order.to_dict()
     names = data["parts"]["names"]
@@ -220,7 +210,7 @@ def test_the_data_are_those_of_the_plan(built: tuple[kilter.Order, str]) -> None
     assert told["sentence"] in data["plan"]["sentence"]
 
 
-def test_every_step_is_in_words_without_any_program(built: tuple[kilter.Order, str]) -> None:
+def test_every_step_is_in_words_without_any_program(built):
     order, page = built
     text = Tags(page).text
     for step in order.steps:
@@ -229,9 +219,7 @@ def test_every_step_is_in_words_without_any_program(built: tuple[kilter.Order, s
     assert data_of(page)["plan"]["steps"][3]["facts"][-1][0] == "standing parts"
 
 
-def test_the_graph_has_every_step_once_and_leads_downwards(
-    built: tuple[kilter.Order, str],
-) -> None:
+def test_the_graph_has_every_step_once_and_leads_downwards(built):
     order, page = built
     [svg] = re.findall(r'id="graph".*?(<svg.*?</svg>)', page, re.S)
     tree = ElementTree.fromstring(svg)
@@ -242,7 +230,7 @@ def test_the_graph_has_every_step_once_and_leads_downwards(
         assert nodes[str(index[need.before])] < nodes[str(index[need.after])]
 
 
-def test_arrows_that_others_imply_are_left_out() -> None:
+def test_arrows_that_others_imply_are_left_out():
     order = kilter.plan(scene("tower"))
     needs = [(one.before, one.after) for one in explain(order).needs]
     assert len(needs) == 10
@@ -251,7 +239,7 @@ def test_arrows_that_others_imply_are_left_out() -> None:
     assert svg.count('class="touch"') == 1  # the first cube on the base
 
 
-def test_a_tower_is_pulled_apart_upwards_each_above_the_one_below() -> None:
+def test_a_tower_is_pulled_apart_upwards_each_above_the_one_below():
     order = kilter.plan(scene("tower"))
     assembly = order.states.assembly
     apart = pulled_apart(assembly, order.to_dict()["steps"])
@@ -262,7 +250,7 @@ def test_a_tower_is_pulled_apart_upwards_each_above_the_one_below() -> None:
 
 
 @pytest.mark.slow
-def test_an_impossibility_shows_how_each_part_falls() -> None:
+def test_an_impossibility_shows_how_each_part_falls():
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6), kilter.PlanRules(hold=0))
     data = data_of(page_of(order))["plan"]
     assert (data["verdict"], data["steps"]) == ("impossible", [])
@@ -272,7 +260,7 @@ def test_an_impossibility_shows_how_each_part_falls() -> None:
 
 
 @pytest.mark.slow
-def test_names_are_text_in_the_strip_the_table_and_the_graph() -> None:
+def test_names_are_text_in_the_strip_the_table_and_the_graph():
     base = Part("base", Box([40, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     cubes = [
         Part(name, Box([1, 1, 1]), Pose([2 * k - 10, 0, 0.5])) for k, name in enumerate(HOSTILE)
@@ -287,19 +275,19 @@ def test_names_are_text_in_the_strip_the_table_and_the_graph() -> None:
 
 
 @pytest.mark.slow
-def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
+def test_the_page_is_the_same_each_time_but_for_the_seconds():
     first, second = (page_of(kilter.plan(scene("paper-figure-9"))) for _ in range(2))
     assert first == second
 
 
-def test_the_page_of_a_plan_is_written_by_report(tmp_path: object) -> None:
+def test_the_page_of_a_plan_is_written_by_report(tmp_path):
     made = kilter.report(kilter.plan(scene("tower")))
     assert made.verdict == "found"
     assert 'id="strip"' in made.html
     assert 'id="ball"' not in made.html
 
 
-def test_a_given_order_that_fails_says_where() -> None:
+def test_a_given_order_that_fails_says_where():
     names = [f"cube-{k}" for k in (2, 1, 3, 4, 5)]
     order = kilter.plan(scene("tower"), kilter.PlanRules(sequence=names))
     assert order.verdict == "fails"
@@ -312,6 +300,6 @@ def test_a_given_order_that_fails_says_where() -> None:
     assert any(step["facts"][-1][0] == "fails" for step in data["steps"])
 
 
-def test_parts_that_lock_one_another_have_a_page() -> None:
+def test_parts_that_lock_one_another_have_a_page():
     order = kilter.plan(scene("closed-frame"))
     assert (order.verdict, data_of(page_of(order))["plan"]["steps"]) == ("impossible", [])

@@ -1,7 +1,5 @@
 """Drawn shapes, round patches, colours and places of rest."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from pathlib import Path
@@ -32,7 +30,7 @@ CUBE = surface(Box([1, 1, 1]))
 
 @pytest.mark.quick(7)
 @pytest.mark.parametrize("name", list(SCENES))
-def test_parts_are_drawn_where_their_geometry_is(name: str) -> None:
+def test_parts_are_drawn_where_their_geometry_is(name):
     assembly = scene(name)
     found, geometry = place_shapes(assembly), assembly.geometry
     rotation = quaternion_to_matrix(found.rotation)
@@ -44,7 +42,7 @@ def test_parts_are_drawn_where_their_geometry_is(name: str) -> None:
         assert np.allclose(drawn_.max(axis=0), own.max(axis=0), atol=near)
 
 
-def test_a_cube_has_twelve_edges_and_a_cylinder_two_rims() -> None:
+def test_a_cube_has_twelve_edges_and_a_cylinder_two_rims():
     assert len(feature_edges(*CUBE)) == 12
     vertices, triangles = surface(Cylinder(1, 2))
     edges = feature_edges(vertices, triangles)
@@ -53,7 +51,7 @@ def test_a_cube_has_twelve_edges_and_a_cylinder_two_rims() -> None:
     assert (height[:, 0] == height[:, 1]).all()
 
 
-def test_a_sphere_has_no_edges_until_the_crease_is_as_sharp_as_its_facets() -> None:
+def test_a_sphere_has_no_edges_until_the_crease_is_as_sharp_as_its_facets():
     from kilter import Sphere
 
     vertices, triangles = surface(Sphere(1))
@@ -61,13 +59,13 @@ def test_a_sphere_has_no_edges_until_the_crease_is_as_sharp_as_its_facets() -> N
     assert len(feature_edges(vertices, triangles, crease=0.1)) > 100
 
 
-def test_an_open_border_is_an_edge() -> None:
+def test_an_open_border_is_an_edge():
     vertices, triangles = CUBE
     assert len(feature_edges(vertices, triangles[2:])) == 12
     assert len(feature_edges(vertices, triangles[1:])) == 13
 
 
-def test_copies_that_differ_by_rounding_are_one_shape() -> None:
+def test_copies_that_differ_by_rounding_are_one_shape():
     vertices, triangles = CUBE
     away = vertices + np.array([1e3 / 3, 0.1, -7.7])
     parts = [Part("a", Mesh(vertices, triangles)), Part("b", Mesh(away, triangles))]
@@ -77,7 +75,7 @@ def test_copies_that_differ_by_rounding_are_one_shape() -> None:
     assert found.shape.tolist() == [0, 0, 1]
 
 
-def test_corners_listed_once_a_face_make_the_same_edges() -> None:
+def test_corners_listed_once_a_face_make_the_same_edges():
     vertices, triangles = CUBE
     soup = vertices[triangles].reshape(-1, 3)
     shape, middle = shape_mesh(soup, np.arange(len(soup)).reshape(-1, 3))
@@ -86,20 +84,20 @@ def test_corners_listed_once_a_face_make_the_same_edges() -> None:
     assert np.allclose(middle, 0)
 
 
-def test_a_shape_far_from_the_origin_keeps_its_digits() -> None:
+def test_a_shape_far_from_the_origin_keeps_its_digits():
     box = Part("far", Box([1, 1, 1]), Pose([1e7, 0, 0]))
     shape = place_shapes(Assembly([box])).shapes[0]
     assert np.abs(np.abs(shape.positions) - 0.5).max() == 0
 
 
-def test_few_parts_have_a_hue_each_and_held_ones_are_grey() -> None:
+def test_few_parts_have_a_hue_each_and_held_ones_are_grey():
     colours = part_colours([0, 0, 0, 0], [True, False, False, False])
     assert len({tuple(c) for c in colours.tolist()}) == 4
     assert len(set(colours[0].tolist())) <= 3
     assert np.ptp(colours[0].astype(int)) < 20
 
 
-def test_many_parts_have_a_hue_a_shape() -> None:
+def test_many_parts_have_a_hue_a_shape():
     count = 8 * len(PALETTE)
     colours = part_colours(np.arange(count) % 2, np.zeros(count, dtype=bool)).astype(float)
     blue = colours[::2, 2] > colours[::2, 0]
@@ -115,7 +113,7 @@ def arc(angles: np.ndarray, lean: float, height: float) -> tuple[np.ndarray, np.
     return (3 - height) * around + height * up, np.cos(lean) * around + np.sin(lean) * up
 
 
-def test_a_cone_has_its_circles_and_an_arc_ends_where_its_points_end() -> None:
+def test_a_cone_has_its_circles_and_an_arc_ends_where_its_points_end():
     angles = np.radians([-40, 0, 40, 80])
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     low, high = arc(angles, 0.4, 0.0), arc(angles, 0.4, 1.0)
@@ -133,14 +131,14 @@ def test_a_cone_has_its_circles_and_an_arc_ends_where_its_points_end() -> None:
     assert np.allclose(sorted(sizes), [2, 3])
 
 
-def test_three_points_around_are_a_whole_circle_and_two_are_none() -> None:
+def test_three_points_around_are_a_whole_circle_and_two_are_none():
     around = arc(np.radians([0, 120, 240]), 0.0, 0.0)
     [ring] = _rings(*around)
     assert np.allclose(ring[0], ring[-1])
     assert _rings(*arc(np.radians([0, 90]), 0.0, 0.0)) == []
 
 
-def test_a_shaft_touches_its_bore_on_a_whole_cylinder() -> None:
+def test_a_shaft_touches_its_bore_on_a_whole_cylinder():
     sleeve = tube("sleeve", 1.0, 2.0, 3.0, grounded=True)
     found = contacts(Assembly([sleeve, Part("shaft", Cylinder(1.0, 2.0), Pose([0, 0, 0.2]))]))
     assert found.patch_kind.tolist() == ["cylinder"]
@@ -153,7 +151,7 @@ def test_a_shaft_touches_its_bore_on_a_whole_cylinder() -> None:
     assert np.isclose(area.sum(), found.patch_area[0], rtol=2e-3)
 
 
-def test_flat_patches_and_lines_of_contact_have_none() -> None:
+def test_flat_patches_and_lines_of_contact_have_none():
     for name in ("tower", "three-cylinders"):
         assert len(round_patches(contacts(scene(name))).points) == 0
 
@@ -203,7 +201,7 @@ def lab(seen: np.ndarray) -> np.ndarray:
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
 
-def test_distances_and_contrasts_are_those_of_the_books() -> None:
+def test_distances_and_contrasts_are_those_of_the_books():
     assert np.allclose(lab(linear("#ffffff")), [100, 0, 0], atol=0.02)
     assert np.allclose(lab(linear("#ff0000")), [53.24, 80.09, 67.2], atol=0.05)
     assert contrast("#000000", "#ffffff") == pytest.approx(21)
@@ -216,7 +214,7 @@ def test_distances_and_contrasts_are_those_of_the_books() -> None:
 
 @pytest.mark.parametrize("eye", SEEN)
 @pytest.mark.parametrize("theme", THEMES)
-def test_signs_are_told_apart(theme: str, eye: str) -> None:
+def test_signs_are_told_apart(theme, eye):
     signs = {name: getattr(one, theme) for name, one in ROLES.items() if one.use == "sign"}
     places = {k: lab(SEEN[eye] @ linear(c)) for k, c in {**signs, "held": GROUND}.items()}
     for a, b in itertools.combinations(places, 2):
@@ -224,7 +222,7 @@ def test_signs_are_told_apart(theme: str, eye: str) -> None:
 
 
 @pytest.mark.parametrize("theme", THEMES)
-def test_words_and_signs_stand_out_from_what_is_behind_them(theme: str) -> None:
+def test_words_and_signs_stand_out_from_what_is_behind_them(theme):
     of = {name: getattr(one, theme) for name, one in ROLES.items()}
     for name in ("stable", "unstable", "undecided", "ink", "soft", "link", "grip"):
         assert contrast(of[name], of["surface"]) >= 4.5, name
@@ -234,19 +232,19 @@ def test_words_and_signs_stand_out_from_what_is_behind_them(theme: str) -> None:
             assert contrast(of[name], of[ground]) >= 3.0, (name, ground)
 
 
-def test_the_ramp_gets_darker_for_every_eye() -> None:
+def test_the_ramp_gets_darker_for_every_eye():
     for eye in SEEN.values():
         levels = [lab(eye @ linear(colour))[0] for colour in RAMP]
         assert (np.diff(levels) < -APART / 2).all()
 
 
-def test_signs_are_stronger_than_the_parts_they_lie_on() -> None:
+def test_signs_are_stronger_than_the_parts_they_lie_on():
     parts = [*PALETTE, GROUND]
     for name in ("unstable", "force", "limit", "patch"):
         assert min(contrast(ROLES[name].light, part) for part in parts) > 1.7, name
 
 
-def test_the_style_has_every_role_in_light_and_dark() -> None:
+def test_the_style_has_every_role_in_light_and_dark():
     light, *dark = as_css().strip().split("\n")
     assert len(dark) == 2
     for name, one in ROLES.items():
@@ -261,7 +259,7 @@ LITERAL = re.compile(
 
 
 @pytest.mark.slow
-def test_no_other_colour_is_in_the_sources() -> None:
+def test_no_other_colour_is_in_the_sources():
     found = []
     folders = {"src/kilter": "py css html js", "web/src": "js", "docs": "py css js"}
     for folder, kinds in folders.items():
@@ -277,7 +275,7 @@ def test_no_other_colour_is_in_the_sources() -> None:
         assert LITERAL.search(sign)
 
 
-def test_the_page_of_the_docs_has_the_table() -> None:
+def test_the_page_of_the_docs_has_the_table():
     text = (ROOT / "docs" / "colours.md").read_text(encoding="utf-8")
     rows = [f"| {name} | {one.says} | {one.light} | {one.dark} |" for name, one in ROLES.items()]
     assert "\n".join(rows) in text
@@ -296,7 +294,7 @@ def corner(mu: float = 0.0) -> Assembly:
 
 
 @pytest.mark.slow
-def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer() -> None:
+def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer():
     rests = kilter.region(corner(), rests=True).to_dict()["rests"]
     page = render(everything(corner()), title="rests", command="")
     marked = data_of(page)["region"]["rests"]
@@ -309,7 +307,7 @@ def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer() -> Non
 
 
 @pytest.mark.slow
-def test_what_it_lies_on_is_what_bears_it() -> None:
+def test_what_it_lies_on_is_what_bears_it():
     """Along the axis of the corner three walls carry the cube, along an edge only two."""
     axis, *edges = kilter.region(corner(), rests=True).rests
     assert axis.on == ("floor", "left", "back")
@@ -317,7 +315,7 @@ def test_what_it_lies_on_is_what_bears_it() -> None:
 
 
 @pytest.mark.slow
-def test_the_table_has_the_well_of_a_body_on_a_table() -> None:
+def test_the_table_has_the_well_of_a_body_on_a_table():
     dome = turned_part("dome", [(0, 0), (1, 1, 0, 1), (0, 1)])
     answer = kilter.region(Assembly([floor([-4, -4], [4, 4]), dome]), rests=True).to_dict()
     [row] = rest_table(answer).rows(9)
@@ -327,7 +325,7 @@ def test_the_table_has_the_well_of_a_body_on_a_table() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
-def test_the_figure_marks_them_where_they_were_asked(mu: float) -> None:
+def test_the_figure_marks_them_where_they_were_asked(mu):
     asked = mu == 0
     figure = draw_region(kilter.region(corner(mu), rests=asked))
     said = [entry.get_text() for legend in figure.legends for entry in legend.get_texts()]
@@ -336,14 +334,14 @@ def test_the_figure_marks_them_where_they_were_asked(mu: float) -> None:
 
 
 @pytest.mark.slow
-def test_with_friction_the_page_marks_none() -> None:
+def test_with_friction_the_page_marks_none():
     page = render(everything(corner(0.3)), title="rests", command="")
     assert data_of(page)["region"]["rests"] == []
     assert "Places of rest" not in page
 
 
 @pytest.mark.slow
-def test_many_parts_are_not_asked() -> None:
+def test_many_parts_are_not_asked():
     boxes = [Part(f"b{k}", Box([1, 1, 1]), pose=[[1, 0, 0, 2 * k], [0, 1, 0, 0], [0, 0, 1, 0.5],
                                                 [0, 0, 0, 1]]) for k in range(7)]  # fmt: skip
     assembly = Assembly([floor([-2, -2], [20, 2]), *boxes])

@@ -1,7 +1,5 @@
 """Hostile messages, silent sockets, and files that the workbench owns."""
 
-from __future__ import annotations
-
 import csv
 import http.client
 import io
@@ -15,7 +13,7 @@ import threading
 import time
 import urllib.parse
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -72,9 +70,7 @@ UPLOADS = [
 
 
 @pytest.mark.parametrize(("query", "said"), UPLOADS)
-def test_an_upload_with_a_wrong_name_is_refused(
-    query: dict[str, str], said: str | None, bench: Workbench
-) -> None:
+def test_an_upload_with_a_wrong_name_is_refused(query, said, bench):
     """An invalid byte in a name is replaced by the decoder of addresses, so it is no fault."""
     assert posted(bench, {"name": "taken"})[0] == 200
     assert posted(bench, {"name": "a.stl", "folder": "parts"}) == (200, {"file": "parts"})
@@ -89,7 +85,7 @@ def test_an_upload_with_a_wrong_name_is_refused(
     assert sorted(os.listdir(uploads_of(bench))) == before
 
 
-def test_two_uploads_of_one_name_are_each_whole(bench: Workbench) -> None:
+def test_two_uploads_of_one_name_are_each_whole(bench):
     bodies = [bytes([k]) * 3_000_000 for k in (1, 2)]
     codes: list[int] = []
 
@@ -119,7 +115,7 @@ RAW = [
 ]
 
 
-def test_a_text_that_is_no_message_is_answered(page: Page, bench: Workbench) -> None:
+def test_a_text_that_is_no_message_is_answered(page, bench):
     other = Page(bench)
     for text in (*RAW, b"\xff\x00"):
         with connect(
@@ -203,14 +199,7 @@ def query(rng: random.Random) -> dict[str, str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
-def test_thousands_of_malformed_messages_are_answered(
-    seed: int,
-    page: Page,
-    bench: Workbench,
-    folder: Path,
-    capfd: pytest.CaptureFixture[str],
-    caplog: pytest.LogCaptureFixture,
-) -> None:
+def test_thousands_of_malformed_messages_are_answered(seed, page, bench, folder, capfd, caplog):
     """3,600 in all: none is silent, none is a fault, and the file is as before."""
     page.close()
     rng, heard, silent = random.Random(seed), [], 0
@@ -285,15 +274,13 @@ HEAD = b"GET /?token=no HTTP/1.1\r\nHost: localhost\r\n"
     [(b"", b""), (b"GET /", b"x"), (HEAD, b"a: b\r\n"), (HEAD + b"\r\n", b"G")],
     ids=["silent", "slow line", "slow headers", "slow second request"],
 )
-def test_a_connection_without_a_request_is_closed(
-    begin: bytes, drip: bytes, impatient: Workbench
-) -> None:
+def test_a_connection_without_a_request_is_closed(begin, drip, impatient):
     assert time_to_the_end(impatient, begin, drip) < 25 * SHORT
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("drip", [b"", b"x"])
-def test_an_upload_that_does_not_advance_is_ended(drip: bytes, impatient: Workbench) -> None:
+def test_an_upload_that_does_not_advance_is_ended(drip, impatient):
     query = urllib.parse.urlencode({"token": impatient.token, "name": "a.stl"})
     head = f"POST /upload?{query} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9999999\r\n\r\n"
     assert time_to_the_end(impatient, head.encode(), drip) < 25 * SHORT
@@ -302,7 +289,7 @@ def test_an_upload_that_does_not_advance_is_ended(drip: bytes, impatient: Workbe
 
 
 @pytest.mark.slow
-def test_a_page_that_only_listens_stays_connected(impatient: Workbench) -> None:
+def test_a_page_that_only_listens_stays_connected(impatient):
     page = Page(impatient)
     time.sleep(3 * SHORT)
     assert page.say(do="stop")["ok"]
@@ -322,7 +309,7 @@ def status(address: str, bench: Workbench, host: str) -> tuple[int, str]:
 @pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="127.0.0.2 is an address there")
 @pytest.mark.parametrize("word", ["0.0.0.0", "::"])
-def test_it_listens_on_all_addresses_only_if_asked(word: str, tmp_path: Path) -> None:
+def test_it_listens_on_all_addresses_only_if_asked(word, tmp_path):
     with Workbench(None, folder=tmp_path) as bench, pytest.raises(ConnectionError):
         status("127.0.0.2", bench, "localhost")
     if ":" in word and not socket.has_ipv6:
@@ -345,7 +332,7 @@ def test_it_listens_on_all_addresses_only_if_asked(word: str, tmp_path: Path) ->
         assert status("127.0.0.1", bench, "localhost")[0] == 403
 
 
-def test_a_taken_port_is_a_sentence() -> None:
+def test_a_taken_port_is_a_sentence():
     with (
         listen(0, ()) as taken,
         pytest.raises(InputError, match="is not available"),
@@ -386,9 +373,7 @@ TRAPS = [to_file, to_nothing, to_folder, pipe]
 
 @POSIX
 @pytest.mark.parametrize("trap", TRAPS)
-def test_an_owned_file_replaces_no_link(
-    trap: Callable[[Path, Path], None], victim: Path, tmp_path: Path
-) -> None:
+def test_an_owned_file_replaces_no_link(trap, victim, tmp_path):
     place = tmp_path / "owned.json"
     trap(place, victim)
     before = sorted(os.listdir(tmp_path)), sorted(os.listdir(victim.parent))
@@ -401,9 +386,7 @@ def test_an_owned_file_replaces_no_link(
 @pytest.mark.quick(1)
 @POSIX
 @pytest.mark.parametrize("trap", TRAPS)
-def test_a_click_writes_through_no_link(
-    trap: Callable[[Path, Path], None], victim: Path, page: Page, folder: Path
-) -> None:
+def test_a_click_writes_through_no_link(trap, victim, page, folder):
     trap(autosave_path(folder / "f8.kilter.json"), victim)
     trap(folder / "f8.choices.kilter.json", victim)
     page.after(do="hold", parts=["C3"], on=True)
@@ -417,7 +400,7 @@ def test_a_click_writes_through_no_link(
 
 
 @pytest.mark.slow
-def test_a_file_with_the_longest_name_keeps_its_changes(page: Page, folder: Path) -> None:
+def test_a_file_with_the_longest_name_keeps_its_changes(page, folder):
     name = f"{'n' * 240}.kilter.json"
     kilter.dump(scene("paper-figure-8"), folder / name)
     assert page.say(do="open", file=name)["ok"]
@@ -440,7 +423,7 @@ def test_a_file_with_the_longest_name_keeps_its_changes(page: Page, folder: Path
         b'{"kilter_workbench": 1, "base": {}, "undone": [], "changes": [' + b"1," * 9999 + b"1]}",
     ],
 )
-def test_a_damaged_autosave_is_a_sentence(content: bytes, page: Page, folder: Path) -> None:
+def test_a_damaged_autosave_is_a_sentence(content, page, folder):
     autosave_path(folder / "f8.kilter.json").write_bytes(content)
     assert page.say(do="open", file="f8.kilter.json")["ok"]
     assert "could not be restored" in page.last["session"]["message"]
@@ -448,9 +431,7 @@ def test_a_damaged_autosave_is_a_sentence(content: bytes, page: Page, folder: Pa
 
 
 @POSIX
-def test_changes_of_a_dropped_file_follow_no_link(
-    bench: Workbench, page: Page, victim: Path
-) -> None:
+def test_changes_of_a_dropped_file_follow_no_link(bench, page, victim):
     assert page.say(do="open", example="paper-figure-8")["ok"]
     page.answer()
     digest = page.last["session"]["choices"]["sha256"]
@@ -462,9 +443,7 @@ def test_changes_of_a_dropped_file_follow_no_link(
     assert victim.read_bytes() == VICTIM
 
 
-def test_the_table_of_contacts_begins_no_cell_with_a_formula(
-    page: Page, bench: Workbench, folder: Path
-) -> None:
+def test_the_table_of_contacts_begins_no_cell_with_a_formula(page, bench, folder):
     base = kilter.Part("=1+1", kilter.Box([2, 2, 1]), [0, 0, 0], grounded=True)
     top = kilter.Part("@SUM(A1)\x1b", kilter.Box([1, 1, 1]), [0, 0, 1])
     kilter.dump(kilter.Assembly([base, top]), folder / "names.kilter.json")
@@ -518,9 +497,7 @@ def project(tmp_path: Path) -> Path:
 @pytest.mark.slow
 @pytest.mark.parametrize("absolute", [False, True])
 @pytest.mark.parametrize("kind", SCENES)
-def test_a_named_file_outside_is_refused_with_the_folder_to_open(
-    kind: str, absolute: bool, project: Path
-) -> None:
+def test_a_named_file_outside_is_refused_with_the_folder_to_open(kind, absolute, project):
     """With the folder above as the opened folder, the refusal ends."""
     name, text, named = SCENES[kind]
     modules = {"MJCF mesh": "mujoco", "MJCF include": "mujoco", "USD layer": "pxr"}
@@ -546,7 +523,7 @@ def test_a_named_file_outside_is_refused_with_the_folder_to_open(
 
 
 @POSIX
-def test_a_link_to_a_file_outside_is_refused(page: Page, folder: Path, project: Path) -> None:
+def test_a_link_to_a_file_outside_is_refused(page, folder, project):
     meshes = folder / "meshes"
     meshes.mkdir()
     (meshes / "a.obj").symlink_to(project / "meshes" / "t.obj")
@@ -559,7 +536,7 @@ def test_a_link_to_a_file_outside_is_refused(page: Page, folder: Path, project: 
 
 @pytest.mark.slow
 @POSIX
-def test_the_whole_disk_is_never_proposed(page: Page, folder: Path) -> None:
+def test_the_whole_disk_is_never_proposed(page, folder):
     (folder / "all.obj").symlink_to("/etc/hostname")
     with Workbench(folder / "all.obj", folder=folder) as bench:
         other = Page(bench)
@@ -568,6 +545,6 @@ def test_the_whole_disk_is_never_proposed(page: Page, folder: Path) -> None:
         other.close()
 
 
-def test_the_option_names_the_opened_folder(tmp_path: Path) -> None:
+def test_the_option_names_the_opened_folder(tmp_path):
     with pytest.raises(InputError, match="no such folder"):
         kilter.view(folder=tmp_path / "gone", browser=False)

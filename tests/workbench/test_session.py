@@ -1,7 +1,5 @@
 """A session of the workbench: its state, files, exports and settled poses."""
 
-from __future__ import annotations
-
 import json
 import os
 import shlex
@@ -28,7 +26,7 @@ from kilter.scenes.walls import wall_of
 from kilter.workbench.server import Workbench
 
 
-def test_held_parts_change_the_verdict_and_undo_takes_it_back(page: Page) -> None:
+def test_held_parts_change_the_verdict_and_undo_takes_it_back(page):
     assert page.last["answer"]["check"]["verdict"] == "unstable"
     held = page.after(do="hold", parts=["C3"], on=True)
     command = page.last["session"]["command"]
@@ -40,7 +38,7 @@ def test_held_parts_change_the_verdict_and_undo_takes_it_back(page: Page) -> Non
 
 
 @pytest.mark.slow
-def test_the_saved_choices_give_the_same_answer(page: Page, folder: Path) -> None:
+def test_the_saved_choices_give_the_same_answer(page, folder):
     page.after(do="friction", mu=0.4)
     page.after(do="hold", parts=["C2"], on=True)
     shown = page.after(do="load", part="C3", force=[0, 0, -2])
@@ -53,7 +51,7 @@ def test_the_saved_choices_give_the_same_answer(page: Page, folder: Path) -> Non
     assert shown["given"]["sentence"] == verdict.sentence
 
 
-def test_a_second_page_shows_the_same_state(page: Page, bench: Workbench) -> None:
+def test_a_second_page_shows_the_same_state(page, bench):
     page.after(do="hold", parts=["C2"], on=True)
     other = Page(bench)
     other.hear(lambda message: message.get("is") == "answer")
@@ -65,7 +63,7 @@ def test_a_second_page_shows_the_same_state(page: Page, bench: Workbench) -> Non
     other.close()
 
 
-def test_tabs_have_answer_and_command(page: Page) -> None:
+def test_tabs_have_answer_and_command(page):
     page.after(do="hold", parts=["C2"], on=True)
     for name in ("orient", "margin", "hold", "plan", "contacts", "transport"):
         assert page.say(do="ask", tab=name)["ok"]
@@ -75,9 +73,7 @@ def test_tabs_have_answer_and_command(page: Page) -> None:
         assert "<" in tab["html"]
 
 
-def test_the_map_of_places_is_that_of_its_command(
-    page: Page, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_map_of_places_is_that_of_its_command(page, folder, capsys, monkeypatch):
     kilter.dump(scene("tower"), folder / "tower.kilter.json")
     assert page.say(do="open", file="tower.kilter.json")["ok"]
     page.answer()
@@ -94,7 +90,7 @@ def test_the_map_of_places_is_that_of_its_command(
 
 
 @pytest.mark.parametrize("options", [{}, {"size": [1, 1, 1]}, {"size": [1, 1, -1], "mass": 1}])
-def test_a_wrong_box_to_place_is_a_sentence(page: Page, options: dict[str, Any]) -> None:
+def test_a_wrong_box_to_place_is_a_sentence(page, options):
     page.after(do="hold", parts=["C2"], on=True)
     page.say(do="ask", tab="place", options=options)
     tab = page.hear(lambda message: message.get("is") == "tab")
@@ -102,7 +98,7 @@ def test_a_wrong_box_to_place_is_a_sentence(page: Page, options: dict[str, Any])
     assert tab["error"]
 
 
-def test_two_states_are_compared(page: Page) -> None:
+def test_two_states_are_compared(page):
     page.after(do="hold", parts=["C2"], on=True)
     page.after(do="hold", parts=["C3"], on=True)
     page.say(do="compare", a=0, b=2)
@@ -110,7 +106,7 @@ def test_two_states_are_compared(page: Page) -> None:
     assert tab["sentence"] == "The verdict changes from unstable to stable."
 
 
-def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -> None:
+def test_a_problem_is_a_sentence_and_the_scene_stays(page, folder):
     data = json.loads((folder / "f8.kilter.json").read_text())
     for part in data["parts"]:
         part.pop("grounded", None)
@@ -122,7 +118,7 @@ def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -
     assert page.after(do="floor", on=True)["is"] == "answer"
 
 
-def test_a_wrong_request_is_refused_in_a_sentence(page: Page) -> None:
+def test_a_wrong_request_is_refused_in_a_sentence(page):
     """The other pages, and the next message, are not disturbed."""
     for request, said in (
         ({"do": "open", "file": "../../etc/passwd"}, "there is no file"),
@@ -160,7 +156,7 @@ def test_a_wrong_request_is_refused_in_a_sentence(page: Page) -> None:
     assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
 
 
-def test_the_first_answer_has_the_verdict_and_leaves_the_displacements_to_the_second() -> None:
+def test_the_first_answer_has_the_verdict_and_leaves_the_displacements_to_the_second():
     assembly = scene("paper-figure-8")
     found = kilter.contacts(assembly)
     quick, complete = check_equilibrium(assembly, found), kilter.check(assembly)
@@ -174,14 +170,14 @@ def test_the_first_answer_has_the_verdict_and_leaves_the_displacements_to_the_se
     assert "displacement" not in vars(quick)  # its program was not solved
 
 
-def test_an_example_opens(page: Page) -> None:
+def test_an_example_opens(page):
     assert page.say(do="open", example="tower")["ok"]
     assert page.answer()["check"]["verdict"] == "stable"
     assert page.last["session"]["file"] == "tower.kilter.json"
 
 
 @pytest.mark.slow
-def test_changes_survive_the_end_of_the_server(tmp_path: Path) -> None:
+def test_changes_survive_the_end_of_the_server(tmp_path):
     kilter.dump(scene("paper-figure-8"), tmp_path / "f8.kilter.json")
     for count in (0, 1):
         with Workbench(tmp_path / "f8.kilter.json") as bench:
@@ -197,7 +193,7 @@ def test_changes_survive_the_end_of_the_server(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="the process is killed with a POSIX signal")
-def test_a_killed_worker_is_started_again(page: Page, bench: Workbench) -> None:
+def test_a_killed_worker_is_started_again(page, bench):
     assert bench.session is not None
     before = bench.session.jobs.worker.pid
     os.kill(before, signal.SIGKILL)
@@ -209,7 +205,7 @@ def test_a_killed_worker_is_started_again(page: Page, bench: Workbench) -> None:
 
 
 @pytest.mark.slow
-def test_a_changed_file_is_read_again(page: Page, folder: Path) -> None:
+def test_a_changed_file_is_read_again(page, folder):
     page.after(do="hold", parts=["C2"], on=True)
     data = json.loads((folder / "f8.kilter.json").read_text())
     data["parts"] = [part for part in data["parts"] if part["name"] != "C3"]
@@ -231,7 +227,7 @@ def fetched(bench: Workbench, path: str, **headers: str) -> tuple[int, bytes]:
 
 
 @pytest.mark.slow
-def test_exports_are_those_of_the_commands(page: Page, bench: Workbench, folder: Path) -> None:
+def test_exports_are_those_of_the_commands(page, bench, folder):
     page.after(do="hold", parts=["C3"], on=True)
     query = f"?token={bench.token}"
     code, proof = fetched(bench, f"/export/proof.json{query}")
@@ -270,13 +266,8 @@ ACTIONS = [
 @pytest.mark.slow
 @pytest.mark.parametrize("actions", ACTIONS, ids=lambda actions: actions[0]["do"])
 def test_the_shown_command_prints_the_whole_answer(
-    actions: list[dict],
-    page: Page,
-    bench: Workbench,
-    folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    actions, page, bench, folder, monkeypatch, capsys
+):
     for action in actions:
         page.after(**action)
     page.say(do="save")
@@ -292,7 +283,7 @@ def test_the_shown_command_prints_the_whole_answer(
 
 
 @pytest.mark.slow
-def test_figure_film_and_plan_are_exported(page: Page, bench: Workbench) -> None:
+def test_figure_film_and_plan_are_exported(page, bench):
     query = f"?token={bench.token}"
     code, film = fetched(bench, f"/export/film.glb{query}")
     assert (code, film[:4]) == (200, b"glTF")
@@ -306,7 +297,7 @@ def test_figure_film_and_plan_are_exported(page: Page, bench: Workbench) -> None
     assert (code, report[:15]) == (200, b"<!doctype html>")
 
 
-def test_only_this_machine_with_the_token_is_answered(bench: Workbench) -> None:
+def test_only_this_machine_with_the_token_is_answered(bench):
     query = f"/?token={bench.token}"
     own = f"127.0.0.1:{bench.port}"
     assert fetched(bench, query)[0] == 200
@@ -342,7 +333,7 @@ FOREIGN = (
 """Origins that no workbench of these tests accepts."""
 
 
-def test_a_proxy_is_answered_under_the_names_that_the_user_allows(folder: Path) -> None:
+def test_a_proxy_is_answered_under_the_names_that_the_user_allows(folder):
     with Workbench(None, folder=folder, hosts=["Hub.example.org"]) as bench:
         query = f"/?token={bench.token}"
         name = "hub.example.org"
@@ -367,13 +358,13 @@ def test_a_proxy_is_answered_under_the_names_that_the_user_allows(folder: Path) 
 @pytest.mark.parametrize(
     "name", ["", "*", "https://hub.example.org", "hub.example.org:8443", "a/b"]
 )
-def test_a_host_that_is_no_name_is_refused(name: str, folder: Path) -> None:
+def test_a_host_that_is_no_name_is_refused(name, folder):
     with pytest.raises(kilter.InputError, match="is no name of a host"):
         Workbench(None, folder=folder, hosts=[name])
 
 
 @pytest.mark.slow
-def test_the_page_works_through_a_forwarded_port_and_below_a_path(folder: Path) -> None:
+def test_the_page_works_through_a_forwarded_port_and_below_a_path(folder):
     kilter.dump(scene("paper-figure-8"), folder / "f8.kilter.json")
     with Workbench(None, folder=folder) as bench:
         for options in ({}, {"prefix": "/user/x/proxy/8899"}):
@@ -395,7 +386,7 @@ def uploaded(bench: Workbench, name: str, data: bytes) -> tuple[int, dict]:
             return error.code, json.load(error)
 
 
-def test_an_uploaded_file_opens(page: Page, bench: Workbench, folder: Path) -> None:
+def test_an_uploaded_file_opens(page, bench, folder):
     data = (folder / "f8.kilter.json").read_bytes()
     assert uploaded(bench, "dropped.kilter.json", data) == (200, {"file": "dropped.kilter.json"})
     assert page.say(do="open", file="dropped.kilter.json")["ok"]
@@ -406,9 +397,7 @@ def test_an_uploaded_file_opens(page: Page, bench: Workbench, folder: Path) -> N
         assert reply["error"]
 
 
-def test_changes_of_an_uploaded_file_outlive_it(
-    page: Page, bench: Workbench, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_changes_of_an_uploaded_file_outlive_it(page, bench, folder, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     data = (folder / "f8.kilter.json").read_bytes()
     for name, count in (("first.kilter.json", 0), ("second.kilter.json", 1)):
@@ -423,7 +412,7 @@ def test_changes_of_an_uploaded_file_outlive_it(
     assert len(list(tmp_path.rglob("*.json"))) == 1
 
 
-def test_a_wrong_file_leaves_the_open_file_open(page: Page, bench: Workbench) -> None:
+def test_a_wrong_file_leaves_the_open_file_open(page, bench):
     assert uploaded(bench, "wrong.step", b"not a step file")[0] == 200
     reply = page.say(do="open", file="wrong.step")
     assert not reply["ok"]
@@ -432,7 +421,7 @@ def test_a_wrong_file_leaves_the_open_file_open(page: Page, bench: Workbench) ->
     assert page.after(do="hold", parts=["C3"], on=True)["is"] == "answer"
 
 
-def test_a_port_that_is_taken_is_named(bench: Workbench) -> None:
+def test_a_port_that_is_taken_is_named(bench):
     with pytest.raises(kilter.InputError, match=f"port {bench.port} is not available"):
         Workbench(None, port=bench.port)
 
@@ -481,12 +470,8 @@ def exported(bench: Workbench) -> dict[str, Any]:
 
 @pytest.mark.slow
 def test_the_settled_state_is_saved_and_repeated_by_the_command(
-    page: Page,
-    bench: Workbench,
-    folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    page, bench, folder, monkeypatch, capsys
+):
     drawn = opened(page, folder, sunken(), "sunken.kilter.json")
     assert drawn["check"]["verdict"] == "undecided"
     assert drawn["settle"]["parts"] == "2 overlapping pairs"
@@ -512,9 +497,7 @@ def test_the_settled_state_is_saved_and_repeated_by_the_command(
 
 
 @pytest.mark.slow
-def test_the_movement_is_undone_redone_restored_and_shown_by_a_second_page(
-    page: Page, bench: Workbench, folder: Path
-) -> None:
+def test_the_movement_is_undone_redone_restored_and_shown_by_a_second_page(page, bench, folder):
     drawn = opened(page, folder, sunken(), "twice.kilter.json")
     before = page.last["session"]["choices"]
     at_rest = settle(page)
@@ -538,7 +521,7 @@ def test_the_movement_is_undone_redone_restored_and_shown_by_a_second_page(
 
 
 @pytest.mark.slow
-def test_a_load_of_the_choices_moves_with_its_part(page: Page, folder: Path) -> None:
+def test_a_load_of_the_choices_moves_with_its_part(page, folder):
     opened(page, folder, sunken(), "loaded.kilter.json")
     tip = [0.2, 0, 2 - 2 * DEPTH]
     page.after(do="load", part="high", force=[0, 0, -1], point=tip)
@@ -579,7 +562,7 @@ REFUSED = {
 
 @pytest.mark.quick("does not fit")
 @pytest.mark.parametrize("name", REFUSED)
-def test_a_refusal_is_a_sentence_and_changes_nothing(name: str, page: Page, folder: Path) -> None:
+def test_a_refusal_is_a_sentence_and_changes_nothing(name, page, folder):
     assembly, said = REFUSED[name]
     opened(page, folder, assembly, "refused.kilter.json")
     before = page.last["session"]["state"]
@@ -590,7 +573,7 @@ def test_a_refusal_is_a_sentence_and_changes_nothing(name: str, page: Page, fold
 
 
 @pytest.mark.slow
-def test_another_change_and_a_stop_end_the_search(page: Page, folder: Path) -> None:
+def test_another_change_and_a_stop_end_the_search(page, folder):
     wall = wall_of(300)
     lifted = {part.name: Pose(part.pose.position * [1, 1, 1 + DEPTH]) for part in wall.parts[1:]}
     opened(page, folder, wall.with_poses(lifted), "wall.kilter.json")
@@ -605,7 +588,7 @@ def test_another_change_and_a_stop_end_the_search(page: Page, folder: Path) -> N
 
 
 @pytest.mark.slow
-def test_poses_do_not_fit_another_content_of_the_file(page: Page, folder: Path) -> None:
+def test_poses_do_not_fit_another_content_of_the_file(page, folder):
     opened(page, folder, sunken(), "changed.kilter.json")
     page.after(do="friction", mu=0.7)
     settle(page)

@@ -1,7 +1,5 @@
 """The command view, its worker, its actions, and full disks."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import json
@@ -85,7 +83,7 @@ def wait_for_child(pid: int) -> list[int]:
 @pytest.mark.slow
 @POSIX
 @pytest.mark.parametrize("shell", ["", 'trap \'\' INT; exec "$0" "$@"'])
-def test_ctrl_c_ends_it_well(tmp_path: Path, shell: str) -> None:
+def test_ctrl_c_ends_it_well(tmp_path, shell):
     """A script that starts it in the background makes it inherit SIGINT as ignored."""
     kilter.dump(scene("tower"), tmp_path / "tower.kilter.json")
     with serving(tmp_path, "tower.kilter.json", shell=shell) as (process, url):
@@ -98,7 +96,7 @@ def test_ctrl_c_ends_it_well(tmp_path: Path, shell: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks at /proc")
-def test_a_killed_server_leaves_no_process(tmp_path: Path) -> None:
+def test_a_killed_server_leaves_no_process(tmp_path):
     kilter.dump(scene("tower"), tmp_path / "tower.kilter.json")
     with serving(tmp_path, "tower.kilter.json") as (process, _):
         workers = wait_for_child(process.pid)
@@ -108,7 +106,7 @@ def test_a_killed_server_leaves_no_process(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_options_are_the_first_choices(tmp_path: Path) -> None:
+def test_options_are_the_first_choices(tmp_path):
     from driver import Page
 
     kilter.dump(scene("paper-figure-8"), tmp_path / "f8.kilter.json")
@@ -127,7 +125,7 @@ def test_options_are_the_first_choices(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_wrong_file_is_a_sentence_on_the_page(tmp_path: Path) -> None:
+def test_a_wrong_file_is_a_sentence_on_the_page(tmp_path):
     from driver import Page
 
     (tmp_path / "wrong.kilter.json").write_text(
@@ -151,17 +149,13 @@ def test_a_wrong_file_is_a_sentence_on_the_page(tmp_path: Path) -> None:
         (["gone.step", "--ground", "a"], "no such file"),
     ],
 )
-def test_a_wrong_argument_is_refused(
-    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_argument_is_refused(words, said, capsys):
     assert main(["view", *words]) == 2
     assert said in capsys.readouterr().err
 
 
 @pytest.mark.skipif(os.name != "posix", reason="links of POSIX")
-def test_a_link_out_of_the_folder_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_link_out_of_the_folder_is_refused(tmp_path, capsys):
     for name in ("sent", "own"):
         (tmp_path / name).mkdir()
     kilter.dump(scene("tower"), tmp_path / "own" / "tower.kilter.json")
@@ -172,9 +166,7 @@ def test_a_link_out_of_the_folder_is_refused(
     assert os.listdir(tmp_path / "own") == ["tower.kilter.json"]
 
 
-def test_the_opened_folder_is_that_of_the_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_opened_folder_is_that_of_the_file(tmp_path, monkeypatch):
     here = Path(os.path.realpath(tmp_path)) / "a" / "b"
     here.mkdir(parents=True)
     monkeypatch.chdir(here)
@@ -187,7 +179,7 @@ def test_the_opened_folder_is_that_of_the_file(
 @pytest.mark.slow
 @POSIX
 @pytest.mark.parametrize("every", [False, True])
-def test_all_addresses_are_a_warning(tmp_path: Path, every: bool) -> None:
+def test_all_addresses_are_a_warning(tmp_path, every):
     words = ["--host", "0.0.0.0"] if every else []
     with serving(tmp_path, *words) as (process, url):
         with urllib.request.urlopen(url, timeout=20) as page:
@@ -198,7 +190,7 @@ def test_all_addresses_are_a_warning(tmp_path: Path, every: bool) -> None:
 
 
 @pytest.mark.slow
-def test_changes_that_cannot_be_kept_are_named_and_answered(tmp_path: Path) -> None:
+def test_changes_that_cannot_be_kept_are_named_and_answered(tmp_path):
     from driver import Page
 
     kilter.dump(scene("paper-figure-8"), tmp_path / "f8.kilter.json")
@@ -226,7 +218,7 @@ class DeafProcess:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="other systems end the process at once")
-def test_a_job_that_misses_the_signal_is_interrupted_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_job_that_misses_the_signal_is_interrupted_again(monkeypatch):
     monkeypatch.setattr(worker_process, "AGAIN", 0.01)
     process: Any = DeafProcess()
 
@@ -251,9 +243,7 @@ def test_a_job_that_misses_the_signal_is_interrupted_again(monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize(("interrupted", "kind"), [(True, "stopped"), (False, "fault")])
-def test_an_error_in_place_of_the_interruption_counts_as_a_stop(
-    interrupted: bool, kind: str
-) -> None:
+def test_an_error_in_place_of_the_interruption_counts_as_a_stop(interrupted, kind):
     """NumPy replaces an interruption that comes while it compares types by a TypeError."""
     interruption = worker._Interruption()
 
@@ -332,20 +322,20 @@ EFFECTS = [
 
 
 @pytest.mark.parametrize(("action", "keys"), EFFECTS, ids=lambda value: str(value.get("do", "")))
-def test_an_action_changes_its_key(action: dict, keys: dict) -> None:
+def test_an_action_changes_its_key(action, keys):
     new, label = apply(action, START, BODIES)
     assert new == {**START, **keys}
     assert label
 
 
-def test_each_action_has_a_test() -> None:
+def test_each_action_has_a_test():
     listed = {action["do"] for action, _ in EFFECTS}
     removing = {"joint_off", "bond_off", "load_off", "scale_loads"}
     assert listed | removing == set(ACTIONS)
 
 
 @pytest.mark.parametrize(("key", "do"), [("joints", "joint"), ("bonds", "bond"), ("loads", "load")])
-def test_an_entry_of_a_list_is_removed(key: str, do: str) -> None:
+def test_an_entry_of_a_list_is_removed(key, do):
     [action] = [action for action, _ in EFFECTS if action["do"] == do]
     one, _ = apply(action, START, BODIES)
     two, _ = apply(action, one, BODIES)
@@ -355,13 +345,13 @@ def test_an_entry_of_a_list_is_removed(key: str, do: str) -> None:
         apply({"do": f"{do}_off", "index": 2}, two, BODIES)
 
 
-def test_loads_are_scaled() -> None:
+def test_loads_are_scaled():
     keys = {**START, "loads": [{"part": "nut_1", "force": [0, 0, -4], "torque": [1, 0, 0]}]}
     new, _ = apply({"do": "scale_loads", "factor": 2.5}, keys, BODIES)
     assert new["loads"] == [{"part": "nut_1", "force": [0, 0, -10], "torque": [2.5, 0, 0]}]
 
 
-def test_a_release_takes_a_part_out_of_a_pattern() -> None:
+def test_a_release_takes_a_part_out_of_a_pattern():
     keys = {**START, "held": ["nut_*", "plate"]}
     new, _ = apply({"do": "hold", "parts": ["nut_2"], "on": False}, keys, BODIES)
     assert new["held"] == ["nut_1", "plate"]
@@ -389,12 +379,12 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("action", "said"), WRONG)
-def test_a_wrong_action_is_refused_in_a_sentence(action: dict, said: str) -> None:
+def test_a_wrong_action_is_refused_in_a_sentence(action, said):
     with pytest.raises(InputError, match=said):
         apply(action, START, BODIES)
 
 
-def test_the_positions_of_a_dragged_slider_are_one_change() -> None:
+def test_the_positions_of_a_dragged_slider_are_one_change():
     history = History(START, BODIES)
     for drag, values in (("1", (0.1, 0.2, 0.3)), ("2", (0.4, 0.5))):
         for mu in values:
@@ -408,7 +398,7 @@ def test_the_positions_of_a_dragged_slider_are_one_change() -> None:
     assert history.keys == START
 
 
-def test_a_revert_keeps_the_other_changes_of_the_same_key() -> None:
+def test_a_revert_keeps_the_other_changes_of_the_same_key():
     history = History(START, BODIES)
     history.add({"do": "hold", "parts": ["plate"], "on": True})
     history.add({"do": "hold", "parts": ["nut_1"], "on": True})
@@ -418,7 +408,7 @@ def test_a_revert_keeps_the_other_changes_of_the_same_key() -> None:
     assert history.keys["held"] == ["nut_1", "plate"]
 
 
-def test_a_change_that_a_later_change_needs_is_not_reverted() -> None:
+def test_a_change_that_a_later_change_needs_is_not_reverted():
     history = History(START, BODIES)
     history.add({"do": "load", "part": "nut_1", "force": [0, 0, -5]})
     history.add({"do": "load_off", "index": 0})
@@ -428,7 +418,7 @@ def test_a_change_that_a_later_change_needs_is_not_reverted() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_undo_and_redo_are_inverse_and_the_file_keeps_them(seed: int) -> None:
+def test_undo_and_redo_are_inverse_and_the_file_keeps_them(seed):
     rng = random.Random(seed)
     history = History(START, BODIES)
     seen = [history.keys]
@@ -450,13 +440,13 @@ def test_undo_and_redo_are_inverse_and_the_file_keeps_them(seed: int) -> None:
         assert again.keys == seen[-1]
 
 
-def test_a_damaged_file_of_changes_is_refused() -> None:
+def test_a_damaged_file_of_changes_is_refused():
     for text in (b"", b"{}", b'{"kilter_workbench": 1}', b'{"kilter_workbench": 1, "base": {}}'):
         with pytest.raises(InputError):
             History.from_text(text, BODIES)
 
 
-def test_a_change_has_a_label() -> None:
+def test_a_change_has_a_label():
     assert Change({"do": "floor", "on": True}, "floor").label == "floor"
 
 
@@ -490,7 +480,7 @@ def fill(place: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_on_a_full_disk_no_choice_is_lost_and_a_sentence_states_it(small_disk: Path) -> None:
+def test_on_a_full_disk_no_choice_is_lost_and_a_sentence_states_it(small_disk):
     with Workbench(small_disk / "f8.kilter.json") as bench:
         page = Page(bench)
         page.opened()
@@ -527,9 +517,7 @@ def test_on_a_full_disk_no_choice_is_lost_and_a_sentence_states_it(small_disk: P
 
 
 @pytest.mark.slow
-def test_a_missing_extra_is_named_with_its_installation(
-    page: Page, bench: Workbench, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_missing_extra_is_named_with_its_installation(page, bench, folder, monkeypatch):
     assert bench.session is not None
     monkeypatch.setattr(session, "find_spec", lambda name: None)
     page.after(do="hold", parts=["C3"], on=True)
@@ -546,9 +534,7 @@ def test_a_missing_extra_is_named_with_its_installation(
 
 
 @pytest.mark.slow
-def test_a_step_file_without_the_extra_names_the_installation(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_step_file_without_the_extra_names_the_installation(folder, monkeypatch, tmp_path):
     """The processes that read files begin with a module that hides the STEP reader."""
     (tmp_path / "sitecustomize.py").write_text("import sys\nsys.modules['OCP'] = None\n")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
@@ -597,9 +583,7 @@ def words_of(html: str) -> str:
     ],
     ids=["held", "friction", "left out"],
 )
-def test_the_report_of_a_state_has_the_words_of_the_page(
-    actions: list[dict], page: Page, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_report_of_a_state_has_the_words_of_the_page(actions, page, folder, monkeypatch):
     for action in actions:
         page.after(**action)
     shown = page.last["answer"]
