@@ -366,13 +366,12 @@ def area(points):
     return 0.5 * np.linalg.norm(np.cross(local[:-1], local[1:]).sum(axis=0))
 
 
-pytest.importorskip("OCP")
-
 FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "round_census.py"
 
 
 @pytest.fixture(scope="module")
 def census():
+    pytest.importorskip("OCP")
     spec = importlib.util.spec_from_file_location("round_census", FILE)
     module = importlib.util.module_from_spec(spec)
     sys.modules["round_census"] = module
@@ -387,13 +386,12 @@ def test_round_bodies_touch_and_stay_as_closed_forms_say(census, seed):
     assert wrong == []
 
 
-pytest.importorskip("OCP")
-
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
 
 
 @pytest.fixture(scope="module")
 def tangents():
+    pytest.importorskip("OCP")
     sys.path.append(str(FOLDER))
     spec = importlib.util.spec_from_file_location("tangent_census", FOLDER / "tangent_census.py")
     module = importlib.util.module_from_spec(spec)

@@ -1,22 +1,19 @@
-"""Accuracy of coordinates, stated or found, values out of range, and sound meshes."""
+"""Accuracy of coordinates, values out of range, sound meshes, bodies, and inertia of formats."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
-from step_maker import placement, write_step
 
 import kilter
-from kilter.analysis.check import check
-from kilter.assembly import Assembly, Part
 from kilter.assembly.polyhedra import polyhedron_moments
+from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files import from_dict, load, to_dict
+from kilter.files import load
 from kilter.files.accuracy import text_accuracy
 from kilter.files.bodies import split_bodies
-from kilter.files.stated_accuracy import stated_accuracy
-from kilter.rigid import Pose
 from kilter.shape import sound
 from kilter.shape.closed import open_edges, weld
 from kilter.shape.primitives import Box, Cylinder, Mesh, surface
@@ -95,89 +92,6 @@ def test_an_obj_of_float32_is_known_as_such(write, obj_box):
 
 def test_an_obj_of_meant_numbers_is_exact(write, obj_box):
     assert not load(write("a.obj", obj_box(0.5))).geometry.single.any()
-
-
-pytest.importorskip("OCP")
-
-
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if"
-MILLI = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))"
-PLAIN = "( LENGTH_UNIT ( ) NAMED_UNIT ( * ) SI_UNIT ( $ , .METRE. ) )"
-INCH = "(CONVERSION_BASED_UNIT('INCH',#9)LENGTH_UNIT()NAMED_UNIT(#8))"
-
-
-@pytest.mark.parametrize(("unit", "units", "factor"), [
-    (MILLI, "mm", 1), (MILLI, "cm", 0.1), (PLAIN, "mm", 1000), (INCH, "in", 1), (INCH, "mm", 25.4),
-    ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MICRO.,.METRE.))", "mm", 1e-3),
-    ("(CONVERSION_BASED_UNIT('cubit',#9)LENGTH_UNIT())", "mm", 0),
-    ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.HECTO.,.METRE.))", "mm", 0),
-])  # fmt: skip
-def test_it_is_read_in_its_unit(unit, units, factor, tmp_path):
-    path = tmp_path / "a.step"
-    measure = "#7={}(LENGTH_MEASURE({}),#5,'distance_accuracy_value','');\n"
-    name = "UNCERTAINTY_MEASURE_WITH_UNIT"
-    rows = [measure.format(name, number) for number in ("2.E-3", "1.E-002", "-1.", "x", "1.E400")]
-    path.write_text(f"#5={unit};\n" + "".join(rows))
-    assert stated_accuracy([path], units) == pytest.approx(0.01 * factor)
-    assert stated_accuracy([tmp_path / "none.step"], units) == 0
-
-
-def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
-    """A cube whose centre of mass is `beyond` the edge of the block below it."""
-    roots = [
-        ("base", BRepPrimAPI_MakeBox(20.0, 20.0, 20.0).Shape(), None),
-        ("cube", BRepPrimAPI_MakeBox(10.0, 10.0, 10.0).Shape(), placement([15 + beyond, 5, 20])),
-    ]
-    text = write_step(path, [("all", roots, None)]).read_text()
-    assert "LENGTH_MEASURE(1.E-07)" in text
-    path.write_text(text.replace("LENGTH_MEASURE(1.E-07)", f"LENGTH_MEASURE({accuracy})"))
-    return load(path, ground="base")
-
-
-@pytest.mark.quick(2)
-@pytest.mark.parametrize(("beyond", "accuracy", "verdict"), [
-    (-0.004, "1.E-07", "stable"),
-    (-0.004, "0.01", "stable"),  # a stable nominal position is reported as stable
-    (0.004, "1.E-07", "unstable"),
-    (0.004, "0.01", "undecided"),
-    (0.1, "0.01", "unstable"),
-    (0.1, "100.", "undecided"),
-    (1.0, "100.", "unstable"),  # whatever accuracy the file states
-])  # fmt: skip
-def test_what_it_explains_is_not_proved_unstable(beyond, accuracy, verdict, tmp_path):
-    assembly = leaning(tmp_path / "a.step", beyond, accuracy)
-    found = check(assembly)
-    assert found.verdict == verdict
-    assert ("coordinates are not accurate enough" in found.sentence) == (verdict == "undecided")
-    written = to_dict(assembly)
-    assert to_dict(from_dict(written)) == written
-    assert check(from_dict(written)).verdict == verdict
-
-
-def test_what_falls_falls(tmp_path):
-    """A part without contacts falls, however coarse the stated accuracy is."""
-    assembly = leaning(tmp_path / "a.step", 0.004, "0.01")
-    base, cube = assembly.parts
-    stray = Part("stray", cube.shape, Pose([100, 0, 0]))
-    assert check(Assembly([base, cube, stray], units="mm")).verdict == "unstable"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
-def test_bolts_whose_heads_are_off_by_less_than_the_file_knows():
-    assembly = load(DATA / "dm1-id-214.stp", floor=True)
-    stated = [getattr(part.shape, "uncertainty", 0) for part in assembly.parts[:7]]
-    assert stated == pytest.approx([0.01 / 25.4] * 7)
-    found = check(assembly)
-    assert found.verdict == "undecided"
-    assert "0.000394 in" in found.sentence
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
-def test_files_that_a_file_names_state_it_too():
-    assembly = load(DATA / "s1-tu-203" / "s1-tu-203.stp")
-    assert assembly.parts[0].shape.uncertainty == pytest.approx(0.000785973431)
 
 
 TETRAHEDRON = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -372,3 +286,88 @@ def test_a_face_of_two_corners_is_no_body():
     for extra in ([[0, 0, 1]], [[3, 2, 2], [5, 5, 5]]):
         (body,) = split_bodies(Mesh(vertices, np.vstack([faces, extra])))
         assert len(body.triangles) == 12
+
+
+G = 9.81
+FORMATS = ["kilter", "urdf", "usd"]
+
+
+def written(
+    folder: Path, kind: str, size: Any, at: Any, mass: float, moments: Any, mu: float = 0.0
+) -> Path:
+    """A box with principal moments about its middle, on the half space x, z < 0 that is held."""
+    table, below = [4.0, 4.0, 1.0], [-2.0, 0.0, -0.5]
+    if kind == "kilter":
+        parts = [
+            kilter.Part("table", kilter.Box(table), below, grounded=True),
+            kilter.Part("body", kilter.Box(size), at, mass=mass, inertia=[*moments, 0, 0, 0]),
+        ]
+        path = folder / "a.kilter.json"
+        kilter.dump(kilter.Assembly(parts, friction=mu), path)
+        return path
+    if kind == "urdf":
+        six = dict(zip(("ixx", "iyy", "izz"), moments, strict=True))
+        tensor = " ".join(f'{key}="{value:.17g}"' for key, value in six.items())
+        inertial = f'<inertial><mass value="{mass}"/><inertia {tensor}/></inertial>'
+        links = "".join(
+            f'<link name="{name}">{inner}<collision><origin xyz="{place}"/><geometry>'
+            f'<box size="{" ".join(map(str, box))}"/></geometry></collision></link>'
+            for name, inner, place, box in (
+                ("table", "", " ".join(map(str, below)), table),
+                ("body", inertial, "0 0 0", size),
+            )
+        )
+        joint = '<joint name="j" type="floating"><parent link="table"/><child link="body"/>'
+        joint += f'<origin xyz="{" ".join(map(str, at))}"/></joint>'
+        path = folder / "a.urdf"
+        path.write_text(f"<robot>{links}{joint}</robot>")
+        return path
+    pytest.importorskip("pxr", reason="usd-core is not installed: pip install 'kilter[usd]'")
+    from pxr import Gf, UsdPhysics
+    from usd_maker import Stage
+
+    path = folder / "a.usda"
+    stage = Stage(path)
+    stage.box("table", below, table, static=True)
+    body = stage.box("body", at, size, mass=mass)
+    values = UsdPhysics.MassAPI(stage.stage.GetPrimAtPath(body))
+    # the axes of the moments are z, x, y of the body
+    values.CreateDiagonalInertiaAttr(Gf.Vec3f(moments[2], moments[0], moments[1]))
+    values.CreatePrincipalAxesAttr(Gf.Quatf(0.5, -0.5, -0.5, -0.5))
+    stage.save()
+    return path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_heavy_rim_does_not_turn_with_its_carrier(kind, tmp_path, capsys):
+    """3 kg m2 need 24 N m at 8 rad/s2; mu m g r gives at most 8.3 with all weight at corners."""
+    path = written(tmp_path, kind, [0.4, 0.4, 0.1], [-2, 0, 0.05], 10.0, [1.6, 1.6, 3.0])
+    words = ["--turn-faster", "0", "0", "8", "--about", "-2", "0", "0", "--friction", "0.3"]
+    assert main(["transport", str(path), *words, "--json"]) == 1
+    case = json.loads(capsys.readouterr().out)["cases"][0]
+    assert case["factor"] == pytest.approx(0.3 * 10 * G * 0.2 * np.sqrt(2) / 24, rel=1e-6)
+    assert case["factor"] <= 0.35
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+@pytest.mark.parametrize(
+    ("size", "beyond", "mass", "inertia", "expected"),
+    [
+        ([1.0, 1.0, 0.2], 0.2, 10.0, 0.05, 43.6),
+        ([1.0, 1.0, 0.2], 0.2, 10.0, 5.0, 3.63),
+        ([2.0, 0.25, 0.25], 0.45, 1.0, 1.0 + 0.25**2 / 6, 3.64),
+    ],
+    ids=["light-plate", "heavy-plate", "bar-with-heavy-ends"],
+)
+def test_a_body_tips_over_an_edge_as_its_inertia_states(
+    kind, size, beyond, mass, inertia, expected, tmp_path
+):
+    """The acceleration is m g d / (I + m d^2), with the centre d beyond the edge."""
+    moments = [0.9 * inertia, inertia, inertia]
+    path = written(tmp_path, kind, size, [beyond, 0, size[2] / 2], mass, moments)
+    verdict = kilter.check(kilter.load(path))
+    row = verdict.assembly.index_of("body")
+    found = verdict.motion.acceleration[row, 4]
+    assert found == pytest.approx(mass * G * beyond / (inertia + mass * beyond**2), rel=1e-6)
+    assert found == pytest.approx(expected, abs=0.05)

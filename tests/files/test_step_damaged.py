@@ -1,5 +1,10 @@
 """STEP files that are damaged, real, or read by a process of their own."""
 
+import pytest
+
+pytest.importorskip("OCP")
+
+
 import importlib
 import os
 import re
@@ -10,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 from OCP.BRep import BRep_Builder
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepGProp import BRepGProp
@@ -45,8 +49,6 @@ from kilter.shape.closed import open_edges
 from kilter.shape.primitives import Box
 from kilter.shape.recognition import recognise
 from kilter.shape.solid import Solid
-
-pytest.importorskip("OCP")
 
 
 def box(*size: float) -> Any:
@@ -265,9 +267,6 @@ def test_without_leaves_solids_out_before_they_are_cut(tmp_path):
         load(path, without=["a", "abc"])
 
 
-pytest.importorskip("OCP")
-
-
 def box_process(path, *size):
     """Write a STEP file of a box."""
     write_step(path, [("block", BRepPrimAPI_MakeBox(*size).Shape(), placement())])
@@ -345,9 +344,6 @@ def test_what_comes_to_no_end_is_tried_once_more_and_refused(fresh, tmp_path, mo
             read_step(path)
     assert len(made) == 2
     assert depth(read_step(path)) == pytest.approx(3.0)
-
-
-pytest.importorskip("OCP")
 
 
 FILE = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
@@ -489,8 +485,6 @@ def test_with_its_bolts_joined_it_is_stable_although_shafts_turn_in_their_bores(
     verdict = kilter.check(kilter.fastened(held, suggested=True))
     assert (verdict.verdict, verdict.level) == ("stable", "proved")
 
-
-pytest.importorskip("OCP", reason="needs kilter[step]")
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 PLAYS = (20071, 20129, 20156, 20236, 20240, 20260)

@@ -1,12 +1,15 @@
 """Models of MuJoCo, and mechanisms beside its simulation."""
 
+import pytest
+
+pytest.importorskip("mujoco")
+
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
-import pytest
 from numpy.random import Generator
 from numpy.typing import NDArray
 from tilted_scenes import outcome
@@ -15,9 +18,6 @@ import kilter
 from kilter import InputError
 from kilter.scenes import scene
 from kilter.scenes.stacks import block_on_slope
-
-pytest.importorskip("mujoco")
-
 
 Agree = Callable[..., kilter.Assembly]
 
@@ -281,8 +281,6 @@ def test_a_filtered_floor_carries_nothing():
     assert (report["b"].state, report["b"].other) == ("floats", "floor")
 
 
-mujoco_case = pytest.importorskip("mujoco")
-
 PUSH, STAYS, MOVES, SECONDS = 1e-3, 0.02, 0.04, 3.0
 
 
@@ -324,10 +322,10 @@ def scene_mujoco(chain: list[Axis]) -> str:
 
 def gravity_forces(chain: list[Axis], shift: float = 0.0) -> NDArray[np.float64]:
     """Force or torque of gravity along each joint, with all joints moved by `shift`."""
-    model = mujoco_case.MjModel.from_xml_string(scene_mujoco(chain))
-    data = mujoco_case.MjData(model)
+    model = mujoco.MjModel.from_xml_string(scene_mujoco(chain))
+    data = mujoco.MjData(model)
     data.qpos[:] = shift
-    mujoco_case.mj_forward(model, data)
+    mujoco.mj_forward(model, data)
     return np.asarray(-data.qfrc_bias, dtype=np.float64)
 
 
@@ -384,14 +382,14 @@ def mechanism(seed: int) -> list[Axis]:
 
 def farthest(text: str) -> float:
     """Largest position of a joint after small pushes to both sides, within the limits."""
-    model = mujoco_case.MjModel.from_xml_string(text)
-    data, reached = mujoco_case.MjData(model), 0.0
+    model = mujoco.MjModel.from_xml_string(text)
+    data, reached = mujoco.MjData(model), 0.0
     for sign in (1.0, -1.0):
-        mujoco_case.mj_resetData(model, data)
+        mujoco.mj_resetData(model, data)
         low, high = np.where(model.jnt_limited, model.jnt_range.T, [[-1.0], [1.0]])
         data.qpos[:] = np.clip(sign * PUSH, low, high)
         while data.time < SECONDS and reached < MOVES:
-            mujoco_case.mj_step(model, data)
+            mujoco.mj_step(model, data)
             reached = max(reached, float(np.abs(data.qpos).max()))
     return reached
 
@@ -401,7 +399,7 @@ def farthest(text: str) -> float:
 def test_a_mechanism_stays_in_the_simulation_exactly_if_it_is_stable(block):
     for seed in range(12 * block, 12 * block + 12):
         text = scene_mujoco(mechanism(seed))
-        assembly = kilter.load(mujoco_case.MjModel.from_xml_string(text))
+        assembly = kilter.load(mujoco.MjModel.from_xml_string(text))
         verdict = kilter.check(assembly)
         assert kilter.verify(assembly, verdict.proof()).holds
         assert verdict.verdict in ("stable", "balanced", "unstable")
@@ -411,9 +409,6 @@ def test_a_mechanism_stays_in_the_simulation_exactly_if_it_is_stable(block):
             assert reached < STAYS, seed
         else:
             assert reached > MOVES, seed
-
-
-pytest.importorskip("mujoco")
 
 
 JUDGED = {0: "stable", 3: "stable", 6: "stable", 15: "stable", 11: "unstable", 13: "unstable"}

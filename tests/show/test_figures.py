@@ -1,5 +1,10 @@
 """Figures: drawings, numbers by hand, plans."""
 
+import pytest
+
+pytest.importorskip("matplotlib")
+
+
 import dataclasses
 import math
 import re
@@ -9,7 +14,6 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
-import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
@@ -25,9 +29,6 @@ from kilter.show.canvas import encode_figure, label
 from kilter.show.figures import draw_assembly, draw_region
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
 from kilter.show.scene import build_things
-
-pytest.importorskip("matplotlib")
-
 
 HOSTILE = [
     "<script>alert(1)</script>",
@@ -358,9 +359,6 @@ def test_straps_are_lines_in_the_figure_and_in_the_page():
     assert np.allclose(line, [[2, 0, 0], [0.5, 0, 1]])
 
 
-pytest.importorskip("matplotlib")
-
-
 G = 9.81
 FRONT = (0.0, 0.0)
 """Azimuth and elevation of an eye that sees x to the right and z upward."""
@@ -462,9 +460,6 @@ def test_the_movement_to_the_pose_at_rest_is_magnified_by_the_stated_factor():
     # drawn at 0.5 above the table, it moves down by half a millimetre
     assert corners[:, 1].min() == pytest.approx(0.5 - 0.5 * float(factor), abs=1e-6)
     assert np.ptp(corners, axis=0) == pytest.approx([100, 100], abs=1e-3)
-
-
-pytest.importorskip("matplotlib", reason="needs the extra kilter[figures]")
 
 
 @pytest.mark.slow
