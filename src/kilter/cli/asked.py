@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.cli.arguments import ToleranceOptions, reading_of, straps_of
 from kilter.cli.exit_codes import VERDICT
@@ -24,6 +24,7 @@ from kilter.cli.output import (
 from kilter.cli.quantities import material_of
 from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.errors import InputError, TimeLimitReached, shell_words
+from kilter.tell.record import Record
 from kilter.work import facts_of, stop_after
 
 if TYPE_CHECKING:
@@ -42,6 +43,19 @@ NOTHING_TYPED = ToleranceOptions()
 """Tolerance options of a command line that has none."""
 WORDS_SHARE, MOST_WORDS = 0.2, 1.0
 """Time that is kept for printing the answer: share of a time limit [-], and at most this [s]."""
+
+
+class Incomplete(Record):
+    """Data that a command prints if the time limit ended its computation without an answer."""
+
+    verdict: Literal["undecided"] = "undecided"
+    """Always this word."""
+    sentence: str
+    """The answer in a sentence."""
+    time_limit: float | None
+    """The time limit [s]; null without a --time-limit."""
+    warnings: tuple[str, ...] = ()
+    """No warnings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,13 +185,8 @@ class Asked:
         known = known_words()
         facts = f"{known[:1].upper()}{known[1:]}." if known else ""
         sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
-        answer: dict[str, Any] = {
-            "verdict": "undecided",
-            "sentence": sentence,
-            "time_limit": self.limit,
-            "warnings": [],
-        }
-        emit(as_json(answer) if self.writes_json else sentence, self.output)
+        answer = Incomplete(sentence=sentence, time_limit=self.limit)
+        emit(as_json(answer.to_dict()) if self.writes_json else sentence, self.output)
         tell_written(self.output, "incomplete answer", self.quiet)
         return VERDICT["undecided"]
 

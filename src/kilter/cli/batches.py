@@ -88,17 +88,21 @@ def batch(
         cluster=cluster,
         progress=None if quiet else _RateLine(),
     )
-    errors = result.counts["error"]
+    errors = result.counts.get("error", 0)
     if json:
         emit(as_json(result.to_dict()), None)
     else:
-        counts = ", ".join(f"{number:,} {word}" for word, number in result.counts.most_common())
+        counts = ", ".join(f"{number:,} {word}" for word, number in result.counts.items())
         before = ""
         if result.found_there:
             before = f" ({result.found_there:,} of them from an earlier run)"
         rows, files = count(result.rows, "row", grouped=True), count(len(result.files), "file")
+        first = [(entry.file, entry.error) for entry in result.errors]
         head = f"{output}: {rows} in {files}{before}: {counts}"
-        emit("\n".join([head, *_error_lines(result.errors, errors)]), None)
+        emit(
+            "\n".join([head, *_error_lines(first, errors)]),
+            None,
+        )
     return SOME_ERRORS if errors else WRITTEN
 
 

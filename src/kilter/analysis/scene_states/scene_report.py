@@ -96,7 +96,9 @@ class SceneReport(Answer):
     seconds: float
     """Duration [s]."""
     assembly: InPython[Assembly]
+    """The scene, after a repair if there is one."""
     contacts: InPython[ContactSet]
+    """Its contacts."""
     verdicts: InPython[tuple[Verdict, ...]]
     """The verdict on each cluster of touching objects, with its certificate.
 

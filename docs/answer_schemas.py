@@ -2,7 +2,7 @@
 
 A key has the type of its annotation and the text of the literal under it, which are read from the
 source. The module is imported only when schemas are built, since importing pydantic is slow.
-`kilter.files.schema` reads the published files.
+`kilter.files.schema` reads the published files, which `build_schemas.py` writes.
 """
 
 from __future__ import annotations
@@ -23,46 +23,45 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.many.batch import Batch
 from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin import Margin
 from kilter.analysis.placing.check_plan import CheckedPlan
 from kilter.analysis.placing.place import Places
 from kilter.analysis.planning.hold.fixture import Fixture
 from kilter.analysis.planning.order.order import Order
+from kilter.analysis.regions.region import Region
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.settled_pose.settle import Settled
 from kilter.analysis.transport.transport_answer import Transport
+from kilter.analysis.turning.orientation import Orientation
 from kilter.analysis.verdict.verdict import Verdict
+from kilter.analysis.verification import Verification
+from kilter.cli.asked import Incomplete
 from kilter.contact import ContactSet
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
-from kilter.tell.answer_data.directions_data import OrientData, RegionData
-from kilter.tell.answer_data.other_data import (
-    BatchData,
-    IncompleteData,
-    VerifyData,
-)
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
 ANSWERS: dict[str, Any] = {
-    "batch": BatchData,
+    "batch": Batch,
     "check": Verdict,
     "check-plan": CheckedPlan,
     "contacts": ContactSet,
     "hold": Fixture,
     "improve": Improvement,
-    "incomplete": IncompleteData,
+    "incomplete": Incomplete,
     "margin": Margin,
-    "orient": OrientData,
+    "orient": Orientation,
     "place": Places,
     "plan": Order,
-    "region": RegionData,
+    "region": Region,
     "scene": SceneReport,
     "settle": Settled,
     "transport": Transport,
-    "verify": VerifyData,
+    "verify": Verification,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
 
