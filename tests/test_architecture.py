@@ -132,7 +132,7 @@ def test_no_two_files_import_each_other():
 
 
 @pytest.mark.slow
-def test_no_two_folders_of_analysis_import_each_other() -> None:
+def test_no_two_folders_of_analysis_import_each_other():
     """Not even for types, or from inside a function."""
     arrows: dict[str, set[str]] = defaultdict(set)
     for module in FILES:
@@ -147,7 +147,7 @@ def test_no_two_folders_of_analysis_import_each_other() -> None:
 
 
 @pytest.mark.slow
-def test_the_longest_chain_of_rooms_is_short() -> None:
+def test_the_longest_chain_of_rooms_is_short():
     below: dict[str, set[str]] = {name: set() for name in ROOMS}
     for module in set(FILES) - {"kilter"}:
         found = imports(module)

@@ -110,7 +110,7 @@ def test_stable_says_so_and_truth_is_refused(name):
         bool(verdict)
 
 
-def test_times_are_read_only(unstable: kilter.Verdict) -> None:
+def test_times_are_read_only(unstable):
     with pytest.raises(TypeError):
         unstable.seconds["read"] = 1.0  # type: ignore[index]
 
