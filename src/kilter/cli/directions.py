@@ -289,7 +289,7 @@ def margin(
     verdict = answer.check
     lowest = verdict.require if require == "equilibrium" else require
     reached = holds(verdict.level, lowest)
-    return code_of({"verdict": verdict.verdict, "level": verdict.level, "holds": reached})
+    return code_of({"verdict": verdict.verdict, "level": verdict.level, "stable": reached})
 
 
 def _ranges(
