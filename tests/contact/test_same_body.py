@@ -48,7 +48,7 @@ def test_the_copy_of_a_round_pin_is_an_overlap_with_its_exact_volume() -> None:
     assert overlap.volume == pytest.approx(np.pi * RADIUS**2 * HEIGHT, rel=1e-12)
     assert overlap.share == 1.0
     assert of_pair(found) == 0
-    kinds = {frozenset(pair.parts): pair.kind for pair in found.open_pairs}
+    kinds = {frozenset(pair.ends): pair.kind for pair in found.open_pairs}
     assert kinds[frozenset(overlap.parts)] == "overlap"
 
 
