@@ -49,7 +49,7 @@ def test_the_copy_of_a_round_pin_is_an_overlap_with_its_exact_volume() -> None:
     assert overlap.share == 1.0
     assert of_pair(found) == 0
     kinds = {frozenset(pair.ends): pair.kind for pair in found.open_pairs}
-    assert kinds[frozenset(overlap.parts)] == "overlap"
+    assert kinds[frozenset(overlap.ends)] == "overlap"
 
 
 def test_other_contacts_are_those_without_the_copy() -> None:
