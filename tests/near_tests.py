@@ -1,7 +1,5 @@
 """Tests of a source file, for `pytest --for FILE`: they import it, or modules that import it."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable

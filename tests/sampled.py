@@ -4,8 +4,6 @@
 test (conftest applies it); `in_block` splits a long selection into blocks.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterable, Sequence
 from typing import Any

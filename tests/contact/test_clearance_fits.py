@@ -1,7 +1,5 @@
 """Round fits with play: open as drawn, size on size if `--clearance` closes them; walls."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -1,7 +1,5 @@
 """A scene for each way in which contact searches have failed before."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from itertools import product
 

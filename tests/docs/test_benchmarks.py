@@ -1,7 +1,5 @@
 """The benchmarks beside the peers: truths, harness, and a page that says what its rows say."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import sys

@@ -14,8 +14,7 @@ import kilter
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import schema, to_text
-from kilter.tell.json_answer import Answer
-from kilter.tell.record import SCHEMA_VERSION
+from kilter.tell.record import SCHEMA_VERSION, Answer
 from kilter.tell.record import Answer as RecordedAnswer
 from published import WRITERS, validator
 

@@ -315,11 +315,7 @@ def verify_bundle(
         max(residual, default=None),
         min(power, default=None),
         (*notes, *(f"{count} x {statement}" for statement, count in counts.items())),
-        held=tuple(part.name for part in assembly if part.grounded),
-        gravity=tuple(assembly.gravity.tolist()),
-        units=assembly.units,
-        options=proof["options"],
-        tolerance=proof["tolerance"],
+        **_circumstances(assembly, proof),
     )
 
 
@@ -391,29 +387,16 @@ def verify_proof(
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
     second = proof.get("second_order")
-    if not reasons and second is not None and "forces" not in proof:
-        reasons = [NEEDS_FORCES]
-    elif not reasons and second is not None:
-        reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
-        if not reasons and friction is not None:
-            forces, _, _ = proof_forces(program, proof)
-            rest = rests_without_friction(assembly, contacts, program, forces, second)
-            reasons = [] if rest else [NEEDS_FORCES]
+    if not reasons and second is not None:
+        reasons = _wrong_second_order(assembly, contacts, program, proof)
         notes += [] if reasons else [f"second order: {second['state']}"]
     claimed = level_of(proof["verdict"])
     level = None if reasons else claimed
     if not reasons and "forces" in proof:
         rough = program if friction is not None else program.frictionless
         forces, _, _ = proof_forces(rough, proof)
-        beyond = wrong_about_push(
-            assembly,
-            contacts,
-            rough,
-            forces,
-            proof["verdict"],
-            second,
-            curves=friction is None,
-        )
+        question = (assembly, contacts, rough, forces, proof["verdict"], second)
+        beyond = wrong_about_push(*question, curves=friction is None)
         if beyond and claimed == "equilibrium":
             reasons, level = beyond, None
         elif beyond:
@@ -436,12 +419,34 @@ def verify_proof(
         result.residual,
         result.power,
         tuple(notes),
-        held=tuple(part.name for part in assembly if part.grounded),
-        gravity=tuple(assembly.gravity.tolist()),
-        units=assembly.units,
-        options=proof["options"],
-        tolerance=proof["tolerance"],
+        **_circumstances(assembly, proof),
     )
+
+
+def _wrong_second_order(
+    assembly: Assembly, contacts: ContactSet, program: Program, proof: dict[str, Any]
+) -> list[str]:
+    """Reasons why the statement of second order does not hold."""
+    second = proof["second_order"]
+    if "forces" not in proof:
+        return [NEEDS_FORCES]
+    reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
+    if reasons or proof.get("friction") is None:
+        return reasons
+    forces, _, _ = proof_forces(program, proof)
+    rest = rests_without_friction(assembly, contacts, program, forces, second)
+    return [] if rest else [NEEDS_FORCES]
+
+
+def _circumstances(assembly: Assembly, proof: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields of an answer: the held parts, gravity, units, options and tolerances."""
+    return {
+        "held": tuple(part.name for part in assembly if part.grounded),
+        "gravity": tuple(assembly.gravity.tolist()),
+        "units": assembly.units,
+        "options": proof["options"],
+        "tolerance": proof["tolerance"],
+    }
 
 
 STRICT = ("minimum", "free")
