@@ -21,7 +21,7 @@ from pathlib import Path
 
 from kilter import check
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.open_pairs.ordinary_contacts import with_ordinary_contacts
+from kilter.analysis.decision.ordinary_contacts import with_ordinary_contacts
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, Joint

@@ -30,16 +30,17 @@ from kilter.analysis.placing.check_plan import CheckedPlan
 from kilter.analysis.placing.place import Places
 from kilter.analysis.planning.hold.fixture import Fixture
 from kilter.analysis.planning.order.order import Order
+from kilter.analysis.regions.region import Region
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.settled_pose.settle import Settled
 from kilter.analysis.transport.transport_answer import Transport
+from kilter.analysis.turning.orientation import Orientation
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.analysis.verification import Verification
 from kilter.cli.asked import Incomplete
 from kilter.contact import ContactSet
 from kilter.files.choices_model import build_choices_schema
 from kilter.files.models import build_schema
-from kilter.tell.answer_data.directions_data import OrientData, RegionData
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
@@ -53,10 +54,10 @@ ANSWERS: dict[str, Any] = {
     "improve": Improvement,
     "incomplete": Incomplete,
     "margin": Margin,
-    "orient": OrientData,
+    "orient": Orientation,
     "place": Places,
     "plan": Order,
-    "region": RegionData,
+    "region": Region,
     "scene": SceneReport,
     "settle": Settled,
     "transport": Transport,

@@ -7,6 +7,7 @@ import os
 import signal
 from collections.abc import Generator, Iterator
 from contextlib import suppress
+from pathlib import Path
 from types import FrameType
 from typing import Any
 

@@ -132,6 +132,21 @@ def test_no_two_files_import_each_other() -> None:
 
 
 @pytest.mark.slow
+def test_no_two_folders_of_analysis_import_each_other() -> None:
+    """Not even for types, or from inside a function."""
+    arrows: dict[str, set[str]] = defaultdict(set)
+    for module in FILES:
+        found = imports(module)
+        for other in found.top | found.types | found.inside:
+            here, there = (name.split(".")[1:4] for name in (module, other))
+            if here[0:1] == there[0:1] == ["analysis"] and len(here) == len(there) == 3:
+                arrows[here[1]].add(there[1])
+    pairs = [(a, b) for a in arrows for b in arrows[a] if a < b and a in arrows[b]]
+    assert pairs == []
+    assert len(arrows) > 10
+
+
+@pytest.mark.slow
 def test_the_longest_chain_of_rooms_is_short() -> None:
     below: dict[str, set[str]] = {name: set() for name in ROOMS}
     for module in set(FILES) - {"kilter"}:
@@ -303,7 +318,7 @@ def test_doubt_readers_finds_a_mark_and_a_step() -> None:
 def test_only_the_decision_reads_doubts() -> None:
     """One cascade: every other analysis calls `decide`, or `Doubts` for the mask of its arrays."""
     # the joined contacts of open pairs are built without the marks, on behalf of the decision
-    exempt = {"kilter.analysis.open_pairs.ordinary_contacts"}
+    exempt = {"kilter.analysis.decision.ordinary_contacts"}
     readers = {
         module: doubt_readers(tree_of(module))
         for module in FILES

@@ -15,7 +15,7 @@ import pytest
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose, Sphere
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.open_pairs import remedies
+from kilter.analysis.verdict import remedies
 from kilter.cli import main
 from kilter.contact import Tolerance
 from kilter.scenes import SCENES, scene, stacks

@@ -11,7 +11,7 @@ from bricks_apart import PULL, least_share
 from judged import reloaded, verified
 
 import kilter
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
 from kilter.assembly.bricks.brick_library import STABLE_LEGO

@@ -16,8 +16,8 @@ import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.analysis.decision import cascade
 from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.load_limit import NoLimit
 from kilter.analysis.margins import margin_steps
-from kilter.analysis.margins.load_limit import NoLimit
 from kilter.cli import main
 from kilter.errors import TimeLimitReached
 from kilter.mechanics.program import Program

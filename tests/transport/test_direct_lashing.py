@@ -13,7 +13,7 @@ from strap_program import least_share
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Strap
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.cli import main

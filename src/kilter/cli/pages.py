@@ -205,6 +205,7 @@ def draw(
     Exit code: 0 when written, whatever the verdict.
     """
     from kilter import publish
+    from kilter.assembly.question import Question
 
     if output is None:
         raise InputError("the name of the figure is missing", hint="add -o figure.svg")
@@ -216,15 +217,14 @@ def draw(
     asked.apart(output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
-        answer = publish.answer_to_draw(
-            assembly,
-            what.value,
+        question = Question(
             contacts=contacts,
             tolerance=asked.tolerance,
             effort=asked.effort,
             time_limit=asked.time_limit,
             progress=progress,
         )
+        answer = publish.answer_to_draw(assembly, what.value, question)
         progress("film" if films else "figure")
         if films:
             publish.animate(answer, output)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import field, replace
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -38,7 +38,7 @@ from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.open_pairs import OpenPair, still_open
 from kilter.errors import InputError
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
-from kilter.tell.record import AnswerInWords, InPython, Record, UnitWord, key
+from kilter.tell.record import AnswerInWords, InPython, Record, Shape, UnitWord, key
 
 __all__ = [
     "INTERFERE",
@@ -57,7 +57,7 @@ LISTED = 1000
 class GapHistogram(Record):
     """Numbers of gaps of opposing faces, relative to the size of the smaller part."""
 
-    edges: Array
+    edges: Annotated[Array, Shape(None, infinite=True)]
     """Edges of the bins [-]; null for an infinite edge."""
     counts: Index
     """Number of gaps in each bin."""

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
+from kilter.assembly.question import Question, question
 from kilter.assembly.side_by_side import SideBySide
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.common.contact_search import (
     ContactSearch,
     begin_search,
@@ -36,7 +35,6 @@ from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
 from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warnings
 from kilter.errors import InputError
-from kilter.values.guesses import guarded
 from kilter.work import facts_of, stop_after, take_at_least
 
 __all__ = [
@@ -54,27 +52,15 @@ LEAST_TIME = 0.2
 """Time in which contacts are searched for whatever the time limit [s]."""
 
 
-@guarded
+@question(lacks="contacts require effort")
 def contacts(
-    assembly: AssemblyOrPath,
-    *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    tolerance: Tolerance | None = None,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
+    asked: Question,
 ) -> ContactSet:
     """Find the contacts of an assembly.
 
     Parameters
     ----------
     assembly : Assembly, or path
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    tolerance, progress : optional
-        As in `kilter.check`.
     time_limit : float, optional
         Time limit [s]. Near pairs that are not examined until then are open pairs of the kind
         "unexamined". The search takes at least 0.2 s, which suffice for small assemblies.
@@ -106,24 +92,32 @@ def contacts(
     >>> result.patch_area, result.patch_normal.tolist()
     (array([1.]), [[0.0, 0.0, 1.0]])
     """
-    assembly = asked_assembly(
-        assembly, "contacts", None, friction=friction, down=down, ground=ground, floor=floor
-    )
-    tolerance = tolerance or assembly.tolerance or Tolerance()
+    assembly, time_limit = asked.assembly, asked.seconds_left
+    tolerance = asked.tolerance or assembly.tolerance or Tolerance()
     if not isinstance(tolerance, Tolerance):
         raise InputError(
             f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
         )
     tolerance.require_sound()
-    report_stage = progress or (lambda stage: None)
     with stop_after(time_limit):
-        search, findings = _search(assembly, tolerance, report_stage, time_limit)
+        search, findings = _search(assembly, tolerance, asked.tell, time_limit)
         contact_set = _contact_set(assembly, search, findings, tolerance)
-        report_fact = facts_of(progress)
+        report_fact = facts_of(asked.progress)
         if report_fact is not None:
             report_fact("contacts", touching_words(contact_set))
-        report_stage("nearest parts")
+        asked.tell("nearest parts")
         return _with_neighbours(contact_set)
+
+
+def touching(asked: Question) -> ContactSet:
+    """The contacts of a question: those given with it, or those of its assembly."""
+    if asked.contacts is None:
+        return contacts(asked)
+    if not isinstance(asked.contacts, ContactSet):
+        raise InputError(
+            f"contacts are {asked.contacts!r:.60}", hint="give what kilter.contacts returns"
+        )
+    return asked.contacts
 
 
 def _search(

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
-from kilter.assembly.verb_keywords import holding, on_floor
+from kilter.assembly.question import holding, on_floor
 from kilter.errors import InputError, some_names
 from kilter.files.choices import LOWEST, Choices, find_choices
 from kilter.files.choices_off import require_off, require_saved

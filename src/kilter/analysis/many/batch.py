@@ -20,13 +20,12 @@ from kilter.analysis.many.batch_folder import BatchFolder, open_folder
 from kilter.analysis.many.batch_list import listed_files
 from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, error_row
 from kilter.analysis.many.batch_workers import LocalWorkers, Task, Workers
+from kilter.assembly.question import Question, question
 from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.reading import reading_for
-from kilter.tell.levels import REQUIRE, require_level
+from kilter.tell.levels import require_level
 from kilter.tell.record import Answer, Record
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
 
 __all__ = ["CHUNK", "Batch", "batch", "run_batch"]
 
@@ -88,18 +87,15 @@ class _Tally:
         self.errors += wrong[: TOLD - len(self.errors)]
 
 
-@guarded
+@question(lacks="friction down ground floor contacts progress")
 def batch(
     source: str | Path,
     output: str | Path,
     *,
+    asked: Question,
     processes: int | None = None,
     chunk: int = CHUNK,
     cluster: str | None = None,
-    tolerance: Tolerance | None = None,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
     progress: Callable[[int, int], None] | None = None,
     **reading: Any,
 ) -> Batch:
@@ -120,8 +116,6 @@ def batch(
     cluster : str, optional
         Address of a scheduler of Dask, in place of processes of this machine. The files are
         read where its workers run.
-    tolerance, require, effort, time_limit
-        As of `kilter.check`.
     progress : callable, optional
         Called with how many rows are written, and of how many.
     **reading
@@ -138,13 +132,12 @@ def batch(
     kilter.check_many : verdicts on assemblies in memory, without files.
     kilter.check : the complete answer for one assembly.
     """
-    allowed = Tolerance() if tolerance is None else tolerance
+    allowed = Tolerance() if asked.tolerance is None else asked.tolerance
     allowed.require_sound()
-    question = BatchQuestion(
-        reading_for(**reading), allowed, require_level(require), effort, time_limit
-    )
+    level = require_level(asked.require)
+    given = BatchQuestion(reading_for(**reading), allowed, level, asked.effort, asked.time_limit)
     return run_batch(
-        source, output, question,
+        source, output, given,
         processes=processes, chunk=chunk, cluster=cluster, progress=progress,
     )  # fmt: skip
 

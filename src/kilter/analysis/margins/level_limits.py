@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.limit_level import (
     NEAR,
@@ -23,7 +24,6 @@ from kilter.analysis.margins.limit_level import (
     LevelLimit,
     find_level_end,
 )
-from kilter.analysis.margins.load_limit import Limit
 from kilter.analysis.margins.part_loads import PartLoad
 from kilter.analysis.margins.pushes import Push
 from kilter.analysis.margins.tilt import TiltAbout, TiltMargin

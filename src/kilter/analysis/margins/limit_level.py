@@ -15,7 +15,7 @@ from math import nan
 import numpy as np
 
 from kilter.analysis.decision.cascade import decide
-from kilter.analysis.margins.load_limit import Why
+from kilter.analysis.load_limit import Why
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet

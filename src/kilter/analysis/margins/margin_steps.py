@@ -9,11 +9,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
-from kilter.analysis.margins.least_friction import Failing, LeastFriction, find_least_friction
-from kilter.analysis.margins.level_limits import LevelLimits, Limits, find_level_limits
-from kilter.analysis.margins.limit_level import verdict_outside
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.load_limit import (
     Limit,
     LimitSteps,
     NoLimit,
@@ -21,6 +18,9 @@ from kilter.analysis.margins.load_limit import (
     find_limit,
     gravity_wrench,
 )
+from kilter.analysis.margins.least_friction import Failing, LeastFriction, find_least_friction
+from kilter.analysis.margins.level_limits import LevelLimits, Limits, find_level_limits
+from kilter.analysis.margins.limit_level import verdict_outside
 from kilter.analysis.margins.margin_question import PUSHED, MarginQuestion
 from kilter.analysis.margins.part_loads import PartLoad, find_part_load
 from kilter.analysis.margins.pushes import Push, find_weakest_push

@@ -24,13 +24,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kilter.analysis.margins.following_forces import FollowingForces, Unknowns
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     NoLimit,
     Why,
     find_limit,
     gravity_wrench,
 )
+from kilter.analysis.margins.following_forces import FollowingForces, Unknowns
 from kilter.analysis.margins.tilt import (
     TiltMargin,
     find_tilt_margin,

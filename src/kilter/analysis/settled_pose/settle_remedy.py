@@ -6,8 +6,8 @@ programs, and a deep overlap is meant or a mistake of another kind.
 
 from __future__ import annotations
 
-from kilter.analysis.open_pairs.remedies import Remedy
 from kilter.analysis.settled_pose.settle import settle
+from kilter.analysis.verdict.remedies import Remedy
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.errors import KilterError
 

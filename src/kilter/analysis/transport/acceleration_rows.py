@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.transport.carried_set import MOST, Slice
 from kilter.arrays import Array
 from kilter.errors import InputError

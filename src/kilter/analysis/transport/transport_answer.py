@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, Why
+from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.transport.acceleration_rows import KnownAccelerations, inner_rows, outer_rows
 from kilter.analysis.transport.carried_set import Slice
 from kilter.analysis.transport.carrier import CarrierMotion

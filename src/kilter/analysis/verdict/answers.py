@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from kilter.analysis.open_pairs.open_question import AnsweredPair, answered_pairs
+from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.assembly import Assembly, JointEntry
 from kilter.contact import ContactSet
 from kilter.tell.record import Answer, InPython, UnitWord, Vector, key

@@ -6,7 +6,6 @@ first access and kept.
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 from collections.abc import Mapping
 from functools import cached_property
@@ -18,12 +17,7 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.decision.decision import Decision, Word
 from kilter.analysis.decision.judge import Judgement
-from kilter.analysis.open_pairs.open_question import AnsweredPair, OpenQuestion, answered_pairs
-from kilter.analysis.open_pairs.remedies import Remedy, find_remedies
-from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
-from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
-from kilter.analysis.verdict.displacement import Displacement, find_displacement
-from kilter.analysis.verdict.motion import (
+from kilter.analysis.decision.motion import (
     NO_MOTION,
     NO_MOTION_BY_LAW,
     NO_MOTION_OF_LIMITS,
@@ -37,8 +31,17 @@ from kilter.analysis.verdict.motion import (
     unknown,
     without_opening,
 )
+from kilter.analysis.decision.open_question import (
+    AnsweredPair,
+    OpenQuestion,
+    answered_pairs,
+)
+from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
+from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
+from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.neutral import Neutral, find_neutral
 from kilter.analysis.verdict.part_answer import PartAnswer
+from kilter.analysis.verdict.remedies import Remedy, find_remedies
 from kilter.analysis.verdict.slipping_motion import find_slipping_motion
 from kilter.analysis.verdict.verdict_answer import (
     BondsNeeded,
@@ -627,12 +630,6 @@ class Verdict(InCells, Answer):
             proof["digest"] = digest_of(proof)
         return proof
 
-    def with_seconds(self, **more: float) -> Verdict:
-        """Copy of the verdict with durations of further stages [s]; keeps computed values."""
-        other = copy.copy(self)
-        object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
-        return other
-
     @cached_property
     @key
     @on_one_thread
@@ -646,7 +643,7 @@ class Verdict(InCells, Answer):
         if not self.assembly.bonds or self.level is None or large:
             return None
         # imported late: only bonds need these modules
-        from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+        from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 
         factor = find_bond_factor(self.program, self.contact_set)
         if not isinstance(factor, BondFactor):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import open_pairs_answer
 from kilter.assembly import Assembly, Strap
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support

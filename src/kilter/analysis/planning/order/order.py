@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from kilter.analysis.decision.decision import Decision, Word
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import open_pairs_answer
 from kilter.analysis.planning.order.locking import Locked
 from kilter.analysis.planning.order.order_proof import order_proof
 from kilter.analysis.planning.order.plan_step import VERDICTS, Step, lower_level

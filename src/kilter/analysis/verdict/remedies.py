@@ -20,7 +20,7 @@ from math import inf
 
 from kilter.analysis.decision.cascade import decide, with_second_order
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import open_pairs_answer
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.fastening import fastened

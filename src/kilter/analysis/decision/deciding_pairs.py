@@ -22,8 +22,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.decision.joining_wrenches import joining_wrenches
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.open_pairs.joining_wrenches import joining_wrenches
 from kilter.analysis.smallest_set import (
     first_hitting_set,
     irreducible_subset,

@@ -85,6 +85,25 @@ UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PartMotion:
+    """Accelerations with which a part starts to move from rest; arrays are read-only.
+
+    Attributes
+    ----------
+    acceleration : ndarray, shape (6,)
+        Linear [m/s^2] and angular [rad/s^2] acceleration, world frame.
+    relative : ndarray, shape (2,)
+        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
+    moves : bool
+        Whether the part starts to move.
+    """
+
+    acceleration: Array
+    relative: Array
+    moves: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ImpendingMotion:
     """Accelerations with which all parts start to move from rest.
 

@@ -25,7 +25,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from kilter.analysis.margins.limit_sides import (
+from kilter.analysis.limit_sides import (
     LimitSides,
     beyond_at,
     held_at,

@@ -1,7 +1,7 @@
 """The question that leaves an assembly undecided: open pairs on which its verdict depends.
 
 The certain contacts do not hold such an assembly, but forces of open pairs may. The question names
-the smallest set of open pairs that decides (`kilter.analysis.open_pairs.deciding_pairs`), and the
+the smallest set of open pairs that decides (`kilter.analysis.decision.deciding_pairs`), and the
 verdict of the assembly with the parts of these pairs joined.
 """
 
@@ -19,7 +19,7 @@ from kilter.tell.record import InPython, Record, Word, key
 from kilter.work import Work
 
 if TYPE_CHECKING:
-    from kilter.analysis.open_pairs.deciding_pairs import DecidingPairs
+    from kilter.analysis.decision.deciding_pairs import DecidingPairs
 
 __all__ = [
     "AnsweredPair",
@@ -95,7 +95,7 @@ def ask_open(
         to suffice because the program is near its limit.
     """
     # imported late: only open pairs need these modules
-    from kilter.analysis.open_pairs.deciding_pairs import find_deciding
+    from kilter.analysis.decision.deciding_pairs import find_deciding
 
     pairs = still_open(contacts.open_pairs, assembly)
     deciding = find_deciding(program, rigid_groups(assembly), pairs, work=work)
