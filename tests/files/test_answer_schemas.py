@@ -37,7 +37,7 @@ def test_the_published_schemas_are_those_of_the_models() -> None:
 
 
 def test_every_class_of_answers_is_validated() -> None:
-    bases = [Answer, RecordedAnswer]
+    bases = [Answer]
     for base in bases:
         bases += [kind for kind in base.__subclasses__() if not kind.answer]
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.answer}
