@@ -90,13 +90,15 @@ def with_piece_friction(
     Patches of pieces that never touch are left out.
     """
     table = _friction_table(assembly)
+    if not table:
+        return patches, PossibleContacts.none()
     pieces, mu = patches.pieces.copy(), patches.mu.copy()
     keep = np.ones(len(patches), dtype=bool)
     rows: list[int] = []
     most: list[float] = []
     parts = patches.parts.tolist()
     # a listed contact, whose pair is -1, has its own coefficient
-    for k in np.flatnonzero(patches.pair >= 0).tolist() if table else ():
+    for k in np.flatnonzero(patches.pair >= 0).tolist():
         a, b = parts[k]
         stated = table.get((min(a, b), max(a, b)))
         if stated is None:

@@ -323,8 +323,6 @@ def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index
         A pair with a stand-in is only in the second array; a pair with a hole may be in both.
     """
     places = geometry.unknown
-    if not len(places) or not len(pairs):
-        return pairs, pairs[:0]
     stand_in = places.stand_ins(len(geometry.mass))
     blind: Mask = stand_in[pairs[:, 0]] | stand_in[pairs[:, 1]]
     meets: Mask = blind.copy()

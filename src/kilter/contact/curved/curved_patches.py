@@ -37,7 +37,7 @@ __all__ = [
     "SurfacePairs",
     "classify",
     "pack",
-    "raised_warnings",
+    "raised_warning",
     "shared_depth",
     "without_repeats",
 ]
@@ -399,14 +399,11 @@ def _kind(search: ContactSearch, surface: list[int]) -> str:
     return next(name for name in NAMED if name in kinds)
 
 
-def raised_warnings(raised: Index) -> tuple[str, ...]:
-    """Warnings about the pairs of parts whose gap tolerance was raised; empty without them."""
-    count = len(raised)
-    if not count:
-        return ()
+def raised_warning(count: int) -> str:
+    """Warning about pairs of parts whose gap tolerance was raised."""
     pairs = "1 pair" if count == 1 else f"{count} pairs"
     return (
         f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
         "height of the arcs over their triangles; a smaller clearance or interference is not "
-        "detected",
+        "detected"
     )
