@@ -6,8 +6,8 @@ import shlex
 
 import numpy as np
 import pytest
+from solids import pin
 from transformations import scaled
-from tubes import pin, tube
 
 from kilter import InputError, Tolerance, check, fastened
 from kilter.analysis.verification import proof_tolerance, verify_proof
@@ -21,7 +21,7 @@ from kilter.contact.overlap import shared_body
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import Pose
-from kilter.scenes.pieces import block, floor, turn
+from kilter.scenes.pieces import block, floor, tube, turn
 from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
 from round_meshes import revolved
