@@ -17,12 +17,17 @@ import pytest
 import kilter
 from kilter.cli import main
 from kilter.cli.commands import functions_of
-from kilter.cli.declarations import declared_of
+from kilter.cli.declarations import declared_in, declared_of
 from kilter.cli.option_parser import with_values
-from kilter.cli.options import READING
+from kilter.cli.options import AddedOptions
+from kilter.cli.tolerance_options import ToleranceOptions
 from kilter.errors import KilterError
 from kilter.files.choices_off import OFF
+from kilter.files.reading_options import ReadingOptions
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
+
+RECORDS = (ReadingOptions, AddedOptions, ToleranceOptions)
+READING = [each.name for record in RECORDS for each in declared_in(record)]
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
