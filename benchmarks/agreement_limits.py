@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import NoLimit
 from kilter.assembly import Assembly
 from kilter.assembly.interactions import Load
 
@@ -29,17 +28,17 @@ def beside_limits(
             if angle > 0:
                 down = _toward(assembly.down, margin.tilt.toward, angle)
                 yield f"tilt {angle:.6f}", assembly.with_down(down), "equilibrium", expected
-    if margin.friction is not None and margin.friction.value > 0 and not assembly.friction_pairs:
-        least = float(margin.friction.value)
+    if margin.friction is not None and margin.friction > 0 and not assembly.friction_pairs:
+        least = float(margin.friction)
         for mu, expected in ((least * (1 + NEAR), True), (least * (1 - NEAR), False)):
-            if expected or mu < margin.friction.lower:
+            if expected or mu < margin.friction_limit.lower:
                 rough = assembly.with_friction(mu)
                 yield f"mu {mu:.6f}", rough, "equilibrium", expected
     ends = margin.load_factor
     if ends is not None and ends[1] is not None and np.isfinite(ends[1].value):
         most = float(ends[1].value)
         for factor, expected in ((most * (1 - NEAR), True), (most * (1 + NEAR) + 1e-6, False)):
-            if most > NEAR and margin.verdict.level is not None:
+            if most > NEAR and margin.check.level is not None:
                 gravity = assembly.gravity + factor * np.linalg.norm(assembly.gravity) * push
                 loaded = replace(assembly, gravity=gravity)
                 yield f"load factor {factor:.6f}", loaded, "equilibrium", expected
@@ -47,7 +46,7 @@ def beside_limits(
         # a limit of zero is left by a share of the weight
         outside = float(weakest.force) * (1 + NEAR) + NEAR * _weight(assembly, weakest.part)
         for size, expected in ((weakest.lower * (1 - NEAR), True), (outside, False)):
-            if np.isfinite(size) and (expected or weakest.limit.mechanism is not None):
+            if np.isfinite(size) and (expected or weakest.limit.motion is not None):
                 loaded = _pushed(assembly, weakest, size)
                 yield f"push {weakest.part} {size:.6g} N", loaded, "equilibrium", expected
 
@@ -77,8 +76,8 @@ def beside_level_limits(
         return replace(assembly, gravity=assembly.gravity + factor * size * push)
 
     ways: list[tuple[str, Any, Callable[[float], Assembly]]] = [
-        ("tilt", limits.tilt, turned),
-        *(("load factor", end, loaded) for end in limits.factor if push is not None),
+        ("tilt", limits.tilt_deg, turned),
+        *(("load factor", end, loaded) for end in limits.load_factor or () if push is not None),
         *(
             (f"push {w.part}", limits.pushes.get(w.part), partial(_pushed, assembly, w))
             for w in margin.pushes
@@ -87,7 +86,7 @@ def beside_level_limits(
     if not assembly.friction_pairs:
         ways.append(("mu", limits.friction, assembly.with_friction))
     for name, limit, changed in ways:
-        if limit is None or isinstance(limit, NoLimit):
+        if limit is None or limit.why is not None:
             continue
         toward = -1.0 if name == "mu" else 1.0
         for value, shift, expected in (

@@ -170,12 +170,12 @@ def judged(scene: Bonded) -> tuple[str, list[str]]:
     if why == "none":
         if np.isfinite(most):
             wrong.append(f"no share is enough, not {most}")
-        if margin.verdict.verdict not in ("unstable", "undecided"):
-            wrong.append(f"{margin.verdict.verdict}, and no share is enough")
+        if margin.verdict not in ("unstable", "undecided"):
+            wrong.append(f"{margin.verdict}, and no share is enough")
         return "no share is enough", wrong
     if why is not None:
         return "no share", wrong
-    share = margin.bond.value
+    share = margin.bond
     if not least - NEAR * max(1.0, least) <= share <= most + NEAR * max(1.0, most):
         wrong.append(f"share {share}, not {least} to {most}")
     if share and not verified(assembly, margin):

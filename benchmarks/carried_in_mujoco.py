@@ -32,10 +32,10 @@ import numpy as np
 from boxes_on_deck import random_stack
 
 import kilter
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.transport.carried_set import CarriedSet
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
-from kilter.analysis.transport.transport_answer import first_motions
+from kilter.analysis.transport.first_motion import first_motions
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 
@@ -212,7 +212,8 @@ def stack_of(seed: int) -> Stack | None:
     limit = CarriedSet(program).along(direction)
     if not isinstance(limit, Limit) or not np.isfinite(limit.value):
         return None
-    words = ", ".join(f"{m['part']} {m['words']}" for m in first_motions(program, limit)[:2])
+    first = first_motions(assembly, limit, CarrierMotion(program.g * direction))
+    words = ", ".join(f"{motion.part} {motion.words}" for motion in first[:2])
     return Stack(seed, assembly, direction, limit.value, words)
 
 

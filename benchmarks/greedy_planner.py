@@ -28,7 +28,7 @@ import kilter
 from kilter.analysis.planning.order.removal import Removal
 from kilter.analysis.planning.order.screws import find_screws
 from kilter.analysis.planning.states.part_sets import bits_of
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.kept_contacts import contacts_among
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 

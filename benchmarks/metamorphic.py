@@ -36,7 +36,7 @@ from random_friction import random_assembly  # noqa: E402
 from transformations import has_box, mirrored, permuted, renamed, scaled, split  # noqa: E402
 
 from kilter import margin  # noqa: E402
-from kilter.analysis.margins.load_limit import Limit  # noqa: E402
+from kilter.analysis.load_limit import Limit  # noqa: E402
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration  # noqa: E402
 from kilter.arrays import Array  # noqa: E402
 from kilter.assembly import Assembly  # noqa: E402
@@ -145,7 +145,7 @@ def answer_of(assembly: Assembly, push: Array) -> dict[str, Any]:
     found = margin(assembly, push=push, pushed=[])
     data = found.to_dict()
     keys = {key: data[key] for key in NUMBERS}
-    return {"verdict": found.verdict.verdict, "level": found.verdict.level, **keys}
+    return {"verdict": found.verdict, "level": found.check.level, **keys}
 
 
 def carried_by(assembly: Assembly, push: Array) -> dict[str, Any]:

@@ -30,16 +30,14 @@ import kilter
 from kilter import Assembly, Tolerance
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS
-from kilter.contact.contact_search import begin_search
+from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.distances import surface_distance
 from kilter.contact.pair_findings import PairFindings, examine
-from kilter.contact.triangle_distance import surface_distance
 from kilter.errors import KilterError
 
 Array = NDArray[np.float64]
 Kind = tuple[str, str, str]
 """Feature of one part, feature of the other part, reason."""
-MOST_POINTS = 40
-"""Number of points of a pair whose faces are found; more points take more time."""
 NO_FORMULA = "the two surfaces have no contact formula"
 AT_AN_EDGE = "an edge or corner lies on a curved face or beside it"
 
@@ -102,18 +100,19 @@ def _name(geometry: Geometry, row: int) -> str:
 
 
 def kinds_of(findings: PairFindings) -> dict[tuple[int, int], set[Kind]]:
-    """Kinds of unmodelled contacts of each pair of parts."""
-    geometry, rounds = findings.search.geometry, findings.near.rounds
+    """Kinds of the unmodelled contacts at curved faces, by the point that each of them reports."""
+    geometry = findings.search.geometry
     kinds: dict[tuple[int, int], set[Kind]] = collections.defaultdict(set)
-    for a, b in np.unique(rounds.parts, axis=0).tolist():
-        rows = np.flatnonzero((rounds.parts == (a, b)).all(axis=1))
-        chosen = rows[np.linspace(0, len(rows) - 1, min(len(rows), MOST_POINTS)).astype(int)]
+    for contact in findings.sharp.unsupported:
+        if contact.kind != "curved":
+            continue
+        a, b = contact.parts
         slack = float(geometry.slack[[a, b]].max())
         reach = 2 * slack + 2e-3 * float(geometry.size[[a, b]].min())
-        for point in rounds.points[chosen]:
-            first, second = sorted(feature_at(geometry, part, point, reach) for part in (a, b))
-            at_edge = " and " in first or " and " in second
-            kinds[a, b].add((first, second, AT_AN_EDGE if at_edge else NO_FORMULA))
+        point = np.array(contact.point)
+        first, second = sorted(feature_at(geometry, part, point, reach) for part in (a, b))
+        at_edge = " and " in first or " and " in second
+        kinds[a, b].add((first, second, AT_AN_EDGE if at_edge else NO_FORMULA))
     return kinds
 
 

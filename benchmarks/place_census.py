@@ -29,8 +29,7 @@ import numpy as np
 import shapely
 
 from kilter import Assembly, Box, Part, Pose, Prism, check_many
-from kilter.analysis.placing.place import Places, box_to_place, place
-from kilter.analysis.placing.place_map import LevelMap
+from kilter.analysis.placing.place import LevelPlaces, Places, box_to_place, place
 from kilter.analysis.placing.upright_prisms import find_tops
 from kilter.errors import InputError
 
@@ -140,13 +139,13 @@ def with_next(rng: np.random.Generator, stack: Assembly, prisms: bool, verdict: 
             answer = place(stack, part, at=at, require="equilibrium")
         except InputError:
             continue
-        if answer.at is not None and answer.at.verdict.verdict == verdict:
-            return answer.at.verdict.assembly
+        if answer.at is not None and answer.at.verdict == verdict:
+            return answer.at.worst.assembly
     return stack
 
 
 def chosen_places(
-    rng: np.random.Generator, level: LevelMap, number: float
+    rng: np.random.Generator, level: LevelPlaces, number: float
 ) -> Iterator[tuple[str, np.ndarray, bool]]:
     """Kind of a place, place, and whether it stands by the map: at random, and beside edges."""
     regions = ((level.stands, True), (level.falls, False))
@@ -173,23 +172,23 @@ def chosen_places(
                                 yield f"{'inside' if inner else 'beyond'} an edge", beside, answer
 
 
-def is_flush(places: Places, level: LevelMap, point: np.ndarray) -> bool:
+def is_flush(places: Places, level: LevelPlaces, point: np.ndarray) -> bool:
     """Whether the part touches the side of a neighbour at a place."""
     assert places.prism is not None
     under = shapely.polygons(places.prism.footprint + point)
     return any(
-        top.high > level.height + FLUSH
-        and top.low < level.height + places.prism.height - FLUSH
+        top.high > level.height - places.prism.below + FLUSH
+        and top.low < level.height + places.prism.above - FLUSH
         and top.polygon.distance(under) < FLUSH
         for top in find_tops(places.assembly)
     )
 
 
-def placed(places: Places, level: LevelMap, point: np.ndarray) -> Assembly:
+def placed(places: Places, level: LevelPlaces, point: np.ndarray) -> Assembly:
     """The assembly with the part at a place."""
     assert places.prism is not None
     center = Assembly([places.part]).geometry.center[0]
-    shift = np.append(point, level.height + places.prism.below) - center
+    shift = np.append(point, level.height) - center
     pose = Pose(np.asarray(places.part.pose.position) + shift, places.part.pose.rotation)
     return places.assembly.with_parts([replace(places.part, pose=pose)])
 

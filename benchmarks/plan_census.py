@@ -38,7 +38,7 @@ from kilter.analysis.planning.order.removal import Removal
 from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
 from kilter.analysis.verification import verify_bundle
 from kilter.arrays import connected
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.kept_contacts import contacts_among
 from kilter.scenes.walls import wall_from_courses
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
@@ -175,7 +175,7 @@ def brute_wrong(assembly: kilter.Assembly, orders: Sequence[kilter.Order], tally
     for hold, order in enumerate(orders):
         if order.found and not low <= order.holds_max <= high:
             yield f"{kind_of(order)}, by all orders {low} to {high}"
-        if order.verdict == "none-found" and order.exhausted and high <= hold:
+        if order.verdict == "none-found" and order.search.exhausted and high <= hold:
             yield f"none found with {hold}, by all orders {high} are enough"
         least = (MOST if low > MOST else -1) if order.locked else anyhow - 1
         if order.verdict == "impossible" and least < hold:

@@ -100,10 +100,10 @@ def turned(family: str, seed: int, directions: int) -> Any:
     yield times | {"orient": oriented.verdict, "orient_margin": oriented.tilt_margin_deg}
     margin, times = timed("margin", lambda: kilter.margin(assembly, contacts=contacts))
     yield times | {
-        "verdict": margin.verdict.verdict,
+        "verdict": margin.verdict,
         "tilt": margin.tilt_deg,
         "tilt_lower": None if margin.tilt is None else float(np.degrees(margin.tilt.lower)),
-        "friction": None if margin.friction is None else float(margin.friction.value),
+        "friction": None if margin.friction is None else float(margin.friction),
         "missing": margin.missing,
     }
     wall = time.perf_counter()
@@ -291,7 +291,7 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
         tilt = np.radians(margin.tilt_deg)
         aside = margin.tilt_down - (margin.tilt_down @ down) * down
         size = float(np.linalg.norm(aside))
-        limited = margin.tilt is None or margin.tilt.limit.mechanism is not None
+        limited = margin.tilt is None or margin.tilt.limit.motion is not None
         if size > 0 and limited:
             aside = aside / size
 
@@ -319,7 +319,7 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
                 )
             if outer - inner > 2 * gap + 1e-6:
                 wrong.append(f"facets {np.degrees(outer - inner)} deg apart, gap {region.gap_deg}")
-    if margin.friction is not None and margin.friction.value > 0:
+    if margin.friction is not None and margin.friction > 0:
         wrong += friction_wrong(program, margin.friction)
     if turned.verdict == "found" and turned.tilt_margin_deg is not None:
         half = region.half_angle_deg

@@ -225,7 +225,7 @@ def examine(
     if level_rank(answer.level) < min(level_rank(level), level_rank(require)):
         row.lower += 1
         alone = None if answer.closed_verdict is None else answer.closed_verdict.level
-        after = None if answer.after is None else answer.after.level
+        after = None if answer.settled_verdict is None else answer.settled_verdict.level
         as_made = len(kilter.contacts(made).points)
         points = 0 if answer.closed is None else len(answer.closed.contacts.points)
         why += (

@@ -32,7 +32,7 @@ from lashings import random_direct, random_lashing
 from strap_program import least_share
 
 import kilter
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 

@@ -1,16 +1,16 @@
 """What all tests share: hypothesis without deadlines, since cores are shared; their options."""
 
-from __future__ import annotations
-
 import gc
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import pytest
+from _pytest.doctest import DoctestModule
 from hypothesis import settings
 
 from published import judged_answers
@@ -23,8 +23,7 @@ settings.load_profile("kilter")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """`--each-solver FILE`: see `solvers_apart`; `--kills N`: see `tests/cli/test_writing.py`."""
-    parser.addoption("--each-solver", metavar="FILE", type=Path, help="ask each solver by itself")
+    """`--kills N`: see `tests/cli/test_writing.py`."""
     parser.addoption("--block", metavar="K/N", help="run the K-th of N blocks of the tests")
     parser.addoption("--kills", type=int, default=12, help="moments at which a writer is killed")
 
@@ -58,6 +57,14 @@ def pytest_collection() -> Iterator[None]:
         gc.enable()
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file(file_path: Path) -> Generator[None, list[Any], list[Any]]:
+    """Search helpers alone for examples in docstrings: files of tests have none."""
+    found = yield
+    tests = file_path.name.startswith("test_")
+    return [one for one in found if not (tests and isinstance(one, DoctestModule))]
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark cases slow before `-m` selects, and keep the tests of `--block`."""
@@ -66,19 +73,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if block:
         items[:], others = in_block(items, block)
         config.hook.pytest_deselected(items=others)
-
-
-@pytest.fixture(autouse=True)
-def asked_of_each_solver(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Programs that the test has judged, asked of each solver, where that is asked for."""
-    file = request.config.getoption("--each-solver")
-    if file is None:
-        yield
-        return
-    from solvers_apart import each_solver
-
-    with each_solver(request.node.nodeid, file):
-        yield
 
 
 @pytest.fixture(scope="session", autouse=True)

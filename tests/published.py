@@ -1,7 +1,5 @@
 """Every answer that a test makes, judged by its published schema."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -31,8 +29,6 @@ WRITERS = {
     "verify": "kilter.analysis.verification.Verification",
 }
 """Class of each answer, whose method `to_dict` writes the data."""
-MORE = {"hold": "kilter.analysis.planning.hold.lashing.Lashing"}
-"""Second classes of answers."""
 
 
 @functools.cache
@@ -46,7 +42,7 @@ def validator(verb: str) -> Callable[[Any], Any]:
 def judged_answers() -> Iterator[None]:
     """Validate the data of each `to_dict` of an answer while the context lasts."""
     with ExitStack() as stack:
-        for verb, place in [*WRITERS.items(), *MORE.items()]:
+        for verb, place in WRITERS.items():
             module, _, name = place.rpartition(".")
             writer = getattr(import_module(module), name)
             judged = _judged(verb, writer.to_dict)

@@ -4,8 +4,6 @@
 test (conftest applies it); `in_block` splits a long selection into blocks.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -17,6 +15,8 @@ __all__ = ["SLOW_EXAMPLES", "in_block", "mark_rest_slow", "sampled"]
 SLOW_EXAMPLES = frozenset(
     {
         "kilter.analysis.everything.everything",
+        "kilter.analysis.margins.improve.improve",
+        "kilter.analysis.margins.margin.margin",
         "kilter.analysis.margins.pushes.find_weakest_push",
         "kilter.analysis.margins.tilt.find_tilt_margin",
         "kilter.analysis.margins.uncertainty.find_uncertainty",

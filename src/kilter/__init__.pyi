@@ -19,7 +19,6 @@ from kilter.analysis.placing.piles.pile import PileFit as PileFit
 from kilter.analysis.placing.place import Places as Places
 from kilter.analysis.placing.place import box_to_place as box_to_place
 from kilter.analysis.planning.hold.fixture import Fixture as Fixture
-from kilter.analysis.planning.hold.lashing import Lashing
 from kilter.analysis.planning.order.order import Order as Order
 from kilter.analysis.planning.order.plan_rules import PlanRules as PlanRules
 from kilter.analysis.planning.order.plan_step import Step as Step
@@ -51,11 +50,11 @@ from kilter.assembly.interactions import Load as Load
 from kilter.assembly.part import Part as Part
 from kilter.assembly.question import AssemblyOrPath
 from kilter.assembly.straps import Strap as Strap
+from kilter.contact.common.gaps import Tolerance as Tolerance
+from kilter.contact.common.patches import Patch as Patch
 from kilter.contact.contact_set import ContactSet as ContactSet
 from kilter.contact.fits.choices_saving import save as save
 from kilter.contact.fits.fastening import fastened as fastened
-from kilter.contact.gaps import Tolerance as Tolerance
-from kilter.contact.patch import Patch as Patch
 from kilter.contact.supports import Support as Support
 from kilter.errors import InputError as InputError
 from kilter.errors import KilterError as KilterError
@@ -518,7 +517,7 @@ def hold(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
-) -> Fixture | Lashing:
+) -> Fixture:
     """Find the fewest supports with which an assembly holds, and prove that fewer are not enough.
 
     Parameters
@@ -529,8 +528,8 @@ def hold(
         Candidates: a grip on every part, a prop under every part, a finger on every flat
         face that is free, or the given supports.
     straps : iterable of Strap, optional
-        Candidates of the only kind, in place of `candidates`: the answer is a `Lashing`, the fewest
-        of these straps beside those of the assembly. The proof is one of equilibrium.
+        Candidates of the only kind, in place of `candidates`: the answer has the fewest of these
+        straps beside those of the assembly. The proof is one of equilibrium.
     code : str, optional
         With `straps`: the same straps must hold the load at every acceleration of this code of load
         securing, as in `kilter.transport`.
@@ -719,7 +718,7 @@ def margin(
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> round(margin(scene("tower")).friction.value, 6)
+    >>> round(margin(scene("tower")).friction, 6)
     0.0
     """
 
@@ -872,12 +871,12 @@ def place(
     >>> from kilter.scenes import scene
     >>> answer = place(scene("tower"), box_to_place([1, 1, 1], 1.0))
     >>> answer.stands, [level.height for level in answer.levels]
-    (True, [5.0])
+    (True, [5.5])
 
     With a centre of mass that is known to a tenth of the size, the margin is smaller by this tenth:
 
     >>> unsure = place(scene("tower"), box_to_place([1, 1, 1], 1.0), center_within=0.1)
-    >>> round(answer.best[3], 6), round(unsure.best[3], 6)
+    >>> round(answer.best.margin, 6), round(unsure.best.margin, 6)
     (0.5, 0.4)
     """
 

@@ -7,7 +7,6 @@ file: nothing of the answer but the proof itself is used.
 from __future__ import annotations
 
 import json
-import warnings
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ import pytest
 import stranger
 
 from kilter import InputError, check
+from kilter.analysis.decision.judge import SOLVERS, Solver, judge
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.assembly import Assembly
@@ -23,7 +23,7 @@ from kilter.files import from_dict, to_dict
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
 
-__all__ = ["judged", "kappa", "program_of", "reloaded", "verified", "z_of"]
+__all__ = ["judged", "kappa", "program_of", "reloaded", "sides", "verified", "z_of"]
 
 
 def reloaded(assembly: Assembly) -> Assembly:
@@ -52,7 +52,7 @@ def judged(assembly: Assembly, **options: Any) -> Verdict:
     searched = verdict.verdict == "settles" and options.get("effort", 1.0) < 1.0
     assert answer.holds or (searched and answer.level == "equilibrium"), answer.reasons
     assert answer.verdict == verdict.verdict
-    _convinces_a_stranger(proof, verdict.tolerance)
+    _convinces_a_stranger(proof, verdict.tolerance.verdict)
     _exactly_one_holds(verdict)
     _moves_as_it_should(verdict)
     return verdict
@@ -95,7 +95,7 @@ def _moves_as_it_should(verdict: Verdict) -> None:
     if verdict.verdict in ("settles", "potentially-stable") and verdict.why != "push-open":
         assert verdict.guarantee in ("refuted", "open")
         assert verdict.seated is not None
-        passed, of = verdict.tries
+        passed, of = verdict.tries.passed, verdict.tries.of
         assert (verdict.verdict == "settles") == (verdict.guarantee == "open" and passed == of == 8)
     assert (verdict.verdict in ("potentially-stable", "balanced")) == (verdict.why is not None)
 
@@ -103,6 +103,11 @@ def _moves_as_it_should(verdict: Verdict) -> None:
 def program_of(assembly: Assembly, *, possible: bool = False, sticking: bool = False) -> Program:
     """The program of an assembly with the contacts found in it."""
     return build_program(assembly, detect.contacts(assembly), possible=possible, sticking=sticking)
+
+
+def sides(program: Program) -> dict[Solver, bool | None]:
+    """Side that each solver proves by itself: stable, unstable, or none."""
+    return {solver: judge(program, solver=solver).stable for solver in SOLVERS}
 
 
 def z_of(assembly: Assembly) -> float:
@@ -113,13 +118,6 @@ def z_of(assembly: Assembly) -> float:
 def kappa(assembly: Assembly) -> float:
     """Instability of an assembly of any verdict [-]."""
     return judged(assembly).motion.instability
-
-
-def quiet(function: Any, *arguments: Any, **options: Any) -> Any:
-    """Call a function without its Python warnings."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return function(*arguments, **options)
 
 
 def random_turn(random: np.random.Generator) -> np.ndarray:

@@ -4,9 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from judged import judged, random_turn
+from judged import judged
 from transformations import scaled
 
 from kilter.analysis.check import check
@@ -112,20 +110,6 @@ def test_body_with_a_hole_is_a_difference():
     assert inertia[2, 2] == pytest.approx(RHO * (16 * 32 - 4 * 8) / 12, rel=1e-13)
 
 
-@pytest.mark.slow
-@settings(max_examples=15)
-@given(seed=st.integers(0, 10**6))
-def test_inertia_turns_with_the_body(seed):
-    random = np.random.default_rng(seed)
-    shape = Prism([[0, 0], [3, 0], [3, 1], [1, 1], [1, 4], [0, 4]], 2.0)
-    volume, mass, center, inertia = body(shape)
-    pose = Pose(random.normal(size=3), random_turn(random))
-    turned = body(shape, pose)
-    assert turned[:2] == pytest.approx((volume, mass))
-    assert np.allclose(turned[2], pose.apply([center])[0], atol=1e-13)
-    assert np.allclose(turned[3], pose.matrix @ inertia @ pose.matrix.T, rtol=1e-12, atol=1e-9)
-
-
 @pytest.mark.parametrize("distance", [1e2, 1e4])
 def test_mesh_far_from_the_origin_keeps_its_digits(distance):
     shape = Prism([[0, 0], [3, 0], [3, 1], [1, 1], [1, 4], [0, 4]], 2.0)
@@ -221,7 +205,7 @@ def test_w10_same_geometry_under_two_names_is_named():
     parts = [floor([-2, -2], [2, 2]), *(block(n, [0, 0, 0], [1, 1, 1]) for n in ("one", "two"))]
     warnings = check(Assembly(parts)).warnings
     assert any(text.startswith("'one' and 'two' are the same body twice") for text in warnings)
-    assert any("same body twice" in text for text in contacts(Assembly(parts)).remarks())
+    assert any("same body twice" in text for text in contacts(Assembly(parts)).warnings)
 
 
 @pytest.mark.parametrize(
@@ -287,15 +271,6 @@ def test_nothing_held_is_refused_and_the_lowest_part_named():
 def test_joint_without_its_point_is_refused_in_words():
     with pytest.raises(InputError, match="revolute"):
         Assembly(stacks.tower(1).parts, joints=[Joint(("base", "cube-1"), "revolute")])
-
-
-@pytest.mark.slow
-def test_scene_of_meshes_is_judged_as_the_scene_of_shapes():
-    for build in (stacks.staircase, lambda: stacks.inverted_triangle(3)):
-        assembly = build()
-        parts = [dataclasses.replace(p, shape=as_mesh(p.shape)) for p in assembly.parts]
-        meshes = dataclasses.replace(assembly, parts=parts)
-        assert judged(meshes).verdict == judged(assembly).verdict
 
 
 def test_scaled_and_moved_prism_keeps_its_centre():

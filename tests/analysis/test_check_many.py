@@ -131,15 +131,6 @@ def test_every_way_of_asking_gives_the_verdict_of_check() -> None:
 
 
 @pytest.mark.slow
-def test_piles_turned_at_random_get_the_verdicts_of_check() -> None:
-    given = piles(range(24))
-    found = kilter.check_many(given, proofs=True)
-    assert found.verdict.tolist() == [alone(one) for one in given]
-    assert set(found.verdict.tolist()) >= {"stable", "unstable"}
-    require_proved(found)
-
-
-@pytest.mark.slow
 def test_hundreds_of_piles_get_the_verdicts_of_check_from_assemblies_and_from_arrays() -> None:
     given = piles(range(1000, 1250))
     words = [alone(one) for one in given]
@@ -166,31 +157,6 @@ def test_limits_have_both_sides_whatever_stands_beside() -> None:
     expected = np.where(shares < 1, "stable", "unstable").tolist()
     for many in (given, arrays_of(given)):
         assert kilter.check_many(many).verdict.tolist() == expected
-
-
-@pytest.mark.slow
-def test_a_verdict_does_not_depend_on_what_stands_beside() -> None:
-    given = piles(range(8))
-    found = kilter.check_many(given, proofs=True)
-    reverse = kilter.check_many(given[::-1], proofs=True)
-    for k in range(len(given)):
-        one, other = found.certificate(k), reverse.certificate(len(given) - 1 - k)
-        assert one is not None
-        assert other is not None
-        assert type(one[1]) is type(other[1])
-        for name in ("forces", "motion"):
-            if hasattr(one[1], name):
-                np.testing.assert_array_equal(getattr(one[1], name), getattr(other[1], name))
-
-
-@pytest.mark.slow
-def test_words_are_those_of_check() -> None:
-    given = [scene("tower"), scene("paper-figure-8")]
-    found = kilter.check_many(given)
-    for k, one in enumerate(given):
-        many, single = found[k].to_dict(), kilter.check(one).to_dict()
-        assert {**many, "seconds": None} == {**single, "seconds": None}
-    assert [one.verdict for one in found] == [one.verdict for one in found[:]]
 
 
 def test_a_list_of_verdicts_needs_no_further_check(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -247,17 +213,6 @@ def test_refusals_are_rows_with_their_reason() -> None:
         with pytest.raises(InputError):
             found[place]
     assert found.stable.tolist() == [False, True, False, False]
-
-
-@pytest.mark.slow
-def test_arrays_are_read_as_meshes_are() -> None:
-    given = piles(range(6))
-    arrays = arrays_of(given)
-    assert kilter.check_many(arrays).verdict.tolist() == [alone(one) for one in arrays]
-    assert kilter.check_many(given).verdict.tolist() == [alone(one) for one in arrays]
-    single = arrays_of(given, vertices=arrays.vertices.astype(np.float32))
-    assert kilter.check_many(single).verdict.tolist() == [alone(one) for one in single]
-    assert single.among(np.array([4, 1]))[0].geometry.single.all()
 
 
 @pytest.mark.slow

@@ -11,10 +11,10 @@ from random_voronoi import random_voronoi
 from staggered_dome import staggered_dome
 
 from kilter import Assembly
+from kilter.analysis.decision import deciding_pairs
+from kilter.analysis.decision.deciding_pairs import DecidingPairs, find_deciding
+from kilter.analysis.decision.joining_wrenches import joining_wrenches
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.open_pairs import deciding_pairs
-from kilter.analysis.open_pairs.deciding_pairs import DecidingPairs, find_deciding
-from kilter.analysis.open_pairs.joining_wrenches import joining_wrenches
 from kilter.arrays import Index, connected
 from kilter.contact import ContactSet, contacts
 from kilter.contact.open_pairs import OpenPair, rigid_groups

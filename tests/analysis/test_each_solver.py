@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
-from judged import program_of
-from solvers_apart import each_solver, recorded, sides
+from judged import program_of, sides
 
-from kilter import check
-from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import SOLVERS, judge
-from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
-from kilter.scenes import arches, scene, stacks, walls
-from kilter.scenes.registry import SCENES
+from kilter.analysis.load_limit import find_limit, gravity_wrench
+from kilter.scenes import arches, stacks, walls
 from kilter.solvers import cone_interior_point
 
 BESIDE = (1e-2, 1e-4, 1e-5)
 """Of a limit."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(SCENES))
-def test_all_programs_of_a_scene(name):
-    with recorded() as programs:
-        check(scene(name))
-    assert programs
-    for program in programs.values():
-        known = judge(program).stable
-        assert set(sides(program).values()) <= {known, None}
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5])
@@ -82,32 +65,3 @@ def test_no_proof_of_one_is_asked_of_the_next(monkeypatch):
     assert fallen_back.stable
     assert "no proof" in fallen_back.solvers[0]
     assert "clarabel" in fallen_back.solvers[1]
-
-
-@pytest.mark.slow
-def test_a_proof_of_the_other_side_is_found(monkeypatch, tmp_path):
-    tower = stacks.tower(3)
-    with each_solver("tower", tmp_path / "sides.csv"):
-        check(tower)
-    head, row = (tmp_path / "sides.csv").read_text().splitlines()
-    assert head.startswith("test,programs,larger,kilter proved")
-    assert row == "tower,1,0,1,0,0,1,0,0,1,0,0"
-    answer = judging.judge
-
-    def told(otherwise):
-        def judge(program, *, work=None, solver=None):
-            said = answer(program, work=work, solver=solver)
-            return dataclasses.replace(said, stable=otherwise.get(solver, said.stable))
-
-        return judge
-
-    import solvers_apart
-
-    monkeypatch.setattr(solvers_apart, "judge", told({None: None}))  # left open: no other side
-    with each_solver("open", tmp_path / "sides.csv"):
-        check(tower)
-    assert (tmp_path / "sides.csv").read_text().splitlines()[-1] == "open,1,0,1,0,0,1,0,0,1,0,0"
-    for otherwise in ({"highs": False}, {None: None, "highs": False}):
-        monkeypatch.setattr(solvers_apart, "judge", told(otherwise))
-        with pytest.raises(AssertionError), each_solver("tower", tmp_path / "sides.csv"):
-            check(tower)

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from judged import program_of
-from solvers_apart import sides
+from judged import program_of, sides
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose

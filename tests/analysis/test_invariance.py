@@ -4,37 +4,20 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from judged import judged, random_turn
 from transformations import as_single, permuted, renamed, scaled, tilted
 
 from kilter.scenes import paper, scene, stacks, walls
 from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved
-from sampled import sampled
 
 SCENES = {
-    "figure-1": paper.figure_1,
     "figure-8": paper.figure_8,
-    "figure-9": paper.figure_9,
-    "figure-10": lambda: paper.figure_10("b"),
     "figure-11": lambda: paper.figure_11("b"),
     "figure-11-off": lambda: tilted(paper.figure_11("b"), [0, 1, 0], 0.01),
-    "trapped": lambda: paper.trapped_wedge(planar=False),
     "staircase": stacks.staircase,
-    "staircase-fails": lambda: stacks.staircase(4, offset=0.2 * (1 + 1e-5)),
-    "harmonic": lambda: stacks.harmonic_stack(6, scale=1 - 1e-5),
-    "diamond": lambda: stacks.diamond(3),
-    "triangle": lambda: stacks.inverted_triangle(3),
-    "wall": lambda: walls.wall(4, 4),
-    "opening": lambda: walls.wall_with_opening(5, 6, opening=(2, 4, 1, 3)),
     "wedges": lambda: scene("corner-wedges"),
-    "keystone": lambda: scene("keystone"),
-    "slope": lambda: stacks.block_on_slope(0.1),
-    "floating": lambda: scene("floating-block"),
 }
-EACH = pytest.mark.parametrize("name", SCENES)
 LENGTH = 2.0
 """About the size of a part of most of the scenes [m]."""
 
@@ -43,30 +26,10 @@ LENGTH = 2.0
 def answers():
     """Verdict and kappa of each scene as it is built."""
     found = {name: judged(build()) for name, build in SCENES.items()}
-    words = [verdict.verdict for verdict in found.values()]
-    assert words.count("stable") >= 8
-    assert words.count("unstable") >= 6
     return {name: (v.verdict, v.motion.instability) for name, v in found.items()}
 
 
-def same(assembly, answer, *, off=1e-8):
-    verdict = judged(assembly)
-    assert verdict.verdict == answer[0]
-    assert verdict.motion.instability == pytest.approx(answer[1], abs=off)
-
-
-@pytest.mark.slow
-@EACH
-@pytest.mark.parametrize("factor", sampled(1, [1e-3, 1e3]))
-def test_scale_changes_no_verdict(answers, name, factor):
-    same(scaled(SCENES[name](), factor), answers[name])
-
-
-@pytest.mark.quick(1)
-@EACH
-@pytest.mark.parametrize("factor", sampled(1, [1e3, 1e-3]))
-def test_change_of_density_changes_no_verdict(answers, name, factor):
-    assembly = SCENES[name]()
+def denser(assembly, factor):
     parts = [
         dataclasses.replace(
             part,
@@ -75,90 +38,40 @@ def test_change_of_density_changes_no_verdict(answers, name, factor):
         )
         for part in assembly.parts
     ]
-    same(dataclasses.replace(assembly, parts=parts), answers[name])
+    return dataclasses.replace(assembly, parts=parts)
 
 
-@pytest.mark.slow
-@EACH
-@pytest.mark.parametrize("size", sampled(1, [1e-3, 1e3]))
-def test_size_of_gravity_changes_no_verdict(answers, name, size):
-    assembly = SCENES[name]()
-    same(dataclasses.replace(assembly, gravity=assembly.gravity * size), answers[name])
-
-
-@pytest.mark.quick(1)
-@EACH
-def test_turn_changes_no_verdict(answers, name):
-    random = np.random.default_rng(7)
-    same(moved(SCENES[name](), random_turn(random)), answers[name])
-
-
-@pytest.mark.slow
-@EACH
-@pytest.mark.parametrize("seed", range(6))
-def test_many_turns_change_no_verdict(answers, name, seed):
-    random = np.random.default_rng(100 + seed)
-    turned = moved(SCENES[name](), random_turn(random), random.normal(size=3))
-    same(turned, answers[name])
-
-
-@pytest.mark.quick(1)
-@EACH
-def test_turn_and_shift_by_ten_thousand_sizes_change_no_verdict(answers, name):
+def turned_far(assembly):
     random = np.random.default_rng(11)
     way = random.normal(size=3)
-    shift = way / np.linalg.norm(way) * 1e4 * LENGTH
-    same(moved(SCENES[name](), random_turn(random), shift), answers[name], off=1e-6)
+    return moved(assembly, random_turn(random), way / np.linalg.norm(way) * 1e4 * LENGTH)
 
 
-@pytest.mark.quick(1)
-@EACH
-def test_shift_alone_changes_no_verdict(answers, name):
-    shift = np.array([1.0, -2.0, 0.5]) * 1e4 * LENGTH
-    same(moved(SCENES[name](), shift=shift), answers[name], off=1e-6)
+CHANGES = {
+    "smaller": lambda one: scaled(one, 1e-3),
+    "larger": lambda one: scaled(one, 1e3),
+    "lighter": lambda one: denser(one, 1e-3),
+    "denser": lambda one: denser(one, 1e3),
+    "less gravity": lambda one: dataclasses.replace(one, gravity=one.gravity * 1e-3),
+    "turned": lambda one: moved(one, random_turn(np.random.default_rng(7))),
+    "turned and far": turned_far,
+    "far": lambda one: moved(one, shift=np.array([1.0, -2.0, 0.5]) * 1e4 * LENGTH),
+    "other order": lambda one: permuted(one, np.random.default_rng(3).permutation(len(one.parts))),
+    "other names": lambda one: renamed(one, lambda part: f"Ω {part[::-1]} / 1"),
+} | {
+    f"by {degrees}": lambda one, by=degrees: moved(one, turn([1, 1, 0], by))
+    for degrees in (1e-6, 45 - 1e-7, 90 - 1e-6, 180 - 1e-6)
+}
 
 
-@pytest.mark.slow
-@EACH
-def test_order_and_names_change_no_verdict(answers, name):
-    assembly = SCENES[name]()
-    order = np.random.default_rng(3).permutation(len(assembly.parts))
-    same(permuted(assembly, order), answers[name])
-    same(renamed(assembly, lambda part: f"Ω {part[::-1]} / 1"), answers[name])
-
-
-TURNED = {k: SCENES[k] for k in ("figure-8", "figure-11", "figure-11-off", "staircase", "wedges")}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", TURNED)
-@settings(max_examples=6)
-@given(
-    quaternion=st.tuples(*[st.floats(-1, 1, allow_subnormal=False)] * 4).filter(
-        lambda q: sum(x * x for x in q) > 1e-2
-    )
-)
-def test_no_turn_changes_a_verdict(answers, name, quaternion):
-    unit = np.array(quaternion) / np.linalg.norm(quaternion)
-    same(moved(TURNED[name](), unit), answers[name])
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("degrees", [1e-6, 45 - 1e-7, 90 - 1e-6, 180 - 1e-6])
-@pytest.mark.parametrize("name", TURNED)
-def test_turns_near_the_axes_change_no_verdict(answers, name, degrees):
-    same(moved(TURNED[name](), turn([1, 1, 0], degrees)), answers[name])
-
-
-@pytest.mark.slow
-def test_planar_verdicts_do_not_change_with_a_turn_in_the_plane():
-    for build, word in ((paper.figure_9, "stable"), (paper.figure_8, "unstable")):
-        for degrees in (17.0, 90.0, 233.0):
-            assembly = moved(build(planar=True), turn([0, 1, 0], degrees), [5.0, 0.0, -3.0])
-            verdict = judged(assembly)
-            assert verdict.verdict == word
-            if word == "stable":
-                assert verdict.neutral.two_sided == 1
+@pytest.mark.quick(14)
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("change", CHANGES)
+def test_no_change_of_description_changes_a_verdict(answers, name, change):
+    verdict = judged(CHANGES[change](SCENES[name]()))
+    assert verdict.verdict == answers[name][0]
+    off = 1e-6 if "far" in change else 1e-8
+    assert verdict.motion.instability == pytest.approx(answers[name][1], abs=off)
 
 
 # coordinates as a binary STL carries them -------------------------------------------------
@@ -168,17 +81,13 @@ BALANCED = {
     "staircase": stacks.staircase,
     "harmonic": lambda: stacks.harmonic_stack(6, scale=1 - 1e-3),
     "figure-9": paper.figure_9,
-    "figure-11": lambda: paper.figure_11("b"),
-    "figure-12": lambda: paper.figure_12("b"),
     "wall": lambda: walls.wall(4, 4),
     "keystone": lambda: scene("keystone"),
     "wedges": lambda: scene("corner-wedges"),
 }
 
 
-SEEDS = pytest.mark.parametrize(
-    "seed", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in range(2, 5))]
-)
+SEEDS = pytest.mark.parametrize("seed", range(2))
 
 
 def rounded(assembly, seed):
@@ -189,7 +98,7 @@ def rounded(assembly, seed):
     return as_single(moved(assembly, random_turn(random), shift))
 
 
-@pytest.mark.slow
+@pytest.mark.quick(2)
 @SEEDS
 @pytest.mark.parametrize("name", BALANCED)
 def test_balanced_scene_in_float32_is_stable_within_the_accuracy_of_its_data(name, seed):
@@ -197,7 +106,7 @@ def test_balanced_scene_in_float32_is_stable_within_the_accuracy_of_its_data(nam
     assert verdict.verdict == "stable"
     assert verdict.sentence.startswith("Stable, up to the accuracy of its coordinates")
     # 10 roundings of coordinates near 100 sizes over the width of the smallest face
-    assert 1e-8 < verdict.tolerance < 4e-3
+    assert 1e-8 < verdict.tolerance.verdict < 4e-3
 
 
 TILTED = {
@@ -236,4 +145,4 @@ def test_float32_near_the_origin_is_judged_more_sharply(name, seed):
     random = np.random.default_rng(seed)
     near = judged(as_single(moved(BALANCED[name](), random_turn(random))))
     assert near.verdict == "stable"
-    assert near.tolerance < judged(rounded(BALANCED[name](), seed)).tolerance
+    assert near.tolerance.verdict < judged(rounded(BALANCED[name](), seed)).tolerance.verdict

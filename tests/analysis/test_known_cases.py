@@ -6,24 +6,11 @@ from judged import judged
 from transformations import tilted
 
 from kilter.assembly import Assembly, GivenContact
-from kilter.scenes import SCENES, accelerations, paper, scene, stacks, traps, walls
+from kilter.scenes import accelerations, stacks, traps
 from kilter.scenes.pieces import block, floor, prism, turn
 from kilter.scenes.transform import moved
 
 G = 9.81
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_every_scene_gives_its_answer(name):
-    verdict = judged(scene(name), effort=0.5)
-    answers = {SCENES[name].answer}
-    if verdict.friction is not None and verdict.guarantee == "open":
-        # the proof may take longer than this test gives it
-        answers.add("settles")
-    if "settles" in answers:
-        answers.add("stable")  # what settles may be proved, with more work
-    assert verdict.verdict in answers
 
 
 # overhangs ------------------------------------------------------------------------------
@@ -177,15 +164,6 @@ def test_friction_cannot_hold_what_touches_nothing(friction_):
     assert verdict.moving == ["cube-2"]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["tower", "wall", "keystone", "corner-wedges", "diamond"])
-def test_stable_without_friction_is_stable_with_any(name):
-    for mu in (0.1, 2.0):
-        verdict = judged(scene(name).with_friction(mu))
-        assert verdict.verdict == "stable"
-        assert verdict.guarantee == "proved"
-
-
 def test_friction_cannot_hold_a_box_whose_weight_no_contact_reaches():
     # it hangs 60 % over the edge: contacts can only push up at one side of its weight
     box = block("box", [-0.4, -0.5, 0], [0.6, 0.5, 1])
@@ -214,8 +192,8 @@ def test_w2_cube_that_overlaps_in_mid_air_is_undecided_and_named():
     assert verdict.verdict == "undecided"
     assert "it would hold if 'held' and 'cube'" in verdict.sentence
     assert verdict.motion.moves.tolist() == [False, True]  # as drawn it falls
-    assert len(verdict.contacts.overlaps) == 1
-    assert verdict.contacts.overlaps[0].volume == pytest.approx(0.1)
+    assert len(verdict.contact_set.overlaps) == 1
+    assert verdict.contact_set.overlaps[0].volume == pytest.approx(0.1)
     text = next(text for text in verdict.warnings if "overlap" in text)
     assert "'held'" in text
     assert "'cube'" in text
@@ -239,16 +217,16 @@ def test_w3_overhang_at_its_limit_in_every_unit(units, share, word):
 def test_w7_laden_slab_loses_no_patch():
     verdict = judged(traps.laden_slab())
     assert verdict.verdict == "stable"
-    assert len(verdict.contacts) == 125
+    assert len(verdict.contact_set) == 125
 
 
 @pytest.mark.slow
 def test_w8_two_patches_of_one_plane_and_a_ring_have_the_right_area():
     bridge, ring = judged(traps.bridge_on_slab()), judged(traps.ring_on_slab())
     assert (bridge.verdict, ring.verdict) == ("stable", "stable")
-    assert bridge.contacts.patch_area.sum() == pytest.approx(2.0)
-    assert ring.contacts.patch_area.sum() == pytest.approx(12.0)
-    assert len(bridge.contacts) == len(ring.contacts) == 1
+    assert bridge.contact_set.patch_area.sum() == pytest.approx(2.0)
+    assert ring.contact_set.patch_area.sum() == pytest.approx(12.0)
+    assert len(bridge.contact_set) == len(ring.contact_set) == 1
 
 
 @pytest.mark.slow
@@ -268,30 +246,8 @@ def test_w9_inward_base_is_turned_and_the_verdict_as_if_right():
     assert judged(tilted(traps.inward_base(), [0, 1, 0], 1.0)).verdict == "unstable"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("build", [walls.wall, walls.stack_bond, walls.wall_with_lintel])
-def test_walls_stand_upright_and_not_tilted_without_friction(build):
-    assert judged(build()).verdict == "stable"
-    assert judged(tilted(build(), [1, 0, 0], 0.01)).verdict == "unstable"
-
-
-@pytest.mark.slow
-def test_hanging_brick_falls_alone():
-    verdict = judged(walls.hanging_brick())
-    assert len(verdict.moving) == 1
-    k = verdict.assembly.index[verdict.moving[0]]
-    assert np.allclose(verdict.motion.acceleration[k], [0, 0, -G, 0, 0, 0], atol=1e-9)
-
-
 def test_everything_held_is_stable_with_a_warning():
     assembly = stacks.tower(2).with_grounded(["*"])
     verdict = judged(assembly)
     assert verdict.verdict == "stable"
     assert any("every part is held" in text for text in verdict.warnings)
-
-
-@pytest.mark.slow
-def test_planar_trapped_wedge_is_as_stable_as_in_space():
-    for tilt, word in ((10.0, "stable"), (-1.0, "unstable"), (46.0, "unstable")):
-        for planar in (True, False):
-            assert judged(paper.trapped_wedge(tilt, planar=planar)).verdict == word

@@ -1,5 +1,7 @@
 """Figures 1, 4, 8 to 12 of the paper, answered by `check`."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from judged import judged, z_of
@@ -84,6 +86,28 @@ def test_figure_9_in_space_is_stable_too():
     verdict = judged(paper.figure_9())
     assert verdict.first_order == "stable"
     assert verdict.neutral.two_sided > 1
+
+
+@IN_PLANE_AND_IN_SPACE
+def test_figure_9_circulates_as_soon_as_one_block_is_heavier(planar):
+    """All four go round at one speed: 0.001 kg drives 4.001 kg."""
+    assembly = paper.figure_9(planar=planar)
+    verdict = judged(
+        dataclasses.replace(
+            assembly,
+            parts=[
+                dataclasses.replace(part, mass=1.001 if part.name == "right" else 1.0)
+                for part in assembly.parts
+            ],
+        )
+    )
+    assert verdict.verdict == "unstable"
+    size = 9.81 * 0.001 / 4.001
+    ways = {"right": [0, 0, -1], "bottom": [-1, 0, 0], "left": [0, 0, 1], "top": [1, 0, 0]}
+    assert set(verdict.moving) == set(ways)
+    for name, way in ways.items():
+        found = verdict.motion.acceleration[verdict.assembly.index[name]]
+        assert np.allclose(found[:3], size * np.array(way), atol=1e-9)
 
 
 @pytest.mark.quick(1)

@@ -123,14 +123,14 @@ def agrees(seed, mu, limited=0.0):
     least = most if exact else least_share(assembly, contacts, 1 / np.cos(np.pi / SIDES))
     if least is None:
         assert found.missing["bond"] == "none"
-        assert found.verdict.verdict in ("unstable", "undecided")
+        assert found.verdict in ("unstable", "undecided")
         return "none"
-    share = found.bond.value
+    share = found.bond
     assert "bond" not in found.missing
     assert share >= least * (1 - 1e-6) - 1e-9
     assert most is None or share <= most * (1 + 1e-6) + 1e-9
-    if found.verdict.verdict != "undecided":  # contacts of parallel edges may leave it undecided
-        assert abs(share - 1) < 1e-6 or (found.verdict.verdict == "unstable") is (share > 1)
+    if found.verdict != "undecided":  # contacts of parallel edges may leave it undecided
+        assert abs(share - 1) < 1e-6 or (found.verdict == "unstable") is (share > 1)
     return "falls" if share > 1 else "stands" if share > 0 else "needs none"
 
 
@@ -145,20 +145,6 @@ def test_a_program_written_apart_agrees(mu):
 @pytest.mark.parametrize("mu", [None, 0.6])
 def test_a_program_written_apart_agrees_where_shear_is_limited_by_a_force(mu):
     seen = {agrees(seed, mu, limited=0.7) for seed in range(8)}
-    assert {"falls", "stands"} <= seen
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("mu", "limited"), [(None, 0.5), (None, 1.0), (0.4, 0.6)])
-def test_a_program_written_apart_agrees_on_many_with_limited_shear(mu, limited):
-    seen = {agrees(seed, mu, limited) for seed in range(100, 150)}
-    assert {"falls", "stands"} <= seen
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mu", [None, 0.2, 0.6])
-def test_a_program_written_apart_agrees_on_many(mu):
-    seen = {agrees(seed, mu) for seed in range(100, 150)}
     assert {"falls", "stands"} <= seen
 
 

@@ -10,9 +10,9 @@ from test_closed_forms import WEIGHT, cantilever, cube, hung
 
 import kilter
 from kilter import Assembly, Bond
+from kilter.analysis.decision.bond_factor import find_bond_factor, unbreakable
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.bond_factor import find_bond_factor, unbreakable
-from kilter.analysis.margins.load_limit import NoLimit
+from kilter.analysis.load_limit import NoLimit
 from kilter.cli import main
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
@@ -26,10 +26,10 @@ def test_the_root_of_a_cantilever_needs_its_moment_and_gives_way_first(count, st
     needed = WEIGHT * count**2 / 4
     assembly = cantilever(count, strength * needed)
     margin = kilter.margin(assembly, pushed=[])
-    assert margin.bond.value == pytest.approx(1 / strength, rel=1e-8)
-    (bond, share), *rest = margin.bond.opens
-    assert (bond, rest) == (0, [])
-    assert share == pytest.approx(1.0)
+    assert margin.bond == pytest.approx(1 / strength, rel=1e-8)
+    [first] = margin.bond_limit.opens
+    assert first.parts == assembly.bonds[0].parts
+    assert first.share == pytest.approx(1.0)
     proof = json.loads(json.dumps(margin.proof()))
     assert {p["held"] for p in proof["proofs"] if p["about"] == "bond"} == {True, False}
     assert kilter.verify(assembly, proof).holds
@@ -43,8 +43,8 @@ def test_the_root_of_a_cantilever_needs_its_moment_and_gives_way_first(count, st
 def test_a_bond_far_stronger_than_needed_is_needed_still(strength):
     assembly = hung(strength * WEIGHT / 4)
     margin = kilter.margin(assembly, pushed=[])
-    assert margin.bond.value == pytest.approx(1 / strength, rel=1e-7)
-    assert margin.bond.opens == ((0, pytest.approx(1.0)),)
+    assert margin.bond == pytest.approx(1 / strength, rel=1e-7)
+    assert [bond.share for bond in margin.bond_limit.opens] == [pytest.approx(1.0)]
     assert kilter.verify(assembly, json.loads(json.dumps(margin.proof()))).holds
 
 

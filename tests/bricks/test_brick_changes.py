@@ -1,11 +1,8 @@
 """Proposed changes of brick models, verified by the independent program."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,7 +27,7 @@ def rows(assembly: kilter.Assembly) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_a_stair_that_falls_needs_a_prop_or_a_step_less(tmp_path: Path) -> None:
+def test_a_stair_that_falls_needs_a_prop_or_a_step_less(tmp_path):
     path = tmp_path / "stair.txt"
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(7)))
     pull = 0.98 * 0.95 * least_share(rows(kilter.load(path)))
@@ -53,7 +50,7 @@ def test_a_stair_that_falls_needs_a_prop_or_a_step_less(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_brick_in_the_air_is_taken_away_or_reached(tmp_path: Path) -> None:
+def test_a_brick_in_the_air_is_taken_away_or_reached(tmp_path):
     path = tmp_path / "air.txt"
     path.write_text("2x4 (0,0,0)\n2x4 (0,0,2)\n")
     found = kilter.improve(kilter.load(path))
@@ -68,9 +65,7 @@ def test_a_brick_in_the_air_is_taken_away_or_reached(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_next_step_has_the_options_of_bricks(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_next_step_has_the_options_of_bricks(tmp_path, capsys):
     path = tmp_path / "stair.txt"
     path.write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n")
     options = ["--stud-pull", "0.5", "--stud-shear", "mu", "--brick-sides", "face"]
@@ -82,7 +77,7 @@ def test_the_next_step_has_the_options_of_bricks(
     assert main([*shlex.split(step), "--quiet"]) == 0
 
 
-def test_what_no_one_brick_mends_is_told(tmp_path: Path) -> None:
+def test_what_no_one_brick_mends_is_told(tmp_path):
     path = tmp_path / "air.txt"
     path.write_text("2x4 (0,0,0)\n" + "".join(f"1x1 ({8 * k},0,5)\n" for k in range(1, 4)))
     found = kilter.improve(kilter.load(path))
@@ -92,9 +87,7 @@ def test_what_no_one_brick_mends_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_names_the_brick_and_writes_the_model(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_names_the_brick_and_writes_the_model(tmp_path, capsys):
     path, better = tmp_path / "stair.txt", tmp_path / "better.kilter.json"
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(6)))
     words = ["improve", str(path), "--stud-pull", "0.05"]
@@ -128,7 +121,7 @@ def test_the_command_names_the_brick_and_writes_the_model(
         ({"share": 0.0, "stands": True}, "its studs need not pull."),
     ],
 )
-def test_the_sentence_tells_what_is_needed(answer: dict[str, object], said: str) -> None:
+def test_the_sentence_tells_what_is_needed(answer, said):
     whole = {"verdict": "stable", "best": None, **answer}
     assert said in improve_sentence(whole)
     best = {"what": "remove", "name": "2x4-3", "corner": [1, 2, 6], "layer": 2.0, "cells": [2, 4]}
@@ -140,7 +133,7 @@ def test_the_sentence_tells_what_is_needed(answer: dict[str, object], said: str)
     )
 
 
-def test_the_bricks_of_an_assembly_are_those_it_was_made_of() -> None:
+def test_the_bricks_of_an_assembly_are_those_it_was_made_of():
     model = random_bricks(20, seed=4)
     again, rules, cell = bricks_of(assembly_of_bricks(model))
     assert (rules.pull, rules.shear, rules.sides, cell) == (0.98, "unlimited", "lower-edge", 7.8)
@@ -149,7 +142,7 @@ def test_the_bricks_of_an_assembly_are_those_it_was_made_of() -> None:
     assert again.held.tolist() == [False] * 20 + [True]
 
 
-def test_a_model_written_as_a_kilter_file_is_of_the_same_bricks(tmp_path: Path) -> None:
+def test_a_model_written_as_a_kilter_file_is_of_the_same_bricks(tmp_path):
     model = replace(random_bricks(12, seed=2), color=np.arange(12))
     made = assembly_of_bricks(model, rules=StudRules(pull=0.5, sides="face"))
     kilter.dump(made, tmp_path / "a.kilter.json")
@@ -161,7 +154,7 @@ def test_a_model_written_as_a_kilter_file_is_of_the_same_bricks(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("pose", [Pose([0, 0, 1e-3]), Pose(rotation=[1, 0, 0, 1])])
-def test_a_brick_off_the_grid_is_named(pose: Pose) -> None:
+def test_a_brick_off_the_grid_is_named(pose):
     made = assembly_of_bricks(random_bricks(5, seed=1))
     part = made.parts[3]
     moved = Pose(part.pose.position + pose.position, pose.rotation)
@@ -170,6 +163,6 @@ def test_a_brick_off_the_grid_is_named(pose: Pose) -> None:
         bricks_of(replace(made, parts=parts))
 
 
-def test_what_is_no_brick_is_named() -> None:
+def test_what_is_no_brick_is_named():
     with pytest.raises(kilter.InputError, match="part 'base': it is not a brick"):
         kilter.improve(kilter.example("tower"))

@@ -1,7 +1,5 @@
 """The page of a brick model: proposed changes, load capacity, and drawing of bricks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,7 +20,7 @@ def stair(path: Path, steps: int, **options: object) -> kilter.Assembly:
 
 
 @pytest.mark.slow
-def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
+def test_the_page_says_and_shows_which_brick_to_add(tmp_path):
     found = everything(stair(tmp_path / "stair.txt", 6, stud_pull=0.05))
     best = found.change.best
     assert best.what == "add"
@@ -40,7 +38,7 @@ def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_page_of_what_stands_lists_what_is_still_taken(tmp_path: Path) -> None:
+def test_the_page_of_what_stands_lists_what_is_still_taken(tmp_path):
     found = everything(stair(tmp_path / "stair.txt", 3))
     page = render(found, "stair")
     assert "Load capacities (3)" in page
@@ -49,7 +47,7 @@ def test_the_page_of_what_stands_lists_what_is_still_taken(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_a_brick_to_take_away_is_the_part_of_the_page(tmp_path: Path) -> None:
+def test_a_brick_to_take_away_is_the_part_of_the_page(tmp_path):
     assembly = stair(tmp_path / "stair.txt", 3)
     found = everything(assembly)
     removed = next(one for one in found.change.tried if one.what == "remove")
@@ -60,9 +58,7 @@ def test_a_brick_to_take_away_is_the_part_of_the_page(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_large_models_say_that_it_is_left_out_unless_it_is_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_large_models_say_that_it_is_left_out_unless_it_is_asked_for(tmp_path, monkeypatch):
     monkeypatch.setattr(limits, "CHANGE_PARTS", 2)
     assembly = stair(tmp_path / "stair.txt", 3)
     found = everything(assembly)
@@ -73,7 +69,7 @@ def test_large_models_say_that_it_is_left_out_unless_it_is_asked_for(
 
 
 @pytest.mark.slow
-def test_other_assemblies_have_nothing_to_change() -> None:
+def test_other_assemblies_have_nothing_to_change():
     found = everything(kilter.example("tower"))
     assert found.change is None
     assert not any("brick" in note for note in found.notes)

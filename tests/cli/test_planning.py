@@ -1,10 +1,7 @@
 """`kilter plan`: exit codes, what is written, and that `verify` recomputes it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -39,14 +36,12 @@ def file(tmp_path: Path) -> Path:
         (["--friction", "0.1"], 1),
     ],
 )
-def test_exit_codes(file: Path, options: list[str], code: int) -> None:
+def test_exit_codes(file, options, code):
     assert main(["plan", str(file), *options]) == code
 
 
 @pytest.mark.slow
-def test_the_proof_is_verified_from_the_file(
-    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_proof_is_verified_from_the_file(file, tmp_path, capsys):
     proof = tmp_path / "p.json"
     assert main(["plan", str(file), "--proof", str(proof), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
@@ -63,7 +58,7 @@ def test_the_proof_is_verified_from_the_file(
 
 
 @pytest.mark.slow
-def test_steps_are_written_as_a_table(file: Path, tmp_path: Path) -> None:
+def test_steps_are_written_as_a_table(file, tmp_path):
     table = tmp_path / "plan.csv"
     assert main(["plan", str(file), "-o", str(table)]) == 0
     lines = table.read_text().splitlines()
@@ -72,18 +67,14 @@ def test_steps_are_written_as_a_table(file: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_what_falls_when_it_is_finished_is_named(
-    file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_falls_when_it_is_finished_is_named(file, capsys):
     assert main(["plan", str(file), "--friction", "0.1"]) == 1
     said = capsys.readouterr().out
     assert "the finished assembly falls: 'voussoir-" in said
 
 
 @pytest.mark.slow
-def test_a_page_is_written_that_says_how_it_was_made(
-    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_page_is_written_that_says_how_it_was_made(file, tmp_path, capsys):
     page = tmp_path / "plan.html"
     options = ["--hold", "1", "--before", "voussoir-8", "voussoir-0"]
     assert main(["plan", str(file), *options, "-o", str(page)]) == 0
@@ -108,9 +99,7 @@ def test_a_page_is_written_that_says_how_it_was_made(
         ("plan.pdf", b"%PDF"),
     ],
 )
-def test_films_and_figures_are_written_where_there_are_steps(
-    name: str, begins: bytes, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_films_and_figures_are_written_where_there_are_steps(name, begins, file, tmp_path, capsys):
     made = tmp_path / name
     assert main(["plan", str(file), "-o", str(made)]) == 0
     assert made.read_bytes().startswith(begins)
@@ -126,8 +115,8 @@ def test_films_and_figures_are_written_where_there_are_steps(
 @pytest.mark.slow
 @pytest.mark.parametrize("page", [[], ["-o", "plan.html"]])
 def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
-    page: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
-) -> None:
+    page, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     kilter.dump(scene("tower"), "tower.json")
     Path("p.json").write_text("earlier")
@@ -140,7 +129,7 @@ def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("command", ["check", "plan", "hold", "region", "margin"])
-def test_a_proof_is_never_written_over_the_file(command: str, tmp_path: Path, capsys: Any) -> None:
+def test_a_proof_is_never_written_over_the_file(command, tmp_path, capsys):
     path = tmp_path / "tower.json"
     kilter.dump(scene("tower"), path)
     before = path.read_text()

@@ -1,11 +1,10 @@
-"""Options and a saved file give the same JSON: commands of the docs, and random options."""
+"""Random options and a saved file of them give the same JSON."""
 
 from __future__ import annotations
 
 import contextlib
 import io
 import json
-import re
 import shlex
 import shutil
 from pathlib import Path
@@ -16,31 +15,12 @@ import pytest
 
 import kilter
 from kilter.cli import main
-from kilter.cli.commands import functions_of
-from kilter.cli.declarations import declared_in, declared_of
-from kilter.cli.option_parser import with_values
-from kilter.cli.options import AddedOptions
-from kilter.cli.tolerance_options import ToleranceOptions
 from kilter.errors import KilterError
 from kilter.files.choices_off import OFF
-from kilter.files.reading_options import ReadingOptions
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
 
-RECORDS = (ReadingOptions, AddedOptions, ToleranceOptions)
-READING = [each.name for record in RECORDS for each in declared_in(record)]
-
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-VERBS = ("check", "contacts", "orient", "region", "margin", "plan", "hold", "improve", "transport")
-PICTURES = ("report", "draw")
-"""Verbs that write a page or a picture, which is compared in place of JSON."""
-LONGEST = 30
 SETS, EACH = 48, 6
-FLAGS = {"--loose", "--fasten-suggested", "--fasten-overlaps"}
-QUESTIONS = {"mass", "load", "accelerate"}
-"""Shared options that choices do not keep."""
-OPTIONS = {f"--{name.replace('_', '-')}" for name in READING if name not in QUESTIONS}
-WRITES = ("-o", "--output", "--write", "--proof")
 
 
 def run(words: list[str]) -> tuple[int, str, str]:
@@ -61,117 +41,6 @@ def unnoted(text: str) -> Any:
     answer = timeless(json.loads(text))
     warnings = [words for words in answer["warnings"] if "of the choices" not in words]
     return {**answer, "warnings": warnings}
-
-
-# commands of the docs -------------------------------------------------------------------
-
-
-def documented() -> list[tuple[str, ...]]:
-    """The longest commands of the pages that answer about a single file."""
-    commands: set[tuple[str, ...]] = set()
-    for page in PAGES:
-        text = page.read_text(encoding="utf-8")
-        blocks = re.findall(r"```.*?```", text, flags=re.S)
-        lines = [line.removeprefix("$ ") for block in blocks for line in block.splitlines()]
-        typed = [re.split(r" {3,}", line)[0] for line in lines if line.startswith(("kilter", "$"))]
-        for line in [*typed, *re.findall(r"`(kilter [^`\n]+)`", text)]:
-            words = tuple(shlex.split(line)[1:])
-            if words[:1] and words[0] in (*VERBS, *PICTURES) and "--common" not in words:
-                commands.add(words)
-    runnable = [words for words in commands if file_of(words) is not None]
-    return sorted(runnable, key=lambda words: (-len(" ".join(words)), words))[:LONGEST]
-
-
-def file_of(words: tuple[str, ...]) -> str | None:
-    """The file of a command that an example or the folder of examples supplies."""
-    names = {entry.name for entry in kilter.example()}
-    for word in words[1:]:
-        if word.removesuffix(".kilter.json") in names and word.endswith(".kilter.json"):
-            return word
-        if word.startswith("examples/") and (ROOT / word).exists():
-            return word
-    return None
-
-
-def split(words: list[str]) -> tuple[list[str], list[str]]:
-    """Options of reading, and all other words without files to write."""
-    [check] = functions_of("check")
-    known = {name: each for each in declared_of(check) for name in each.declaration.names}
-    rest = iter(with_values(words, known))
-    reading: list[str] = []
-    others: list[str] = []
-    for word in rest:
-        name = word.split("=")[0]
-        if name in WRITES:
-            next(rest)
-        elif name not in OPTIONS:
-            others.append(word)
-        elif name in FLAGS or "=" in word:
-            reading.append(word)
-        else:
-            reading += [word, *(next(rest) for _ in known[name].kinds)]
-    return reading, others
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("k", range(LONGEST))
-def test_a_command_of_the_docs_answers_the_same_about_saved_options(
-    k: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    words = documented()[k]
-    if "clamp.step" in " ".join(words):
-        pytest.importorskip("OCP")
-    monkeypatch.chdir(tmp_path)
-    file = file_of(words)
-    assert file is not None
-    if file.startswith("examples/"):
-        shutil.copytree(ROOT / "examples", "examples")
-    else:
-        kilter.dump(kilter.example(file.removesuffix(".kilter.json")), file)
-    reading, others = split([word for word in words[1:] if word != file])
-    choices = "saved.json"
-    saved = run(["save", file, *reading, "-o", choices])
-    assert saved[0] == 0, saved[2]
-    code, answer = answer_of(words, [file, *reading, *others])
-    assert code in (0, 1, 3, 4), answer
-    assert answer_of(words, [choices, *others]) == (code, answer)
-
-
-def answer_of(words: tuple[str, ...], request: list[str]) -> tuple[int, Any]:
-    """Exit code, and the JSON or the written picture, of a verb with other words after it."""
-    verb = words[0]
-    if verb in VERBS:
-        code, out, err = run([verb, *request, "--json"])
-        return code, timeless(json.loads(out)) if out else err
-    target = Path("picture" + Path(words[words.index("-o") + 1]).suffix)
-    target.unlink(missing_ok=True)
-    code, _, err = run([verb, *request, "-o", str(target)])
-    assert code == 0, err
-    picture = target.read_bytes()
-    if target.suffix != ".html":
-        return code, picture
-    # the page states its file and the command that wrote it
-    [name] = re.findall(rb"<title>(.*?) \xe2\x80\x93 kilter</title>", picture)
-    heading = b'<bdi id="title">' + name + b"</bdi>"
-    for stated in (b"<title>" + name, heading, b'"title":"' + name + b'"'):
-        assert picture.count(stated) == 1
-        picture = picture.replace(stated, b"")
-    page, commands = re.subn(rb"kilter report [^<]*</code>", b"", picture)
-    assert commands == 1
-    return code, page
-
-
-def test_the_commands_of_the_docs_include_pictures_and_carriers() -> None:
-    assert {"report", "draw", "transport"} <= {words[0] for words in documented()}
-
-
-def test_the_docs_have_enough_long_commands() -> None:
-    commands = documented()
-    assert len(commands) == LONGEST
-    assert sum(bool(split(list(words))[0]) for words in commands) >= 8
-
-
-# random options -------------------------------------------------------------------------
 
 
 def write_files(folder: Path) -> dict[str, tuple[str, ...]]:

@@ -1,7 +1,5 @@
 """Files that commands write: whole or as before, killed at any moment, without room or rights."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -97,7 +95,7 @@ def whole(path: Path) -> bool:
     return data.rstrip(b"\n").endswith(ENDS[path.suffix].rstrip(b"\n"))
 
 
-def test_every_command_that_writes_is_here() -> None:
+def test_every_command_that_writes_is_here():
     from kilter.cli.commands import COMMANDS
 
     # batch: tests/cli/test_batch.py; mcp: tests/agents
@@ -108,8 +106,8 @@ def test_every_command_that_writes_is_here() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_command_that_is_killed_leaves_a_whole_file_or_the_old_one(
-    name: str, commands: Commands, folder: Path, request: pytest.FixtureRequest
-) -> None:
+    name, commands, folder, request
+):
     """At any of many moments, half of them near the end, where files are written."""
     kills = request.config.getoption("--kills")
     words, target, old = [*WRITERS[name], name], folder / name, old_content(name)
@@ -150,7 +148,7 @@ write_bytes(sys.argv[1], b"new" * 100_000)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("before", [True, pytest.param(False, marks=pytest.mark.slow)])
-def test_a_write_that_is_killed_at_any_of_its_steps(before: bool, tmp_path: Path) -> None:
+def test_a_write_that_is_killed_at_any_of_its_steps(before, tmp_path):
     import sys
 
     target, ended, step = tmp_path / "a.json", -1, 0
@@ -170,8 +168,8 @@ def test_a_write_that_is_killed_at_any_of_its_steps(before: bool, tmp_path: Path
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
-    name: str, number: signal.Signals, ignored: bool, commands: Commands, folder: Path
-) -> None:
+    name, number, ignored, commands, folder
+):
     """One line and code 130, or its answer where it had it already."""
     words, target, old = [*WRITERS[name], name], folder / name, old_content(name)
     _, took = commands.run(words, folder)
@@ -224,7 +222,7 @@ def no_room(request: pytest.FixtureRequest, folder: Path) -> Iterator[Path]:
 
 
 @pytest.mark.slow
-def test_without_room_or_rights_the_old_file_stays(no_room: Path, commands: Commands) -> None:
+def test_without_room_or_rights_the_old_file_stays(no_room, commands):
     """One sentence that says why, and code 2."""
     before = {path.name: path.read_bytes() for path in no_room.iterdir()}
     for name, words in WRITERS.items():
@@ -239,9 +237,7 @@ def test_without_room_or_rights_the_old_file_stays(no_room: Path, commands: Comm
 
 
 @pytest.mark.slow
-def test_a_file_that_goes_while_it_is_read_is_one_sentence(
-    commands: Commands, folder: Path
-) -> None:
+def test_a_file_that_goes_while_it_is_read_is_one_sentence(commands, folder):
     """Removed, cut, or replaced by a folder, at any moment: an answer, or what is missing."""
     import threading
 

@@ -4,8 +4,6 @@ The joint is z = f(x, y) over a rectangle: a wave, an arc, a saddle. Each side i
 own lines, which are moved at random, with random diagonals.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

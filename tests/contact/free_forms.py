@@ -1,7 +1,5 @@
 """Exact solids with a free-form face: prisms over an oval, and blocks that meet in a joint."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.gaps import Tolerance
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -435,7 +435,7 @@ def discrepancies(
     assembly: Assembly, contacts: ContactSet, regions: list[Region] | None = None
 ) -> list[str]:
     """Descriptions of lost, invented or wrong patches of a ContactSet."""
-    regions = oracle(assembly, contacts.tolerance) if regions is None else regions
+    regions = oracle(assembly, contacts.searched) if regions is None else regions
     found = _found(contacts)
     pairs = {tuple(r.parts) for r in regions} | {f[0] for f in found}
     wrong: list[str] = []

@@ -5,8 +5,6 @@ or, if a centre is given, by an arc. Sides become planes, cylinders and cones, a
 (revolved) or cylinders (extruded).
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contacts of random and real assemblies against the brute-force oracle: none lost or invented."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -13,8 +11,8 @@ from random_scenes import FAMILIES, block, column, random_scene, ring
 
 import kilter.contact
 from kilter.assembly import Assembly, Part
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.gaps import Tolerance
 from kilter.rigid import Pose
 from kilter.shape.primitives import Prism
 

@@ -1,10 +1,4 @@
-"""Round fits with play: open as drawn, size on size if `--clearance` closes them; walls.
-
-The second method for a closed fit is the assembly drawn size on size, at the mean radius and about
-the axis of the free part.
-"""
-
-from __future__ import annotations
+"""Round fits with play: open as drawn, size on size if `--clearance` closes them; walls."""
 
 import numpy as np
 import pytest
@@ -25,7 +19,7 @@ from solids import (
 
 from kilter import Assembly, Box, Part, Pose, Sphere, Tolerance, check
 from kilter.contact import detect
-from kilter.contact.fits.coaxial import coaxial_fits
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.mechanics.program import build_program
 

@@ -14,10 +14,10 @@ from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
 from kilter.contact import detect
-from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.part_solids import PartSolids
-from kilter.contact.fits.shared_body import shared_body
+from kilter.contact.common.distances import PartSolids
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.contact.fits.suggestions import suggest_joints
+from kilter.contact.overlap import shared_body
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import Pose
@@ -139,21 +139,21 @@ def test_thicker_shaft_is_an_interference_fit(turned):
     fits = coaxial_fits(assembly, [(1, 2)], Tolerance())
     assert len(fits) == 1
     fit = fits[0]
-    assert fit.parts == (2, 1)
+    assert fit.ends == (2, 1)
     assert fit.tight
     assert fit.interference == pytest.approx(0.02, rel=1e-9)
     assert fit.length == pytest.approx(2.0, rel=1e-9)
     found = detect.contacts(assembly)
     named = [overlap for overlap in found.overlaps if set(overlap.parts) == {1, 2}]
     assert [overlap.why for overlap in named] == ["interfere"]
-    assert any("interfere" in text for text in found.remarks())
+    assert any("interfere" in text for text in found.warnings)
     suggestion = suggest_joints(assembly, found)[0]
     assert suggestion.parts == ("bolt", "sleeve")
     assert suggestion.option == "--fasten bolt sleeve"
     assert suggestion.joint == {"parts": ["bolt", "sleeve"], "kind": "fixed"}
     joined = fastened(assembly, [("bolt", "sleeve")], contacts=found)
     assert suggest_joints(joined, found) == []
-    assert not any("interfere" in text for text in found.of(joined).remarks())
+    assert not any("interfere" in text for text in found.of(joined).warnings)
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -558,10 +558,7 @@ def test_suggested_and_overlaps_join_and_say_what():
 
 
 def clamped_plates(*, nut_gap: float = 0.0) -> Assembly:
-    """Two plates with wide holes, a bolt from below, and a nut `nut_gap` above the upper plate.
-
-    No name tells what the parts are. The plates lie on a held ring; the bolt hangs in their holes.
-    """
+    """Two plates with wide holes, a bolt from below, and a nut `nut_gap` above the upper plate."""
     shaft = Mesh(*revolved([(0, -1), (2, -1), (2, 0), (1, 0), (1, 5), (0, 5)], 64))
     plate = Mesh(*revolved([(1.2, 0), (4, 0), (4, 1), (1.2, 1)], 64))
     ring = Mesh(*revolved([(3, -3), (4, -3), (4, 0), (3, 0)], 64))
@@ -631,7 +628,7 @@ def test_copies_of_an_overlapping_pair_share_its_depth_and_volume():
     ]
     overlaps = detect.contacts(Assembly(parts)).overlaps
     (single,) = detect.contacts(Assembly(parts[:2])).overlaps
-    assert [overlap.parts for overlap in overlaps] == [(0, 1), (2, 3), (4, 5)]
+    assert [overlap.ends for overlap in overlaps] == [(0, 1), (2, 3), (4, 5)]
     for overlap in overlaps:
         assert overlap.depth == pytest.approx(single.depth, rel=1e-9)
         assert overlap.volume == pytest.approx(single.volume, rel=1e-9)

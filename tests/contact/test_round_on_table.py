@@ -1,20 +1,4 @@
-"""Round bodies on a table: their lowest points, their contacts, and their free motions.
-
-Free motions of a body on a plane, (v, w) with v of its centre of mass: a contact at r from the
-centre with the normal n gives the row (n, r x n). Motions without energy and friction are the
-kernel of the rows, if equilibrium forces press on all of them:
-
-    ball             a point below the centre                   n          6 - 1 = 5
-    cylinder, lying  two ends of a line: n, and the rotation that lifts an end   6 - 2 = 4
-    cone, lying      the same                                              6 - 2 = 4
-    cylinder, cone   standing: a disc: n and both rotations across n       6 - 3 = 3
-    torus, lying     a circle: the same                                    6 - 3 = 3
-    torus, standing  a point below the centre, as a ball                   6 - 1 = 5
-
-The last balances, which first order cannot distinguish from rest.
-"""
-
-from __future__ import annotations
+"""Round bodies on a table: their lowest points, their contacts, and their free motions."""
 
 import numpy as np
 import pytest
@@ -73,11 +57,7 @@ BODIES = {
 
 
 def lowest_point(name, fine, up):
-    """The lowest point of a body along a unit `up` (3,), in its own frame, by its outline.
-
-    A corner (r, z) of an outline about z describes a circle, whose lowest point is on the side away
-    from `up`, at the height z up_z - r |up_xy|.
-    """
+    """The lowest point of a body along a unit `up` (3,), in its own frame, by its outline."""
     corners = fine.vertices
     if name != "trough":
         aside = np.hypot(*up[:2])
@@ -146,8 +126,8 @@ def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
     verdict = check(on_table(shape, down, seed))
     assert verdict.first_order == "stable"
     assert (verdict.verdict == "balanced") == (name in ("capsule, standing", "torus, standing"))
-    assert verdict.contacts.unsupported == ()
-    assert np.abs(verdict.contacts.patch_gap).max() < 1e-13
+    assert verdict.contact_set.unsupported == ()
+    assert np.abs(verdict.contact_set.patch_gap).max() < 1e-13
     assert verdict.to_dict()["neutral"] == {"two_sided": count, "one_sided": 0}
 
 
@@ -192,7 +172,7 @@ def test_at_any_tilt_a_body_touches_in_one_exact_point_and_falls_unless_it_is_a_
     down = np.random.default_rng(seed).normal(size=3)
     assembly = on_table(shape, down, seed)
     verdict = check(assembly)
-    contacts = verdict.contacts
+    contacts = verdict.contact_set
     assert contacts.unsupported == ()
     assert len(contacts.points) == 1
     assert verdict.verdict == ("stable" if name == "ball" else "unstable")
@@ -210,7 +190,7 @@ def test_tilted_end_carries_what_stands_above_its_lowest_point_alone(shape):
     # a body balances on a rim where its centre of mass is straight above the point it touches in
     down = np.array([0.3, -0.4, -1.0])
     down /= np.linalg.norm(down)
-    touched = check(on_table(shape, down, 0)).contacts
+    touched = check(on_table(shape, down, 0)).contact_set
     pose = touched.assembly.parts[0].pose
     foot = pose.matrix.T @ (touched.points[0] - pose.position)
     for aside, word in ((0.0, "stable"), (1e-3, "unstable")):

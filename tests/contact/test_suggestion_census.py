@@ -1,7 +1,5 @@
 """Suggestions over random assemblies with known joints: these and no others."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from transformations import scaled
@@ -115,7 +113,7 @@ class Bench:
 @pytest.mark.slow
 @pytest.mark.parametrize("threads", [False, True])
 @pytest.mark.parametrize("seed", range(SCENES // 2))
-def test_suggestions_are_the_joints_that_it_was_built_with(seed: int, threads: bool) -> None:
+def test_suggestions_are_the_joints_that_it_was_built_with(seed, threads):
     bench = Bench(1000 * threads + seed)
     assembly = bench.build(threads)
     found = contacts(assembly)

@@ -1,7 +1,5 @@
 """A scene for each way in which contact searches have failed before."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from itertools import product
 
@@ -16,8 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import kilter.contact
 from kilter.assembly import Assembly, Part
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.gaps import Tolerance
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Mesh, Prism, surface
 from sampled import sampled

@@ -1,7 +1,5 @@
 """Pins for tubes with an exact bore."""
 
-from __future__ import annotations
-
 from kilter.assembly import Part
 from kilter.rigid import Pose
 from kilter.scenes.pieces import tube

@@ -1,9 +1,4 @@
-"""The benchmarks beside the peers: truths, harness, and a page that says what its rows say.
-
-No peer is needed: what is not installed is left out, here as in a run.
-"""
-
-from __future__ import annotations
+"""The benchmarks beside the peers: truths, harness, and a page that says what its rows say."""
 
 import importlib
 import importlib.util

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from answer_schemas import texts_of
 
 import kilter
 
@@ -30,9 +31,9 @@ def found(name: str) -> Any:
 
 
 def unexplained(value: Any) -> list[str]:
-    """Fields of a class that its docstring leaves out, and members without one."""
+    """Fields of a class without a text in its docstring or under them, and members without one."""
     listed = r"^ *(?:\w+, )*\b%s\b(?:, \w+)* *(?::|$)"
-    text = inspect.getdoc(value) or ""
+    text = "\n".join([inspect.getdoc(value) or "", *texts_of(value)])
     fields = dataclasses.fields(value) if dataclasses.is_dataclass(value) else ()
     names = [field.name for field in fields if not field.name.startswith("_")]
     missing = [name for name in names if not re.search(listed % name, text, flags=re.M)]
@@ -81,14 +82,10 @@ def test_what_it_holds_is_explained(name: str) -> None:
 def test_what_is_left_out_is_seen() -> None:
     @dataclasses.dataclass
     class Half:
-        """Two numbers.
-
-        Attributes
-        ----------
-        told : int
-        """
+        """Two numbers."""
 
         told: int
+        """A number."""
         hidden: int
 
         @property

@@ -1,7 +1,5 @@
 """USD stages for tests, made with usd-core."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

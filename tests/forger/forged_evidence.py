@@ -5,8 +5,6 @@ of up to 1e14 weights upon it. Motions: the largest power for an allowed violati
 the active rows met to the last place, and motions that open contacts upon it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -5,8 +5,6 @@ paths, polygons, entries of another assembly, or evidence for an assembly of the
 Each gets a fresh digest, so that only the physics can refuse it.
 """
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import functools

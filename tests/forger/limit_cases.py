@@ -1,7 +1,5 @@
 """Random assemblies at a stated distance from a limit, whose verdict follows from a formula."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

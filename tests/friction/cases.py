@@ -6,12 +6,14 @@ import dataclasses
 
 import numpy as np
 
-from kilter.assembly import GivenContact
+from kilter.assembly import Assembly, GivenContact, Part
 from kilter.contact import detect
 from kilter.mechanics.program import build_program
 from kilter.scenes import rounds, stacks, walls
+from kilter.scenes.pieces import block
+from kilter.shape.primitives import Box
 
-__all__ = ["cylinders", "planar", "program", "slope", "spheres", "tilted"]
+__all__ = ["cylinders", "planar", "program", "random_block", "slope", "spheres", "tilted"]
 
 
 def program(assembly):
@@ -68,3 +70,19 @@ def spheres(share):
     """Case R2, both coefficients 1 / share of their limits."""
     between = (np.sqrt(3) - np.sqrt(2)) / share
     return _with_points(rounds.four_spheres(friction_between=between, friction_ground=between / 4))
+
+
+def random_block(rng: np.random.Generator, points: int) -> Assembly:
+    """A block in the plane against a held part, at points with random normals."""
+    at = rng.uniform(-1, 1, (points, 2))
+    angle = rng.uniform(0, 2 * np.pi, points)
+    contacts = [
+        GivenContact(
+            ("held", "block"), [[x, 0.0, z]], [np.cos(a), 0.0, np.sin(a)],
+            mu=float(rng.uniform(0.2, 1.2)),
+        )
+        for (x, z), a in zip(at, angle, strict=True)
+    ]  # fmt: skip
+    held = block("held", [-1, -1, -9], [1, 1, -8], grounded=True)
+    return Assembly([held, Part("block", Box([2, 1, 2]))], contacts=contacts, planar=True,
+                    detect=False)  # fmt: skip

@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
-import pytest
 
 from kilter.assembly import GivenContact
 from kilter.contact import detect
-from kilter.files import load
 from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
 from kilter.mechanics.program import build_program
 from kilter.scenes import friction, rounds, stacks
 from kilter.solvers.clarabel import solve_conic
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "compas_cra"
-
-real_data = pytest.mark.skipif(
-    not DATA.is_dir(), reason="real data is not here: ../shared/data beside the checkout"
-)
-
 
 def program(assembly):
     """Contact rows of an assembly, with their friction."""
     return build_program(assembly, detect.contacts(assembly))
-
-
-def compas(name, mu=0.84):
-    """A COMPAS assembly with parts 0 and 1 held."""
-    assembly = load(DATA / f"{name}.json", density=2000)
-    return assembly.with_grounded(["0", "1"]).with_friction(mu)
 
 
 def equilibrium(built):

@@ -1,9 +1,7 @@
 """Coulomb's law by brute force: every contact mode of every point, tried separately.
 
 In the plane a mode (apart, at rest, sliding either way) makes the law linear: the greatest power
-over all 4^K modes decides. In space the equations of a mode are solved by least squares from random
-starts: each solution is a motion, but a failure proves nothing. The relaxation is not used, and
-points do not share modes.
+over all 4^K modes decides. The relaxation is not used, and points do not share modes.
 """
 
 from __future__ import annotations
@@ -11,12 +9,12 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from scipy.optimize import least_squares, linprog
+from scipy.optimize import linprog
 from witnessed import bare, openings
 
 from kilter.mechanics.rows import CONTACT
 
-__all__ = ["found_in_space", "greatest_power", "standing"]
+__all__ = ["greatest_power", "standing"]
 
 
 def standing(seed, *, planar, parts=1, points=3, spread=0.9):
@@ -103,49 +101,4 @@ def greatest_power(program):
         )  # fmt: skip
         if answer.status == 0:
             best = max(best, -answer.fun / scale)
-    return best
-
-
-def found_in_space(program, rng, starts=6):
-    """Largest power of the motions found that obey the law to 1e-8; 0 without a motion."""
-    mass, load, moved = _matrices(program)
-    points, n = len(program.part_a), len(load)
-    size = np.sqrt(load @ np.linalg.solve(mass, load))
-    best = 0.0
-    for modes in product("ars", repeat=points):
-
-        def rest(z, modes=modes):
-            a, f = z[:n], z[n:].reshape(points, 3)
-            u = np.einsum("ckj,c->kj", moved, a)
-            out = [mass @ a - np.einsum("ckj,kj->c", moved, f) - load]
-            for k, mode in enumerate(modes):
-                un = u[k] @ program.normal[k]
-                fn = f[k] @ program.normal[k]
-                across = u[k] - un * program.normal[k]
-                pace = np.linalg.norm(across)
-                if mode == "a":
-                    out.append(f[k])
-                elif mode == "r":
-                    out.append(u[k])
-                else:
-                    friction = f[k] - fn * program.normal[k]
-                    out += [friction + program.mu[k] * fn * across / max(pace, 1e-12), [un]]
-            return np.concatenate(out)
-
-        for _ in range(starts):
-            z0 = rng.normal(size=n + 3 * points) * size
-            answer = least_squares(rest, z0, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=60)
-            if np.abs(answer.fun).max() > 1e-9 * size:
-                continue
-            a, f = answer.x[:n], answer.x[n:].reshape(points, 3)
-            u = np.einsum("ckj,c->kj", moved, a)
-            un, fn = (u * program.normal).sum(axis=1), (f * program.normal).sum(axis=1)
-            tangent = np.linalg.norm(f - fn[:, None] * program.normal, axis=1)
-            slack = 1e-8 * size
-            if (
-                un.min() > -slack
-                and fn.min() > -slack
-                and (tangent <= program.mu * fn + slack).all()
-            ):
-                best = max(best, float(load @ a) / size**2)
     return best

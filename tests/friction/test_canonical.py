@@ -11,12 +11,7 @@ from judged import random_turn
 from random_friction import random_assembly
 from transformations import permuted, split
 
-import kilter
-from kilter.analysis.margins.tilt import find_tilt_margin
-from kilter.assembly import Assembly
 from kilter.friction.canonical import canonical
-from kilter.friction.exclusion import prove_no_motion
-from kilter.friction.exclusion_check import power_not_excluded
 from kilter.mechanics.program import Program
 from kilter.scenes.stacks import tower
 from kilter.scenes.transform import moved
@@ -61,28 +56,3 @@ def test_a_point_within_the_seam_of_two_joined_halves_counts_once():
     assert len(program(split(base)).part_a) == 8 + 4 + 6  # with the seam and the joint
     assert len(canonical(program(split(base))).part_a) == 6
     assert len(canonical(program(base)).part_a) == 4
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("copy", COPIES)
-def test_copies_have_the_level_and_the_tilt_of_the_base(copy):
-    base = tower(2, tilt=5.0, friction=0.5)
-    made = COPIES[copy](base, np.random.default_rng(3))
-    assert kilter.check(made).level == kilter.check(base).level == "proved"
-    tilt = find_tilt_margin(program(made)).angle
-    assert tilt == pytest.approx(find_tilt_margin(program(base)).angle, rel=1e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("copy", [copy for copy in COPIES if copy != "split"])
-def test_copies_are_proved_with_the_same_work(copy):
-    base: Assembly = BASES["stack"]()
-    rng = np.random.default_rng(5)
-    expected = prove_no_motion(program(base), work=1.0)
-    built = program(COPIES[copy](base, rng))
-    found = prove_no_motion(built, work=1.0)
-    assert expected.proved
-    assert found.proved
-    assert found.work == pytest.approx(expected.work, rel=0.1)
-    left, none = power_not_excluded(built, found.opening, found.steps)
-    assert left <= none

@@ -9,10 +9,9 @@ import pytest
 from judged import judged
 
 from kilter.assembly import Assembly, GivenContact
-from kilter.scenes import friction, rounds, stacks, wedges
+from kilter.scenes import friction, rounds, stacks
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block
-from kilter.scenes.walls import wall
 from sampled import sampled
 
 
@@ -30,93 +29,6 @@ def planar(assembly):
 def test_w4_w5_slope_to_every_side(angle, word, azimuth):
     slope = stacks.block_on_slope(angle, azimuth=azimuth, friction=0.5)
     assert judged(slope).verdict == word
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("planar", [False, True])
-def test_i1_block_between_walls_is_held_by_squeeze_only(planar):
-    verdict = judged(friction.h_block(friction=0.01, planar=planar))
-    assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
-    assert verdict.seated == "runs-away"
-    assert "preload" in verdict.sentence
-    assert verdict.moving == ["block"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("angle", [5.0, 10.0, 20.0])
-def test_i2_trapezoid_between_plates_that_lean_inwards(angle):
-    limit = np.tan(np.radians(angle))
-    assert judged(friction.a_block(angle, friction=0.98 * limit)).verdict == "unstable"
-    held = judged(friction.a_block(angle, friction=1.02 * limit))
-    assert (held.verdict, held.guarantee, held.seated) == (
-        "potentially-stable",
-        "refuted",
-        "runs-away",
-    )
-    for mu in (0.0, 0.3, 1.0):
-        assert guaranteed(judged(friction.v_block(angle, friction=mu)))
-
-
-@pytest.mark.slow
-def test_i3_trough_is_guaranteed_only_below_where_it_slips():
-    static, true = 47.961, 44.126
-    cosine = np.cos(np.radians(30.0))
-    assert np.degrees(np.arctan(0.84 / cosine)) == pytest.approx(true, abs=1e-3)
-    assert np.degrees(np.arctan(0.84 / np.sqrt(cosine**2 - 0.84**2 / 4))) == pytest.approx(
-        static, abs=1e-3
-    )
-    shallow = friction.trough(30.0, tilt=20.0, friction=0.84)
-    assert guaranteed(judged(shallow, effort=3))
-    for angle in (true + 0.05, 46.0, static - 0.05):
-        verdict = judged(friction.trough(30.0, tilt=angle, friction=0.84))
-        assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
-        assert verdict.seated == "runs-away"
-    near = judged(friction.trough(30.0, tilt=true - 0.05, friction=0.84), effort=1)
-    assert near.guarantee != "refuted"
-    assert near.level in ("settles", "proved")
-    assert judged(friction.trough(30.0, tilt=static + 0.05, friction=0.84)).verdict == "unstable"
-
-
-@pytest.mark.slow
-def test_i3_trough_is_guaranteed_at_35_degrees():
-    assert guaranteed(judged(friction.trough(30.0, tilt=35.0, friction=0.84), effort=3))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("side", [0.5, 1.0])
-def test_upright_walls_need_no_friction(side):
-    upright = judged(wall(20, 20, friction=0.6 * side))
-    assert guaranteed(upright)
-    assert upright.friction is None
-
-
-@pytest.mark.slow
-def test_stable_without_friction_is_stable_for_every_mu():
-    for build in (stacks.tower, wedges.corner_boxes, wall):
-        for mu in (0.0, 0.1, 0.5, 2.0):
-            assert guaranteed(judged(build().with_friction(mu)))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [1e-3, 1.0, 9.81, 1e3])
-def test_verdict_does_not_depend_on_the_size_of_gravity(size):
-    for build, word in (
-        (lambda: stacks.block_on_slope(26.0, friction=0.5), "stable"),
-        (lambda: stacks.block_on_slope(27.0, friction=0.5), "unstable"),
-        (friction.h_block, "potentially-stable"),
-    ):
-        assembly = build()
-        assembly = dataclasses.replace(assembly, gravity=assembly.down * size)
-        assert judged(assembly).verdict == word
-
-
-@pytest.mark.slow
-def test_raising_mu_never_takes_equilibrium_away():
-    words = [
-        judged(stacks.block_on_slope(20.0, friction=mu)).verdict
-        for mu in (0.1, 0.3, 0.36, 0.37, 0.5, 1.0, 3.0)
-    ]
-    assert words == ["unstable"] * 3 + ["stable"] * 4
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from held_or_not import program, slope, worst_by_hand
+from held_or_not import program, worst_by_hand
 from transformations import scaled
 
 from kilter.assembly import Joint
@@ -222,7 +222,3 @@ def _free_fall(built):
     fall = np.zeros((len(built.names), 6))
     fall[built.free, :3] = built.gravity
     return fall
-
-
-def test_slope_helper_is_the_scene():
-    assert program(slope(30)).mu[0] == 0.5

@@ -2,16 +2,14 @@
 
 import numpy as np
 import pytest
-from enumerated import random_block
-from held_or_not import compas, cylinders, equilibrium, program, real_data, slope, thin_bracket
-from transformations import scaled
+from cases import random_block
+from held_or_not import cylinders, equilibrium, program, slope, thin_bracket
 
 from kilter.assembly import Joint
 from kilter.friction.seating import find_seating
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.law_check import check_balance
 from kilter.scenes import arches, friction, stacks, traps, walls, wedges
-from kilter.scenes.transform import moved
 
 
 def in_cones_and_balanced(built, seating):
@@ -59,11 +57,6 @@ def test_both_sides_of_a_limit(assembly, seated):
     assert in_cones_and_balanced(built, seating) == seated
 
 
-def test_limits_are_those_of_the_formula():
-    slips = np.degrees(np.arctan(0.84 / np.cos(np.radians([30, 60]))))
-    assert slips == pytest.approx([44.126, 59.237], abs=1e-3)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("pad", [0.1, 0.3])
 def test_wide_pads_press_evenly_and_so_need_more(pad):
@@ -95,22 +88,6 @@ def test_held_by_squeeze_alone_is_not_seated(assembly):
     assert not seating.holds
     assert seating.starts == 6
     assert float((built.load * seating.runaway).sum()) > 0
-
-
-@pytest.mark.quick(1)
-@real_data
-@pytest.mark.parametrize("name", ["A", "H"])
-def test_real_blocks_between_plates_are_not_seated(name):
-    built = program(compas(name))
-    assert equilibrium(built)
-    assert not find_seating(built).holds
-
-
-@pytest.mark.quick(1)
-@real_data
-@pytest.mark.parametrize("name", ["type-a", "type-c", "bridge"])
-def test_real_wedges_and_a_bridge_are_seated(name):
-    assert find_seating(program(compas(name))).holds
 
 
 @pytest.mark.quick(2)
@@ -149,14 +126,6 @@ def test_seated_implies_equilibrium_for_blocks_at_random():
     assert min(counts.values()) >= 4
 
 
-@pytest.mark.slow
-def test_no_size_place_or_unit_changes_it():
-    for tilt, seated in ((44.10, True), (44.15, False)):
-        trough = friction.trough(30, tilt=tilt, friction=0.84)
-        for other in (scaled(trough, 1e-3), moved(trough, [0.8, 0.2, 0.4, 0.4], [30, -20, 10])):
-            assert find_seating(program(other)).holds == seated
-
-
 def test_a_joint_carries():
     floating = traps.floating_block(2)
     assert not find_seating(program(floating)).holds
@@ -176,14 +145,6 @@ def test_one_force_flipped_does_not_balance():
         forces = seating.forces.copy()
         forces[k, axis] *= -1
         assert check_balance(built, forces) > 1e-3
-
-
-@pytest.mark.slow
-def test_same_seed_same_answer():
-    built = program(friction.h_block())
-    one, two = find_seating(built), find_seating(built)
-    assert one.starts > 2
-    assert np.array_equal(one.forces, two.forces)
 
 
 def test_nothing_free_is_seated_and_no_work_leaves_one_start():

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from held_or_not import compas, cylinders, program, real_data, slope, thin_bracket
+from held_or_not import cylinders, program, slope, thin_bracket
 from random_friction import random_assembly
 
 from kilter import check
 from kilter.cli import main
 from kilter.friction.elastic_forces import _DilatingSprings, elastic_forces
 from kilter.friction.law import coulomb_law
-from kilter.friction.seating import find_seating
 from kilter.friction.settling import find_settling
 from kilter.friction.springs import Springs, spring_system
 from kilter.mechanics.law_check import check_balance
@@ -70,24 +69,6 @@ def test_what_only_jams_or_is_squeezed_does_not_settle(assembly):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("count", "planar"), [(20, False), (50, False), (100, True)])
-def test_arches_settle_with_no_more_newton_steps_than_contact_points(count, planar):
-    built = program(arches.arch(count, friction=0.6, planar=planar))
-    found = find_settling(built)
-    assert found.settles
-    assert found.iterations <= found.of * len(built.mu)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("count", "planar"), [(100, False), (300, True)])
-def test_long_arches_settle(count, planar):
-    built = program(arches.arch(count, friction=0.6, planar=planar))
-    found = find_settling(built, work=Work(8e6))
-    assert found.settles
-    assert all(check_balance(built, one) <= 1e-9 for one in found.forces)
-
-
-@pytest.mark.slow
 def test_tries_that_were_not_made_are_told_with_the_effort_that_makes_them():
     told = check(friction.trough(30, tilt=35.0, friction=0.84), effort=0).to_dict()
     assert dict(facts(told))["settles"] == "8 of 8 tries came to rest"
@@ -102,30 +83,10 @@ def test_tries_that_were_not_made_are_told_with_the_effort_that_makes_them():
 
 
 @pytest.mark.slow
-def test_a_long_arch_is_seated():
-    seating = find_seating(program(arches.arch(300, friction=0.6, planar=False)))
-    assert (seating.seated, seating.starts) == ("yes", 1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("planar", [False, True])
-def test_an_arch_of_a_thousand_voussoirs_is_seated(planar):
-    seating = find_seating(program(arches.arch(1000, friction=0.6, planar=planar)))
-    assert (seating.seated, seating.starts) == ("yes", 1)
-
-
-@pytest.mark.slow
-@real_data
-def test_a_real_shelf_and_a_real_bridge_settle():
-    for name in ("shelf-stable", "bridge"):
-        assert find_settling(program(compas(name))).settles
-
-
-@pytest.mark.slow
 def test_a_motion_keeps_the_level_at_equilibrium_though_every_try_came_to_rest():
     _, fence = random_assembly(594)
     verdict = check(fence)
-    assert verdict.tries == (8, 8)
+    assert verdict.tries.to_dict() == {"passed": 8, "of": 8}
     assert (verdict.level, verdict.why, verdict.guarantee) == ("equilibrium", "refuted", "refuted")
 
 
@@ -189,14 +150,6 @@ def test_the_exit_code_is_that_of_the_level_asked_for(name, require, code, tmp_p
     assert main(["example", name]) == 0
     file = f"{name}.kilter.json"
     assert main(["check", file, "--quiet", "--effort", "0", "--require", require]) == code
-
-
-@pytest.mark.slow
-def test_stable_in_python_is_the_level_asked_for():
-    trough = friction.trough(30, tilt=35.0, friction=0.84)
-    assert check(trough, effort=0).stable
-    assert not check(trough, effort=0, require="proved").stable
-    assert not check(trough, effort=0, require="strict").stable
 
 
 @pytest.mark.slow
@@ -317,13 +270,13 @@ def test_slopes_are_the_derivatives_of_the_forces(kind):
 @pytest.mark.parametrize("planar", [False, True])
 def test_an_arch_of_a_thousand_voussoirs_settles_at_the_default_effort(planar):
     verdict = check(arches.arch(1000, friction=0.6, planar=planar))
-    assert (verdict.level, verdict.tries) == ("settles", (8, 8))
+    assert (verdict.level, verdict.tries.passed) == ("settles", 8)
 
 
 @pytest.mark.slow
 def test_a_leaning_wall_of_a_thousand_bricks_settles_at_the_default_effort():
     verdict = check(walls.tilted_wall(1.5, friction=0.6, courses=32, per_course=31))
-    assert (verdict.level, verdict.tries) == ("settles", (8, 8))
+    assert (verdict.level, verdict.tries.passed) == ("settles", 8)
 
 
 def test_a_try_that_takes_most_of_the_work_of_all_is_the_last():

@@ -7,13 +7,12 @@ import pytest
 from margins import program_of
 from random_turned import random_turned, springer_arch
 
+from kilter.analysis import load_limit
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins import load_limit
-from kilter.analysis.margins.limit_sides import limit_sides
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.limit_sides import limit_sides
+from kilter.analysis.load_limit import (
     EXACT,
     Limit,
-    NoLimit,
     SharedCones,
     find_limit,
     gravity_wrench,
@@ -45,7 +44,7 @@ def test_both_ways_find_one_limit_and_judge_agrees(family: str, seed: int) -> No
             assert sides.none or sides.held > 9.999 or sides.forces is None
             continue
         assert limit.forces.holds
-        assert limit.mechanism.holds
+        assert limit.motion.holds
         assert sides.held <= limit.value + limit.gap + 1e-7
         assert sides.beyond >= limit.value - 1e-7
         size = max(abs(limit.value), 1.0)
@@ -95,7 +94,7 @@ def test_a_share_that_is_held_whole_takes_no_linear_program(monkeypatch):
     def unasked(*_: object) -> None:
         raise AssertionError("linear programs were asked")
 
-    monkeypatch.setattr("kilter.analysis.margins.load_limit.limit_sides", unasked)
+    monkeypatch.setattr("kilter.analysis.load_limit.limit_sides", unasked)
     program = program_of(stacks.block_on_slope(0.0, friction=0.5))
     aside = gravity_wrench(program, np.array([0.28, 0.96, 0.0]))
     for most, value in ((0.4, np.inf), (1.0, pytest.approx(0.5, abs=1e-8))):
@@ -133,28 +132,7 @@ def test_limits_of_one_program_share_their_start(monkeypatch, mu):
         values.append(found.value)
         assert found.value == pytest.approx(alone.value, abs=2e-9)
         assert found.forces.holds
-        assert found.mechanism.holds
+        assert found.motion.holds
         assert len(taken) < cold
     assert len(set(numbers)) == 1
     assert values == pytest.approx([values[0]] * 3, abs=1e-9)
-
-
-@pytest.mark.slow
-def test_a_start_of_what_is_not_held_proves_nothing():
-    program = program_of(walls.wall_of(50, friction=0.6).with_down([0.0, 0.5, -1.0]))
-    shared = SharedCones(program)
-    for aside in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]):
-        wrench = gravity_wrench(program, np.array(aside))
-        found = limit_of(program, wrench, most=1.0, shared=shared)
-        assert isinstance(found, NoLimit) or found.value < 0
-
-
-@pytest.mark.slow
-def test_from_a_start_that_leads_nowhere_it_begins_anew(monkeypatch):
-    monkeypatch.setattr(load_limit, "_in_cones", unasked)
-    program = program_of(walls.wall_of(50, friction=0.6))
-    wrench = gravity_wrench(program, np.array([0.6, 0.8, 0.0]))
-    alone, shared = limit_of(program, wrench, most=10.0), SharedCones(program)
-    begun = on_one_thread(lambda: shared.start)()
-    shared.__dict__["start"] = type(begun)(begun.x * np.nan, begun.s, begun.y, begun.mean)
-    assert limit_of(program, wrench, most=10.0, shared=shared).value == alone.value

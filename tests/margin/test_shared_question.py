@@ -37,8 +37,8 @@ def test_the_least_friction_of_a_short_search_lies_between_its_proofs(most: int)
     assert found.lower < TANGENT <= found.value * (1 + 1e-9)
     held = slope.with_friction(found.value)
     assert check_forces(held, found.forces.forces, found.forces.friction).holds
-    assert found.mechanism is not None
-    assert check_motion(slope.with_friction(found.lower), found.mechanism.motion).holds
+    assert found.motion is not None
+    assert check_motion(slope.with_friction(found.lower), found.motion.motion).holds
     assert found.programs == 4 + most
 
 
@@ -46,8 +46,8 @@ def test_a_known_coefficient_that_fails_is_where_the_search_begins() -> None:
     slope = program_of(stacks.block_on_slope(20.0))
     whole = find_least_friction(slope)
     assert isinstance(whole, LeastFriction)
-    assert whole.mechanism is not None
-    known = Failing(whole.lower, whole.mechanism)
+    assert whole.motion is not None
+    known = Failing(whole.lower, whole.motion)
     none = find_least_friction(slope, failing=known, programs=0)
     assert isinstance(none, LeastFriction)
     assert (none.lower, none.programs) == (whole.lower, 5)
@@ -71,8 +71,8 @@ def test_the_margin_of_a_large_drawing_that_falls_uses_the_motion_of_the_verdict
     assert large.tilt_deg == usual.tilt_deg
     assert large.tilt_deg is not None
     assert large.friction is not None
-    assert large.friction.lower >= 0.3
-    assert large.friction.value == pytest.approx(TANGENT, rel=1e-7)
+    assert large.friction_limit.lower >= 0.3
+    assert large.friction == pytest.approx(TANGENT, rel=1e-7)
 
 
 def test_a_large_region_is_undecided_by_one_joined_direction(
@@ -116,4 +116,4 @@ def test_a_plan_asks_once_which_pairs_decide(monkeypatch: pytest.MonkeyPatch) ->
     order = kilter.plan(staggered_dome(2, rings=2, per_ring=8))
     assert calls == [True]
     assert order.verdict == "undecided"
-    assert order.finished.question is not None
+    assert order.decision.question is not None

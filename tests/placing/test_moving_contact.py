@@ -115,7 +115,7 @@ def test_a_motion_excludes_no_place_that_stands(
         for point in outside:
             at = place(bridge(), pentagon(), at=point, require="equilibrium").at
             assert at is not None
-            assert at.verdict.verdict == "unstable"
+            assert at.verdict == "unstable"
 
 
 def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides() -> None:
@@ -133,7 +133,7 @@ def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides() -> N
         if stands or falls:
             at = place(bridge(), pentagon(), at=point, require="equilibrium").at
             assert at is not None
-            assert (at.verdict.verdict != "unstable") == stands
+            assert (at.verdict != "unstable") == stands
             seen.add(stands)
     assert seen == {True, False}
 

@@ -80,7 +80,7 @@ def test_a_first_touch_of_a_support_is_decided_exactly() -> None:
     ]
     floor = Part("floor", Box([8, 4, 1]), Pose([0, 0, -1.5]), grounded=True)
     answer = place(Assembly([floor, *tables]), box_to_place([1, 1, 1], 1.0))
-    [level] = [level for level in answer.levels if abs(level.height) < 1e-9]
+    [level] = [level for level in answer.levels if abs(level.height - answer.prism.below) < 1e-9]
     between = shapely.box(-0.2, -1, 0.2, 1)
     assert shapely.difference(between, level.stands).area < 1e-9
     beside = shapely.box(0.2, -1, 0.3, 1)
@@ -97,7 +97,9 @@ def test_a_pair_that_decides_is_the_reason_of_open_places() -> None:
         answer = place(plank.with_parts([clamp]), part)
         text = " ".join(answer.warnings)
         assert ("'plank' and 'clamp' touch" in text) == warned
-        [level] = [level for level in answer.levels if abs(level.height - 0.1) < 1e-9]
+        [level] = [
+            level for level in answer.levels if abs(level.height - answer.prism.below - 0.1) < 1e-9
+        ]
         # without the clamp the limit is 0.16, and the end of the plank is at 0.3
         assert level.stands.bounds[2] <= 0.16 + 1e-9
         open_area = shapely.intersection(level.open, shapely.box(0.17, -0.4, 0.29, 0.4)).area

@@ -92,11 +92,6 @@ def test_stacks_and_checks_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     compare((1, 8), monkeypatch)
 
 
-@pytest.mark.slow
-def test_stacks_and_checks_agree_on_many_plans(monkeypatch: pytest.MonkeyPatch) -> None:
-    compare(range(16), monkeypatch)
-
-
 def test_a_tipping_box_ends_the_proofs_by_stacks() -> None:
     """The centre of 'c' lies beside 'a'; the later box 'd' is a counterweight on its other end."""
     base, size = PackedBox("a", (1, 1, 1), 9, (0, 0, 0), 1), (1.0, 1.0, 1.0)

@@ -31,8 +31,8 @@ def test_boxes_in_a_column(tmp_path: Path, friction: float) -> None:
     below = check_plan(written(tmp_path, COLUMN, 5 * (1 - NEAR)), friction=friction)
     assert below.overload is not None
     assert below.first is None
-    assert (below.overload["item"], below.overload["after"]) == ("a", 3)
-    assert below.overload["load"] == pytest.approx(5, rel=1e-9)
+    assert (below.overload.item, below.overload.after) == ("a", 3)
+    assert below.overload.load == pytest.approx(5, rel=1e-9)
     above = check_plan(written(tmp_path, COLUMN, 5 * (1 + NEAR)), friction=friction)
     assert above.overload is None
     assert above.items[0].top_load == pytest.approx(5, rel=1e-9)
@@ -53,7 +53,7 @@ def test_a_loaded_bridge_on_two_narrow_boxes(tmp_path: Path) -> None:
     load = (4 * 1.48 + 6 * 2.23) / 2.98
     over = check_plan(written(tmp_path, NARROW, load * (1 - NEAR))).overload
     assert over is not None
-    assert over["after"] == 4
+    assert over.after == 4
     assert check_plan(written(tmp_path, NARROW, load * (1 + NEAR))).overload is None
 
 

@@ -45,7 +45,7 @@ def test_the_worst_mass_and_centre_limit_a_load_on_a_plank(
             center_within=share,
         ).at
         assert at is not None
-        assert (at.verdict.verdict == "unstable") == (side > 0)
+        assert (at.verdict == "unstable") == (side > 0)
         assert at.level == (None if side > 0 else "proved")
 
 
@@ -86,7 +86,11 @@ def test_check_agrees_at_masses_and_centres_inside_the_limits(seed: int) -> None
     rng = np.random.default_rng(seed)
     stack, part, mass, share = bridge(), LOAD, (2.0, 3.5), 0.04
     places = mapped(mass, share)
-    [level] = [level for level in places.levels if level.stands.area > 0 and level.height > 0]
+    [level] = [
+        level
+        for level in places.levels
+        if level.stands.area > 0 and level.height > places.prism.below
+    ]
     low, high = np.array(level.stands.bounds).reshape(2, 2)
     points = rng.uniform(low, high, (2000, 2))
     inside = points[shapely.contains_xy(level.stands, points)][:8]
@@ -96,7 +100,7 @@ def test_check_agrees_at_masses_and_centres_inside_the_limits(seed: int) -> None
         case = replace(part, given_mass=float(rng.uniform(*mass)), center_of_mass=[*shift, 0.0])
         at = place(stack, case, at=point + shift, require="equilibrium").at
         assert at is not None
-        assert at.verdict.verdict != "unstable"
+        assert at.verdict != "unstable"
 
 
 LOAD = box_to_place([0.7, 0.5, 0.2], 3.0, name="load")

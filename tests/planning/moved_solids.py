@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from kilter.contact.fits.part_solids import PartSolids
+from kilter.contact.common.distances import PartSolids
 
 __all__ = ["deepest", "places_along", "shared", "skin"]
 

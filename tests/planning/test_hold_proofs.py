@@ -47,7 +47,7 @@ def said(
     kind: str, change: Callable[[Proof], object] = lambda _: None, words: Any = None
 ) -> list[str]:
     """What is said of the proofs after a change; with these verdicts, or their own."""
-    given = made(kind).supported
+    given = made(kind)
     proof = copy.deepcopy(proof_of(made(kind)))
     verdicts: Sequence[str] = words or [one["proof"]["verdict"] for one in proof["proofs"]]
     change(proof)

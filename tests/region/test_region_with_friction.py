@@ -62,7 +62,7 @@ def test_three_margins_are_one(family: str, seed: int) -> None:
     if found.dimension == 3 and found.half_angle_deg < 90:
         assert turned.tilt_margin_deg == pytest.approx(found.half_angle_deg, abs=gap)
     tilt = find_tilt_margin(program)
-    if isinstance(tilt, TiltMargin) and tilt.limit.mechanism is not None:
+    if isinstance(tilt, TiltMargin) and tilt.limit.motion is not None:
         inner = np.degrees(found.cone.depth(program.down))
         outer = np.degrees(np.arcsin(np.clip((found.facets @ program.down).min(), -1, 1)))
         assert inner - 1e-7 <= np.degrees(tilt.angle) <= outer + 1e-6

@@ -86,10 +86,10 @@ def test_tilt_limits_at_eight_azimuths_agree(found) -> None:
     assert region.proved
     for azimuth in AZIMUTHS:
         aside = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-        angle, limit = tilt_about(program, cross(program.down, aside))
+        tilt = tilt_about(program, cross(program.down, aside))
         expected = by_bisection(program, aside)
-        assert np.degrees(angle) == pytest.approx(expected, abs=1e-4)
-        assert limit.gap < 2e-5
+        assert tilt.tilt_deg == pytest.approx(expected, abs=1e-4)
+        assert tilt.limit.gap < 2e-5
         # q.(cos t down + sin t aside) = 0 at the facet that is met first
         with np.errstate(divide="ignore"):
             turns = np.arctan2(region.facets @ program.down, -(region.facets @ aside))

@@ -54,7 +54,7 @@ def test_one_fault_of_each_kind_does_not_hide_the_others() -> None:
     floating = report["floats"]
     assert floating.other == "table"
     assert floating.gap == pytest.approx(0.25, abs=1e-15)
-    assert floating.move == Pose([-2, 0, 0.5])
+    assert floating.pose == Pose([-2, 0, 0.5])
     assert (report["sunk"].gap, report["sunk"].other) == (-0.25, "table")
     assert "tips" in report["overhangs"].motion
     assert not report.at_rest
@@ -84,7 +84,7 @@ def test_the_objects_of_a_floating_stack_have_the_same_height() -> None:
     )
     assert [report[name].gap for name in "abc"] == [0.5] * 3
     assert {report[name].other for name in "abc"} == {"table"}
-    moved = Assembly([replace(p, pose=report[p.name].move or p.pose) for p in report.assembly])
+    moved = Assembly([replace(p, pose=report[p.name].pose or p.pose) for p in report.assembly])
     assert kilter.check(moved).verdict == "stable"
 
 
@@ -148,7 +148,7 @@ def test_an_object_on_a_sunk_object_is_at_rest_if_that_stays() -> None:
     report = kilter.scene(Assembly([TABLE, cube("sunk", 0, -0.01), cube("on it", 0.2, 0.99)]))
     assert report["sunk"].state == "overlaps"
     assert (report["on it"].state, report["on it"].if_held) == ("at-rest", ("sunk",))
-    assert "if sunk stays as drawn" in report["on it"].to_dict("m")["words"]
+    assert "if sunk stays as drawn" in report["on it"].words
 
 
 @pytest.mark.parametrize(("overhang", "state"), [(0.499, "at-rest"), (0.501, "falls")])
@@ -221,7 +221,7 @@ def test_each_state_at_rest_is_a_verdict_with_forces(seed: int) -> None:
             )
             assert verdict.moving
     holding = [verdict for verdict in report.verdicts if verdict.level is not None]
-    assert all(verdict.certificate is not None for verdict in holding)
+    assert all(verdict.evidence is not None for verdict in holding)
 
 
 def test_the_order_of_the_parts_does_not_matter() -> None:

@@ -5,8 +5,6 @@ shapes of the parts are placeholders, only the centre of mass matters. `CASES` a
 friction, the parts of `ROLLING` do not slip. Lengths are in m, masses in kg, z is up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal

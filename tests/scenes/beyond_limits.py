@@ -5,8 +5,6 @@ stack, the lean of a wall. The limit is bracketed by proofs, forces on one side 
 other. The assembly then lies beyond it by a relative distance (thickness) or by an angle [rad].
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

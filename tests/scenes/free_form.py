@@ -1,7 +1,5 @@
 """A solid whose faces have no contact formula: its contacts are open pairs."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

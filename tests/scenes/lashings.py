@@ -1,7 +1,5 @@
 """Lashed loads on a deck, for tests: a box, a stack, or a row of boxes under one strap."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

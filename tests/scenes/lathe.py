@@ -8,8 +8,6 @@ If the profile is traversed with the material on its left, Gauss's theorem gives
 Each integral uses Gauss-Legendre nodes on every line or arc and is exact to rounding.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

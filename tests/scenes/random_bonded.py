@@ -1,7 +1,5 @@
 """Random bonded blocks in any orientation, with their contact areas computed from the sizes."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 from typing import Any

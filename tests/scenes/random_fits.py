@@ -1,7 +1,5 @@
 """Random programs whose contacts fit badly: fits of 1e-9 to 1e-3 and masses from 1 to 1e6."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random assemblies near the limits of friction: stacks, arches, ladders, fences."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

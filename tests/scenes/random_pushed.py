@@ -4,8 +4,6 @@ A part is moved along the normal of a contact by 1.5 to 50 gap tolerances of the
 narrow gap or a small overlap replaces the contact.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Sizes, angles and coefficients are irregular, so that no limit lies on an axis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import combinations
 

@@ -1,7 +1,5 @@
 """Random masonry: cells of a 3D Voronoi diagram cut from a box, with exactly shared faces."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

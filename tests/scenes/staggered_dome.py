@@ -5,8 +5,6 @@ polygons of neighbouring rings are turned by half a block, so the blocks of a ri
 the next ring in planes that intersect: each such pair overlaps by a few thousandths of its size.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -5,8 +5,6 @@ are computed here from their paths, piece by piece. Friction is in a pyramid ins
 which gives an upper bound of the share, or in a pyramid around it, which gives a lower bound.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 

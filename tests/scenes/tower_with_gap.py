@@ -1,7 +1,5 @@
 """A tower of three blocks: a small gap is below the upper block."""
 
-from __future__ import annotations
-
 from kilter import Assembly, Box, Part, Pose
 
 __all__ = ["tower"]

@@ -4,8 +4,6 @@ Scaling, reordering and renaming change no verdict. `tilted` rotates only gravit
 rounds the coordinates to those of a binary STL file. `kilter.scenes.transform` has rigid motions.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any

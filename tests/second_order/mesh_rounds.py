@@ -1,21 +1,13 @@
 """Round assemblies of exact solids have the same states as their meshes.
 
-    python tests/second_order/mesh_rounds.py               100 assemblies, counted by state
-    python tests/second_order/mesh_rounds.py 20 --first 40
-
 Balls, pegs and cups have random sizes and fineness, and are turned and moved. The state of the
 exact solids is known in closed form, and also computed. That of the meshes may be open, but never
-different. The command ends with 1 if a state differs, or if an assembly takes more than `LIMIT`
-seconds of CPU.
+different.
 """
 
 from __future__ import annotations
 
-import argparse
-import itertools
 import sys
-import time
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -33,7 +25,6 @@ sys.path.append(str(Path(__file__).parents[1] / "contact"))
 import solids
 
 Random = np.random.Generator
-LIMIT = 10.0
 X, Y, Z = np.eye(3)
 LYING = turn(X, 90)
 TABLE = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
@@ -153,41 +144,10 @@ def random_pair(seed: int) -> Pair:
     return Pair(exact, meshes, state)
 
 
-def state_of(assembly: Assembly) -> tuple[str, str]:
-    """The state, and the reason for an open state."""
+def state_of(assembly: Assembly) -> str:
     verdict = kilter.check(assembly)
-    if verdict.second_order is None:
-        return verdict.verdict, "not asked"
-    return verdict.second_order.state, verdict.second_order.why
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("count", nargs="?", type=int, default=100)
-    parser.add_argument("--first", type=int, default=0, help="seed of the first")
-    asked = parser.parse_args()
-    states, reasons, wrong, worst = Counter[str](), Counter[str](), 0, 0.0
-    for seed in itertools.islice(itertools.count(asked.first), asked.count):
-        pair, kind = random_pair(seed), KINDS[seed % len(KINDS)].__name__
-        exact, _ = state_of(pair.exact)
-        begun = time.process_time()
-        found, why = state_of(pair.meshes)
-        took = time.process_time() - begun
-        worst = max(worst, took)
-        states[found] += 1
-        if found == "open":
-            reasons[f"{kind}: {why}"] += 1
-        if found not in (pair.state, "open") or exact not in (pair.state, "open") or took > LIMIT:
-            wrong += 1
-            sys.stdout.write(
-                f"seed {seed} {kind}: {found}, exact {exact}, true {pair.state}, {took:.1f} s\n"
-            )
-    for reason, times in reasons.most_common():
-        sys.stdout.write(f"{times} open, {reason}\n")
-    counts = ", ".join(f"{times} {state}" for state, times in states.most_common())
-    sys.stdout.write(f"{counts}; {wrong} wrong; worst {worst:.2f} s CPU\n")
-    return 1 if wrong else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return (
+        verdict.verdict
+        if verdict.second_order_answer is None
+        else verdict.second_order_answer.state
+    )

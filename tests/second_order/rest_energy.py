@@ -1,24 +1,14 @@
 """Random assemblies at rest: their states agree with a descent of the energy.
 
-    python tests/second_order/rest_energy.py              210 assemblies, counted by kind and state
-    python tests/second_order/rest_energy.py 50 --first 1000 --seconds 30
-
-Each proof is verified. Then the energy is lowered from random places near by within a box, by
+The energy is lowered from random places near by within a box, by
 linear programs over planes that separate the bodies. A place counts if the bodies are exactly apart
 there. No place may be lower than a minimum or a free state; the place of a balanced answer must be
-lower. The command ends with 1 if a rule is broken, a proof is rejected, or a case takes longer than
-`--seconds` of CPU.
+lower.
 """
 
 from __future__ import annotations
 
-import argparse
-import sys
-import time
-from collections import Counter
-
 import numpy as np
-from random_rests import random_rest
 from scipy.optimize import linprog
 
 import kilter
@@ -118,47 +108,3 @@ def contradicts(assembly: kilter.Assembly, found: SecondOrder, seed: int) -> tup
         good = good and place is not None and place.energy < 0
         return ("" if good else "its place is not lower and apart"), lower
     return (f"{least} t^2 lower" if lower else ""), lower
-
-
-def told(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("count", type=int, nargs="?", default=210)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--seconds", type=float, default=10.0)
-    given = parser.parse_args()
-    counts: Counter[tuple[str, str]] = Counter()
-    wrong, beaten, longest = 0, 0, 0.0
-    for seed in range(given.first, given.first + given.count):
-        kind, assembly = random_rest(seed)
-        begun = time.process_time()
-        verdict = kilter.check(assembly)
-        took = time.process_time() - begun
-        longest = max(longest, took)
-        second = verdict.second_order
-        state = verdict.verdict if second is None else second.state
-        counts[kind, state] += 1
-        words = [f"{took:.1f} s"] if took > given.seconds else []
-        if second is not None and second.state == "open":
-            told(f"{seed} {kind}: open, {second.why}")
-        elif second is not None:
-            words += kilter.verify(assembly, verdict.proof()).reasons
-            against, lower = contradicts(assembly, second, seed)
-            words += [against] if against else []
-            beaten += lower and second.state == "balanced"
-        for word in words:
-            wrong += 1
-            told(f"{seed} {kind}: {state}, but {word}")
-    for (kind, state), number in sorted(counts.items()):
-        told(f"{kind:>10} {state:>10} {number:5}")
-    told(f"the descent came lower than {beaten} of those that balance")
-    told(f"longest check {longest:.2f} s of CPU, {wrong} contradictions")
-    return 1 if wrong else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -11,7 +11,6 @@ import kilter
 from kilter import Assembly, Box, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.transform import moved
 from kilter.second_order.parts.separation import least_separation
 
 WALLS = [
@@ -30,7 +29,7 @@ BALLS = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k])) for k in range(2)
 def test_balls_upright_between_two_walls_fall_along_them() -> None:
     assembly = Assembly([FLOOR, *WALLS, *BALLS])
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert second.state == "balanced"
     proof = found.proof()
@@ -46,19 +45,10 @@ def test_balls_upright_between_two_walls_fall_along_them() -> None:
 
 
 @pytest.mark.slow
-def test_turned_as_a_whole_it_is_the_same() -> None:
-    rotation = np.array([0.5, 0.3, -0.7, 0.41])
-    assembly = moved(Assembly([FLOOR, *WALLS, *BALLS]), rotation, [3.0, -2.0, 5.0])
-    second = kilter.check(assembly).second_order
-    assert second is not None
-    assert second.state == "balanced"
-
-
-@pytest.mark.slow
 def test_balls_upright_in_a_square_tube_stay() -> None:
     assembly = Assembly([FLOOR, *WALLS, *ENDS, *BALLS])
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert (second.state, second.neutral, second.free) == ("minimum", 6, 6)
     assert kilter.verify(assembly, found.proof()).holds

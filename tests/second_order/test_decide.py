@@ -11,17 +11,11 @@ from kilter.arrays import Array
 from kilter.rigid import skew
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.minimum_proof import (
-    Leaf,
     MinimumProof,
     judge_minimum,
-    leaf_cones,
-    orthants,
-    sides_of_cone,
-    split,
 )
 from kilter.second_order.proofs.paths import Path, judge_path
 from kilter.second_order.searches.decide import decide
-from kilter.second_order.searches.energy_decision import EnergyDecision
 
 UP = np.array([0.0, 0.0, 1.0])
 BEYOND = 1e-6
@@ -161,80 +155,6 @@ def test_without_forces_of_equilibrium_nothing_is_said() -> None:
     assert decide(one_part(contact, upward)).state == "open"
 
 
-def _minimum() -> tuple[Stationary, EnergyDecision, MinimumProof]:
-    problem = pivot(-0.3, BOWL)
-    found = decide(problem, SPIN)
-    assert isinstance(found.proof, MinimumProof)
-    return problem, found, found.proof
-
-
-def _with_leaf(proof: MinimumProof, **changes: Array) -> MinimumProof:
-    return dataclasses.replace(proof, leaves=(dataclasses.replace(proof.leaves[0], **changes),))
-
-
-def test_a_changed_proof_of_a_minimum_is_refused() -> None:
-    problem, _, proof = _minimum()
-    assert judge_minimum(problem, proof) == ""
-    forces = proof.leaves[0].forces
-    basis = proof.basis.copy()
-    basis[:, 0] += 1e-3
-    changed = [
-        _with_leaf(proof, forces=1.001 * forces),
-        _with_leaf(proof, forces=-forces),
-        _with_leaf(proof, forces=forces[:0]),
-        dataclasses.replace(proof, basis=basis),
-        dataclasses.replace(proof, basis=proof.basis[:, 1:]),
-        dataclasses.replace(proof, free=proof.basis[:, :1]),
-        dataclasses.replace(proof, sides=np.eye(4)[:1]),
-        dataclasses.replace(proof, splits=(None,)),
-        dataclasses.replace(proof, leaves=()),
-    ]
-    assert all(judge_minimum(problem, one) for one in changed)
-
-
-def test_the_energy_must_curve_upward_in_a_proof() -> None:
-    _, _, proof = _minimum()
-    assert "upward" in judge_minimum(pivot(0.3, BOWL), proof)
-
-
-@pytest.mark.slow
-def test_a_tree_of_cones_that_leaves_one_out_is_refused() -> None:
-    problem = six_feet(0.4)
-    proof = decide(problem).proof
-    assert isinstance(proof, MinimumProof)
-    assert judge_minimum(problem, proof) == ""
-    last = [k for k, one in enumerate(proof.splits) if one is None][-1]
-    short = dataclasses.replace(
-        proof, splits=proof.splits[:last] + proof.splits[last + 1 :], leaves=proof.leaves[:-1]
-    )
-    assert "tree" in judge_minimum(problem, short)
-
-
-def test_the_cones_of_a_tree_cover_the_half_space() -> None:
-    random = np.random.default_rng(5)
-    first = orthants(3, half=True)[0]
-    assert all(one.shape == (3, 3) for one in split(first, 0, 2))
-    cones = list(leaf_cones(3, [(0, 1), None, (1, 2), None, None, None, None, None], half=True))
-    for y in random.normal(size=(200, 3)):
-        y = y if y[0] > 0 else -y
-        inside = [
-            bool((sides_of_cone(rays) @ y >= -1e-12).all()) for rays in cones if rays is not None
-        ]
-        assert any(inside)
-
-
-def test_a_changed_path_does_not_fall() -> None:
-    problem = pivot(0.3, BOWL)
-    path = decide(problem, SPIN).proof
-    assert isinstance(path, Path)
-    assert path.falls
-    assert judge_path(problem, path.first, path.second).falls
-    assert not judge_path(problem, path.first, -path.second).falls
-    assert not judge_path(problem, path.first, 0 * path.second).falls
-    turned = path.first + 1e-3 * problem.rows[0]
-    assert not judge_path(problem, turned, path.second).falls
-
-
 def test_the_path_of_a_pivot_falls_as_its_formula_says() -> None:
     """Along a turn by t the energy is at least -h t^2 / 2, half the power of d2."""
     height = 0.3
@@ -242,11 +162,6 @@ def test_the_path_of_a_pivot_falls_as_its_formula_says() -> None:
     assert isinstance(path, Path)
     turn = float(np.linalg.norm(path.first[3:5]))
     assert 0 < path.power <= height * turn**2 + 1e-9
-
-
-def test_a_leaf_has_forces_and_weights() -> None:
-    leaf = Leaf(np.ones(2), np.zeros((0, 0)))
-    assert leaf.forces.shape == (2,)
 
 
 def pressed_between_plates() -> Stationary:

@@ -194,10 +194,6 @@ def kinds() -> Iterator[tuple[str, Array, Array, Side, Side, exact.Gap]]:
 CASES = list(kinds())
 
 
-def test_there_are_twenty_kinds() -> None:
-    assert len({case[0] for case in CASES}) == 20
-
-
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("case", CASES, ids=[case[0] for case in CASES])
 def test_a_gap_is_its_series_to_second_order(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import subprocess
 import sys
 
@@ -13,7 +12,6 @@ import kilter
 from kilter import Assembly, Cylinder, Part, Pose
 from kilter.analysis.verdict.neutral import find_neutral
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
 from kilter.second_order.answer.second_order_answer import SecondOrder
@@ -38,7 +36,7 @@ def rest_of(assembly: Assembly) -> LevelRest | None:
 
 
 def answer(assembly: Assembly) -> SecondOrder:
-    second = kilter.check(assembly).second_order
+    second = kilter.check(assembly).second_order_answer
     assert second is not None
     return second
 
@@ -66,7 +64,7 @@ def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
 def test_where_loads_must_be_shared_a_program_shares_them(name: str) -> None:
     """A stack at its limit, held down by others over an opening; the counts of motions agree."""
     verdict = kilter.check(scene(name))
-    second = verdict.second_order
+    second = verdict.second_order_answer
     assert second is not None
     counted = find_neutral(verdict.program)
     assert counted is not None
@@ -122,7 +120,7 @@ def test_points_on_one_line_hold_no_tilt() -> None:
     board = Part("b", Box([1, 1, 0.1]), Pose([0, 0, 1.05]))
     assembly = Assembly([lying, board])
     assert rest_of(assembly) is None
-    second = kilter.check(assembly).second_order
+    second = kilter.check(assembly).second_order_answer
     assert second is None or second.state != "free"
 
 
@@ -168,22 +166,6 @@ def test_in_the_plane_each_part_slides_along_one_line() -> None:
     assert (second.state, second.neutral, second.free) == ("free", count, count)
 
 
-def test_turned_moved_scaled_and_renamed_it_is_the_same() -> None:
-    turn = Pose([3.0, -2.0, 5.0], [0.5, 0.3, -0.7, 0.41])
-    wall = wall_of(30)
-    parts = [
-        Part(f"{part.name}'s", Box(37 * np.asarray(part.shape.size)),
-             Pose(turn.apply(37 * part.pose.position[None])[0], turn.rotation),
-             grounded=part.grounded, mass=1.0)
-        for part in wall.parts
-    ]  # fmt: skip
-    down = turn.matrix @ np.array([0.0, 0, -1])
-    for order in (parts, parts[::-1]):
-        second = answer(Assembly(order).with_down(down))
-        assert second.state == "free"
-        assert second.free == second.neutral == 3 * (len(parts) - 1)
-
-
 def test_a_changed_number_is_refused() -> None:
     program, level = posed(wall_of(12))
     proof = find_level_rest(program, level, None)
@@ -205,17 +187,6 @@ def test_a_changed_number_is_refused() -> None:
         forces = proof.forces.copy()
         forces[int(np.flatnonzero(level)[0])] = bad
         assert judge_level_rest(program, level, LevelRest(forces, proof.motion))
-
-
-def test_its_proof_file_is_judged_again() -> None:
-    wall = wall_of(30)
-    proof = kilter.check(wall).proof()
-    assert kilter.verify(wall, proof).holds
-    for key, value in (("state", "minimum"), ("neutral", 3), ("free", 3)):
-        other = copy.deepcopy(proof)
-        other["second_order"][key] = value
-        other["digest"] = digest_of(other)
-        assert not kilter.verify(wall, other).holds
 
 
 @pytest.mark.slow

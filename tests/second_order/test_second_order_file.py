@@ -44,15 +44,6 @@ def proof_of(number: str) -> tuple[kilter.Assembly, dict[str, Any]]:
     return assembly, kilter.check(assembly).proof()
 
 
-@pytest.mark.quick(4)
-@pytest.mark.parametrize("number", ["01", "02", "03", "17", "19", "22", "26", "34", "38", "39"])
-def test_the_proof_of_a_state_is_judged_again(number: str) -> None:
-    assembly, proof = proof_of(number)
-    found = kilter.verify(assembly, proof)
-    assert found.holds, found.reasons
-    assert f"second order: {proof['second_order']['state']}" in found.notes
-
-
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("number", ["03", "26", "38"])
 def test_a_changed_number_of_a_minimum_is_refused(number: str) -> None:
@@ -101,7 +92,7 @@ def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
     """Relative to the blocks its gaps curve strongly, and far from it there is room below."""
     assembly = in_a_hollow(0.01, 5)
     verdict = kilter.check(assembly)
-    proof, second = verdict.proof(), verdict.second_order
+    proof, second = verdict.proof(), verdict.second_order_answer
     assert second is not None
     assert second.problem is not None
     assert second.state == "free"
@@ -148,14 +139,6 @@ def test_a_configuration_is_a_place_on_its_path_and_near_by() -> None:
             assert asked(other) == off_it
 
 
-@pytest.mark.parametrize("state", ["minimum", "free", "balanced", "sure", 3, None])
-def test_a_state_that_it_has_not_is_refused(state: Any) -> None:
-    assembly, proof = proof_of("03")
-    proof["second_order"]["state"] = state
-    proof["digest"] = digest_of(proof)
-    assert kilter.verify(assembly, proof).holds == (state == "minimum")
-
-
 def test_a_proof_without_its_parts_is_refused() -> None:
     assembly, proof = proof_of("26")
     for key in proof["second_order"]:
@@ -191,18 +174,6 @@ def with_second_order(proof: dict[str, Any], data: Any) -> dict[str, Any]:
     return other
 
 
-def test_what_falls_counts_no_motions() -> None:
-    """The number of neutral motions depends on all forces of equilibrium, not on a path."""
-    assembly, proof = proof_of("02")
-    assert kilter.verify(assembly, proof).holds
-    for key in ("neutral", "free"):
-        assert key not in proof["second_order"]
-        other = copy.deepcopy(proof)
-        other["second_order"][key] = 5
-        other["digest"] = digest_of(other)
-        assert not kilter.verify(assembly, other).holds
-
-
 @pytest.mark.parametrize("kind", ["stopped", "locked"])
 def test_forces_so_large_that_their_torques_are_no_numbers_balance_nothing(kind: str) -> None:
     """A can with its centre over an edge; its sums of torques would be less than infinity."""
@@ -217,31 +188,6 @@ def test_forces_so_large_that_their_torques_are_no_numbers_balance_nothing(kind:
         forged = {"state": "free", "neutral": 3, "free": 3, kind: [force] * count} | rest
         (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
         assert ("do not have the required form" in reason) == (force > 1e100)
-
-
-def test_only_what_is_balanced_rolls() -> None:
-    for number in ("03", "26"):
-        assembly, proof = proof_of(number)
-        for state in ("holds", "falls", "open"):
-            forged = proof["second_order"] | {"rolling": state}
-            (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
-            assert reason == "only a balanced cluster can roll"
-
-
-def test_cones_that_would_be_too_many_to_look_at_are_not() -> None:
-    """Balls on a table: at least 24 motions are neutral, with 2^23 orthants."""
-    table = Part("table", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
-    plate = Part("plate", Box([4, 4, 0.1]), Pose([0, 0, 1.05]))
-    at = [(1.5, 0), (-1.5, 0), (0, 1.5), (0, -1.5), (1, 1)]
-    balls = [Part(f"{k}", Sphere(0.5), Pose([x, y, 0.5])) for k, (x, y) in enumerate(at)]
-    assembly = Assembly([table, plate, *balls])
-    proof = kilter.check(assembly).proof()
-    second = proof["second_order"]
-    assert (second["state"], second["neutral"]) == ("free", 28)
-    forged = second | {"basis": second["across"], "across": [], "splits": [None]}
-    forged |= {"sides": [], "free": 0}
-    (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
-    assert "fewer cones than orthants" in reason
 
 
 @pytest.mark.parametrize(("mu", "verdict"), [(0.0, "unstable"), (0.5, "stable")])

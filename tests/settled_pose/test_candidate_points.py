@@ -14,7 +14,7 @@ from kilter.analysis.settled_pose.near_points import (
     _share_material,
     find_near_points,
 )
-from kilter.contact.fits.winding_depth import inside_part
+from kilter.contact.overlap import inside_part
 from kilter.scenes.pieces import tube
 
 SPACESHIP = Path(__file__).parents[3] / "shared/data/cax-if/s1-tu-203/s1-tu-203.stp"

@@ -13,7 +13,7 @@ from strap_program import least_share
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Strap
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.cli import main
@@ -44,7 +44,7 @@ def test_the_least_capacity_of_one_strap(angle: float, least: float) -> None:
         assert verdict.level == ("equilibrium" if held else None)
         assert kilter.verify(load, verdict.proof()).holds
     assert any("straps with a capacity" in words for words in verdict.warnings)
-    assert kilter.margin(direct(angle, least)).bond.value == pytest.approx(1.0, abs=2e-6)
+    assert kilter.margin(direct(angle, least)).bond == pytest.approx(1.0, abs=2e-6)
 
 
 @pytest.mark.parametrize("planar", [False, True])
@@ -91,14 +91,14 @@ def test_transport_and_paths_know_the_capacity() -> None:
     load = dataclasses.replace(direct(45, 3201.5619), gravity=[0, 0, -G])
     answer = kilter.transport(load, polar=False)
     forward = next(limit for limit in answer.limits if limit.name == "+x")
-    assert forward.value == pytest.approx(0.6, abs=1e-6)
+    assert forward.g == pytest.approx(0.6, abs=1e-6)
     assert kilter.verify(load, answer.proof()).holds
     time = np.array([0.0, 1.0, 2.0])
     motion = np.zeros((3, 3))
     motion[1, 0] = 1.2 * G
     none = np.zeros((3, 3))
     path = CarrierPath(time, np.tile(np.eye(3), (3, 1, 1)), motion, none, none, np.zeros(3), True)
-    assert kilter.transport(load, path=path).path.factor ** 2 == pytest.approx(0.5, abs=1e-5)
+    assert kilter.transport(load, path=path).speed.factor ** 2 == pytest.approx(0.5, abs=1e-5)
     for share, held in ((0.599, True), (0.601, False)):
         felt = carried_assembly(load, CarrierMotion([share * G, 0, 0]))
         assert (kilter.check(felt, require="equilibrium").level is not None) == held
@@ -187,7 +187,7 @@ def test_a_loop_around_the_front_of_a_box() -> None:
         verdict = kilter.check(load, require="equilibrium")
         assert (verdict.level is not None) == held
         assert kilter.verify(load, verdict.proof()).holds
-    assert kilter.margin(looped(least)).bond.value == pytest.approx(1.0, abs=2e-6)
+    assert kilter.margin(looped(least)).bond == pytest.approx(1.0, abs=2e-6)
 
 
 def test_damaged_pulls_of_a_loop_are_found() -> None:

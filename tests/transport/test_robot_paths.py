@@ -140,7 +140,7 @@ def test_a_flange_on_a_circle_carries_a_box_as_fast_as_the_closed_form(
     kilter.dump(stack_on_deck([[0.4, 0.4, 0.1]], MU), load)
     path = read_robot_path(joints, file, "b")
     expected = np.sqrt(MU * G * radius) / speed
-    assert kilter.transport(load, path=path).path.factor == pytest.approx(expected, rel=1e-6)
+    assert kilter.transport(load, path=path).speed.factor == pytest.approx(expected, rel=1e-6)
     words = ["transport", str(load), "--path", str(joints), "--robot", str(file), "--flange", "b"]
     assert main(words) == 0
     assert "1.47648 times as fast" in capsys.readouterr().out

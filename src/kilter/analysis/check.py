@@ -17,8 +17,8 @@ from dataclasses import replace
 
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
-from kilter.analysis.open_pairs.ordinary_contacts import (
+from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.ordinary_contacts import (
     trial_words,
 )
 from kilter.analysis.verdict.remarks import gaps_under_straps, loose_parts, remarks
@@ -27,7 +27,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.question import Question, question
 from kilter.assembly.strap_ends import end_words, with_named_ends
 from kilter.contact import ContactSet, detect
-from kilter.contact.fits.coincident import require_apart
+from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.tell.levels import VerdictWord, level_rank, require_level
@@ -109,7 +109,7 @@ def check(
     cut = (CUT,) if work.cut else ()
     return replace(
         verdict,
-        warnings=(*verdict.warnings, *cut),
+        notes=(*verdict.notes, *cut),
         seconds=seconds,
         effort=asked.effort,
         time_limit=asked.time_limit if work.cut else None,
@@ -208,8 +208,8 @@ def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:
     why = "all ends lead to this verdict" if same else "another end leads to a better verdict"
     return replace(
         worst,
-        warnings=(
-            *worst.warnings,
+        notes=(
+            *worst.notes,
             f"both ends of each strap without a named tensioned end were tried, and the worst "
             f"result counts: {words}; {why}",
         ),
@@ -219,18 +219,18 @@ def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:
 def _verdict(decision: Decision, assembly: Assembly, contacts: ContactSet, require: str) -> Verdict:
     """The verdict of a decision, with its sentence and warnings, but without remedies."""
     return Verdict(
-        VerdictWord(decision.verdict),
-        _sentence(decision, assembly, contacts),
-        assembly,
-        contacts,
-        decision.program,
-        decision.judgement,
-        decision.friction,
-        tuple(_warnings(assembly, contacts, decision)),
-        {},
-        question=decision.question,
+        verdict=VerdictWord(decision.verdict),
+        sentence=_sentence(decision, assembly, contacts),
         require=require,
-        second_order=decision.second_order,
+        seconds={},
+        assembly=assembly,
+        contact_set=contacts,
+        program=decision.program,
+        judgement=decision.judgement,
+        friction_answer=decision.friction,
+        notes=tuple(_warnings(assembly, contacts, decision)),
+        question=decision.question,
+        second_order_answer=decision.second_order,
     )
 
 

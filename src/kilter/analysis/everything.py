@@ -267,7 +267,7 @@ def only_given(verdict: Verdict) -> Everything:
     """The answer of a check alone, for a page that shows nothing else."""
     return Everything(
         assembly=verdict.assembly,
-        contacts=verdict.contacts,
+        contacts=verdict.contact_set,
         given=full_answer(verdict),
         recommended=None,
         region=None,
@@ -286,7 +286,7 @@ def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
     answer, down = verdict.to_dict(), verdict.assembly.down
     if answer["forces"] is None:
         return Answered(down, answer, None, sentence)
-    second = verdict.second_order
+    second = verdict.second_order_answer
     path = None if second is None else find_path_places(verdict.assembly, second)
     index, patches = verdict.assembly.index, answer["forces"]["patches"]
     parts = [[index[n] for n in patch["parts"]] for patch in patches for _ in patch["points"]]
@@ -298,7 +298,7 @@ def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
     )
     uses = [patch["utilisation"] for patch in patches for _ in patch["points"]]
     balance = replace(balance, use=np.array(uses, dtype=np.float64))
-    if verdict.assembly.bonds and verdict.known_forces is not None:
+    if verdict.assembly.bonds and verdict.forces is not None:
         rows = verdict.forces.rows[np.argsort(verdict.forces.patch_of, kind="stable")]
         balance = replace(balance, pull=verdict.program.pull[rows])
     return Answered(down, answer, balance, sentence, path)
@@ -336,7 +336,11 @@ def _directions(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
             verdict = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
-            return answer.region, full_answer(verdict, answer.sentence), answer.verdict == "none"
+            return (
+                answer.stable_region,
+                full_answer(verdict, answer.sentence),
+                answer.verdict == "none",
+            )
         tell("stable region")
         stable = _region(assembly, contacts, notes)
     except InputError as error:

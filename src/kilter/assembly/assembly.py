@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from kilter.arrays import Array
 from kilter.assembly.bonds import Bond, require_apart
 from kilter.assembly.changed_copies import ChangedCopies
 from kilter.assembly.geometry import Geometry, build_geometry
-from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
+from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, JointEntry, Load
 from kilter.assembly.part import GROUND, Part
 from kilter.assembly.straps import Strap
 from kilter.errors import InputError, nearest_name, some_names
@@ -34,10 +34,6 @@ from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, name_list, number
 from kilter.values.guesses import guarded
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.check_data import BondData
-    from kilter.tell.answer_data.common_data import JointData
 
 __all__ = ["Assembly", "require_assembly"]
 
@@ -274,27 +270,19 @@ class Assembly(ChangedCopies):
                 "gravity": self.gravity.tolist(),
                 "friction": self.friction,
                 "parts": [{"name": part.name, "grounded": part.grounded} for part in self.parts],
-                "joints": self.joints_data(),
+                "joints": [joint.to_dict() for joint in self.joints_data()],
                 "loads": self.loads,
                 "contacts": self.contacts,
                 "warnings": self.notes,
             }
         )
 
-    def joints_data(self) -> list[JointData]:
-        """The joints as JSON data; joints that an option added have the key "why"."""
-        entries: list[JointData] = []
-        for joint in self.joints:
-            data: JointData = {"parts": list(joint.parts), "kind": joint.kind}
-            if joint.why:
-                data["why"] = joint.why
-            data.update(joint.guide)  # type: ignore[typeddict-item]
-            entries.append(data)
-        return entries
-
-    def bonds_data(self) -> list[BondData]:
-        """The bonds as JSON data: the two parts, and the strength."""
-        return [bond.to_dict() for bond in self.bonds]
+    def joints_data(self) -> tuple[JointEntry, ...]:
+        """The joints as entries of answers; joints that an option added have a reason."""
+        return tuple(
+            JointEntry(parts=joint.parts, kind=joint.kind, why=joint.why or None, **joint.guide)
+            for joint in self.joints
+        )
 
     @cached_property
     def index(self) -> dict[str, int]:

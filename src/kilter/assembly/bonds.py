@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
 
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
+from kilter.tell.record import OneOf, OrAbsent, Record
 from kilter.validate import frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.check_data import BondData
 
 __all__ = [
     "KINDS",
@@ -23,6 +21,7 @@ __all__ = [
     "NOT_SET",
     "NO_CONE",
     "Bond",
+    "BondEntry",
     "BondKind",
     "require_apart",
     "require_no_bonds",
@@ -43,6 +42,21 @@ NOT_SET = "the sequence does not state when each bond sets"
 """Reason why an order of assembly is not computed for bonds, for messages."""
 NOT_RANGED = "their strength does not scale with the masses"
 """Reason why a worst case over intervals of masses is not computed for bonds, for messages."""
+
+
+class BondEntry(Record):
+    """A bond of two parts and its strength, in an answer."""
+
+    parts: tuple[str, str]
+    """Names of the parts."""
+    pull: OrAbsent[float] = None
+    """Largest pull at each point [N]."""
+    pull_per_area: OrAbsent[float] = None
+    """Strength of the surface [N/length unit^2]."""
+    kind: OrAbsent[BondKind] = None
+    """Kind of the bond."""
+    shear: float | Annotated[str, OneOf(("mu",))] | None
+    """Largest sideways force at each point [N]; "mu": by friction; null: no limit."""
 
 
 @guarded
@@ -163,16 +177,16 @@ class Bond(Value):
         """Shear strength of the bond: a force per point [N], "mu" for friction, None: no limit."""
         return KINDS[self.kind] if self.shear is None and self.kind is not None else self.shear
 
-    def to_dict(self) -> BondData:
-        """JSON data of the bond: its parts, its kind, and its strength."""
-        data: BondData = {"parts": list(self.parts), "shear": self.bears}
-        if self.pull is not None:
-            data["pull"] = self.pull
-        if self.pull_per_area is not None:
-            data["pull_per_area"] = self.pull_per_area
-        if self.kind is not None:
-            data["kind"] = self.kind
-        return data
+    @property
+    def entry(self) -> BondEntry:
+        """The bond as an entry of an answer."""
+        return BondEntry(
+            parts=self.parts,
+            pull=self.pull,
+            pull_per_area=self.pull_per_area,
+            kind=self.kind,
+            shear=self.bears,
+        )
 
     def with_strength(self, share: float) -> Bond:
         """The bond with its pull and shear strength multiplied by `share`."""

@@ -12,11 +12,12 @@ from kilter.assembly.assembly_tolerances import ACROSS, PLANAR_AXIS
 from kilter.assembly.feature import Feature
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
+from kilter.tell.record import OrAbsent, Record
 from kilter.validate import finite, frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
+__all__ = ["FrictionPair", "GivenContact", "Joint", "JointEntry", "JointKind", "Load"]
 
 JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
 KINDS: tuple[JointKind, ...] = get_args(JointKind)
@@ -377,3 +378,22 @@ class Joint(Value):
             f"{self.kind} joint of {names} has axis {self.axis.tolist()} in a planar assembly",
             hint=f"in a planar assembly it must {need[self.kind]}",
         )
+
+
+class JointEntry(Record):
+    """A joint of two parts, or of a part and "ground", in an answer."""
+
+    parts: tuple[str, str]
+    """Names of the parts."""
+    kind: JointKind
+    """Kind of the joint."""
+    why: OrAbsent[str] = None
+    """Reason for a fastened joint."""
+    limits: OrAbsent[tuple[float, float]] = None
+    """Least and largest position [rad] or [length unit]."""
+    friction: OrAbsent[float] = None
+    """Largest friction [N x length unit] or [N]."""
+    stiffness: OrAbsent[float] = None
+    """Stiffness of the spring [N x length unit / rad] or [N / length unit]."""
+    rest: OrAbsent[float] = None
+    """Position without a force of the spring [rad] or [length unit]."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from inspect import signature
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.known_facts import known_words
@@ -25,6 +25,7 @@ from kilter.cli.quick_scipy import import_scipy_quickly
 from kilter.cli.tolerance_options import ToleranceOptions, straps_of
 from kilter.errors import InputError, TimeLimitReached, shell_words
 from kilter.files.reading_options import ReadingOptions
+from kilter.tell.record import Record
 from kilter.work import facts_of, stop_after
 
 if TYPE_CHECKING:
@@ -34,8 +35,6 @@ if TYPE_CHECKING:
     from kilter.cli.output import Progress
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
-    from kilter.tell.answer_data.common_data import WarnedData
-    from kilter.tell.answer_data.other_data import IncompleteData
     from kilter.tell.tables import Table
 
 __all__ = ["Asked", "tell_cut"]
@@ -46,6 +45,19 @@ NOTHING_TYPED = ToleranceOptions()
 """Tolerance options of a command line that has none."""
 WORDS_SHARE, MOST_WORDS = 0.2, 1.0
 """Time that is kept for printing the answer: share of a time limit [-], and at most this [s]."""
+
+
+class Incomplete(Record):
+    """Data that a command prints if the time limit ended its computation without an answer."""
+
+    verdict: Literal["undecided"] = "undecided"
+    """Always this word."""
+    sentence: str
+    """The answer in a sentence."""
+    time_limit: float | None
+    """The time limit [s]; null without a --time-limit."""
+    warnings: tuple[str, ...] = ()
+    """No warnings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +266,7 @@ class Asked:
         reading = replace(self.reading, accelerate=None)
         return replace(self, reading=reading), self.reading.accelerate
 
-    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: WarnedData) -> str:
+    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: Any) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
         Parameters
@@ -363,13 +375,8 @@ def tell_cut(
     known = known_words()
     facts = f"{known[:1].upper()}{known[1:]}." if known else ""
     sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
-    answer: IncompleteData = {
-        "verdict": "undecided",
-        "sentence": sentence,
-        "time_limit": time_limit,
-        "warnings": [],
-    }
-    emit(as_json(answer) if as_data else sentence, output)
+    answer = Incomplete(sentence=sentence, time_limit=time_limit)
+    emit(as_json(answer.to_dict()) if as_data else sentence, output)
     tell_written(output, "incomplete answer", quiet)
     return VERDICT["undecided"]
 

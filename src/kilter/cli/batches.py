@@ -78,17 +78,18 @@ def batch(asked: Asked, options: BatchOptions) -> int:
         cluster=options.cluster,
         progress=None if quiet else _RateLine(),
     )
-    errors = result.counts["error"]
+    errors = result.counts.get("error", 0)
     if options.json:
         emit(as_json(result.to_dict()), None)
     else:
-        counts = ", ".join(f"{number:,} {word}" for word, number in result.counts.most_common())
+        counts = ", ".join(f"{number:,} {word}" for word, number in result.counts.items())
         before = ""
         if result.found_there:
             before = f" ({result.found_there:,} of them from an earlier run)"
         rows, files = count(result.rows, "row", grouped=True), count(len(result.files), "file")
+        first = [(entry.file, entry.error) for entry in result.errors]
         head = f"{options.output}: {rows} in {files}{before}: {counts}"
-        emit("\n".join([head, *_error_lines(result.errors, errors)]), None)
+        emit("\n".join([head, *_error_lines(first, errors)]), None)
     return SOME_ERRORS if errors else WRITTEN
 
 

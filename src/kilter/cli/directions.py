@@ -229,7 +229,7 @@ def margin(asked: Asked, options: MarginOptions) -> int:
         require=None if options.require == "equilibrium" else options.require,
     )
     asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
-    verdict = answer.verdict
+    verdict = answer.check
     lowest = verdict.require if options.require == "equilibrium" else options.require
     reached = holds(verdict.level, lowest)
     return code_of({"verdict": verdict.verdict, "level": verdict.level, "holds": reached})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import HOLD, HOLDS, INTERRUPTED, LOWER
@@ -76,7 +76,7 @@ def hold(asked: Asked, options: HoldOptions) -> int:
             require=options.require,
             **asked.shared(find, contacts, progress),
         )
-    answer = fixture.to_dict()
+    answer: Any = fixture.to_dict()
     proved = fixture.verdict != "undecided"
     after = asked.keep_proof(fixture.proof if proved else None, answer)
     asked.tell(answer, after=after)

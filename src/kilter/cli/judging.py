@@ -7,7 +7,7 @@ import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
 from kilter.cli.each import check_each, code_of
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
-    from kilter.tell.answer_data.check_data import CheckData
 
 __all__ = ["check", "contacts", "example", "verify"]
 
@@ -96,11 +95,11 @@ def check(asked: Asked, options: CheckOptions) -> int:
             "--proof and --settle are given", hint="kilter settle --proof proves a settled pose"
         )
     verdict, answer = _check_file(asked, options)
-    after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
+    after = asked.keep_proof(None if verdict.evidence is None else verdict.proof, answer)
     if not options.suggest and verdict.verdict != "stable" and not asked.writes_json:
         after = _joint_hint(verdict) + after
     if options.suggest:
-        joints = suggest_joints(verdict.assembly, verdict.contacts)
+        joints = suggest_joints(verdict.assembly, verdict.contact_set)
         answer["suggested_joints"] = [joint.to_dict() for joint in joints]
         after = "\n\n" + suggestions_text(answer["suggested_joints"]) + after
     bricks = any(part.brick is not None for part in verdict.assembly.parts)
@@ -109,7 +108,7 @@ def check(asked: Asked, options: CheckOptions) -> int:
     return code_of(answer)
 
 
-def _check_file(asked: Asked, options: CheckOptions) -> tuple[Verdict, CheckData]:
+def _check_file(asked: Asked, options: CheckOptions) -> tuple[Verdict, dict[str, Any]]:
     """Check a single file; return its verdict, and the answer with the reading time.
 
     With `--settle`, the verdict is that of the pose at rest near the drawn pose, and its sentence
@@ -174,7 +173,7 @@ def _joint_hint(verdict: Verdict) -> str:
     from kilter.shape.solid import Solid
     from kilter.tell.text import solids_hint, suggestions_hint
 
-    suggestions = suggest_joints(verdict.assembly, verdict.contacts)
+    suggestions = suggest_joints(verdict.assembly, verdict.contact_set)
     firm = [suggestion.kind for suggestion in suggestions if suggestion.fixed]
     solids = any(isinstance(part.shape, Solid) for part in verdict.assembly.parts)
     if not firm and solids and verdict.verdict == "unstable" and not verdict.assembly.joints:

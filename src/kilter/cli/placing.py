@@ -117,7 +117,8 @@ def place(asked: Asked, options: PlaceOptions) -> int:
             for angle in turns
         ]
     best = max(
-        answers, key=lambda answer: answer.best[3] if answer.best else float(answer.undecided) - 2
+        answers,
+        key=lambda answer: answer.best.margin if answer.best else float(answer.undecided) - 2,
     )
     if options.figure is not None:
         publish.draw(best, options.figure)

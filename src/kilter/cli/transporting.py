@@ -175,7 +175,7 @@ def _path(
 
 def _exit_code(answer: Transport) -> int:
     """Exit code of `transport` for its answer."""
-    if not answer.cases and answer.path is None and "path" not in answer.missing:
+    if not answer.cases and answer.speed is None and "path" not in answer.missing:
         return WRITTEN
     if answer.carried is None:
         return VERDICT["undecided"]

@@ -8,9 +8,10 @@ section 2.1 and Figure 3), so nothing is lost for the equilibrium of rigid parts
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import field, replace
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -20,30 +21,24 @@ from kilter.arrays import (
     Labels,
     read_only,
 )
-from kilter.assembly import Assembly
-from kilter.contact.degenerate_points import DegeneratePoints
-from kilter.contact.fits.coaxial import Fit
-from kilter.contact.fits.copies import odd_copies
-from kilter.contact.friction_coefficients import certain_friction
-from kilter.contact.gaps import RejectedPair, Tolerance, nearest_gap
-from kilter.contact.joint_stops import joints_beyond
-from kilter.contact.left_out import (
+from kilter.assembly import Assembly, JointEntry
+from kilter.contact.common.distances import LonePart, Neighbour
+from kilter.contact.common.gaps import RejectedPair, Tolerance, joints_beyond, nearest_gap
+from kilter.contact.common.patches import (
     INTERFERE,
     SAME_BODY,
+    DegeneratePoints,
     Overlap,
+    Patch,
     PossibleContacts,
     UnsupportedContact,
 )
-from kilter.contact.neighbours import Neighbour
+from kilter.contact.curved.coaxial_faces import Fit, odd_copies
+from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.open_pairs import OpenPair, still_open
-from kilter.contact.patch import Patch
 from kilter.errors import InputError
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
-from kilter.tell.json_answer import AnswerInWords
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.common_data import LoneData, NeighbourData
-    from kilter.tell.answer_data.contacts_data import ContactsData, OverlapData, PatchData
+from kilter.tell.record import AnswerInWords, InPython, Record, Shape, UnitWord, key
 
 __all__ = [
     "INTERFERE",
@@ -59,128 +54,182 @@ LISTED = 1000
 """Largest number of rejected pairs in an answer, nearest first."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+class GapHistogram(Record):
+    """Numbers of gaps of opposing faces, relative to the size of the smaller part."""
+
+    edges: Annotated[Array, Shape(None, infinite=True)]
+    """Edges of the bins [-]; null for an infinite edge."""
+    counts: Index
+    """Number of gaps in each bin."""
+
+
+class AppliedTolerance(Record):
+    """Tolerances of contact detection."""
+
+    gap: float
+    """Largest gap tolerance that was applied to a pair [length unit]."""
+    angle_deg: float
+    """Angle tolerance [deg]."""
+    clearance: float | None
+    """Designed clearance [length unit]; null without one."""
+
+
 class ContactSet(AnswerInWords):
     """Contact patches between parts; world frame, length unit of the file.
 
     All arrays are read-only. ``for patch in contacts`` yields each `kilter.Patch`.
-
-    Attributes
-    ----------
-    assembly : Assembly
-        Assembly with these contacts; it has the names and units.
-    patch_parts : ndarray of int, shape (P, 2)
-        Parts a and b of each patch, by position in the assembly.
-    patch_normal : ndarray, shape (P, 3)
-        Unit normal from a to b; on a curved patch the mean of its point normals.
-    patch_area : ndarray, shape (P,)
-        Area of contact [length unit^2], not the area of its hull; 0 for edges, corners and
-        given contacts.
-    patch_gap : ndarray, shape (P, 2)
-        Least and greatest gap over the patch [length unit]; negative = penetration.
-    patch_mu : ndarray, shape (P,)
-        Friction coefficient [-], reduced by `patch_doubt`, so that its forces are certain.
-    patch_kind : ndarray of str, shape (P,)
-        "plane", "edge-edge", "edge-face", "vertex-face", "cylinder", "sphere", "cone", "torus",
-        "smooth" (fitted faces of meshes), "given" for contacts listed in the file, or "bond"
-        for points of a bond.
-    patch_accuracy : ndarray, shape (P,)
-        Accuracy of the coordinates divided by the size of the patch [-].
-    patch_doubt : ndarray, shape (P,)
-        Largest error of fitted normals; 0 for normals of faces [rad].
-    patch_start : ndarray of int, shape (P + 1,)
-        The points of patch p are rows ``patch_start[p]`` to ``patch_start[p + 1]``.
-    patch_pieces : ndarray of int, shape (P, 2)
-        Pieces of parts a and b that touch (`Mesh.pieces`); -1 where they are not known.
-    points : ndarray, shape (K, 3)
-        Contact points [length unit].
-    normals : ndarray, shape (K, 3)
-        Unit normal from a to b at each point; on a flat patch the normal of the patch.
-    unsupported : tuple of UnsupportedContact
-        Pairs that touch in a way that is not modelled.
-    possible : PossibleContacts
-        Forces that contacts outside the patches could exert, including forces along the
-        normals of `degenerate` (by row of the point).
-    rejected : tuple of RejectedPair
-        Faces that come near but do not count as touching, nearest first.
-    overlaps : tuple of Overlap
-        Pairs of parts that share volume.
-    gap_edges, gap_counts : ndarray, shape (n + 1,) and (n,)
-        Histogram of the gaps of opposing faces, relative to the size of the smaller part [-].
-    tolerance : Tolerance
-        Tolerance of the search.
-    gap : float
-        Largest gap tolerance that was applied to a pair [length unit].
-    warnings : tuple of str
-    degenerate : DegeneratePoints
-        Contact points without a unique normal; also listed in `unsupported`.
-    open_pairs : tuple of OpenPair
-        Pairs whose contact the geometry leaves open; their largest forces are in `possible`.
-    neighbours : tuple of Neighbour
-        Nearest part of each part that touches nothing.
-    fits : tuple of Fit
-        Shafts in holes: tight, size on size, or with a clearance.
     """
 
     answer: ClassVar[str] = "contacts"
 
-    assembly: Assembly
-    patch_parts: Index
-    patch_normal: Array
-    patch_area: Array
-    patch_gap: Array
-    patch_mu: Array
-    patch_kind: Labels
-    patch_accuracy: Array
-    patch_doubt: Array
-    patch_start: Index
-    patch_pieces: Index
-    points: Array
-    normals: Array
+    assembly: InPython[Assembly]
+    """Assembly with these contacts; it has the names and units."""
+    patch_parts: InPython[Index]
+    """Parts a and b of each patch, by position in the assembly, shape (P, 2)."""
+    patch_normal: InPython[Array]
+    """Unit normal from a to b, shape (P, 3); on a curved patch the mean of its point normals."""
+    patch_area: InPython[Array]
+    """Area of contact [length unit^2], shape (P,), not the area of its hull; 0 for edges, corners
+    and given contacts."""
+    patch_gap: InPython[Array]
+    """Least and greatest gap over the patch [length unit], shape (P, 2); negative = penetration."""
+    patch_mu: InPython[Array]
+    """Friction coefficient [-], shape (P,), reduced by `patch_doubt`, so that its forces are
+    certain."""
+    patch_kind: InPython[Labels]
+    """Kind of each patch, shape (P,): "plane", "edge-edge", "edge-face", "vertex-face", "cylinder",
+    "sphere", "cone", "torus", "smooth" (fitted faces of meshes), "given" for contacts listed in the
+    file, or "bond" for points of a bond."""
+    patch_accuracy: InPython[Array]
+    """Accuracy of the coordinates divided by the size of the patch [-], shape (P,)."""
+    patch_doubt: InPython[Array]
+    """Largest error of fitted normals [rad], shape (P,); 0 for normals of faces."""
+    patch_start: InPython[Index]
+    """The points of patch p are rows ``patch_start[p]`` to ``patch_start[p + 1]``."""
+    patch_pieces: InPython[Index]
+    """Pieces of parts a and b that touch (`Mesh.pieces`), shape (P, 2); -1 for unknown pieces."""
+    points: InPython[Array]
+    """Contact points [length unit], shape (K, 3)."""
+    normals: InPython[Array]
+    """Unit normal from a to b at each point, shape (K, 3); on a flat patch that of the patch."""
     unsupported: tuple[UnsupportedContact, ...]
-    possible: PossibleContacts
-    rejected: tuple[RejectedPair, ...]
+    """Pairs that touch in a way that is not modelled."""
+    possible: InPython[PossibleContacts]
+    """Forces that contacts outside the patches could exert, including forces along the normals of
+    `degenerate` (by row of the point)."""
+    near: InPython[tuple[RejectedPair, ...]]
+    """Faces that come near but do not count as touching, nearest first."""
     overlaps: tuple[Overlap, ...]
-    gap_edges: Array
-    gap_counts: Index
-    tolerance: Tolerance
-    gap: float
-    warnings: tuple[str, ...]
-    degenerate: DegeneratePoints = field(default_factory=DegeneratePoints.none)
+    """Pairs of parts that share volume."""
+    gap_edges: InPython[Array]
+    """Edges of the histogram of gaps, relative to the size of the smaller part [-]."""
+    gap_counts: InPython[Index]
+    """Number of gaps between each pair of edges."""
+    searched: InPython[Tolerance]
+    """Tolerance of the search."""
+    gap: InPython[float]
+    """Largest gap tolerance that was applied to a pair [length unit]."""
+    notes: InPython[tuple[str, ...]]
+    """Warnings of the search."""
+    degenerate: InPython[DegeneratePoints] = field(default_factory=DegeneratePoints.none)
+    """Contact points without a unique normal; also listed in `unsupported`."""
     open_pairs: tuple[OpenPair, ...] = ()
-    neighbours: tuple[Neighbour, ...] = ()
+    """Pairs whose contact the geometry leaves open; their largest forces are in `possible`."""
+    neighbours: InPython[tuple[Neighbour, ...]] = ()
+    """Nearest part of each part that touches nothing."""
     fits: tuple[Fit, ...] = ()
+    """Shafts in holes: tight, size on size, or with a clearance."""
 
     def __post_init__(self) -> None:
         read_only(self)
         left = still_open(self.open_pairs, self.assembly)
         if len(left) < len(self.open_pairs):  # the assembly has joints that the search had not
-            joined = {frozenset(pair.parts) for pair in self.open_pairs if pair not in left}
+            joined = {frozenset(pair.ends) for pair in self.open_pairs if pair not in left}
             object.__setattr__(self, "possible", self.possible.without_wrenches(joined))
             object.__setattr__(self, "open_pairs", left)
+
+        for name in ("unsupported", "near", "overlaps", "open_pairs", "fits"):
+            records = getattr(self, name)
+            if records and records[0].names != self.assembly.names:
+                named = tuple(replace(record, names=self.assembly.names) for record in records)
+                object.__setattr__(self, name, named)
 
     def __len__(self) -> int:
         return len(self.patch_area)
 
     def __iter__(self) -> Iterator[Patch]:
-        return (self[k] for k in range(len(self)))
+        return iter(self.patches)
 
     def __getitem__(self, k: int) -> Patch:
         if not -len(self) <= k < len(self):
             raise IndexError(f"there are {len(self)} patches")
-        k %= len(self)
-        a, b = self._names(self.patch_parts[k])
+        return self._patch(k % len(self), self.patch_pull)
+
+    def _patch(self, k: int, pull: Array) -> Patch:
+        """The patch with index k; `pull` are the largest tensions of all patches [N]."""
+        names, (a, b) = self.assembly.names, self.patch_parts[k].tolist()
         rows = slice(self.patch_start[k], self.patch_start[k + 1])
+        low, high = self.patch_gap[k].tolist()
+        first, second = self.patch_pieces[k].tolist()
         return Patch(
-            (a, b),
-            str(self.patch_kind[k]),
-            float(self.patch_area[k]),
-            (float(self.patch_gap[k, 0]), float(self.patch_gap[k, 1])),
-            self.patch_normal[k],
-            float(self.patch_mu[k]),
-            self.points[rows],
-            self.normals[rows],
-            self._pieces(k),
+            parts=(names[a], names[b]),
+            kind=str(self.patch_kind[k]),
+            area=float(self.patch_area[k]),
+            gap_range=(low, high),
+            normal=self.patch_normal[k],
+            mu=float(self.patch_mu[k]),
+            pieces=(first, second) if min(first, second) >= 0 else None,
+            pull=None if np.isnan(pull[k]) else float(pull[k]),
+            points=self.points[rows],
+            normals=self.normals[rows],
+        )
+
+    @property
+    @key
+    def patches(self) -> tuple[Patch, ...]:
+        """All contact patches."""
+        pull = self.patch_pull
+        return tuple(self._patch(k, pull) for k in range(len(self)))
+
+    @property
+    @key
+    def units(self) -> UnitWord:
+        """Length unit."""
+        return self.assembly.units
+
+    @property
+    @key
+    def rejected(self) -> tuple[RejectedPair, ...]:
+        """Faces that come near but do not count as touching: the 1000 nearest."""
+        return self.near[:LISTED]
+
+    @property
+    @key
+    def joints(self) -> tuple[JointEntry, ...]:
+        """Joints of the assembly."""
+        return self.assembly.joints_data()
+
+    @property
+    @key
+    def sizes(self) -> tuple[float, float]:
+        """Sizes of the smallest and the largest part [length unit]."""
+        sizes = self.assembly.geometry.size
+        return float(sizes.min()), float(sizes.max())
+
+    @property
+    @key
+    def histogram(self) -> GapHistogram:
+        """Histogram of the gaps of opposing faces."""
+        return GapHistogram(edges=self.gap_edges, counts=self.gap_counts)
+
+    @property
+    @key
+    def tolerance(self) -> AppliedTolerance:
+        """Tolerances of contact detection."""
+        return AppliedTolerance(
+            gap=self.gap,
+            angle_deg=math.degrees(self.searched.angle),
+            clearance=self.searched.clearance,
         )
 
     def graph(self) -> Any:
@@ -276,7 +325,7 @@ class ContactSet(AnswerInWords):
 
         None if the default tolerance accepts every patch.
         """
-        given, usual = self.tolerance, Tolerance()
+        given, usual = self.searched, Tolerance()
         if given == usual or not len(self):
             return None
         geometry = self.assembly.geometry
@@ -309,7 +358,7 @@ class ContactSet(AnswerInWords):
         The reasons are patches, forces that are not modelled, and open pairs. The ground is -1.
         """
         possible = self.possible
-        opened = [pair.parts for pair in self.open_pairs]
+        opened = [pair.ends for pair in self.open_pairs]
         return np.concatenate(
             [
                 self.patch_parts,
@@ -340,118 +389,59 @@ class ContactSet(AnswerInWords):
         index = self.assembly.index
         touched = np.zeros(len(self.assembly.parts), dtype=bool)
         touched[self.patch_parts.ravel()] = True
-        pairs = [pair.parts for pair in self.unsupported]
-        pairs += [pair.parts for pair in self.overlaps]
-        pairs += [pair.parts for pair in self.open_pairs if pair.kind == "unexamined"]
+        pairs = [pair.ends for pair in self.unsupported]
+        pairs += [pair.ends for pair in self.overlaps]
+        pairs += [pair.ends for pair in self.open_pairs if pair.kind == "unexamined"]
         touched[np.array(pairs, dtype=np.int64).ravel()] = True
         joined = [name for joint in self.assembly.joints for name in joint.parts]
         touched[[index[name] for name in joined if name in index]] = True
         return np.flatnonzero(~touched)
 
-    def nearest(self) -> list[LoneData]:
-        """JSON data: for each part that touches nothing, the nearest part and its distance."""
+    @property
+    @key
+    def nearest(self) -> tuple[LonePart, ...]:
+        """Parts that touch nothing, each with its nearest part."""
         by_part = {neighbour.part: neighbour for neighbour in self.neighbours}
         names, held = self.assembly.names, self.assembly.geometry.grounded
-        touching = self.tolerance.gap_of(self.assembly.geometry.size)
-        entries: list[LoneData] = []
+        touching = self.searched.gap_of(self.assembly.geometry.size)
+        entries: list[LonePart] = []
         for k in self.alone.tolist():
-            data: NeighbourData = {
-                "part": names[k], "nearest": None, "gap": None, "accuracy": None
-            }  # fmt: skip
-            if k in by_part:
-                near = by_part[k]
-                # between two held parts no contact is detected, also where they touch
-                if held[k] and held[near.other] and near.gap <= touching[k] + near.accuracy:
-                    continue
-                data = near.to_dict(names)
-            entries.append({**data, "grounded": bool(held[k])})
-        return entries
+            near = by_part.get(k)
+            if near is None:
+                entries.append(LonePart(part=names[k], grounded=bool(held[k])))
+            # between two held parts no contact is detected, also where they touch
+            elif not (held[k] and held[near.other] and near.gap <= touching[k] + near.accuracy):
+                entries.append(
+                    LonePart(
+                        part=names[k],
+                        nearest=names[near.other],
+                        gap=near.gap,
+                        accuracy=near.accuracy,
+                        grounded=bool(held[k]),
+                    )
+                )
+        return tuple(entries)
 
-    def to_dict(self) -> ContactsData:
-        """JSON data of the contacts, as ``kilter contacts --json`` prints them."""
+    @property
+    @key
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the file, the geometry and the contact search."""
         assembly = self.assembly
-        sizes = assembly.geometry.size
-        return {
-            "units": assembly.units,
-            "patches": [self._patch(k, pull) for k, pull in enumerate(self.patch_pull.tolist())],
-            "unsupported": [
-                {"parts": self._names(u.parts), "kind": u.kind, "point": list(u.point)}
-                for u in self.unsupported
-            ],
-            "rejected": [
-                {
-                    "parts": self._names(r.parts),
-                    "gap": r.gap,
-                    "angle_deg": float(np.degrees(r.angle)),
-                    "why": r.why,
-                }
-                for r in self.rejected[:LISTED]
-            ],
-            "overlaps": [self._overlap(overlap) for overlap in self.overlaps],
-            "open_pairs": [pair.to_dict(assembly.names) for pair in self.open_pairs],
-            "nearest": self.nearest(),
-            "fits": [fit.to_dict(assembly.names) for fit in self.fits],
-            "joints": assembly.joints_data(),
-            "sizes": [float(sizes.min()), float(sizes.max())],
-            "histogram": {
-                "edges": [float(e) if np.isfinite(e) else None for e in self.gap_edges],
-                "counts": self.gap_counts.tolist(),
-            },
-            "tolerance": {
-                "gap": self.gap,
-                "angle_deg": float(np.degrees(self.tolerance.angle)),
-                "clearance": self.tolerance.clearance,
-            },
-            "warnings": self.remarks(),
-        }
+        warnings = [*assembly.notes, *assembly.geometry.warnings, *self.notes]
+        if self.overlaps:
+            warnings += self._overlap_warnings()
+        if assembly.joints:
+            warnings += joints_beyond(assembly, self.searched)
+        return tuple(warnings)
 
-    def remarks(self) -> list[str]:
-        """Sentences for the user about the file, the geometry and the contact search."""
-        left_open = {frozenset(pair.parts) for pair in self.open_pairs}
-        over = [overlap for overlap in self.overlaps if frozenset(overlap.parts) in left_open]
-        assembly = self.assembly
+    def _overlap_warnings(self) -> list[str]:
+        """Warnings about overlaps that are open pairs, and about misplaced copies of parts."""
+        left_open = {frozenset(pair.ends) for pair in self.open_pairs}
+        over = [overlap for overlap in self.overlaps if frozenset(overlap.ends) in left_open]
+        names = self.assembly.names
         odd = [
-            (assembly.names[part], self._names(overlapped), assembly.names[copy])
-            for part, overlapped, copy in odd_copies(assembly.geometry, self.overlaps, over)
+            (names[part], [names[k] for k in overlapped], names[copy])
+            for part, overlapped, copy in odd_copies(self.assembly.geometry, self.overlaps, over)
         ]
-        return [
-            *assembly.notes,
-            *assembly.geometry.warnings,
-            *self.warnings,
-            *overlap_warnings([self._overlap(overlap) for overlap in over], assembly.units),
-            *copy_warnings(odd),
-            *joints_beyond(assembly, self.tolerance),
-        ]
-
-    def _overlap(self, overlap: Overlap) -> OverlapData:
-        return {
-            "parts": self._names(overlap.parts),
-            "volume": overlap.volume,
-            "depth": overlap.depth,
-            "share": overlap.share,
-            "why": overlap.why,
-        }
-
-    def _names(self, parts: Any) -> list[str]:
-        return [self.assembly.names[k] for k in parts]
-
-    def _pieces(self, k: int) -> tuple[int, int] | None:
-        """Pieces that touch in the patch with index k; None if they are unknown."""
-        first, second = self.patch_pieces[k].tolist()
-        return (first, second) if min(first, second) >= 0 else None
-
-    def _patch(self, k: int, pull: float) -> PatchData:
-        """JSON data of the patch with index k; `pull` is the largest tension of its bond [N]."""
-        gap = self.patch_gap[k]
-        return {
-            "parts": self._names(self.patch_parts[k]),
-            "kind": str(self.patch_kind[k]),
-            "area": float(self.patch_area[k]),
-            "gap": float(gap[np.abs(gap).argmax()]),
-            "gap_range": gap.tolist(),
-            "normal": self.patch_normal[k].tolist(),
-            "mu": float(self.patch_mu[k]),
-            "pieces": None if (pieces := self._pieces(k)) is None else list(pieces),
-            "pull": None if np.isnan(pull) else pull,
-            "points": self.points[self.patch_start[k] : self.patch_start[k + 1]].tolist(),
-        }
+        depths = overlap_warnings([overlap.to_dict() for overlap in over], self.assembly.units)
+        return [*depths, *copy_warnings(odd)]

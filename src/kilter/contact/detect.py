@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -11,20 +11,29 @@ from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
 from kilter.assembly.question import Question, question
 from kilter.assembly.side_by_side import SideBySide
-from kilter.contact.contact_search import ContactSearch, begin_search, given_pairs
-from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.contact.common.contact_search import (
+    ContactSearch,
+    begin_search,
+    given_pairs,
+    recent_searches,
+)
+from kilter.contact.common.distances import nearest_parts
+from kilter.contact.common.gaps import RejectedPair, Tolerance, closed_by_clearance, gap_warnings
+from kilter.contact.common.patches import Patches, PossibleContacts
+from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
+from kilter.contact.curved.coaxial_faces import Fit, coaxial_fits
+from kilter.contact.curved.curved_patches import raised_warning
 from kilter.contact.curved.rims import rim_contacts
-from kilter.contact.fits.coaxial import Fit, coaxial_fits
-from kilter.contact.friction_coefficients import certain_friction, friction_coefficients
-from kilter.contact.gaps import RejectedPair, Tolerance, closed_by_clearance, gap_warnings
-from kilter.contact.neighbours import nearest_parts
-from kilter.contact.open_pairs import find_open_pairs, open_forces
+from kilter.contact.flat_contacts import GAP_EDGES
+from kilter.contact.friction_coefficients import (
+    certain_friction,
+    friction_coefficients,
+    with_piece_friction,
+)
+from kilter.contact.open_pairs import OpenPair, find_open_pairs, open_forces
 from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
-from kilter.contact.patches import Patches
-from kilter.contact.piece_friction import with_piece_friction
-from kilter.contact.planar.flat_contacts import GAP_EDGES
-from kilter.contact.recent_searches import recent_searches
+from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warning
 from kilter.errors import InputError
 from kilter.work import facts_of, stop_after, take_at_least
 
@@ -144,8 +153,11 @@ def contacts_of_findings(
 
 def _with_neighbours(contact_set: ContactSet) -> ContactSet:
     """Contacts with the nearest part of each part that touches nothing."""
-    geometry, alone = contact_set.assembly.geometry, contact_set.alone
-    return dataclasses.replace(contact_set, neighbours=nearest_parts(geometry, alone))
+    alone = contact_set.alone
+    if not len(alone):
+        return contact_set
+    nearest = nearest_parts(contact_set.assembly.geometry, alone)
+    return dataclasses.replace(contact_set, neighbours=nearest)
 
 
 def touching_words(contact_set: ContactSet) -> str:
@@ -191,21 +203,19 @@ def _contact_set(
 
     Pairs of the search without findings become open pairs.
     """
-    gap = search.limits.gap
-    examined = findings.search
-    flat, near, smooth = findings.flat, findings.near, findings.smooth
-    faces = findings.faces
-    found = Patches.join([faces, near.patches, _listed_patches(assembly)])
-    patches, of_pieces = with_piece_friction(assembly, examined, found)
+    examined, faces = findings.search, findings.faces
+    found = [faces, findings.sharp.patches]
+    if assembly.contacts or assembly.bonds:
+        found.append(_listed_patches(assembly))
+    patches, of_pieces = with_piece_friction(assembly, examined, Patches.join(found))
     unsupported = findings.unsupported
-    overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.parts))
+    overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.ends))
     rejected = sorted([*findings.refused, *findings.near_edges], key=_rank)
-    rims = rim_contacts(search.geometry, flat.patches)
-    possible = PossibleContacts.join([near.possible, rims, findings.curved.possible])
-    tilted = smooth.possible(friction_coefficients(assembly, examined.pairs, greatest=True))
     unexamined = search.pairs[len(examined.pairs) :]
     left_open = find_open_pairs(assembly, overlaps, rejected, unsupported, unexamined)
-    cut = sum(pair.kind == "unexamined" for pair in left_open)
+    fits: tuple[Fit, ...] = ()
+    if len(search.geometry.surfaces):
+        fits = _fits(assembly, examined, tolerance, {frozenset(pair.ends) for pair in overlaps})
     return ContactSet(
         assembly=assembly,
         patch_parts=patches.parts,
@@ -225,29 +235,61 @@ def _contact_set(
         unsupported=unsupported,
         possible=PossibleContacts.join(
             [
-                _with_friction(assembly, possible),
+                *_possible_forces(assembly, findings),
                 of_pieces,
-                tilted,
-                open_forces(left_open, search.geometry),
+                *([open_forces(left_open, search.geometry)] if left_open else ()),
             ]
         ),
-        rejected=tuple(rejected),
+        near=tuple(rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
-        gap_counts=flat.counts,
-        tolerance=tolerance,
-        gap=float(gap.max(initial=0.0)),
-        warnings=(
-            *((f"the time limit was reached: {unexamined_words(cut)}",) if cut else ()),
-            *gap_warnings(flat.patches, rejected, examined.limits),
-            *findings.curved.warnings,
-            *smooth.warnings,
-            *closed_by_clearance(assembly, faces, examined.limits),
-        ),
-        degenerate=near.degenerate,
+        gap_counts=np.bincount(findings.flat.gaps[:, 1], minlength=len(GAP_EDGES) - 1),
+        searched=tolerance,
+        gap=float(search.limits.gap.max(initial=0.0)),
+        notes=tuple(_notes(assembly, findings, rejected, left_open)),
+        degenerate=findings.sharp.degenerate,
         open_pairs=left_open,
-        fits=_fits(assembly, examined, tolerance, {frozenset(pair.parts) for pair in overlaps}),
+        fits=fits,
     )
+
+
+def _notes(
+    assembly: Assembly,
+    findings: PairFindings,
+    rejected: list[RejectedPair],
+    left_open: tuple[OpenPair, ...],
+) -> Iterator[str]:
+    """Yield warnings about the search, the tolerance of gaps, and faces of limited accuracy."""
+    limits, raised, joints = findings.search.limits, findings.curved.raised, findings.smooth.joints
+    cut = sum(pair.kind == "unexamined" for pair in left_open)
+    if cut:
+        yield f"the time limit was reached: {unexamined_words(cut)}"
+    yield from gap_warnings(findings.flat.patches, rejected, limits)
+    if len(raised):
+        yield raised_warning(len(raised))
+    if joints:
+        yield smooth_warning(joints)
+    yield from closed_by_clearance(assembly, findings.faces, limits)
+
+
+def _possible_forces(assembly: Assembly, findings: PairFindings) -> Iterator[PossibleContacts]:
+    """Yield forces of contacts that are not modelled, with the friction of their pairs.
+
+    The first rows are the normals of the degenerate points, in order.
+    """
+    sharp, joints, search = findings.sharp, findings.smooth.joints, findings.search
+    possible = [sharp.possible]
+    if len(sharp.degenerate):
+        possible.insert(0, sharp.degenerate.pushes())
+    if len(search.geometry.surfaces):
+        rims = rim_contacts(search.geometry, findings.flat.patches)
+        possible += [rims, findings.curved.possible]
+    forces = PossibleContacts.join(possible)
+    if len(forces):
+        yield _with_friction(assembly, forces)
+    if joints:
+        mu = friction_coefficients(assembly, search.pairs, greatest=True)
+        yield possible_forces_of(joints, search.pairs, mu)
 
 
 def _fits(
@@ -261,7 +303,7 @@ def _fits(
     A tight fit counts only if its parts overlap (`overlapping`): otherwise their walls do not meet.
     """
     candidates = coaxial_fits(assembly, search.pairs, tolerance, thickest=THREAD, thinnest=FIT_PLAY)
-    return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.parts) in overlapping)
+    return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.ends) in overlapping)
 
 
 def _rank(rejected: RejectedPair) -> tuple[float, float]:
@@ -315,7 +357,7 @@ def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
     """
     assembly = detected.assembly.with_friction(mu)
     if friction_needs_detection(detected):
-        return contacts(assembly, tolerance=detected.tolerance)
+        return contacts(assembly, tolerance=detected.searched)
     possible = detected.possible
     # the last rows are forces of open pairs in any direction, which have no friction
     wrenches = len(open_forces(detected.open_pairs, assembly.geometry))

@@ -13,7 +13,7 @@ at least one of them is free, no fixed joints connect them, and the pair has one
 
 A pair with several kinds has the first of them. At the least, only the certain contacts act between
 the two parts. At the most, a free-form or degenerate pair exerts the forces that
-`kilter.contact.sharp` and `kilter.contact.curved.unmodelled` bound. A pair of another kind holds
+`kilter.contact.sharp` bounds. A pair of another kind holds
 its parts to each other by any force and torque. Reason: a near face may touch anywhere on its area,
 its normal is off by up to gap over width, and its edges and corners may catch. Together these
 allow every wrench.
@@ -22,20 +22,16 @@ allow every wrench.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
 from kilter.arrays import Array, Index, connected
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
+from kilter.contact.common.gaps import THIN, RejectedPair
+from kilter.contact.common.patches import Overlap, PairRecord, PossibleContacts, UnsupportedContact
 from kilter.contact.contact_tolerances import LOOSE_ANGLE, LOOSE_GAP
-from kilter.contact.gaps import THIN, RejectedPair
-from kilter.contact.left_out import Overlap, PossibleContacts, UnsupportedContact
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.common_data import PlainOpenPairData
 
 __all__ = [
     "KINDS",
@@ -56,39 +52,19 @@ UNEXAMINED = "the time limit was reached before its contacts were examined"
 """Reason of an open pair that the contact search did not examine."""
 
 
-@dataclass(frozen=True, slots=True)
-class OpenPair:
-    """Two parts of which the geometry does not show whether, or how, they touch.
+class OpenPair(PairRecord, kw_only=False):
+    """Two parts of which the geometry does not show whether, or how, they touch."""
 
-    Attributes
-    ----------
-    parts : pair of int
-    kind : {"overlap", "clearance", "near", "free-form", "degenerate", "unexamined"}
-    gap : float or None
-        Gap of the nearest faces [length unit]; negative if they penetrate.
-    depth, volume : float or None
-        Depth [length unit] and volume [length unit^3] of an overlap, if computed.
-    why : str
-        Reason, in words.
-    """
-
-    parts: tuple[int, int]
     kind: OpenKind
+    """Kind of the open pair."""
     gap: float | None = None
+    """Gap of the nearest faces [length unit]; negative if they penetrate."""
     depth: float | None = None
+    """Depth of an overlap, if computed [length unit]."""
     volume: float | None = None
+    """Volume of an overlap, if computed [length unit^3]."""
     why: str = ""
-
-    def to_dict(self, names: Sequence[str]) -> PlainOpenPairData:
-        """JSON data of the open pair, with the names of its parts."""
-        return {
-            "parts": [names[k] for k in self.parts],
-            "kind": self.kind,
-            "gap": self.gap,
-            "depth": self.depth,
-            "volume": self.volume,
-            "why": self.why,
-        }
+    """Reason, in words."""
 
 
 def find_open_pairs(
@@ -114,11 +90,11 @@ def find_open_pairs(
     entries += [_from_unsupported(contact) for contact in unsupported]
     entries += [OpenPair((a, b), "unexamined", why=UNEXAMINED) for a, b in unexamined.tolist()]
     entries.sort(
-        key=lambda pair: (*sorted(pair.parts), KINDS.index(pair.kind), abs(pair.gap or 0.0))
+        key=lambda pair: (*sorted(pair.ends), KINDS.index(pair.kind), abs(pair.gap or 0.0))
     )
     first: dict[frozenset[int], OpenPair] = {}
     for pair in entries:
-        first.setdefault(frozenset(pair.parts), pair)
+        first.setdefault(frozenset(pair.ends), pair)
     return still_open(first.values(), assembly)
 
 
@@ -128,27 +104,27 @@ def still_open(pairs: Iterable[OpenPair], assembly: Assembly) -> tuple[OpenPair,
     if not pairs:
         return ()
     group = rigid_groups(assembly)
-    return tuple(pair for pair in pairs if group[pair.parts[0]] != group[pair.parts[1]])
+    return tuple(pair for pair in pairs if group[pair.ends[0]] != group[pair.ends[1]])
 
 
 def _from_overlap(overlap: Overlap) -> OpenPair:
-    return OpenPair(overlap.parts, "overlap", None, overlap.depth, overlap.volume, overlap.why)
+    return OpenPair(overlap.ends, "overlap", None, overlap.depth, overlap.volume, overlap.why)
 
 
 def _from_rejected(rejected: RejectedPair, size: Array) -> OpenPair | None:
     """The open pair for faces that nearly touch; None if even the loose tolerance rejects them."""
     kind: OpenKind = "clearance" if rejected.fit else "near"
-    limit = LOOSE_GAP * float(size[list(rejected.parts)].min())
+    limit = LOOSE_GAP * float(size[list(rejected.ends)].min())
     close = rejected.fit or (abs(rejected.gap) <= limit and rejected.angle <= LOOSE_ANGLE)
     # a contact thinner than the tolerance has its edges and corners, which other searches find
     if rejected.why == THIN or not close:
         return None
-    return OpenPair(rejected.parts, kind, gap=rejected.gap, why=rejected.why)
+    return OpenPair(rejected.ends, kind, gap=rejected.gap, why=rejected.why)
 
 
 def _from_unsupported(contact: UnsupportedContact) -> OpenPair:
     kind: OpenKind = "free-form" if contact.kind == "curved" else "degenerate"
-    return OpenPair(contact.parts, kind, why=f"{contact.kind} contact without a definite normal")
+    return OpenPair(contact.ends, kind, why=f"{contact.kind} contact without a definite normal")
 
 
 def rigid_groups(assembly: Assembly) -> Index:
@@ -174,7 +150,7 @@ def open_forces(pairs: Sequence[OpenPair], geometry: Geometry) -> PossibleContac
     Six two-sided rows for each pair: forces along x, y, z at the centre of the smaller part, and
     forces at a distance of its radius beside the centre, whose moments span the torques.
     """
-    parts = np.array([p.parts for p in pairs if p.kind in ANY_WRENCH], dtype=np.int64)
+    parts = np.array([p.ends for p in pairs if p.kind in ANY_WRENCH], dtype=np.int64)
     a, b = parts.reshape(-1, 2).T
     smaller = np.where(geometry.radius[a] <= geometry.radius[b], a, b)
     center, arm = geometry.center[smaller], geometry.radius[smaller][:, None]

@@ -7,38 +7,33 @@ between batches and in long loops; the joined findings do not depend on the divi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
-from kilter.contact.contact_search import ContactSearch
-from kilter.contact.curved.curved_patches import CurvedContacts, no_curved, without_repeats
-from kilter.contact.face_patches import FacePatches
-from kilter.contact.fits.overlap import find_overlaps
-from kilter.contact.gaps import RejectedPair, Tolerance
-from kilter.contact.kept_pairs import KeptPairs
-from kilter.contact.left_out import Overlap, UnsupportedContact
-from kilter.contact.patches import Patches
-from kilter.contact.planar.flat_contacts import FlatContacts, find_flat
-from kilter.contact.sharp.near_edges import near_edges
-from kilter.contact.sharp.sharp_contacts import NearContacts, near_contacts
-from kilter.contact.smooth.smooth_joints import SmoothJoints, find_smooth
-from kilter.contact.unknown import unknown_contacts
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.findings import (
+    CurvedFindings,
+    FacePatches,
+    Findings,
+    is_settled,
+    may_be_smooth,
+)
+from kilter.contact.common.gaps import RejectedPair, Tolerance, unknown_contacts
+from kilter.contact.common.patches import KeptPairs, Overlap, Patches, UnsupportedContact
+from kilter.contact.flat_contacts import find_flat
+from kilter.contact.overlap import find_overlaps
+from kilter.contact.smooth.smooth_joints import find_smooth
 from kilter.errors import TimeLimitReached
 from kilter.work import is_late, stop_if_late, take_at_least
 
-__all__ = [
-    "PairFindings",
-    "RoundAndSharp",
-    "examine",
-    "examine_in_time",
-    "find_round_and_sharp",
-]
+__all__ = ["PairFindings", "examine", "examine_in_time", "find_families"]
 
 
 FIRST_BATCH = 32
@@ -51,26 +46,19 @@ GROWTH = 4.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairFindings:
-    """Contacts, near features and overlaps of the pairs of a search.
+    """Findings of all families about the pairs of a search, with the overlaps.
 
-    Attributes
-    ----------
-    search : ContactSearch
-        The search, with only the pairs that were examined.
-    flat, curved, smooth, near
-        Contacts of flat faces, of curved faces, of smooth faces, and of edges and corners.
-    overlaps : tuple of Overlap
-    near_edges : tuple of RejectedPair
-        Near pairs without any other record.
+    `search` has only the pairs that were examined; `near_edges` are near pairs without any other
+    record.
     """
 
     search: ContactSearch
-    flat: FlatContacts
-    curved: CurvedContacts
-    smooth: SmoothJoints
-    near: NearContacts
+    smooth: Findings
+    flat: Findings
+    curved: Findings
+    sharp: Findings
     overlaps: tuple[Overlap, ...]
-    near_edges: tuple[RejectedPair, ...]
+    near_edges: tuple[RejectedPair, ...] = ()
 
     @property
     def faces(self) -> Patches:
@@ -80,98 +68,86 @@ class PairFindings:
     @property
     def unsupported(self) -> tuple[UnsupportedContact, ...]:
         """Records of the contacts that are not modelled."""
-        return (*self.near.unsupported(self.search.geometry), *self.smooth.unsure)
+        return (*self.sharp.unsupported, *self.smooth.unsupported)
 
     @property
     def refused(self) -> list[RejectedPair]:
         """Near faces that do not count as touching, and pairs with an unknown surface."""
         unknown = unknown_contacts(self.search.unknown)
-        return [*self.flat.rejected, *self.curved.rejected, *self.near.rejected, *unknown]
+        return [*self.flat.rejected, *self.curved.rejected, *self.sharp.rejected, *unknown]
 
     @staticmethod
     def join(search: ContactSearch, blocks: Sequence[tuple[int, PairFindings]]) -> PairFindings:
-        """Findings about successive pairs of a search.
+        """Findings about successive pairs of a search, which has only the pairs of the blocks.
 
-        Parameters
-        ----------
-        search : ContactSearch
-            The search, with only the pairs of the blocks.
-        blocks : sequence of (int, PairFindings)
-            The first pair of each block, and the findings about its pairs; at least one block.
+        A block gives its first pair, and its findings.
         """
         return PairFindings(
-            search=search,
-            flat=FlatContacts.join([(begin, block.flat) for begin, block in blocks]),
-            curved=CurvedContacts.join([(begin, block.curved) for begin, block in blocks]),
-            smooth=SmoothJoints.join(search, [(begin, block.smooth) for begin, block in blocks]),
-            near=NearContacts.join([(begin, block.near) for begin, block in blocks]),
+            search,
+            **{
+                name: Findings.join([(begin, getattr(block, name)) for begin, block in blocks])
+                for name, _, _ in FAMILIES
+            },
             overlaps=tuple(overlap for _, block in blocks for overlap in block.overlaps),
             near_edges=tuple(pair for _, block in blocks for pair in block.near_edges),
         )
 
     def among(self, kept: KeptPairs, search: ContactSearch) -> PairFindings:
-        """The findings about some of the pairs.
-
-        Parameters
-        ----------
-        kept : KeptPairs
-            The remaining pairs and parts.
-        search : ContactSearch
-            The search with only these pairs.
-        """
+        """The findings about some of the pairs; `search` has only these."""
         return PairFindings(
-            search=search,
-            flat=self.flat.among(kept),
-            curved=self.curved.among(kept),
-            smooth=self.smooth.among(kept, search),
-            near=self.near.among(kept),
+            search,
+            **{name: getattr(self, name).among(kept) for name, _, _ in FAMILIES},
             overlaps=kept.records(self.overlaps),
             near_edges=kept.records(self.near_edges),
         )
 
 
-def _find_curved(search: ContactSearch) -> CurvedContacts:
-    """Find the contacts of curved faces, if any part has such faces."""
-    if len(search.geometry.surfaces) == 0:
-        return no_curved(search)
-    # imported late: parts with flat faces do not need these modules
+class Family(NamedTuple):
+    """A family of contacts: its field of `FacePatches`, a cheap test for it, and its search."""
+
+    name: str
+    is_present: Callable[[FacePatches], bool]
+    find: Callable[[FacePatches], Findings]
+
+
+def _find_curved(faces: FacePatches) -> CurvedFindings:
     from kilter.contact.curved.curved_contacts import find_curved
 
-    return find_curved(search)
+    return find_curved(faces)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class RoundAndSharp:
-    """Contacts of all faces, edges and corners of the pairs of a search, without overlaps."""
+def _find_sharp(faces: FacePatches) -> Findings:
+    from kilter.contact.sharp.sharp_contacts import find_sharp
 
-    flat: FlatContacts
-    faces: FacePatches
-    near: NearContacts
-
-    @property
-    def smooth(self) -> SmoothJoints:
-        """Contacts of smooth faces."""
-        return self.faces.smooth
+    return find_sharp(faces)
 
 
-def find_round_and_sharp(search: ContactSearch) -> RoundAndSharp:
-    """Find the contacts of faces, edges and corners for all pairs of a search.
+FAMILIES = (
+    Family("smooth", lambda faces: bool(may_be_smooth(faces.search).any()), find_smooth),
+    Family("flat", lambda faces: True, find_flat),
+    Family("curved", lambda faces: len(faces.search.geometry.surfaces) > 0, _find_curved),
+    Family("sharp", lambda faces: not is_settled(faces).all(), _find_sharp),
+)
+"""Families in the order of their search: each may use the findings of those before it."""
+
+
+def find_families(search: ContactSearch) -> FacePatches:
+    """Find the contacts of all families for all pairs of a search, without overlaps.
+
+    A family that is absent is skipped, and its modules are not imported.
 
     Raises
     ------
     TimeLimitReached
         If the limit of `kilter.work.stop_after` is reached.
     """
-    curved = _find_curved(search)
-    smooth = find_smooth(search)
-    flat = find_flat(search, smooth)
-    faces = FacePatches(
-        search, flat.patches, without_repeats(curved, flat.patches, search.limits.gap), smooth
-    )
-    stop_if_late()
-    near = near_contacts(faces, [*flat.rejected, *curved.rejected])
-    stop_if_late()
-    return RoundAndSharp(flat, faces, near)
+    found = FacePatches(search)
+    for family in FAMILIES:
+        if family.is_present(found):
+            of_family: dict[str, Any] = {family.name: family.find(found)}
+            found = replace(found, **of_family)
+            stop_if_late()
+    return found
 
 
 def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> PairFindings:
@@ -182,11 +158,18 @@ def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> 
     TimeLimitReached
         If the limit of `kilter.work.stop_after` is reached.
     """
-    found = find_round_and_sharp(search)
-    flat, faces, near = found.flat, found.faces, found.near
-    overlaps = find_overlaps(assembly, faces, tolerance)
-    findings = PairFindings(search, flat, faces.curved, faces.smooth, near, overlaps, ())
-    return replace(findings, near_edges=tuple(near_edges(search, _unrecorded_pairs(findings))))
+    found = find_families(search)
+    findings = PairFindings(
+        search,
+        **{name: getattr(found, name) for name, _, _ in FAMILIES},
+        overlaps=find_overlaps(assembly, found, tolerance),
+    )
+    unrecorded = _unrecorded_pairs(findings)
+    if not unrecorded.any():
+        return findings
+    from kilter.contact.sharp.feature_pairs import near_edges
+
+    return replace(findings, near_edges=tuple(near_edges(search, unrecorded)))
 
 
 def examine_in_time(
@@ -219,10 +202,10 @@ def _unrecorded_pairs(findings: PairFindings) -> Mask:
     """Mask of the pairs without a patch, a near face, an overlap and an unmodelled contact."""
     pairs = findings.search.pairs
     silent = np.ones(len(pairs), dtype=bool)
-    silent[np.concatenate([findings.faces.pair, findings.near.patches.pair])] = False
+    silent[np.concatenate([findings.faces.pair, findings.sharp.patches.pair])] = False
     records: list[RejectedPair | Overlap | UnsupportedContact] = [*findings.refused]
     records += [*findings.overlaps, *findings.unsupported]
-    recorded = {frozenset(record.parts) for record in records}
+    recorded = {frozenset(record.ends) for record in records}
     rows = np.flatnonzero(silent)
     is_recorded = [frozenset(pair) in recorded for pair in pairs[rows].tolist()]
     silent[rows[np.array(is_recorded, dtype=bool)]] = False

@@ -20,7 +20,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -34,9 +34,6 @@ from kilter.shape.primitives import Box
 from kilter.validate import finite, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.plan_data import SupportData
 
 __all__ = ["KINDS", "Support", "with_supports"]
 
@@ -151,7 +148,7 @@ class Support(Value):
                 raise InputError(f"a support has the unknown key {key!r:.40}", hint=hint)
         return cls(**data)
 
-    def to_dict(self) -> SupportData:
+    def to_dict(self) -> dict[str, Any]:
         """JSON data of the support."""
         return {
             "kind": self.kind,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.tell.json_answer import SCHEMA_VERSION
+from kilter.tell.record import SCHEMA_VERSION
 from kilter.values.guesses import guarded
 
 __all__ = ["LoadedAnswer", "load_answer"]

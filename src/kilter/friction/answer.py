@@ -26,7 +26,6 @@ rigid body contact problems with Coulomb friction, 2000.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -44,6 +43,7 @@ from kilter.friction.springs import spring_system
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof import Evidence
+from kilter.tell.record import InPython, Record
 from kilter.work import CONIC_ENTRY, EFFORT, PER_EFFORT, Work
 
 __all__ = ["FrictionAnswer", "Why", "ask_friction", "not_asked"]
@@ -82,40 +82,31 @@ Answer = Literal["proved", "refuted", "open"]
 Why = Literal["refuted", "jams", "squeeze", "not-found", "not-asked"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FrictionAnswer:
-    """Answer to the friction questions of a program (parts, contact rows, loads) in equilibrium.
+class FrictionAnswer(Record, kw_only=False):
+    """Guarantee of friction for a program in equilibrium, with the evidence for and against it."""
 
-    Attributes
-    ----------
-    guarantee : {"proved", "refuted", "open"}
-        No other motion obeys the contact law; another motion does; or neither was shown.
-    witness : CoulombMotion or None
-        The motion that obeys the law, if refuted.
-    seating : Seating
-    seat : ForceProof or None
-        The verified forces of the seat, if seated.
-    settling : Settling
-    tries : tuple of ForceProof
-        The verified forces of each try that came to balance.
-    exclusion : Exclusion or None
-        The proof that no motion exists, or its state when it stopped.
-    work : float
-        Units of work spent (`kilter.work`).
-    examined : bool
-        False if only the equilibrium was requested, or if the other questions exceed the work
-        limit: then seating, settling and motions are unknown.
-    """
-
-    guarantee: Answer
+    guarantee: InPython[Answer]
+    """No other motion obeys the contact law ("proved"); another motion does ("refuted"); or neither
+    was shown ("open")."""
     witness: CoulombMotion | None
+    """The motion that obeys the law, if refuted."""
     seating: Seating
-    seat: ForceProof | None
+    """Result of the search for a seat."""
+    seat: InPython[ForceProof | None]
+    """The verified forces of the seat, if seated."""
     settling: Settling
-    tries: tuple[ForceProof, ...]
+    """How each try (parts put down loosely) ended."""
+    tries: InPython[tuple[ForceProof, ...]]
+    """The verified forces of each try that came to balance."""
     exclusion: Exclusion | None
+    """The proof that no motion exists, or its state when it stopped."""
     work: float
-    examined: bool = True
+    """Units of work spent (`kilter.work`)."""
+    examined: InPython[bool] = True
+    """False if only the equilibrium was requested, or if the other questions exceed the work limit:
+    then seating, settling and motions are unknown."""
+    effort: float = EFFORT
+    """Effort of the search for motions."""
 
     @property
     def settles(self) -> bool:

@@ -17,7 +17,7 @@ free fall, so that small parts count beside large parts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -43,6 +43,7 @@ from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.solvers.highs import bounding
+from kilter.tell.record import InPython, Record
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
@@ -74,43 +75,31 @@ BY_MOMENTS = 0.8
 """Fraction of the work limit after which no further moment relaxation is started [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Exclusion:
-    """Result of the attempt to prove that no motion can start from rest.
-
-    Attributes
-    ----------
-    proved : bool
-    kind : {"moments", "contraction", "modes", "sectors", None}
-        Method of the proof: products of the law; bounds alone; contact modes in the plane; sectors
-        of sliding directions.
-    programs, nodes : int
-        Numbers of solved programs, and of bounded cases.
-    bound : float
-        Largest power w.a of a motion that is not excluded, in units of |w|^2 in the metric of the
-        masses [-]; free fall has 1.
-    assumes : str
-        Assumption of the proof, or "".
-    work : float
-        Units of work spent (`kilter.work`).
-    why : str
-        Reason if the law does not apply to the program, or "".
-    opening : ndarray or None
-        The motion that bounds all forces.
-    steps : tuple of ExclusionStep
-        All data needed to repeat the proof.
-    """
+class Exclusion(Record, kw_only=False):
+    """Result of the attempt to prove that no motion can start from rest."""
 
     proved: bool
+    """Whether no motion can start."""
     kind: Kind | None
+    """Method of the proof: products of the law; bounds alone; contact modes in the plane; sectors
+    of sliding directions."""
     programs: int
-    nodes: int
+    """Number of solved programs."""
+    nodes: InPython[int]
+    """Number of bounded cases."""
     bound: float
+    """Largest power w.a of a motion that is not excluded, in units of |w|^2 in the metric of the
+    masses [-]; free fall has 1."""
     assumes: str
-    work: float
-    why: str = ""
-    opening: Array | None = None
-    steps: tuple[ExclusionStep, ...] = ()
+    """Assumption of the proof, or an empty text."""
+    work: InPython[float]
+    """Units of work spent (`kilter.work`)."""
+    why: InPython[str] = ""
+    """Reason if the law does not apply to the program, or an empty text."""
+    opening: InPython[Array | None] = None
+    """The motion that bounds all forces."""
+    steps: InPython[tuple[ExclusionStep, ...]] = ()
+    """All data needed to repeat the proof."""
 
 
 @on_one_thread

@@ -48,6 +48,7 @@ from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import LawProof, check_law
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
+from kilter.tell.record import InPython, Record, key
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
@@ -82,29 +83,31 @@ TRIES = (0, 1, 3, 10)
 """Iterations after which a candidate is made exact, in addition to the last."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class CoulombMotion:
-    """A motion from rest that obeys Coulomb's law: accelerations and forces.
+class CoulombMotion(Record, kw_only=False):
+    """A motion from rest that obeys the contact law, although forces of equilibrium exist."""
 
-    Attributes
-    ----------
-    acceleration : ndarray, shape (N, 6)
-        Linear [m/s^2], angular [rad/s^2].
-    forces : ndarray, shape (K, 3)
-        Force on part b of each row, world frame [N].
-    law : LawProof
-        Check of the law: it holds, or is obeyed by a motion of any power (`impending`).
-    found : str
-        Name of the method.
-    programs : int
-        Number of conic programs solved until then.
-    """
-
-    acceleration: Array
-    forces: Array
-    law: LawProof
+    acceleration: InPython[Array]
+    """Linear [m/s^2] and angular [rad/s^2] acceleration, shape (N, 6)."""
+    forces: InPython[Array]
+    """Force on part b of each row, world frame [N], shape (K, 3)."""
+    law: InPython[LawProof]
+    """Check of the law: it holds, or is obeyed by a motion of any power (`impending`)."""
     found: str
-    programs: int
+    """Name of the method."""
+    programs: InPython[int]
+    """Number of conic programs solved until then."""
+
+    @property
+    @key
+    def power(self) -> float:
+        """Power of the weight in the motion."""
+        return self.law.power
+
+    @property
+    @key
+    def residual(self) -> float:
+        """Largest error of the contact law [-]."""
+        return self.law.residual
 
     @property
     def exact(self) -> bool:

@@ -18,9 +18,8 @@ A seat is weak evidence: a bracket that falls when it is released has a seat.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import inf
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from scipy.sparse import csc_array, eye_array
@@ -34,6 +33,7 @@ from kilter.friction.spring_newton import SharedFactor, balanced_springs
 from kilter.friction.springs import Springs, spring_system
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program
+from kilter.tell.record import InPython, Record, Shape, key
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
@@ -51,31 +51,28 @@ NUDGE = 1.0
 """Size of the random part of its first displacement, in each freedom."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Seating:
-    """Result of the search for a seat: a state of rest that the weight of the parts produces.
-
-    Attributes
-    ----------
-    seated : {"yes", "runs-away", "not-found"}
-        A seat exists; every start ran away; some starts failed.
-    forces : ndarray, shape (K, 3)
-        Forces on part b of each row, world frame [N], exactly in their cones, of the start that
-        balanced best.
-    residual : float
-        Worst imbalance of a part over its weight, for those forces [-].
-    starts, iterations : int
-        Numbers of starts and Newton steps used.
-    runaway : ndarray, shape (N, 6), or None
-        The direction in which the parts ran away, as an acceleration; None if seated.
-    """
+class Seating(Record, kw_only=False):
+    """Result of the search for a seat (a state of rest with slightly elastic contacts)."""
 
     seated: Literal["yes", "runs-away", "not-found"]
-    forces: Array
+    """A seat exists; every start ran away; some starts failed."""
+    forces: InPython[Array]
+    """Forces on part b of each row, world frame [N], exactly in their cones, of the start that
+    balanced best, shape (K, 3)."""
     residual: float
-    starts: int
-    iterations: int
-    runaway: Array | None
+    """Worst imbalance of a part over its weight, for those forces [-]."""
+    starts: InPython[int]
+    """Number of starts."""
+    iterations: InPython[int]
+    """Number of Newton steps."""
+    runaway: InPython[Array | None]
+    """The same as `direction`."""
+
+    @property
+    @key
+    def direction(self) -> Annotated[Array, Shape(None, 6)] | None:
+        """The direction in which the parts ran away, as an acceleration; null if seated."""
+        return self.runaway
 
     @property
     def holds(self) -> bool:

@@ -19,7 +19,7 @@ The gaps of each try have a fixed seed: the same assembly has the same tries.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 from typing import Literal
 
@@ -35,6 +35,7 @@ from kilter.friction.spring_newton import SharedFactor, balanced_springs
 from kilter.friction.springs import Springs, SpringState, spring_system
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program
+from kilter.tell.record import InPython, Record
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
@@ -53,29 +54,19 @@ HOPELESS = 1.5
 End = Literal["balance", "runs-away", "not-found"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Settling:
-    """Results of the settling tries, in which parts start with gaps and come down by their weight.
-
-    Attributes
-    ----------
-    ends : tuple of {"balance", "runs-away", "not-found"}
-        End of each try; the first try that is not found is the last.
-    forces : tuple of ndarray, shape (K, 3)
-        Forces of each try that ended in balance, on part b of each row, world frame [N].
-    of : int
-        Number of requested tries.
-    iterations : int
-        Newton steps of all tries.
-    runaway : ndarray, shape (N, 6), or None
-        Direction of the first try that was not in balance, as an acceleration.
-    """
+class Settling(Record, kw_only=False):
+    """Results of the settling tries: parts start with gaps and come down by their weight."""
 
     ends: tuple[End, ...]
-    forces: tuple[Array, ...]
+    """End of each try; the first try that is not found is the last."""
+    forces: InPython[tuple[Array, ...]]
+    """Forces of each try that ended in balance, on part b of each row, world frame [N]."""
     of: int
-    iterations: int
-    runaway: Array | None = None
+    """Number of requested tries."""
+    iterations: InPython[int]
+    """Newton steps of all tries."""
+    runaway: InPython[Array | None] = None
+    """Direction of the first try that was not in balance, as an acceleration."""
 
     @property
     def passed(self) -> int:

@@ -29,7 +29,7 @@ import numpy as np
 from kilter.assembly import Assembly, Load, Strap
 from kilter.contact import detect
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.kept_contacts import contacts_among
 from kilter.contact.supports import Support, with_supports
 from kilter.errors import InputError
 from kilter.files.kilter_json import from_dict
@@ -153,7 +153,7 @@ def apply_change(
         if added.units != assembly.units:
             raise InputError(f"the part of the proof is in {added.units}, not {assembly.units}")
         assembly = assembly.with_parts(added.parts)
-        contacts = detect.contacts(assembly, tolerance=contacts.tolerance)
+        contacts = detect.contacts(assembly, tolerance=contacts.searched)
     if change.get("supports") is not None:
         supports = [Support.from_dict(data) for data in change["supports"]]
         return with_supports(assembly, contacts, supports)

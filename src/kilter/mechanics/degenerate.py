@@ -2,7 +2,7 @@
 
 At a degenerate point p (an edge on a parallel edge, a corner on an edge) a velocity v of part b
 relative to part a makes the parts penetrate to first order iff v.m < 0 for every extreme normal m
-of the planes that separate them at p (`kilter.contact.sharp.spanning`). So a motion is admissible
+of the planes that separate them at p (`kilter.contact.sharp.normals`). So a motion is admissible
 at p iff its opening along at least one m is not negative. The admissible motions are a union of
 cones, each for a choice of m at every point.
 
@@ -20,7 +20,8 @@ import numpy as np
 
 from kilter.arrays import Array, Index, cross
 from kilter.assembly import Assembly
-from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.contact.common.patches import PossibleContacts
+from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.mechanics_tolerances import NORMAL_ANGLE
 from kilter.mechanics.program import Program, bounding_program
 from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows

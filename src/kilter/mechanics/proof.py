@@ -101,10 +101,10 @@ def make_proof(
         "down": assembly.down.tolist(),
         "options": options or dict(assembly.reading or {}),
         "tolerance": {
-            "gap": contacts.tolerance.gap,
-            "relative_gap": contacts.tolerance.relative_gap,
-            "angle": contacts.tolerance.angle,
-            "clearance": contacts.tolerance.clearance,
+            "gap": contacts.searched.gap,
+            "relative_gap": contacts.searched.relative_gap,
+            "angle": contacts.searched.angle,
+            "clearance": contacts.searched.clearance,
         },
         "parts": [
             {
@@ -222,7 +222,7 @@ def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, An
     """JSON data of the open pairs; a motion is a proof only if it respects all their contacts."""
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
-    return [{"parts": [names[k] for k in pair.parts], "kind": pair.kind} for pair in pairs]
+    return [{"parts": [names[k] for k in pair.ends], "kind": pair.kind} for pair in pairs]
 
 
 def joints_of(

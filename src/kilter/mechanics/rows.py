@@ -24,9 +24,9 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, Rows, across, columns
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.contact_set import ContactSet, PossibleContacts
-from kilter.contact.gaps import Tolerance
-from kilter.contact.joint_stops import reached_limits
+from kilter.contact.common.gaps import Tolerance, reached_limits
+from kilter.contact.common.patches import PossibleContacts
+from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.bond_rows import bonded_points
 from kilter.mechanics.joints import joint_constraints
 from kilter.rigid import unit

@@ -127,8 +127,8 @@ def _draw_transport(answer: Transport) -> Figure:
     from kilter.show.path_profile import draw_path_profile
     from kilter.show.polar import draw_polar
 
-    if answer.path is not None:
-        if answer.path.limit is None:
+    if answer.speed is not None:
+        if answer.speed.limit is None:
             raise InputError(
                 "the path is carried at every speed, so there is nothing to draw",
                 hint="draw a path that limits the speed",

@@ -34,7 +34,7 @@ def path_of(verdict: Verdict) -> PathPlaces | None:
     """Path along which a balanced assembly falls; None for any other verdict."""
     from kilter.second_order.answer.path_places import find_path_places
 
-    second = verdict.second_order
+    second = verdict.second_order_answer
     return None if second is None else find_path_places(verdict.assembly, second)
 
 

@@ -57,26 +57,7 @@ def draw_places(
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch, PathPatch, Polygon
 
-    rings = [
-        np.array(ring)
-        for level in answer["levels"]
-        for name in ("stands", "falls", "open")
-        for polygon in level[name]
-        for ring in polygon[:1]
-    ]
-    corners = np.concatenate([*rings, *(outline for outline, _ in _outlines(assembly, all_=False))])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    size = high - low
-    tall = float(np.clip(size[1] / max(size[0], 1e-300), 0.35, TALL))
-    figure = new_figure(WIDTH, 0.86 * WIDTH * tall + 1.9)
-    below = 1.0 / figure.get_figheight()
-    axes = figure.add_axes((0.1, below, 0.86, 0.86 * WIDTH * tall / figure.get_figheight()))
-    room = 0.03 * size
-    axes.set(
-        xlim=(low[0] - room[0], high[0] + room[0]),
-        ylim=(low[1] - room[1], high[1] + room[1]),
-        aspect="equal",
-    )
+    figure, axes = _axes(answer, assembly)
     for level in answer["levels"]:
         for name, colour in (("falls", FALLS), ("open", OPEN), ("stands", STANDS)):
             for polygon in level[name]:
@@ -102,17 +83,42 @@ def draw_places(
                 "the part at its best place",
             )
         )
+    for level in answer["levels"]:
+        _write_height(axes, level)
+    title(figure, answer["sentence"], "stable" if best is not None else "unstable")
+    legend(figure, entries, columns=3)
+    return figure
+
+
+def _axes(answer: Mapping[str, Any], assembly: Assembly) -> tuple[Figure, Any]:
+    """An empty figure with axes around all places and parts."""
+    rings = [
+        np.array(ring)
+        for level in answer["levels"]
+        for name in ("stands", "falls", "open")
+        for polygon in level[name]
+        for ring in polygon[:1]
+    ]
+    corners = np.concatenate([*rings, *(outline for outline, _ in _outlines(assembly, all_=False))])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    size = high - low
+    tall = float(np.clip(size[1] / max(size[0], 1e-300), 0.35, TALL))
+    figure = new_figure(WIDTH, 0.86 * WIDTH * tall + 1.9)
+    below = 1.0 / figure.get_figheight()
+    axes = figure.add_axes((0.1, below, 0.86, 0.86 * WIDTH * tall / figure.get_figheight()))
+    room = 0.03 * size
+    axes.set(
+        xlim=(low[0] - room[0], high[0] + room[0]),
+        ylim=(low[1] - room[1], high[1] + room[1]),
+        aspect="equal",
+    )
     for spine in axes.spines.values():
         spine.set_color(LINE)
     axes.set_facecolor(PAPER)
     axes.tick_params(colors=INK, labelsize=8)
     axes.set_xlabel(f"x of the centre [{answer['units']}]", fontsize=9, color=INK)
     axes.set_ylabel(f"y [{answer['units']}]", fontsize=9, color=INK)
-    for level in answer["levels"]:
-        _write_height(axes, level)
-    title(figure, answer["sentence"], "stable" if best is not None else "unstable")
-    legend(figure, entries, columns=3)
-    return figure
+    return figure, axes
 
 
 def _outlines(assembly: Assembly, *, all_: bool) -> Iterator[tuple[Array, bool]]:

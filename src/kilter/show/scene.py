@@ -200,7 +200,7 @@ def _has_varying_normals(contacts: ContactSet) -> bool:
 def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
     """JSON data of the open pairs (uncertain contacts): parts, and a point between them."""
     geometry = contacts.assembly.geometry
-    parts = np.array([pair.parts for pair in contacts.open_pairs], dtype=np.int64)
+    parts = np.array([pair.ends for pair in contacts.open_pairs], dtype=np.int64)
     low, high = geometry.part_boxes
     a, b = parts.reshape(-1, 2).T
     middle = (np.maximum(low[a], low[b]) + np.minimum(high[a], high[b])) / 2

@@ -1,26 +1,31 @@
-"""Answers as JSON text that travels, and the number of the version of its schemas."""
+"""Base classes of answers that are not records yet."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import wraps
 from typing import Any, ClassVar
 
+from kilter.tell.record import SCHEMA_VERSION, json_value
 from kilter.values.guesses import Guessable
 
-__all__ = ["SCHEMA_VERSION", "Answer", "AnswerInWords"]
-
-SCHEMA_VERSION = 1
-"""Version of the data of all answers; a key that is removed or changes its meaning raises it."""
+__all__ = ["Answer", "AnswerInWords"]
 
 
-class Answer(Guessable):
+class OldAnswer(Guessable):
     """Base class of the answers of all functions; its JSON data are as printed with ``--json``."""
 
     __slots__ = ()
 
     answer: ClassVar[str] = ""
     """Name of the verb that gives the answer."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "to_dict" in vars(cls):  # records inside become data
+            write = cls.to_dict
+            cls.to_dict = wraps(write)(lambda self: json_value(write(self)))  # type: ignore[method-assign]
 
     def to_dict(self) -> Mapping[str, Any]:
         """The answer as JSON data."""
@@ -41,7 +46,7 @@ class Answer(Guessable):
         return json.dumps(data, indent=indent, ensure_ascii=False, allow_nan=False)
 
 
-class AnswerInWords(Answer):
+class OldAnswerInWords(OldAnswer):
     """Base class of answers whose sentence is made from their data."""
 
     __slots__ = ()
@@ -52,3 +57,7 @@ class AnswerInWords(Answer):
         from kilter.tell.tables import sentences
 
         return sentences(self.to_dict())[0]
+
+
+Answer = OldAnswer
+AnswerInWords = OldAnswerInWords

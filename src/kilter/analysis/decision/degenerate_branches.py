@@ -34,7 +34,8 @@ from kilter.analysis.analysis_tolerances import ENTERS
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.contact.common.patches import PossibleContacts
+from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.degenerate import (
     MOST,

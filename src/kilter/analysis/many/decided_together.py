@@ -16,10 +16,10 @@ import numpy as np
 from kilter.analysis.decision.doubts import fitted_pairs, has_possible_contacts
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.side_by_side import SideBySide
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.detect import contacts_side_by_side
-from kilter.contact.fits.coincident import coincident
-from kilter.contact.gaps import Tolerance
+from kilter.contact.fits.suggestions import coincident
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.program import Program
 from kilter.mechanics.program_blocks import BlockProofs, ProgramBlocks, program_blocks
@@ -126,7 +126,7 @@ def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
     """Mask of the assemblies with coincident parts or with fitted contact normals, shape (M,)."""
     owner = apart.owner
     odd = np.zeros(len(apart), dtype=bool)
-    parts: Index = np.array([pair.parts[0] for pair in coincident(contacts)], dtype=np.int64)
+    parts: Index = np.array([pair.ends[0] for pair in coincident(contacts)], dtype=np.int64)
     odd[owner[parts]] = True
     odd[owner[fitted_pairs(contacts)[:, 0]]] = True
     return odd

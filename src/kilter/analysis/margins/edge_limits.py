@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit
+from kilter.analysis.load_limit import Limit, NoLimit
 from kilter.arrays import Array
 from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.certificate import ForceProof
@@ -50,14 +50,12 @@ def limit_on_circles(
     """
     limit = find(program)
     for _ in range(STEPS):
-        if isinstance(limit, NoLimit) or limit.mechanism is None:
+        if isinstance(limit, NoLimit) or limit.motion is None:
             break
         finer = with_edge_points(program, edges, limit.forces)
         if finer is None:
             break
         program, limit = finer, find(finer)
-        if isinstance(limit, Limit):
-            limit = replace(limit, refined=finer)
     return limit
 
 

@@ -11,14 +11,13 @@ again. If no strength is enough, the motion of the fall takes the place of the m
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Literal
+from dataclasses import replace
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
-from kilter.analysis.margins.load_limit import finite
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.turning_tolerances import MOVES
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -31,11 +30,8 @@ from kilter.assembly.question import Question, question
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
-from kilter.tell.json_answer import Answer
+from kilter.tell.record import Answer, InPython, OrNull, PairNames, Record, Word
 from kilter.work import facts_of, stop_after
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.other_data import BrickChangeData, ImproveData
 
 __all__ = ["BrickChange", "Improvement", "improve"]
 
@@ -49,101 +45,55 @@ SAME_DIGITS = 9
 Cell = tuple[int, int, int]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BrickChange:
-    """A brick to add or to remove, and the fraction of stud strength that the changed model needs.
-
-    Attributes
-    ----------
-    what : {"add", "remove"}
-    name : str
-        Name of the brick: in the changed assembly if it is added, else in the given assembly.
-    corner : tuple of int
-        Lowest cell of the brick: x, y [cells], z [plates].
-    cells : tuple of int
-        Size along x and y [cells].
-    share : float
-        Least share of the strength of studs that the changed assembly needs [-]. If it is below 1,
-        the changed assembly stands.
-    assembly : Assembly
-        The changed assembly.
-    """
+class BrickChange(Record):
+    """A brick to add or to remove, and the share of stud strength that is then needed."""
 
     what: Literal["add", "remove"]
+    """Kind of the change."""
     name: str
-    corner: Cell
+    """Name of the brick: in the changed assembly if it is added, else in the given assembly."""
+    corner: tuple[int, int, int]
+    """Lowest cell of the brick: x, y [cells], z [plates]."""
+    layer: float
+    """Height of the corner in bricks [-]."""
     cells: tuple[int, int]
-    share: float
-    assembly: Assembly
-
-    def to_dict(self) -> BrickChangeData:
-        """The change of the brick model as JSON data."""
-        return {
-            "what": self.what,
-            "name": self.name,
-            "corner": list(self.corner),
-            "layer": self.corner[2] / BRICK_PLATES,
-            "cells": list(self.cells),
-            "share": finite(self.share),
-        }
+    """Size along x and y [cells]."""
+    share: OrNull
+    """Least share of the strength of studs that holds the changed assembly [-]. If it is below 1,
+    the changed assembly stands."""
+    assembly: InPython[Assembly]
+    """The changed assembly."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Improvement(Answer):
-    """The weakest studs of a brick model, the strength that it needs, and the best change.
-
-    Attributes
-    ----------
-    assembly : Assembly
-        The given assembly.
-    verdict : str
-        Verdict of `kilter.check` on the given assembly.
-    share : float
-        Least share of the strength of studs that the given assembly needs [-]. It is infinite if
-        no strength is enough, or if no limit was found.
-    weakest : tuple of str or None
-        The two bricks whose studs give way first.
-    best : BrickChange or None
-        The change with the least share; None if no change lowers the share.
-    tried : tuple of BrickChange
-        All changes that were tried, the best first.
-    warnings : tuple of str
-        Warnings of `kilter.check`.
-    """
+    """Answer of `kilter.improve`: the weakest studs of a brick model, and the best change."""
 
     answer: ClassVar[str] = "improve"
 
-    assembly: Assembly
-    verdict: str
-    share: float
-    weakest: tuple[str, str] | None
+    assembly: InPython[Assembly]
+    """The given assembly."""
+    verdict: Word
+    """Verdict of `kilter.check` on the given assembly."""
+    stands: bool
+    """True if the brick model stands as given, or would stand with the best change."""
+    bricks: int
+    """Number of bricks that are not held."""
+    share: OrNull
+    """Least share of the strength of studs that the given assembly needs [-]. It is infinite if
+    no strength is enough, or if no limit was found."""
+    weakest: PairNames | None
+    """The two bricks whose studs give way first."""
     best: BrickChange | None
+    """The change with the least share; None if no change lowers the share."""
     tried: tuple[BrickChange, ...]
+    """All changes that were tried, the best first."""
     warnings: tuple[str, ...]
-
-    @property
-    def stands(self) -> bool:
-        """True if the brick model stands as given, or would stand with the best change."""
-        with_it = self.best is not None and self.best.share < 1
-        return self.verdict != "unstable" or with_it
+    """Warnings of `kilter.check`."""
 
     @property
     def sentence(self) -> str:
         """Describe the weakest studs and the best change of the brick model in a sentence."""
         return improve_sentence(self.to_dict())
-
-    def to_dict(self) -> ImproveData:
-        """The improvement as JSON data, as ``kilter improve --json`` prints it."""
-        return {
-            "verdict": self.verdict,
-            "stands": self.stands,
-            "bricks": sum(not part.grounded for part in self.assembly.parts),
-            "share": finite(self.share),
-            "weakest": None if self.weakest is None else list(self.weakest),
-            "best": None if self.best is None else self.best.to_dict(),
-            "tried": [change.to_dict() for change in self.tried],
-            "warnings": list(self.warnings),
-        }
 
     def __repr__(self) -> str:
         best = "nothing" if self.best is None else f"{self.best.what} {self.best.name}"
@@ -195,13 +145,13 @@ def _improve(asked: Question) -> Improvement:
     report_fact = facts_of(asked.progress)
     if report_fact is not None:
         report_fact("verdict", f"the given model is {verdict.verdict.replace('-', ' ')}")
-    program = build_program(assembly, verdict.contacts)
-    factor = find_bond_factor(program, verdict.contacts)
+    program = build_program(assembly, verdict.contact_set)
+    factor = find_bond_factor(program, verdict.contact_set)
     share, weakest, motion, near = np.inf, None, None, list[int]()
     if isinstance(factor, BondFactor):
         share = factor.value
-        weakest = assembly.bonds[factor.opens[0][0]].parts if factor.opens else None
-        motion = None if factor.limit.mechanism is None else factor.limit.mechanism.motion
+        weakest = factor.opens[0].parts if factor.opens else None
+        motion = None if factor.limit.motion is None else factor.limit.motion.motion
         near = _weakest_bricks(assembly, factor)
     elif verdict.judgement.motion is not None:
         motion = verdict.judgement.motion.motion
@@ -216,11 +166,29 @@ def _improve(asked: Question) -> Improvement:
         brick = (model if what == "remove" else other).take([row])
         x, y, z = brick.corner[0].tolist()
         a, b, _ = brick.size[0].tolist()
-        tried.append(BrickChange(what, name, (x, y, z), (a, b), _needed_share(changed), changed))
+        tried.append(
+            BrickChange(
+                what=what,
+                name=name,
+                corner=(x, y, z),
+                layer=z / BRICK_PLATES,
+                cells=(a, b),
+                share=_needed_share(changed),
+                assembly=changed,
+            )
+        )
     tried.sort(key=lambda change: round(change.share, SAME_DIGITS))
     best = tried[0] if tried and tried[0].share < share else None
     return Improvement(
-        assembly, verdict.verdict, share, weakest, best, tuple(tried), tuple(verdict.warnings)
+        assembly=assembly,
+        verdict=verdict.verdict,
+        stands=verdict.verdict != "unstable" or (best is not None and best.share < 1),
+        bricks=sum(not part.grounded for part in assembly.parts),
+        share=share,
+        weakest=weakest,
+        best=best,
+        tried=tuple(tried),
+        warnings=verdict.notes,
     )
 
 
@@ -233,8 +201,8 @@ def _needed_share(assembly: Assembly) -> float:
 
 def _weakest_bricks(assembly: Assembly, factor: BondFactor) -> list[int]:
     """Indices of the bricks at the bonds that break first."""
-    bonds = [assembly.bonds[k] for k, _ in factor.opens[:WEAKEST]]
-    return sorted({assembly.index_of(name) for bond in bonds for name in bond.parts})
+    opens = factor.opens[:WEAKEST]
+    return sorted({assembly.index_of(name) for bond in opens for name in bond.parts})
 
 
 def _fastest_bricks(motion: Array) -> list[int]:

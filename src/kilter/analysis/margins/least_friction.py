@@ -17,14 +17,13 @@ coefficient is then zero and not attained: as mu decreases, the forces grow with
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.load_limit import NoLimit, starting
+from kilter.analysis.load_limit import NoLimit, starting
 from kilter.analysis.margins.squeeze import held_by_squeeze
 from kilter.analysis.turning_tolerances import (
     MU_AGREES,
@@ -40,9 +39,7 @@ from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.tell.numbers import rounded_up
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.margin_data import FrictionLimitData
+from kilter.tell.record import InPython, Record, key
 
 __all__ = ["Failing", "LeastFriction", "find_least_friction"]
 
@@ -69,43 +66,37 @@ class Failing(NamedTuple):
     motion: MotionProof
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LeastFriction:
-    """Bounds of the least friction coefficient: it is above `lower`, and at most `value`.
+class LeastFriction(Record):
+    """Bounds of the least friction coefficient: it is above `lower`, and at most `value`."""
 
-    Attributes
-    ----------
-    value : float
-        Least coefficient that is proved to hold [-]; 0 if no friction is needed. The forces balance
-        to rounding if the data permit it.
-    lower : float
-        Greatest coefficient that is proved not to hold [-]. A proof needs a motion that gains 1e-9
-        of the weights, which may leave a visible distance from a tiny `value`.
-    attained : bool
-        False if every mu above zero holds, but zero does not.
-    forces : ForceProof
-        Forces at `value`. If it is not attained, they hold at a small coefficient above zero.
-    mechanism : MotionProof or None
-        The motion at `lower`; None if no friction is needed.
-    programs : int
-        Number of programs solved.
-    """
-
-    value: float
+    value: InPython[float]
+    """Least coefficient that is proved to hold [-]; 0 if no friction is needed. The forces balance
+    to rounding if the data permit it."""
     lower: float
+    """Greatest coefficient that is proved not to hold [-]. A proof needs a motion that gains 1e-9
+    of the weights, which may leave a visible distance from a tiny `value`."""
     attained: bool
-    forces: ForceProof
-    mechanism: MotionProof | None
-    programs: int
+    """False if every mu above zero holds, but zero does not."""
+    forces: InPython[ForceProof]
+    """Forces at `value`. If it is not attained, they hold at a small coefficient above zero."""
+    motion: InPython[MotionProof | None]
+    """The motion at `lower`; None if no friction is needed."""
+    programs: InPython[int]
+    """Number of programs solved."""
+    program: InPython[Program]
+    """Program without its own coefficients."""
 
-    def to_dict(self, program: Program) -> FrictionLimitData:
-        """The bounds of the least friction as JSON data, with the parts that move below it."""
-        return {
-            "lower": float(self.lower),
-            "attained": self.attained,
-            "residual": self.forces.residual,
-            "moves": starting(program, self.mechanism),
-        }
+    @property
+    @key
+    def residual(self) -> float:
+        """Largest imbalance of a part, divided by its weight [-]."""
+        return self.forces.residual
+
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move with less friction."""
+        return starting(self.program, self.motion)
 
     def __repr__(self) -> str:
         if self.value == 0.0:
@@ -147,7 +138,7 @@ def find_least_friction(
         smooth = judge(program.frictionless)
         if smooth.stable:
             assert smooth.forces is not None
-            return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
+            return _none_needed(program, smooth.forces)
         sides.motion = smooth.motion
     else:
         sides.decide_first()
@@ -158,7 +149,7 @@ def find_least_friction(
     if failing is None and not program.has_limits:
         squeezed = held_by_squeeze(program)
         if squeezed is not None:
-            return LeastFriction(0.0, 0.0, False, squeezed, sides.motion, 4)
+            return sides.answer(0.0, 0.0, squeezed, attained=False)
     while sides.forces is None and sides.decide_first():
         pass
     if sides.forces is None:
@@ -166,7 +157,20 @@ def find_least_friction(
     sides.narrow(surely=False)
     if not sides.near(MU_CLOSE):
         sides.narrow(surely=True)
-    return LeastFriction(sides.upper, sides.lower, True, sides.forces, sides.motion, sides.programs)
+    return sides.answer(sides.upper, sides.lower, sides.forces)
+
+
+def _none_needed(program: Program, forces: ForceProof) -> LeastFriction:
+    """The answer for a program that holds without friction."""
+    return LeastFriction(
+        value=0.0,
+        lower=0.0,
+        attained=True,
+        forces=forces,
+        motion=None,
+        programs=1,
+        program=program,
+    )
 
 
 def _without_contacts(program: Program) -> LeastFriction | NoLimit:
@@ -174,7 +178,7 @@ def _without_contacts(program: Program) -> LeastFriction | NoLimit:
     smooth = judge(program)
     if smooth.stable:
         assert smooth.forces is not None
-        return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
+        return _none_needed(program, smooth.forces)
     return NoLimit("none" if smooth.stable is False else "failed")
 
 
@@ -201,6 +205,20 @@ class _Sides:
         self._undecided: tuple[float, float] | None = None
         self._root, self._off, self._slope = np.nan, np.inf, np.inf
         self._opening: Opening | None = None
+
+    def answer(
+        self, value: float, lower: float, forces: ForceProof, *, attained: bool = True
+    ) -> LeastFriction:
+        """The answer with these bounds."""
+        return LeastFriction(
+            value=value,
+            lower=lower,
+            attained=attained,
+            forces=forces,
+            motion=self.motion,
+            programs=self.programs,
+            program=self.program,
+        )
 
     def near(self, agree: float) -> bool:
         """True if the relative gap of the bounds is at most `agree`, or as small as provable."""

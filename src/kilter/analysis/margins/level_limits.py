@@ -12,10 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.limit_level import (
     NEAR,
@@ -23,19 +24,16 @@ from kilter.analysis.margins.limit_level import (
     LevelLimit,
     find_level_end,
 )
-from kilter.analysis.margins.load_limit import Limit, NoLimit, finite
 from kilter.analysis.margins.part_loads import PartLoad
 from kilter.analysis.margins.pushes import Push
-from kilter.analysis.margins.tilt import TiltMargin
+from kilter.analysis.margins.tilt import TiltAbout, TiltMargin
 from kilter.arrays import Array, cross
 from kilter.assembly import Assembly
 from kilter.assembly.interactions import Load
 from kilter.contact import ContactSet, detect
 from kilter.errors import some_names
+from kilter.tell.record import LevelWord, Record
 from kilter.work import Work
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.margin_data import LevelLimitData, LevelLimitsData
 
 __all__ = ["LevelLimits", "Limits", "find_level_limits"]
 
@@ -63,8 +61,7 @@ class Limits:
     Attributes
     ----------
     tilt : TiltMargin or None
-    about : tuple of (ndarray of shape (3,), float), or None
-        Axis, and the greatest turn about it [rad].
+    about : TiltAbout or None
     friction : LeastFriction or None
     factor : tuple of Limit or None
         Least and greatest load factor, the least with the opposite sign; empty without loads.
@@ -75,7 +72,7 @@ class Limits:
     """
 
     tilt: TiltMargin | None = None
-    about: tuple[Array, float] | None = None
+    about: TiltAbout | None = None
     friction: LeastFriction | None = None
     factor: tuple[Limit | None, ...] = ()
     force: Array | None = None
@@ -83,80 +80,53 @@ class Limits:
     loads: Sequence[PartLoad] = ()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LevelLimits:
-    """Margins of a verdict level above equilibrium, or the reason why they are unknown.
+class LevelLimits(Record):
+    """For each margin, the limit up to which the assembly reaches the required level.
 
-    Attributes
-    ----------
-    level : str
-        "settles" or "proved".
-    tilt, about : LevelLimit, NoLimit or None
-        [deg]; None if there is no such limit of equilibrium.
-    friction : LevelLimit, NoLimit or None
-        [-]; `inside` is the larger coefficient.
-    factor : tuple of LevelLimit or NoLimit
-        Least and greatest load factor [-].
-    pushes, loads : dict of str to LevelLimit or NoLimit
-        By name of the part [N].
+    None if there is no such limit of equilibrium.
     """
 
-    level: str
-    tilt: LevelLimit | NoLimit | None = None
-    about: LevelLimit | NoLimit | None = None
-    friction: LevelLimit | NoLimit | None = None
-    factor: tuple[LevelLimit | NoLimit, ...] = ()
-    pushes: dict[str, LevelLimit | NoLimit] = field(default_factory=dict)
-    loads: dict[str, LevelLimit | NoLimit] = field(default_factory=dict)
-
-    def to_dict(self) -> LevelLimitsData:
-        """The verdict level and its margins as JSON data: `inside`, `outside`, or `why` unknown."""
-        return {
-            "level": self.level,
-            "tilt_deg": _answer(self.tilt),
-            "about_deg": _answer(self.about),
-            "friction": _answer(self.friction),
-            "load_factor": [_answer(end) for end in self.factor] or None,
-            "pushes": {part: _answer(push) for part, push in self.pushes.items()},
-            "loads": {part: _answer(load) for part, load in self.loads.items()},
-        }
+    level: LevelWord
+    """"settles" or "proved"."""
+    tilt_deg: LevelLimit | None = None
+    """Tilt [deg]."""
+    about_deg: LevelLimit | None = None
+    """Turn about the given axis [deg]."""
+    friction: LevelLimit | None = None
+    """Coefficient [-]; `inside` is the larger coefficient."""
+    load_factor: tuple[LevelLimit, ...] | None = None
+    """Least and greatest load factor [-]."""
+    pushes: dict[str, LevelLimit] = field(default_factory=dict)
+    """Push by part [N]."""
+    loads: dict[str, LevelLimit] = field(default_factory=dict)
+    """Additional load by part [N]."""
 
     def unknown_words(self) -> list[str]:
         """Warnings that name all limits whose search ended without a value, one a reason.
 
         Examples
         --------
-        >>> pushes = {"a": NoLimit("effort"), "b": NoLimit("effort")}
-        >>> (words,) = LevelLimits("settles", tilt=NoLimit("effort"), pushes=pushes).unknown_words()
+        >>> ended = LevelLimit(why="effort")
+        >>> limits = LevelLimits(level="settles", tilt_deg=ended, pushes={"a": ended, "b": ended})
+        >>> (words,) = limits.unknown_words()
         >>> words.removeprefix("the work limit was reached before these limits at the level ")
         "settles were found: 'tilt', 'push of a', 'push of b' (a higher --effort allows more)"
         """
         named = [
-            *(("tilt", self.tilt), ("tilt about the axis", self.about)),
+            *(("tilt", self.tilt_deg), ("tilt about the axis", self.about_deg)),
             ("friction", self.friction),
-            *(("load factor", end) for end in self.factor),
+            *(("load factor", end) for end in self.load_factor or ()),
             *((f"push of {part}", push) for part, push in self.pushes.items()),
             *((f"load on {part}", load) for part, load in self.loads.items()),
         ]
         words = []
         for why, cause in ENDED.items():
-            ended = [
-                name for name, limit in named if isinstance(limit, NoLimit) and limit.why == why
-            ]
+            ended = [name for name, limit in named if limit is not None and limit.why == why]
             if ended:
                 limits = f"these limits at the level {self.level}"
                 names = some_names(list(dict.fromkeys(ended)))
                 words.append(cause.format(limits=limits, names=names))
         return words
-
-
-def _answer(limit: LevelLimit | NoLimit | None) -> LevelLimitData | None:
-    """A margin of a verdict level as JSON data; None if the margin does not exist."""
-    if limit is None:
-        return None
-    if isinstance(limit, NoLimit):
-        return {"inside": None, "outside": None, "why": limit.why}
-    return {"inside": finite(limit.inside), "outside": finite(limit.outside), "why": None}
 
 
 def find_level_limits(
@@ -188,26 +158,27 @@ def find_level_limits(
     drawn = None
     if any(name != "friction" for name, _ in steps):
         drawn = search.decisions.reach(assembly, contacts)
-    results: dict[Any, LevelLimit | NoLimit] = {}
+    results: dict[Any, LevelLimit] = {}
     for done, (name, step) in enumerate(steps):
         if name != "friction" and not drawn:
-            results[name] = NoLimit("none")
+            results[name] = LevelLimit(why="none")
         elif search.decisions.work.over:
             results[name] = search.decisions.no_limit()
         else:
             results[name] = step(search.decisions.share(1.0 / (len(steps) - done)))
+    ends = [results[key] for key in (("factor", 0), ("factor", 1)) if key in results]
     return LevelLimits(
-        level,
-        tilt=results.get("tilt"),
-        about=results.get("about"),
+        level=level,
+        tilt_deg=results.get("tilt"),
+        about_deg=results.get("about"),
         friction=results.get("friction"),
-        factor=tuple(results[key] for key in (("factor", 0), ("factor", 1)) if key in results),
+        load_factor=tuple(ends) or None,
         pushes={push.part: results["push", push.part] for push in limits.pushes},
         loads={load.part: results["load", load.part] for load in limits.loads},
     )
 
 
-_Step = tuple[Any, Callable[[LevelDecisions], LevelLimit | NoLimit]]
+_Step = tuple[Any, Callable[[LevelDecisions], LevelLimit]]
 """Key of a limit, and the function that finds it with a share of the work."""
 
 
@@ -227,8 +198,8 @@ class _LevelSearch:
         if tilt is not None and tilt.toward.any():
             steps.append(("tilt", self._turn(tilt.toward, tilt.angle)))
         if limits.about is not None:
-            axis, angle = limits.about
-            steps.append(("about", self._turn(cross(axis, down), min(angle, 2 * np.pi))))
+            angle = min(float(np.radians(limits.about.tilt_deg)), 2 * np.pi)
+            steps.append(("about", self._turn(cross(limits.about.axis, down), angle)))
         if friction is not None:
             steps.append(("friction", lambda share: self._least_friction(friction, share)))
         if len(limits.factor) == 2 and None not in limits.factor:
@@ -244,9 +215,7 @@ class _LevelSearch:
             steps.append((("load", load.part), self._pushed(load.part, down, load.load)))
         return steps
 
-    def _turn(
-        self, toward: Array, angle: float
-    ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
+    def _turn(self, toward: Array, angle: float) -> Callable[[LevelDecisions], LevelLimit]:
         """Create the search over tilts of gravity toward a horizontal direction, from 0 to `angle`.
 
         The angle is in radians; the search returns degrees.
@@ -266,12 +235,12 @@ class _LevelSearch:
 
     def _factor(
         self, force: Array | None, first: float, sign: float, end: float
-    ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
+    ) -> Callable[[LevelDecisions], LevelLimit]:
         """Create the search over load factors, from the given factor to `sign` times `end`."""
         assembly = self.assembly
         size = float(np.linalg.norm(assembly.gravity))
 
-        def step(share: LevelDecisions) -> LevelLimit | NoLimit:
+        def step(share: LevelDecisions) -> LevelLimit:
             def reaches(more: float) -> bool:
                 factor = first + sign * more
                 if force is not None:
@@ -292,7 +261,7 @@ class _LevelSearch:
 
     def _pushed(
         self, part: str, direction: Array, force: float
-    ) -> Callable[[LevelDecisions], LevelLimit | NoLimit]:
+    ) -> Callable[[LevelDecisions], LevelLimit]:
         """Create the search over pushes on a part in a direction, from 0 to `force` [N]."""
         assembly = self.assembly
         weight = float(np.linalg.norm(assembly.gravity)) * float(assembly.geometry.mass.sum())
@@ -306,13 +275,11 @@ class _LevelSearch:
 
         return step
 
-    def _least_friction(
-        self, friction: LeastFriction, share: LevelDecisions
-    ) -> LevelLimit | NoLimit:
+    def _least_friction(self, friction: LeastFriction, share: LevelDecisions) -> LevelLimit:
         """Find the least friction coefficient that reaches the verdict level."""
         least = float(friction.value)
         if least == 0.0 and friction.attained:  # equilibrium without friction is proved
-            return LevelLimit(share.level, 0.0, 0.0)
+            return LevelLimit(inside=0.0, outside=0.0)
         unit = least if least > 0.0 else SMALL_MU
         given = [float(mu) for mu in np.unique(self.contacts.patch_mu) if mu > least]
         tried = sorted({*given[:1], *(unit * more for more in ROUGHER)})
@@ -324,9 +291,9 @@ class _LevelSearch:
                 break
             below = top
         else:
-            return NoLimit("none")
+            return LevelLimit(why="none")
         if top <= least * (1 + NEAR):
-            return LevelLimit(share.level, least, least)
+            return LevelLimit(inside=least, outside=least)
         limit = find_level_end(
             share, lambda less: share.reach(*self._rough(top - less)), top - below
         )

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 
 from kilter.analysis.decision.cascade import decide
-from kilter.analysis.margins.load_limit import NoLimit
+from kilter.analysis.load_limit import Why
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.tell.levels import holds
+from kilter.tell.record import OrNull, Record
 from kilter.work import Work
 
 __all__ = ["LevelDecisions", "LevelLimit", "find_level_end", "turned_toward", "verdict_outside"]
@@ -42,28 +44,22 @@ DECISION = 50_000.0
 """Units that each decision is charged in addition: the programs and contacts of few parts."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LevelLimit:
-    """The largest change of an assembly (tilt, load, ...) at which it reaches a verdict level.
+class LevelLimit(Record):
+    """A limit at a level of stability: values on both sides of it, or why they are unknown.
 
-    Changes start from the assembly as drawn.
-
-    Attributes
-    ----------
-    level : str
-        "settles" or "proved".
-    inside : float
-        The farthest value up to which every decided value reaches the level, in the unit of the
-        limit.
-    outside : float
-        The nearest value that was decided and does not reach it. It equals `inside` if every
-        decided value up to the limit of equilibrium reaches the level, and is infinite if no
-        such limit exists either.
+    It is the largest change of an assembly (tilt, load, ...) at which the level is reached. Changes
+    start from the assembly as drawn.
     """
 
-    level: str
-    inside: float
-    outside: float
+    inside: OrNull = nan
+    """The farthest value up to which every decided value reaches the level, in the unit of the
+    limit."""
+    outside: OrNull = nan
+    """The nearest value that was decided and does not reach it. It equals `inside` if every
+    decided value up to the limit of equilibrium reaches the level, and is infinite if no
+    such limit exists either."""
+    why: Why | None = None
+    """Why the values are unknown."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,9 +102,9 @@ class LevelDecisions:
         """Copy of these decisions with a fraction of the remaining work."""
         return LevelDecisions(self.level, self.units, self.work.fraction_left(fraction))
 
-    def no_limit(self) -> NoLimit:
-        """The reason why a level was not decided: the time limit, or no work left."""
-        return NoLimit("time" if self.work.late else "effort")
+    def no_limit(self) -> LevelLimit:
+        """The limit of a level that was not decided: the time limit, or no work left."""
+        return LevelLimit(why="time" if self.work.late else "effort")
 
 
 def verdict_outside(
@@ -170,7 +166,7 @@ def find_level_end(
     >>> limit.inside, limit.outside
     (1.0, 1.0)
     """
-    work, level = decisions.work, decisions.level
+    work = decisions.work
     lower, upper = 0.0, end
     if end == float("inf"):
         for share in GROWTH:
@@ -181,13 +177,13 @@ def find_level_end(
                 break
             lower = share * size
         if upper == end:
-            return LevelLimit(level, lower, upper)
+            return LevelLimit(inside=lower, outside=upper)
     elif end == 0.0 or work.over:
-        return LevelLimit(level, 0.0, end)
+        return LevelLimit(inside=0.0, outside=end)
     elif reaches(end * (1 - NEAR)):
         miss = _first_miss(reaches, end, work)
         if miss is None:
-            return LevelLimit(level, end, end)
+            return LevelLimit(inside=end, outside=end)
         upper = miss
     for _ in range(ROUNDS):  # again below every miss that the samples find
         for _ in range(STEPS):
@@ -199,7 +195,7 @@ def find_level_end(
         if miss is None:
             break
         lower, upper = 0.0, miss
-    return LevelLimit(level, lower, upper)
+    return LevelLimit(inside=lower, outside=upper)
 
 
 def _first_miss(reaches: Callable[[float], bool], end: float, work: Work) -> float | None:

@@ -9,25 +9,22 @@ assembly, just beyond it a motion starts; both are as near to the limit as they 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.bond_factor import BondFactor
-from kilter.analysis.margins.least_friction import LeastFriction
-from kilter.analysis.margins.load_limit import Limit
-from kilter.analysis.margins.part_loads import PartLoad
-from kilter.analysis.margins.pushes import Push
-from kilter.analysis.margins.tilt import NearestHeld, TiltMargin
 from kilter.analysis.turning_tolerances import AROUND_LIMIT
 from kilter.arrays import TINY, Array, cross
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.bundle import apply_change
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_motion
-from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, make_proof
+
+if TYPE_CHECKING:
+    from kilter.analysis.margins.margin import Margin
 
 __all__ = ["changed_proof", "margin_proofs"]
 
@@ -35,36 +32,7 @@ Change = Callable[[float], dict[str, Any]]
 About = tuple[dict[str, Any], dict[str, Any]]
 
 
-class KnownLimits(Protocol):
-    """Results of a margin that its proofs need: members of `margins.margin.Margin`."""
-
-    @property
-    def assembly(self) -> Assembly: ...
-    @property
-    def contacts(self) -> ContactSet: ...
-    @property
-    def program(self) -> Program: ...
-    @property
-    def tilt(self) -> TiltMargin | None: ...
-    @property
-    def nearest(self) -> NearestHeld | None: ...
-    @property
-    def about(self) -> tuple[Array, float, Limit] | None: ...
-    @property
-    def friction(self) -> LeastFriction | None: ...
-    @property
-    def bond(self) -> BondFactor | None: ...
-    @property
-    def load_factor(self) -> tuple[Limit | None, Limit | None] | None: ...
-    @property
-    def pushes(self) -> tuple[Push, ...]: ...
-    @property
-    def loads(self) -> tuple[PartLoad, ...]: ...
-    @property
-    def push(self) -> Array | None: ...
-
-
-def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About]:
+def margin_proofs(limits: Margin, *, options: dict[str, Any]) -> list[About]:
     """Proofs of every limit of a margin: tilts, friction, bonds, load factors, pushes, loads."""
     proofs = []
     for what, (within, beyond), change, upwards, motion, more in _limits(limits):
@@ -86,7 +54,7 @@ def margin_proofs(limits: KnownLimits, *, options: dict[str, Any]) -> list[About
 
 
 def _limits(
-    limits: KnownLimits,
+    limits: Margin,
 ) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None, dict[str, Any]]]:
     """Yield for each limit its name, a value on each side, the change of the file, and the motion.
 
@@ -95,55 +63,49 @@ def _limits(
 
     The sides are the values that are held and not held, if both are proved; else a single value.
     """
-    tilt, nearest, friction, factor = (
-        limits.tilt,
-        limits.nearest,
-        limits.friction,
-        limits.load_factor,
-    )
+    tilt, nearest, friction, bond = limits.tilt, limits.nearest, limits.friction_limit, limits.bond
     down = limits.program.down
-    if tilt is not None and tilt.limit.mechanism is not None and (tilt.down != down).any():
+    if tilt is not None and tilt.limit.motion is not None and (tilt.down != down).any():
         sides = tilt.angle, tilt.angle
-        yield "tilt", sides, _turn_gravity(down, tilt.down), True, tilt.limit.mechanism, {}
-    if limits.about is not None and np.isfinite(limits.about[1]):
-        axis, angle, limit = limits.about
-        turned = _turn_gravity(down, cross(axis, down))
-        more = {"data": {"axis": axis.tolist()}}
-        yield "tilt about the axis", (angle, angle), turned, True, limit.mechanism, more
+        yield "tilt", sides, _turn_gravity(down, tilt.down), True, tilt.limit.motion, {}
+    about = limits.about
+    if about is not None and np.isfinite(about.tilt_deg):
+        angle = float(np.radians(about.tilt_deg))
+        turned = _turn_gravity(down, cross(about.axis, down))
+        more = {"data": {"axis": about.axis.tolist()}}
+        yield "tilt about the axis", (angle, angle), turned, True, about.limit.motion, more
     if nearest is not None and (nearest.down != down).any():
         sides = nearest.angle, nearest.lower
-        yield "nearest held", sides, _turn_gravity(down, nearest.down), False, nearest.mechanism, {}
+        yield "nearest held", sides, _turn_gravity(down, nearest.down), False, nearest.motion, {}
     if friction is not None and friction.value > 0 and friction.attained:
         sides = friction.value, friction.lower
-        yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism, {}
-    if limits.bond is not None and limits.bond.value > 0:
-        sides = limits.bond.value, limits.bond.value
-        motion = limits.bond.limit.mechanism
-        yield "bond", sides, lambda share: {"strength": share}, False, motion, {}
-    if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
-        greatest = factor[1]
+        yield "friction", sides, lambda mu: {"mu": mu}, False, friction.motion, {}
+    if limits.bond_limit is not None and bond is not None:
+        motion = limits.bond_limit.limit.motion
+        yield "bond", (bond, bond), lambda share: {"strength": share}, False, motion, {}
+    least, greatest = limits.load_limits or (None, None)
+    scaled = _scale_loads(limits)
+    more = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
+    if greatest is not None and np.isfinite(greatest.value):
         sides = greatest.value, greatest.value
-        more = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
-        yield "load factor", sides, _scale_loads(limits), True, greatest.mechanism, more
-    if factor is not None and factor[0] is not None and np.isfinite(factor[0].value):
-        least = -factor[0].value
-        more = {} if limits.push is None else {"data": {"push": limits.push.tolist()}}
-        scaled = _scale_loads(limits)
-        yield "least load factor", (least, least), scaled, False, factor[0].mechanism, more
+        yield "load factor", sides, scaled, True, greatest.motion, more
+    if least is not None and np.isfinite(least.value):
+        sides = -least.value, -least.value
+        yield "least load factor", sides, scaled, False, least.motion, more
     for push in limits.pushes:
         if np.isfinite(push.force):
             weight = float(limits.program.weight[limits.program.free].sum())
             pushed = _push_part(limits.assembly, push.part, push.direction * weight)
             sides = push.force / weight, push.force / weight
             share = {"unit": weight}
-            yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism, share
+            yield f"push of {push.part}", sides, pushed, True, push.limit.motion, share
     for load in limits.loads:
         if 0 < load.load < np.inf:
             within, beyond = load.load / load.unit, load.beyond / load.unit
             sides = within, beyond if np.isfinite(beyond) else within
             pressed = _push_part(limits.assembly, load.part, down * load.unit)
             share = {"unit": load.unit}
-            yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism, share
+            yield f"load on {load.part}", sides, pressed, True, load.limit.motion, share
 
 
 def _turn_gravity(down: Array, toward: Array) -> Change:
@@ -158,7 +120,7 @@ def _load(part: str, force: Array, torque: Array, point: Array | None = None) ->
     return {"part": part, "force": force.tolist(), "torque": torque.tolist(), "point": where}
 
 
-def _scale_loads(limits: KnownLimits) -> Change:
+def _scale_loads(limits: Margin) -> Change:
     """Function from a load factor to a changed file, with scaled loads or a body force."""
     assembly, program = limits.assembly, limits.program
     if limits.push is None:
@@ -186,7 +148,7 @@ def _push_part(assembly: Assembly, part: str, force: Array) -> Change:
 
 
 def _proof(
-    limits: KnownLimits,
+    limits: Margin,
     change: dict[str, Any],
     held: bool,
     motion: MotionProof | None,

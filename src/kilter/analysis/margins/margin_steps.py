@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.load_limit import (
+    Limit,
+    LimitSteps,
+    NoLimit,
+    Why,
+    find_limit,
+    gravity_wrench,
+)
 from kilter.analysis.margins.least_friction import Failing, LeastFriction, find_least_friction
 from kilter.analysis.margins.level_limits import LevelLimits, Limits, find_level_limits
 from kilter.analysis.margins.limit_level import verdict_outside
-from kilter.analysis.margins.load_limit import Limit, NoLimit, Why, find_limit, gravity_wrench
 from kilter.analysis.margins.margin_question import PUSHED, MarginQuestion
 from kilter.analysis.margins.part_loads import PartLoad, find_part_load
 from kilter.analysis.margins.pushes import Push, find_weakest_push
@@ -26,13 +34,13 @@ from kilter.analysis.margins.uncertainty import Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.contact.round_edges import RoundEdge, round_edges
-from kilter.errors import TimeLimitReached, some_names
+from kilter.errors import some_names
 from kilter.mechanics.certificate import MotionProof, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import CONTACT
-from kilter.work import PER_EFFORT, Work, stop_after
+from kilter.work import PER_EFFORT
 
 __all__ = ["Ends", "MarginSteps"]
 
@@ -49,43 +57,14 @@ Ends = tuple[Limit | None, Limit | None]
 """Limits at the least and the greatest load factor; None for an end that has no limit."""
 
 
-@dataclass(slots=True, eq=False)
-class MarginSteps:
-    """Steps that compute the limits of a margin, under a common time limit.
-
-    An answer at the time limit still has the limits of the steps that ended before it.
-
-    Attributes
-    ----------
-    question : MarginQuestion
-    verdict : Verdict
-    program : Program
-        The modelled contacts, with friction.
-    work : Work
-    tell : callable
-        Function that is called with the name of each stage.
-    warnings : list of str
-    missing : dict
-        The reason for each requested limit that has no value.
-    """
+@dataclass(slots=True, kw_only=True, eq=False)
+class MarginSteps(LimitSteps):
+    """Steps that compute the limits of a margin; `program` has the modelled contacts."""
 
     question: MarginQuestion
     verdict: Verdict
     program: Program
-    work: Work
-    tell: Callable[[str], None]
     warnings: list[str]
-    missing: dict[str, Why] = field(default_factory=dict)
-
-    def limit(
-        self, name: str, step: Callable[..., T | NoLimit | None], *arguments: Any
-    ) -> T | None:
-        """Run the step for a limit; if it has no value, return None and note the reason."""
-        result = self._in_time(step, *arguments)
-        if isinstance(result, NoLimit):
-            self.missing[name] = result.why
-            return None
-        return result
 
     def tilt(self) -> TiltMargin | NearestHeld | None:
         """Compute the tilt margin, or the nearest held direction if the gravity is not held."""
@@ -101,7 +80,7 @@ class MarginSteps:
         # the verdict proves that no tilt limit exists, so that only the nearest direction is open
         falls = self._large and self._falls is not None
         find = find_nearest_held if falls else partial(_tilt_or_nearest, edges=self.edges)
-        gravity = self._in_time(find, self.program)
+        gravity = self.in_time(find, self.program)
         if isinstance(gravity, NoLimit):
             self.missing["tilt"] = gravity.why
             return None
@@ -114,7 +93,7 @@ class MarginSteps:
         decide: then the limit concerns the drawing only. The motion of the verdict proves a lower
         bound.
         """
-        fitted = build_program(self.question.assembly, self.verdict.contacts, fitted=True)
+        fitted = build_program(self.question.assembly, self.verdict.contact_set, fitted=True)
         contacts, failing, most = fitted.kind == CONTACT, None, np.inf
         if self._large and self._falls is not None and not fitted.has_limits:
             mu = fitted.mu[contacts]
@@ -127,12 +106,22 @@ class MarginSteps:
         find = partial(find_least_friction, failing=failing, programs=most)
         return self.limit("friction", find, fitted)
 
+    def bond(self) -> BondFactor | None:
+        """Least share of the strength of bonds and straps; None without a value."""
+        assembly = self.question.assembly
+        if not (assembly.bonds or assembly.straps):
+            return None
+        if any({"friction", "stiffness"} & set(joint.guide) for joint in assembly.joints):
+            self.warnings.append("no bond margin: friction and springs of joints are no bonds")
+            return None
+        return self.limit("bond", find_bond_factor, self.program, self.verdict.contacts)
+
     @property
     def edges(self) -> tuple[RoundEdge, ...]:
         """Round edges over which parts tip; none for a large or planar program."""
         if self._large or self.program.planar:
             return ()
-        return round_edges(self.question.assembly, self.verdict.contacts)
+        return round_edges(self.question.assembly, self.verdict.contact_set)
 
     @property
     def _large(self) -> bool:
@@ -147,7 +136,7 @@ class MarginSteps:
 
     def load_factor(self, name: str, program: Program) -> Ends | None:
         """Least and greatest load factor at which the assembly holds; None if no load is given."""
-        ends = self._in_time(_load_factor, self.question, program)
+        ends = self.in_time(_load_factor, self.question, program)
         if ends is None:
             return None
         least, greatest = (ends, ends) if isinstance(ends, NoLimit) else ends
@@ -188,11 +177,8 @@ class MarginSteps:
             return None
         self.tell("uncertainty")
         find = partial(find_uncertainty, push=self.question.push)
-        worst = self._in_time(find, self.program, ranges)
-        if isinstance(worst, NoLimit):
-            self.missing["uncertainty"] = worst.why
-            return None
-        if worst is None:
+        worst = self.limit("uncertainty", find, self.program, ranges)
+        if worst is None and "uncertainty" not in self.missing:
             self.warnings.append(
                 "no worst case: there are too many parts and contacts for intervals of masses or"
                 " centres; without --mass-range and --com-range there is no such limit"
@@ -201,9 +187,9 @@ class MarginSteps:
 
     def beyond(self, tilt: TiltMargin) -> str | None:
         """The verdict just beyond the tilt margin."""
-        assembly, touching = self.question.assembly, self.verdict.contacts
+        assembly, touching = self.question.assembly, self.verdict.contact_set
         return _limit_or_none(
-            self._in_time(verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work)
+            self.in_time(verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work)
         )
 
     def at_level(self, limits: Limits) -> LevelLimits | None:
@@ -213,7 +199,7 @@ class MarginSteps:
             return None
         self.tell(f"limits at the level {level}")
         find = partial(find_level_limits, level=level, units=self.work.allowed, work=self.work)
-        assembly, touching = self.question.assembly, self.verdict.contacts
+        assembly, touching = self.question.assembly, self.verdict.contact_set
         found = self.limit("limits at the level", find, assembly, touching, limits)
         if found is not None:
             self.warnings += found.unknown_words()
@@ -224,18 +210,6 @@ class MarginSteps:
         find = partial(what_helps, held=self.question.pushed, edges=self.edges)
         helps = self.limit("what helps", find, self.program, tilt, factor, self.question.push)
         return helps or ()
-
-    def _in_time(self, step: Callable[..., T], *arguments: Any) -> T | NoLimit:
-        """The result of a step, or the reason that the time limit ended it."""
-        try:
-            with stop_after(self.work.seconds):
-                result = step(*arguments)
-        except TimeLimitReached:
-            return NoLimit("time")
-        # a solver that was cut short has no proof, which is no failure of the solver
-        if isinstance(result, NoLimit) and result.why == "failed" and self.work.late:
-            return NoLimit("time")
-        return result
 
     def _of_parts(
         self,

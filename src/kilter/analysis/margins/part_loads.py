@@ -9,56 +9,45 @@ that its two sides are near as seen from the load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
+from kilter.analysis.load_limit import Limit, NoLimit, find_limit
 from kilter.analysis.turning_tolerances import SIDES_NEAR
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.margin_data import PartLoadData
+from kilter.tell.record import InPython, OrNull, Record, key
 
 __all__ = ["PartLoad", "find_part_load"]
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class PartLoad:
-    """The largest load straight down, at its centre of mass, that a part takes [N].
-
-    Attributes
-    ----------
-    part : str
-    load : float
-        Proved to be held [N]; infinite if unlimited.
-    beyond : float
-        Proved not to be held [N]; infinite if that proof is missing.
-    limit : Limit
-        Forces and mechanism at the limit, in units of `unit`.
-    unit : float
-        [N]
-    """
+class PartLoad(Record):
+    """Additional load straight down, at its centre of mass, that a part carries."""
 
     part: str
-    load: float
-    beyond: float
-    limit: Limit
-    unit: float
+    """Name of the part."""
+    load: OrNull
+    """Load that is proved to be held [N]; infinite without a limit."""
+    mass: OrNull
+    """Mass with this weight [kg]."""
+    beyond: OrNull
+    """Load that is proved not to be held [N]; infinite if that proof is missing."""
+    limit: InPython[Limit]
+    """Forces and mechanism at the limit, in units of `unit`."""
+    unit: InPython[float]
+    """Unit of the multiples [N]."""
 
-    def to_dict(self, program: Program) -> PartLoadData:
-        """The largest load on this part as JSON data for the answer of `kilter margin`."""
-        return {
-            "part": self.part,
-            "load": finite(self.load),
-            "mass": finite(self.load / program.g),
-            "beyond": finite(self.beyond),
-            "residual": self.limit.forces.residual,
-            "moves": starting(program, self.limit.mechanism),
-        }
+    @property
+    @key
+    def residual(self) -> float:
+        """Largest imbalance of a part at the limit, divided by its weight [-]."""
+        return self.limit.residual
+
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move beyond the limit."""
+        return self.limit.moves
 
     def __repr__(self) -> str:
         return f"PartLoad({self.part!r}, {self.load:.6g} N)"
@@ -110,4 +99,11 @@ def _largest_load(program: Program, part: int, unit: float, opening: Opening) ->
         return limit if isinstance(limit, NoLimit) else NoLimit("none")
     beyond = limit.value + limit.gap * max(limit.value, 1.0)
     load = limit.value * unit
-    return PartLoad(program.names[part], load, max(beyond * unit, load), limit, unit)
+    return PartLoad(
+        part=program.names[part],
+        load=load,
+        mass=load / program.g,
+        beyond=max(beyond * unit, load),
+        limit=limit,
+        unit=unit,
+    )

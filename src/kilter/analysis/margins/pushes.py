@@ -9,12 +9,11 @@ planes outside (`kilter.analysis.regions.enclose`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, finite
+from kilter.analysis.load_limit import Limit, NoLimit
 from kilter.analysis.margins.tilt import held_limit
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (
@@ -25,9 +24,7 @@ from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.margin_data import PushData
+from kilter.tell.record import InPython, OrNull, Record, Vector
 
 __all__ = ["Push", "find_push", "find_weakest_push"]
 
@@ -36,40 +33,21 @@ PROGRAMS = 80
 """Largest number of programs for the weakest push of a part; then the gap stays open."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Push:
-    """The largest push on a part, in a direction, that the assembly withstands.
-
-    Attributes
-    ----------
-    part : str
-    direction : ndarray, shape (3,)
-        Unit.
-    force : float
-        [N]; infinite if unlimited.
-    lower : float
-        A push that is resisted in every direction, for the weakest direction [N].
-    limit : Limit
-        Forces and mechanism there.
-    programs : int
-    """
+class Push(Record):
+    """Greatest push at the centre of mass of a part, in its weakest direction."""
 
     part: str
-    direction: Array
-    force: float
-    lower: float
+    """Name of the part."""
+    direction: Vector
+    """Unit."""
+    force: OrNull
+    """[N]; infinite without a limit."""
+    lower: OrNull
+    """Push that is proved to be resisted, for the weakest direction in every direction [N]."""
     limit: Limit
-    programs: int
-
-    def to_dict(self, program: Program) -> PushData:
-        """The largest push as JSON data."""
-        return {
-            "part": self.part,
-            "direction": self.direction.tolist(),
-            "force": finite(self.force),
-            "lower": finite(self.lower),
-            "limit": self.limit.to_dict(program),
-        }
+    """Forces and mechanism there."""
+    programs: InPython[int]
+    """Number of programs solved."""
 
     def __repr__(self) -> str:
         return f"Push({self.part!r}, {self.force:.6g} N)"
@@ -99,7 +77,14 @@ def find_push(
     if isinstance(limit, NoLimit):
         return limit
     force = max(limit.value, 0.0) * weight
-    return Push(program.names[part], direction, force, force, limit, 1)
+    return Push(
+        part=program.names[part],
+        direction=direction,
+        force=force,
+        lower=force,
+        limit=limit,
+        programs=1,
+    )
 
 
 def find_weakest_push(
@@ -138,7 +123,9 @@ def find_weakest_push(
     assert isinstance(push, Push)
     unlimited = face.outer >= cap * (1 - PUSH_AGREES)
     force, lower = (np.inf, np.inf) if unlimited else (face.outer, face.inner)
-    return Push(push.part, face.normal @ axes, force, lower, push.limit, face.asked)
+    return replace(
+        push, direction=face.normal @ axes, force=force, lower=lower, programs=face.asked
+    )
 
 
 def _first(planar: bool) -> Array:
@@ -149,7 +136,7 @@ def _first(planar: bool) -> Array:
 
 def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
     """Plane in the space of pushes on a part, beyond which a part moves: unit normal, distance."""
-    mechanism = push.limit.mechanism
+    mechanism = push.limit.motion
     if mechanism is None:
         return push.direction, push.force
     step = mechanism.motion[part, :3]

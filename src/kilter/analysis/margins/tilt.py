@@ -16,20 +16,19 @@ do not turn with gravity, so they have no tilt margin of this kind.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.edge_limits import limit_on_circles
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
     SharedCones,
     find_limit,
     gravity_wrench,
 )
+from kilter.analysis.margins.edge_limits import limit_on_circles
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (
@@ -46,9 +45,11 @@ from kilter.mechanics.coulomb_cones import cone_problem, nearest_load
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.tell.record import OrNull, Record, Vector
 
 __all__ = [
     "NearestHeld",
+    "TiltAbout",
     "TiltMargin",
     "across_gravity",
     "find_nearest_held",
@@ -70,57 +71,48 @@ CLOSED = 2e-6
 """Largest difference between a tilt and the proved lower angle of an exact tilt [rad]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class NearestHeld:
-    """The held direction of gravity nearest to the given direction, and the angle between them.
+class TiltAbout(Record):
+    """Limit of a turn of gravity about an axis."""
 
-    Attributes
-    ----------
-    angle : float
-        Turn to a direction that is held, as far as a certificate tells [rad].
-    lower : float
-        A turn up to which a motion proves that no turn is held [rad]; 0 without such a motion.
-    down : ndarray, shape (3,)
-        That direction, unit.
-    mechanism : MotionProof or None
-        The motion that proves `lower`.
-    """
+    axis: Vector
+    """Axis of the turn; the other sense has the opposite axis."""
+    tilt_deg: OrNull
+    """By the right-hand rule [deg]; infinite if a full turn is held."""
+    limit: Limit
+    """Forces and mechanism there."""
+
+
+class NearestHeld(Record):
+    """The held direction of gravity nearest to the given direction, and the angle between them."""
 
     angle: float
+    """Turn to a direction that is held, as far as a certificate tells [rad]."""
     lower: float
-    down: Array
-    mechanism: MotionProof | None
+    """A turn up to which a motion proves that no turn is held [rad]; 0 without such a motion."""
+    down: Vector
+    """That direction, unit."""
+    motion: MotionProof | None
+    """The motion that proves `lower`."""
 
     def __repr__(self) -> str:
         return f"NearestHeld({np.degrees(self.angle):.6g} deg away)"
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class TiltMargin:
-    """The least turn of gravity after which no contact forces hold the assembly.
-
-    Attributes
-    ----------
-    angle : float
-        [rad]; pi/2 if a right angle is not enough, 0 if it is less than the imbalance that a
-        certificate lets forces leave (1e-9): no proof tells it from none.
-    lower : float
-        An angle up to which every turn is held [rad], reduced by the permitted imbalance.
-    down : ndarray, shape (3,)
-        Direction of gravity at the limit, unit; as given if a right angle is not enough.
-    toward : ndarray, shape (3,)
-        Horizontal direction toward which the tilt fails first, unit; zero if a right angle is not
-        enough.
-    limit : Limit
-        Forces and mechanism there.
-    programs : int
-    """
+class TiltMargin(Record):
+    """The least turn of gravity after which no contact forces hold the assembly."""
 
     angle: float
+    """[rad]; pi/2 if a right angle is not enough, 0 if it is less than the imbalance that a
+    certificate lets forces leave (1e-9): no proof tells it from none."""
     lower: float
-    down: Array
-    toward: Array
+    """An angle up to which every turn is held [rad], reduced by the permitted imbalance."""
+    down: Vector
+    """Direction of gravity at the limit, unit; as given if a right angle is not enough."""
+    toward: Vector
+    """Horizontal direction toward which the tilt fails first, unit; zero if a right angle is not
+    enough."""
     limit: Limit
+    """Forces and mechanism there."""
     programs: int
 
     @property
@@ -133,8 +125,8 @@ class TiltMargin:
         return f"TiltMargin({over}{np.degrees(self.angle):.6g} deg)"
 
 
-def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
-    """Largest turn of gravity [rad] about an axis at which the parts hold, and its limit.
+def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
+    """Largest turn of gravity about an axis at which the parts hold, and its limit.
 
     By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
     no limit. A conic program for each right angle.
@@ -158,10 +150,11 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
         if isinstance(limit, NoLimit):
             return limit if turns == 0 else NoLimit("failed")
         if np.isfinite(limit.value):
-            return turns * np.pi / 2 + float(np.arctan(limit.value)), limit
+            angle = turns * np.pi / 2 + float(np.arctan(limit.value))
+            return TiltAbout(axis=axis, tilt_deg=float(np.degrees(angle)), limit=limit)
         unlimited = limit
     assert unlimited is not None
-    return np.inf, unlimited
+    return TiltAbout(axis=axis, tilt_deg=np.inf, limit=unlimited)
 
 
 def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltMargin | NoLimit:
@@ -221,18 +214,18 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
     if least < -TOLERANCE and judge(program).stable is False:
         return NoLimit("none")
     if face.outer >= STEEPEST * (1 - TILT_AGREES):  # unlimited in every direction
-        return TiltMargin(np.pi / 2, np.pi / 2, program.down, np.zeros(3), limit, face.asked)
-    toward = face.normal @ basis
-    if face.outer < TOLERANCE:
-        return TiltMargin(0.0, 0.0, program.down, toward, limit, face.asked)
-    down = program.down + face.outer * toward
+        angle = lower = np.pi / 2
+        down, toward = program.down, np.zeros(3)
+    else:
+        toward = face.normal @ basis
+        down, angle, lower = program.down, 0.0, 0.0
+        if face.outer >= TOLERANCE:
+            down = down + face.outer * toward
+            down = down / float(np.linalg.norm(down))
+            angle = float(np.arctan(face.outer))
+            lower = max(float(np.arctan(face.inner)) - TOLERANCE, 0.0)
     return TiltMargin(
-        float(np.arctan(face.outer)),
-        max(float(np.arctan(face.inner)) - TOLERANCE, 0.0),
-        down / float(np.linalg.norm(down)),
-        toward,
-        limit,
-        face.asked,
+        angle=angle, lower=lower, down=down, toward=toward, limit=limit, programs=face.asked
     )
 
 
@@ -266,8 +259,8 @@ def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) ->
     """
     reach = max(min(limit.value, STEEPEST), 0.0)
     point = reach * direction
-    if limit.mechanism is not None:
-        moment = (program.mass * program.free) @ limit.mechanism.motion[:, :3]
+    if limit.motion is not None:
+        moment = (program.mass * program.free) @ limit.motion.motion[:, :3]
         along = basis @ moment
         size = float(np.linalg.norm(along))
         distance = -float(program.down @ moment) / size if size > 0 else np.inf
@@ -300,8 +293,8 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
     nearest = _project_by_cones(program)
     if isinstance(nearest, NoLimit):
         return nearest
-    angle, lower, held = _angle_between(program.down, nearest), 0.0, nearest
-    mechanism: MotionProof | None = None
+    angle, lower, held = float(angle_between(program.down, nearest)), 0.0, nearest
+    motion: MotionProof | None = None
     aim, start = program.down, program.turned(nearest)
     for _ in range(NEARER):
         if not (aim - nearest).any():
@@ -311,23 +304,23 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
             break
         held_down = nearest + min(limit.value, 1.0) * (aim - nearest)
         held_down = held_down / float(np.linalg.norm(held_down))
-        if _angle_between(program.down, held_down) < angle:
-            angle, held = _angle_between(program.down, held_down), held_down
-        if limit.mechanism is None:
+        if (nearer := float(angle_between(program.down, held_down))) < angle:
+            angle, held = nearer, held_down
+        if limit.motion is None:
             break
-        moment = (program.mass * program.free) @ limit.mechanism.motion[:, :3]
+        moment = (program.mass * program.free) @ limit.motion.motion[:, :3]
         normal = moment / max(float(np.linalg.norm(moment)), TINY)
         rise = float(program.down @ normal)
         if rise <= 0.0:
             break
         turn = min(float(np.arcsin(rise)) - TOLERANCE, angle)
         if turn > lower:
-            lower, mechanism = turn, limit.mechanism
+            lower, motion = turn, limit.motion
         if angle - lower <= 2 * TOLERANCE:
             break
         aim = program.down - rise * normal
         aim = aim / float(np.linalg.norm(aim))
-    return NearestHeld(angle, lower, held, mechanism)
+    return NearestHeld(angle=angle, lower=lower, down=held, motion=motion)
 
 
 def _project_by_cones(program: Program) -> Array | NoLimit:
@@ -345,11 +338,6 @@ def _project_by_cones(program: Program) -> Array | NoLimit:
     vector = answer.x[-len(axes) :] @ axes
     size = float(np.linalg.norm(vector))
     return NoLimit("none") if size < NO_PROJECTION else vector / size
-
-
-def _angle_between(first: Array, other: Array) -> float:
-    """Angle [rad] between two directions."""
-    return float(angle_between(first, other))
 
 
 def across_gravity(program: Program) -> Array:

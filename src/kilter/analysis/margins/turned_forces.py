@@ -24,9 +24,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.arrays import TINY, Array, Index, across
-from kilter.contact.planar.polygons import convex_hull
+from kilter.contact.common.polygons import convex_hull
 from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
@@ -138,15 +138,11 @@ class _TurnedForces:
         along = np.array([limit.forces.forces[:count] for limit in limits])
         aside = np.array([limit.forces.friction[:count] for limit in limits])
         sums = np.array(
-            [
-                [_resultant(limit.refined or program, limit, *frame) for frame in frames]
-                for limit in limits
-            ]
+            [[_resultant(limit.program, limit, *frame) for frame in frames] for limit in limits]
         ).reshape(len(limits), len(frames), 6)
         extra = np.zeros(len(frames), dtype=bool)
         for limit in limits:
-            if limit.refined is not None:
-                extra |= np.isin([f[0] for f in frames], limit.refined.source[count:])
+            extra |= np.isin([f[0] for f in frames], limit.program.source[count:])
         weight = _weights_at_rest(angle, reach)
         if weight is None:
             return None
@@ -310,9 +306,9 @@ def _grip(
 
     add(program, np.arange(count), *rest)
     for limit, part in zip(limits, weight, strict=True):
-        if limit.refined is not None:  # its further points belong to this direction alone
-            forces = part * limit.forces.forces, part * limit.forces.friction
-            add(limit.refined, np.arange(count, len(limit.refined.part_a)), *forces)
+        # the further points of a limit belong to its direction alone
+        forces = part * limit.forces.forces, part * limit.forces.friction
+        add(limit.program, np.arange(count, len(limit.program.part_a)), *forces)
     place, room = np.concatenate(places), np.concatenate(rooms)
     if not room.any():
         return 0.0

@@ -20,18 +20,17 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from kilter.analysis.margins.following_forces import FollowingForces, Unknowns
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     NoLimit,
     Why,
     find_limit,
-    finite,
     gravity_wrench,
 )
+from kilter.analysis.margins.following_forces import FollowingForces, Unknowns
 from kilter.analysis.margins.tilt import (
     TiltMargin,
     find_tilt_margin,
@@ -46,9 +45,7 @@ from kilter.mechanics.coulomb_cones import pyramid
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.margin_data import UncertaintyData, WorstData
+from kilter.tell.record import Ends, Record, Vector
 
 __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
 
@@ -113,65 +110,41 @@ def _require_interval(what: str, ends: tuple[float, float], *, positive: bool) -
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Uncertainty:
-    """Margins that hold for every assembly whose data are within the intervals.
+class WorstData(Record):
+    """Mass factor and shift of the centre of mass of a part in the worst case."""
 
-    Attributes
-    ----------
-    ranges : Ranges
-    kind : {"exact", "inner"}
-        Whether some assembly within them has just this margin, or none has less.
-    held : bool
-        Whether all are held as given; if the bound is inner, False means that it was not proved.
-    tilt_deg : float or None
-        None if not all are held, or with loads.
-    load_factor : (float, float) or None
-        None if it was not requested, or no factor is held by all.
-    missing : dict
-        Requested values of "held", "tilt" and "load_factor" that are missing, with the reason:
-        "none", some are not held, or no following forces hold all (inner); "failed", the solvers
-        failed.
-    corners : int
-        Number of corners; 0 if the forces follow the masses.
-    worst : tuple of (ndarray, ndarray), or None
-        Mass factors, shape (N,), and shifts of the centres, shape (N, 3), at the least tilt.
-    """
+    mass_factor: float
+    """Mass over its stated value [-]."""
+    shift: Vector
+    """Shift of the centre of mass [length unit]."""
 
-    ranges: Ranges
+
+class Uncertainty(Record):
+    """Limits for the worst case of inexact data."""
+
+    mass: tuple[float, float]
+    """Factors of the mass of every free part [-]."""
+    com: float
+    """Shift of every centre of mass, plus or minus along each axis [length unit]."""
+    mu: tuple[float, float]
+    """Factors of every friction coefficient [-]."""
+    normal_deg: float
+    """Turn of every normal, in any direction [deg]."""
     kind: Kind
+    """Whether some assembly within the intervals has just this margin, or none has less."""
     held: bool
+    """Whether all are held as given; if the bound is inner, False means that it was not proved."""
     tilt_deg: float | None
-    load_factor: tuple[float, float] | None
+    """[deg]; None if not all are held, or with loads."""
+    load_factor: Ends | None
+    """Least and greatest load factor; None if it was not requested, or all hold no factor."""
     missing: dict[str, Why]
+    """Requested values of "held", "tilt" and "load_factor" that are missing, and why: "none", some
+    are not held, or no following forces hold all (inner)."""
     corners: int
-    worst: tuple[Array, Array] | None
-
-    def to_dict(self, program: Program) -> UncertaintyData:
-        """The worst-case margins and the data at which they occur, as JSON data."""
-        ranges = self.ranges
-        at: dict[str, WorstData] | None = None
-        if self.worst is not None:
-            mass, shift = self.worst
-            at = {
-                name: {"mass_factor": float(mass[k]), "shift": (shift[k] + 0.0).tolist()}
-                for k, name in enumerate(program.names)
-                if program.free[k]
-            }
-        ends = self.load_factor
-        return {
-            "mass": list(ranges.mass),
-            "com": ranges.center,
-            "mu": list(ranges.mu),
-            "normal_deg": ranges.normal_deg,
-            "kind": self.kind,
-            "held": self.held,
-            "tilt_deg": self.tilt_deg,
-            "load_factor": None if ends is None else [finite(end) for end in ends],
-            "missing": dict(self.missing),
-            "corners": self.corners,
-            "worst": at,
-        }
+    """Number of corners; 0 if the forces follow the masses."""
+    worst: dict[str, WorstData] | None
+    """The data at the least tilt, by part."""
 
 
 def weakened(program: Program, ranges: Ranges) -> Program:
@@ -255,16 +228,35 @@ def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind
     if factor[0] > factor[1]:
         _add(missing, ("load_factor",), NoLimit("none"))
     held = "held" not in missing
-    return Uncertainty(
+    return _uncertainty(
         ranges,
-        "inner" if "failed" in missing.values() else kind,
-        held,
-        float(np.degrees(tilt)) if held and not loaded else None,
-        factor if asked and "load_factor" not in missing else None,
-        missing,
-        count,
-        worst if held else None,
+        kind="inner" if "failed" in missing.values() else kind,
+        held=held,
+        tilt_deg=float(np.degrees(tilt)) if held and not loaded else None,
+        load_factor=factor if asked and "load_factor" not in missing else None,
+        missing=missing,
+        corners=count,
+        worst=None if worst is None or not held else _worst(program, *worst),
     )
+
+
+def _uncertainty(ranges: Ranges, **limits: Any) -> Uncertainty:
+    """The answer for given intervals, with its limits."""
+    return Uncertainty(
+        mass=ranges.mass,
+        com=ranges.center,
+        mu=ranges.mu,
+        normal_deg=ranges.normal_deg,
+        **limits,
+    )
+
+
+def _worst(program: Program, mass: Array, shift: Array) -> dict[str, WorstData]:
+    """Mass factors, shape (N,), and shifts of the centres, shape (N, 3), of the free parts."""
+    return {
+        program.names[k]: WorstData(mass_factor=float(mass[k]), shift=shift[k])
+        for k in np.flatnonzero(program.free)
+    }
 
 
 def _add(missing: dict[str, Why], names: tuple[str, ...], why: NoLimit) -> None:
@@ -334,7 +326,16 @@ def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncer
         else:
             degrees = float(np.degrees(tilt))
     held = not isinstance(still, NoLimit)
-    return Uncertainty(ranges, "inner", held, degrees, factor, missing, 0, None)
+    return _uncertainty(
+        ranges,
+        kind="inner",
+        held=held,
+        tilt_deg=degrees,
+        load_factor=factor,
+        missing=missing,
+        corners=0,
+        worst=None,
+    )
 
 
 def _unknowns(program: Program, ranges: Ranges) -> Unknowns:

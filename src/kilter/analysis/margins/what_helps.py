@@ -15,15 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
     find_limit,
-    finite,
     gravity_wrench,
 )
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
@@ -36,9 +35,7 @@ from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.margin_data import HelpData
+from kilter.tell.record import OrNull, Record
 
 __all__ = ["Help", "what_helps"]
 
@@ -49,44 +46,25 @@ MORE_FRICTION = 0.1
 """Relative increase of a friction coefficient that is tried [-]."""
 MORE_MASS = 0.1
 """Relative change of a mass that is tried [-]."""
+What = Literal["hold", "friction", "mass"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Help:
-    """A change of the assembly that raises a margin, and the new margin.
-
-    Attributes
-    ----------
-    of : {"tilt", "load factor"}
-    what : {"hold", "friction", "mass"}
-    parts : tuple of str
-        The part, or the two parts of the contact.
-    by : float or None
-        Increase of mu, or of the mass as a share of it, which is negative if less mass helps [-];
-        None if a part is held.
-    gain : float
-        Difference of the margins with and without this change: [deg] of tilt (a margin ends at a
-        right angle), or of the load factor [-], infinite if no factor is then too large.
-    sentence : str
-    """
+class Help(Record):
+    """A part to hold or another change that widens a margin, and the gain."""
 
     of: Literal["tilt", "load factor"]
-    what: Literal["hold", "friction", "mass"]
+    """The margin that widens."""
+    what: What
+    """Kind of the change."""
     parts: tuple[str, ...]
+    """The part, or the two parts of the contact."""
     by: float | None
-    gain: float
+    """Increase of mu, or of the mass as a share of it [-]; None: a part is held."""
+    gain: OrNull
+    """Of a second margin, computed with this change: [deg] of tilt, which ends at a right angle, or
+    of the load factor [-], infinite if no factor is then too large."""
     sentence: str
-
-    def to_dict(self) -> HelpData:
-        """The change as JSON data, for the answer of `kilter margin`."""
-        return {
-            "of": self.of,
-            "what": self.what,
-            "parts": list(self.parts),
-            "by": self.by,
-            "gain": finite(self.gain),
-            "sentence": self.sentence,
-        }
+    """The change in words."""
 
 
 def what_helps(
@@ -158,6 +136,12 @@ class _Gain:
         gain = self.margin(changed) - self.before
         return 0.0 if np.isnan(gain) else gain
 
+    def help(
+        self, what: What, parts: tuple[str, ...], by: float | None, gain: float, sentence: str
+    ) -> Help:
+        """A change with its gain."""
+        return Help(of=self.of, what=what, parts=parts, by=by, gain=gain, sentence=sentence)
+
     def words(self, gain: float) -> str:
         """The gain with its unit."""
         tilt = self.of == "tilt"
@@ -187,9 +171,9 @@ def _helps(
 
     The load `along` grows with the masses if `by_mass`.
     """
-    if limit.mechanism is None or not np.isfinite(limit.value):
+    if limit.motion is None or not np.isfinite(limit.value):
         return ()
-    motion = limit.mechanism.motion
+    motion = limit.motion.motion
     if float((along * motion).sum()) <= 0:
         return ()
     weight = program.load - program.applied + (limit.value * along if by_mass else 0.0)
@@ -225,7 +209,7 @@ def _hold(
         words = f"{fix}: then it withstands every load factor"
     elif gain.of == "tilt" and gain.before + best[0] >= 90.0 - NO_GAIN:
         words = f"{fix}: then no tilt up to a right angle moves another part"
-    return Help(gain.of, "hold", (name,), None, best[0], words)
+    return gain.help("hold", (name,), None, best[0], words)
 
 
 def _friction(program: Program, limit: Limit, motion: Array, gain: _Gain) -> Help | None:
@@ -250,7 +234,7 @@ def _friction(program: Program, limit: Limit, motion: Array, gain: _Gain) -> Hel
         words = f"{words.removesuffix(': this adds')}: then it withstands every load factor"
     else:
         words = f"{words} {gain.words(more)}"
-    return Help(gain.of, "friction", (a, b), MORE_FRICTION, more, words)
+    return gain.help("friction", (a, b), MORE_FRICTION, more, words)
 
 
 def _mass(program: Program, power: Array, gain: _Gain) -> Help | None:
@@ -266,4 +250,4 @@ def _mass(program: Program, power: Array, gain: _Gain) -> Help | None:
         return None
     less = "heavier" if share > 0 else "lighter"
     words = f"make {program.names[k]!r} {100 * MORE_MASS:g} % {less}: this adds {gain.words(more)}"
-    return Help(gain.of, "mass", (program.names[k],), share, more, words)
+    return gain.help("mass", (program.names[k],), share, more, words)

@@ -103,7 +103,7 @@ def map_cases(
 ) -> list[CaseMap]:
     """The map of places for each case of a part."""
     nominal, center = case_prism(part, assembly.units)
-    same_height = float(contacts.tolerance.gap_of(np.array([2 * nominal.radius]))[0])
+    same_height = float(contacts.searched.gap_of(np.array([2 * nominal.radius]))[0])
     program = build_program(assembly, contacts)
     maps = []
     for case in cases:

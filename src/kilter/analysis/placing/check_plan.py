@@ -9,10 +9,10 @@ item with a limit is overloaded if all forces that balance the pile load its top
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -28,18 +28,10 @@ from kilter.errors import InputError
 from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.packing_words import packing_sentence
+from kilter.tell.record import Answer, InPython, Record, UnitWord, key
 from kilter.work import stop_after
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.packing_data import (
-        OverloadData,
-        PackingData,
-        PackingItemData,
-        WallsData,
-    )
 
 __all__ = ["CheckedItem", "CheckedPlan", "check_plan"]
 
@@ -49,91 +41,130 @@ OVER = 1e-7
 """A load beyond a limit by less than this fraction of the limit is within it [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class CheckedItem:
-    """The decision on the pile after an item was put down.
+class SupportShare(Record):
+    """A part on which an item rests."""
 
-    Attributes
-    ----------
-    box : PackedBox
-    verdict : str
-        Verdict of the pile of this item and all items before it.
-    level : str or None
-        Level of this verdict.
-    support : tuple of (str, float)
-        Parts on which the item rests, and the share of its underside on each [-].
-    top_load : float or None
-        Least mass that its top must carry in the finished pile [kg]; None if the item has no limit,
-        or if the load is not known.
-    """
+    part: str
+    """Name of the part."""
+    share: float
+    """Share of the underside of the item [-]."""
 
-    box: PackedBox
+
+class CheckedItem(Record):
+    """An item, and the verdict on the pile after it was put down."""
+
+    name: str
+    """Name of the item."""
+    line: int
+    """Line of the table, or number in the order."""
+    mass: float
+    """[kg]"""
     verdict: str
+    """Verdict on the pile of this item and all items before it."""
     level: str | None
-    support: tuple[tuple[str, float], ...]
+    """Level of this verdict."""
+    support: tuple[SupportShare, ...]
+    """Parts on which it rests."""
+    max_load: float | None
+    """Largest mass that its top may carry [kg]."""
     top_load: float | None = None
-
-    def to_dict(self) -> PackingItemData:
-        """JSON data of the item."""
-        return {
-            "name": self.box.name,
-            "line": self.box.line,
-            "mass": self.box.mass,
-            "verdict": self.verdict,
-            "level": self.level,
-            "support": [{"part": name, "share": share} for name, share in self.support],
-            "max_load": self.box.max_load,
-            "top_load": self.top_load,
-        }
+    """Least mass that its top must carry in the finished pile [kg]; null: not known, or without
+    a limit."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class CheckedPlan(AnswerInWords):
-    """Answer of `kilter.check_plan`: the items of a packing plan, each with its verdict.
+class Overload(Record):
+    """The first item whose top must carry more than its limit."""
 
-    Attributes
-    ----------
-    plan : PackingPlan
-    assembly : Assembly
-        The finished pile with its base and held parts.
-    items : tuple of CheckedItem
-    first : int or None
-        The first item, counted from 1, after which the pile does not stand; None without such an
-        item.
-    why : str
-        Reason why the first item falls; empty without such an item.
-    overload : dict or None
-        The first item whose top must carry more than its limit.
-    walls : dict or None
-        Assumed walls around the pile, and whether each item stands between them. None unless an
-        item falls.
-    carried : tuple of (str, float or None)
-        Largest accelerations of the finished pile by direction [g], if requested.
-    require : str
-    warnings : tuple of str
-    seconds : float
-    """
+    item: str
+    """Name of the item."""
+    after: int
+    """The item that overloads it, counted from 1."""
+    load: float
+    """Least mass that its top must carry [kg]."""
+    max_load: float
+    """[kg]"""
+
+
+class Walls(Record):
+    """Assumed smooth walls around the pile."""
+
+    inner_size: tuple[float, float]
+    """Along x and y [length unit]."""
+    stands: bool
+    """Whether each item stands between the walls."""
+    first: int | None
+    """The first item that falls nevertheless."""
+
+
+class Carried(Record):
+    """Largest acceleration of the finished pile along a direction."""
+
+    direction: str
+    """Axis with its sign."""
+    g: float | None
+    """[g]; null: no limit up to 100 g."""
+
+
+class CheckedPlan(Answer):
+    """Answer of `kilter.check_plan`: the items of a packing plan, each with its verdict."""
 
     answer: ClassVar[str] = "check-plan"
 
-    plan: PackingPlan
-    assembly: Assembly
-    items: tuple[CheckedItem, ...]
-    first: int | None
-    why: str
-    overload: OverloadData | None
-    walls: WallsData | None
-    carried: tuple[tuple[str, float | None], ...]
     require: str
+    """Level from which an item stands."""
+    items: tuple[CheckedItem, ...]
+    """Items in their order."""
+    first: int | None = None
+    """The first item, counted from 1, after which the pile does not stand."""
+    why: str | None = None
+    """Reason why the first item falls."""
+    overload: Overload | None = None
+    """The first item whose top must carry more than its limit."""
+    walls: Walls | None = None
+    """Assumed walls around the pile; null unless an item falls."""
+    carried: tuple[Carried, ...] = ()
+    """Largest accelerations of the finished pile, if requested."""
     warnings: tuple[str, ...]
+    """Warnings about file, geometry and contacts."""
     seconds: float
+    """Duration [s]."""
+    plan: InPython[PackingPlan]
+    """The checked plan."""
+    assembly: InPython[Assembly]
+    """The finished pile with its base and held parts."""
 
     @property
+    @key
+    def sentence(self) -> str:
+        """The answer in a sentence."""
+        return packing_sentence(self.data_without("sentence"))
+
+    @property
+    @key
+    def order(self) -> str | None:
+        """Name of the order of the file."""
+        return self.plan.order or None
+
+    @property
+    @key
+    def units(self) -> UnitWord:
+        """Length unit."""
+        return self.plan.units
+
+    @property
+    @key
+    def friction(self) -> float:
+        """Friction coefficient of all contacts [-]."""
+        return self.assembly.friction
+
+    @property
+    @key
     def stands(self) -> bool:
         """True if the pile stands after each item, at the required level."""
         return all(holds(item.level, self.require) for item in self.items)
 
     @property
+    @key
     def level(self) -> str | None:
         """Lowest level after an item; None if the pile falls or is undecided after an item."""
         return min((item.level for item in self.items), key=level_rank)
@@ -142,28 +173,6 @@ class CheckedPlan(AnswerInWords):
     def undecided(self) -> bool:
         """True if open pairs leave the pile undecided after an item."""
         return any(item.verdict == "undecided" for item in self.items)
-
-    def to_dict(self) -> PackingData:
-        """The checked plan as JSON data, as ``kilter check-plan --json`` prints it."""
-        data: PackingData = {
-            "sentence": "",  # made below from the other data
-            "order": self.plan.order or None,
-            "units": self.plan.units,
-            "require": self.require,
-            "stands": self.stands,
-            "level": self.level,
-            "items": [item.to_dict() for item in self.items],
-            "first": self.first,
-            "why": self.why or None,
-            "overload": self.overload,
-            "walls": self.walls,
-            "friction": self.assembly.friction,
-            "carried": [{"direction": name, "g": value} for name, value in self.carried],
-            "warnings": list(self.warnings),
-            "seconds": self.seconds,
-        }
-        data["sentence"] = packing_sentence(data)
-        return data
 
     def __repr__(self) -> str:
         words = "stands" if self.first is None else f"falls at item {self.first}"
@@ -257,37 +266,51 @@ def _checked(
     whole, tell = asked.assembly, asked.tell
     tell("contacts")
     contacts = detect.contacts(asked)
+    found = _items(plan, asked.but(contacts=contacts), tell)
+    tell("reason")
+    first = found["first"]
+    assume = first is not None and unwalled is not None
+    return CheckedPlan(
+        **found,
+        require=asked.require,
+        walls=_walled(asked, plan, *unwalled) if assume and unwalled is not None else None,
+        carried=_carried(whole, contacts) if carried and first is None else (),
+        warnings=contacts.warnings,
+        seconds=time.perf_counter() - asked.begun,
+        plan=plan,
+        assembly=whole,
+    )
+
+
+def _items(plan: PackingPlan, asked: Question, tell: Callable[[str], None]) -> dict[str, Any]:
+    """The items with their verdicts, the first that falls and the first overload, as fields."""
     items: list[CheckedItem] = []
-    overload: OverloadData | None = None
+    overload: Overload | None = None
     loads: dict[str, float | None] = {}
-    first: int | None = None
-    why = ""
+    first, why = None, None
     count = len(plan.boxes)
-    states = plan_states(asked.but(contacts=contacts), count)
+    states = plan_states(asked, count)
     for k, (box, state) in enumerate(zip(plan.boxes, states, strict=True), 1):
         tell(f"item {k} of {count}")
         if first is None and state.verdict is not None and state.word == "unstable":
             # only this verdict is kept: a verdict holds the contacts of its whole pile
-            first, why = k - 1, fall_reason(plan, k - 1, state.verdict)
-        support = item_support(contacts, box, np.arange(k, count))
-        items.append(CheckedItem(box, state.word, state.level, support))
+            first, why = k, fall_reason(plan, k - 1, state.verdict)
+        support = item_support(asked.contacts, box, np.arange(k, count))
+        items.append(
+            CheckedItem(
+                name=box.name,
+                line=box.line,
+                mass=box.mass,
+                verdict=state.word,
+                level=state.level,
+                support=tuple(SupportShare(part=part, share=share) for part, share in support),
+                max_load=box.max_load,
+            )
+        )
         loads = _top_loads(plan.boxes[:k], state)
         overload = overload or _overload(plan.boxes[:k], loads)
-    items = [replace(item, top_load=loads.get(item.box.name)) for item in items]
-    tell("reason")
-    return CheckedPlan(
-        plan,
-        whole,
-        tuple(items),
-        None if first is None else first + 1,
-        why,
-        overload,
-        None if first is None or unwalled is None else _walled(asked, plan, *unwalled),
-        _carried(whole, contacts) if carried and first is None else (),
-        asked.require,
-        tuple(contacts.remarks()),
-        time.perf_counter() - asked.begun,
-    )
+    checked = tuple(replace(item, top_load=loads.get(item.name)) for item in items)
+    return {"items": checked, "first": first, "why": why, "overload": overload}
 
 
 def _top_loads(boxes: Sequence[PackedBox], state: PlanState) -> dict[str, float | None]:
@@ -300,12 +323,12 @@ def _top_loads(boxes: Sequence[PackedBox], state: PlanState) -> dict[str, float 
     return {name: None if force is None else force / program.g for name, force in forces.items()}
 
 
-def _overload(boxes: Sequence[PackedBox], loads: dict[str, float | None]) -> OverloadData | None:
+def _overload(boxes: Sequence[PackedBox], loads: dict[str, float | None]) -> Overload | None:
     """The first of the items whose top must carry more than its limit."""
     for box in boxes:
-        load = loads.get(box.name)
-        if load is not None and box.max_load is not None and load > box.max_load * (1 + OVER):
-            return {"item": box.name, "after": len(boxes), "load": load, "max_load": box.max_load}
+        load, most = loads.get(box.name), box.max_load
+        if load is not None and most is not None and load > most * (1 + OVER):
+            return Overload(item=box.name, after=len(boxes), load=load, max_load=most)
     return None
 
 
@@ -347,7 +370,7 @@ def _with_base(pile: Assembly, plan: PackingPlan, pallet: Sequence[float] | None
 
 def _walled(
     asked: Question, plan: PackingPlan, pile: Assembly, pallet: tuple[float, float] | None
-) -> WallsData:
+) -> Walls:
     """Whether each item stands if smooth walls stand around the pile, and their inner size."""
     low, high = plan.low, plan.high
     walls = walls_around(low, high, high[2])
@@ -360,11 +383,11 @@ def _walled(
             first = k
             break
     size = (high - low).tolist()
-    return {"inner_size": size[:2], "stands": first is None, "first": first}
+    return Walls(inner_size=tuple(size[:2]), stands=first is None, first=first)
 
 
-def _carried(whole: Assembly, contacts: ContactSet) -> tuple[tuple[str, float | None], ...]:
-    """Largest accelerations of the finished pile by direction [g]; None without a limit."""
+def _carried(whole: Assembly, contacts: ContactSet) -> tuple[Carried, ...]:
+    """Largest accelerations of the finished pile by direction."""
     data = transport(whole, contacts=contacts, polar=False).to_dict()
     found = [limit for limit in data["limits"] if limit["name"][1:] != "z"]
-    return tuple((limit["name"], limit["g"]) for limit in found)
+    return tuple(Carried(direction=limit["name"], g=limit["g"]) for limit in found)

@@ -44,8 +44,7 @@ def map_warnings(
     )
     if wide and contacts.open_pairs:
         pairs = [
-            " and ".join(repr(assembly.names[k]) for k in pair.parts)
-            for pair in contacts.open_pairs
+            " and ".join(repr(assembly.names[k]) for k in pair.ends) for pair in contacts.open_pairs
         ]
         warnings.append(
             f"the map leaves places open, because the geometry does not decide whether "

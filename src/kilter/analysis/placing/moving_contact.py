@@ -28,7 +28,7 @@ from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import union
 from kilter.analysis.placing.upright_prisms import Top
 from kilter.arrays import Array
-from kilter.contact.planar.polygons import cut_convex
+from kilter.contact.common.polygons import cut_convex
 from kilter.mechanics.certificate import check_motion, needed_power
 from kilter.mechanics.load_checks import shifted_weights
 from kilter.mechanics.program import Program

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import shapely
@@ -29,80 +29,126 @@ from kilter.analysis.placing.place_map import LevelMap
 from kilter.analysis.placing.place_proofs import MapQuestion, at_proof, map_proof
 from kilter.analysis.placing.polygon_sets import NOTHING, rings_of
 from kilter.analysis.placing.uncertain_part import mass_limits, part_cases
-from kilter.analysis.placing.upright_prisms import PlacedPrism, find_tops, placed_prism
+from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, placed_prism
 from kilter.assembly import Assembly, Part
 from kilter.assembly.masses import reweighed
 from kilter.assembly.question import Question, question
-from kilter.contact import detect
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds, require_level
 from kilter.tell.place_words import place_sentence
+from kilter.tell.record import Answer, InPython, Record, Shape, UnitWord, key
 from kilter.validate import finite, number
 from kilter.values.guesses import guarded
 from kilter.work import stop_after
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.place_data import LevelPlacesData, PlaceData
 
 __all__ = ["AtPlace", "Places", "box_to_place", "place"]
 
 ACCURACY = 2e-3
 """Default width of the open strip between places that stand and places that fall [extents]."""
+Polygons = Annotated[shapely.Geometry, Shape(None, None, None, 2)]
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Places(AnswerInWords):
-    """Answer of `kilter.place`: where a part stands on an assembly.
+class LevelPlaces(Record):
+    """Places of the centre of the part at one height; the open places are neither."""
 
-    Attributes
-    ----------
-    assembly : Assembly
-    part : Part
-    levels : tuple of LevelMap
-        Places by height, the lowest first; empty if a place was given. The coordinates are those of
-        the centre of the part.
-    prism : PlacedPrism or None
-        The part as a prism; None if it is no upright convex prism.
-    best : (float, float, float, float) or None
-        x, y and height of the centre at the place farthest from the boundary, and its distance from
-        the boundary [length unit].
-    at : AtPlace or None
-        The decision at the given place.
-    mass : (float, float)
-        Least and largest mass of the part [kg].
-    center_within : float
-        Largest shift of its centre of mass along each of its axes [sizes of the part].
-    question : MapQuestion or None
-        Contacts, domain and maps of the cases, for the proof; None at a given place.
-    require : str
-    accuracy : float
-        Largest width of the open strip [length unit].
-    programs : int
-    warnings : tuple of str
-    seconds : float
-    """
+    height: float
+    """Height of the centre of the part [length unit]."""
+    stands: Polygons
+    """Places that forces prove; as data polygons, each a list of rings (outline, holes) of points
+    [length unit]."""
+    falls: Polygons
+    """Places that motions exclude."""
+    open: Polygons
+    """The other places."""
+
+    @property
+    @key
+    def open_strip(self) -> float:
+        """Area of the open places [length unit^2]."""
+        return float(self.open.area)
+
+    @property
+    @key
+    def area(self) -> float:
+        """Area of the places that stand [length unit^2]."""
+        return float(self.stands.area)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON data, with polygons as lists of rings."""
+        rings = {name: rings_of(getattr(self, name)) for name in ("stands", "falls", "open")}
+        return super().to_dict() | rings
+
+
+class BestPlace(Record):
+    """The place farthest from the boundary of the places that stand."""
+
+    x: float
+    """Centre of the part, world frame [length unit]."""
+    y: float
+    """Centre of the part, world frame [length unit]."""
+    height: float
+    """Height of the centre of the part [length unit]."""
+    margin: float
+    """Distance from the boundary [length unit]."""
+
+
+class Places(Answer):
+    """Answer of `kilter.place`: where a part stands on an assembly."""
 
     answer: ClassVar[str] = "place"
 
-    assembly: Assembly
-    part: Part
-    levels: tuple[LevelMap, ...]
-    prism: PlacedPrism | None
-    best: tuple[float, float, float, float] | None
-    at: AtPlace | None
+    levels: tuple[LevelPlaces, ...] = ()
+    """Places by height, the lowest first; empty if a place was given."""
+    best: BestPlace | None = None
+    """The best place of the map; null at a given place, or if no place stands."""
+    at: AtPlace | None = None
+    """The decision at the given place."""
     mass: tuple[float, float]
+    """Least and largest mass of the part [kg]."""
     center_within: float
-    question: MapQuestion | None
+    """Largest shift of the centre of mass along each axis [sizes of the part]."""
     require: str
-    accuracy: float
-    programs: int
+    """Level from which a given place counts as standing."""
+    accuracy: float = 0.0
+    """Largest width of the open strip [length unit]."""
+    programs: int = 0
+    """Number of solved programs."""
     warnings: tuple[str, ...]
+    """Warnings about the map, the geometry and the contacts."""
     seconds: float
+    """Duration [s]."""
+    assembly: InPython[Assembly]
+    """The assembly without the part."""
+    part: InPython[Part]
+    """The part that is put down."""
+    prism: InPython[PlacedPrism | None]
+    """The part as a prism; None if it is no upright convex prism."""
+    question: InPython[MapQuestion | None] = None
+    """Contacts, domain and maps of the cases, for the proof; None at a given place."""
 
     @property
+    @key
+    def sentence(self) -> str:
+        """The answer in a sentence."""
+        return place_sentence(self.data_without("sentence"))
+
+    @property
+    @key
+    def units(self) -> UnitWord:
+        """Length unit."""
+        return self.assembly.units
+
+    @property
+    @key
+    def heaviest(self) -> float | None:
+        """Largest mass that is carried at the given place [kg]; null: not known, or no limit."""
+        return None if self.at is None else self.at.heaviest
+
+    @property
+    @key
     def stands(self) -> bool:
         """True if the part stands at the given place at the required level, or at some place."""
         if self.at is not None:
@@ -110,54 +156,27 @@ class Places(AnswerInWords):
         return self.best is not None
 
     @property
+    @key
     def undecided(self) -> bool:
         """True if it is not decided whether the part stands at the given place, or at any place."""
         if self.at is not None:
-            return self.at.verdict.verdict == "undecided"
+            return self.at.verdict == "undecided"
         open_area = sum(level.open.area for level in self.levels)
         falls = sum(level.falls.area for level in self.levels)
         return not self.stands and bool(open_area > NOTHING * falls)
 
     @property
+    @key
     def level(self) -> str | None:
         """Level at the given place; of a map "equilibrium", None without a place."""
         if self.at is not None:
             return self.at.level
         return None if self.best is None else "equilibrium"
 
-    def to_dict(self) -> PlaceData:
-        """The places as JSON data, as ``kilter place --json`` prints them."""
-        below = 0.0 if self.prism is None else self.prism.below
-        data: PlaceData = {
-            "sentence": "",  # made below from the other data
-            "units": self.assembly.units,
-            "levels": [_level_data(level, below) for level in self.levels],
-            "best": None
-            if self.best is None
-            else dict(zip(("x", "y", "height", "margin"), self.best, strict=True)),
-            "at": None if self.at is None else self.at.to_dict(),
-            "heaviest": None if self.at is None else self.at.to_dict()["heaviest"],
-            "mass": list(self.mass),
-            "center_within": self.center_within,
-            "stands": self.stands,
-            "undecided": self.undecided,
-            "level": self.level,
-            "require": self.require,
-            "accuracy": self.accuracy,
-            "programs": self.programs,
-            "warnings": list(self.warnings),
-            "seconds": self.seconds,
-        }
-        data["sentence"] = place_sentence(data)
-        return data
-
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Forces and motions of the map, or of the given place, as JSON data for `kilter.verify`.
 
-        Parameters
-        ----------
-        options : dict, optional
-            Options with which the file is read.
+        `options` are those with which the file is read.
 
         Raises
         ------
@@ -168,32 +187,14 @@ class Places(AnswerInWords):
             return at_proof(self.at, self.mass, self.center_within, options or {})
         assert self.question is not None
         return map_proof(
-            self.assembly,
-            self.part,
-            self.levels,
-            self.question,
-            self.mass,
-            self.center_within,
-            options or {},
+            self.assembly, self.part, self.question, self.mass, self.center_within, options or {}
         )
 
     def __repr__(self) -> str:
         if self.at is not None:
-            return f"Places({self.at.verdict.verdict} at {self.at.x:g}, {self.at.y:g})"
+            return f"Places({self.at.verdict} at {self.at.x:g}, {self.at.y:g})"
         area = sum(level.stands.area for level in self.levels)
         return f"Places({len(self.levels)} heights, {area:g} {self.assembly.units}^2 stand)"
-
-
-def _level_data(level: LevelMap, below: float) -> LevelPlacesData:
-    """JSON data of the places at one height; the height is that of the centre of the part."""
-    return {
-        "height": level.height + below,
-        "stands": rings_of(level.stands),
-        "falls": rings_of(level.falls),
-        "open": rings_of(level.open),
-        "open_strip": float(level.open.area),
-        "area": float(level.stands.area),
-    }
 
 
 @guarded
@@ -284,12 +285,12 @@ def place(
     >>> from kilter.scenes import scene
     >>> answer = place(scene("tower"), box_to_place([1, 1, 1], 1.0))
     >>> answer.stands, [level.height for level in answer.levels]
-    (True, [5.0])
+    (True, [5.5])
 
     With a centre of mass that is known to a tenth of the size, the margin is smaller by this tenth:
 
     >>> unsure = place(scene("tower"), box_to_place([1, 1, 1], 1.0), center_within=0.1)
-    >>> round(answer.best[3], 6), round(unsure.best[3], 6)
+    >>> round(answer.best.margin, 6), round(unsure.best.margin, 6)
     (0.5, 0.4)
     """
     assembly, require = asked.assembly, require_level(asked.require, strict=True)
@@ -298,16 +299,7 @@ def place(
         raise InputError(
             "place needs gravity along -z in space", hint="turn the file with up or down"
         )
-    if not isinstance(part, Part):
-        raise InputError(
-            f"place needs a part, got {type(part).__name__}",
-            hint="give kilter.Part(name, shape, mass=...)",
-        )
-    if part.name in assembly.index:
-        part = replace(part, name=_free_name(part.name, assembly))
-    part = replace(part, grounded=False)
-    limits = mass_limits(mass, part)
-    part = reweighed(part, given_mass=limits[1], density=None)
+    part, limits = _free_part(part, assembly, mass)
     clear = number(clear, "clear", lowest=0)
     if at is not None and clear > 0:
         raise InputError(
@@ -332,59 +324,84 @@ def _places(
     assembly = asked.assembly
     tops = find_tops(assembly)
     asked.tell("contacts")
-    levels: tuple[LevelMap, ...] = ()
-    best = decision = question = None
-    programs, width = 0, 0.0
+    found: dict[str, Any]
     if at is not None:
-        prism = placed_prism(Assembly([part], units=assembly.units))
         decision = decide_at(asked, part, limits, center_within, tops, at)
-        remarks = decision.remarks(assembly)
+        prism = placed_prism(Assembly([part], units=assembly.units))
+        found = {"at": decision, "warnings": decision.remarks(assembly), "prism": prism}
     else:
-        prism, _ = case_prism(part, assembly.units)
-        domain = map_domain(assembly, tops, prism)
-        bounds = np.array(domain.bounds)
-        extent = float((bounds[2:] - bounds[:2]).max())
-        width = ACCURACY * extent if accuracy is None else number(accuracy, "accuracy", lowest=0)
         contacts = detect.touching(asked.but(progress=None))
         asked.tell("places")
-        cases = part_cases(part, limits, center_within)
-        maps = map_cases(assembly, contacts, tops, part, cases, domain, width, clear)
-        question = MapQuestion(contacts, domain, clear, tuple(maps))
-        levels = combined_levels(maps)
-        programs = sum(case.programs for case in maps)
-        best = _best(levels, prism)
-        remarks = [
-            *map_warnings(assembly, tops, contacts, levels, width),
-            *contacts.remarks(),
-        ]
+        found = _map(assembly, part, contacts, tops, limits, center_within, clear, accuracy)
     return Places(
-        assembly,
-        part,
-        levels,
-        prism,
-        best,
-        decision,
-        limits,
-        float(center_within),
-        question,
-        asked.require,
-        width,
-        programs,
-        tuple(remarks),
-        time.perf_counter() - asked.begun,
+        **found,
+        mass=limits,
+        center_within=float(center_within),
+        require=asked.require,
+        seconds=time.perf_counter() - asked.begun,
+        assembly=assembly,
+        part=part,
     )
 
 
-def _free_name(name: str, assembly: Assembly) -> str:
-    number_ = 2
-    while f"{name} {number_}" in assembly.index:
-        number_ += 1
-    return f"{name} {number_}"
+def _map(
+    assembly: Assembly,
+    part: Part,
+    contacts: ContactSet,
+    tops: list[Top],
+    mass: tuple[float, float],
+    center_within: float,
+    clear: float,
+    accuracy: float | None,
+) -> dict[str, Any]:
+    """The map of all places as fields of `Places`."""
+    prism, _ = case_prism(part, assembly.units)
+    domain = map_domain(assembly, tops, prism)
+    bounds = np.array(domain.bounds)
+    extent = float((bounds[2:] - bounds[:2]).max())
+    width = ACCURACY * extent if accuracy is None else number(accuracy, "accuracy", lowest=0)
+    cases = part_cases(part, mass, center_within)
+    maps = map_cases(assembly, contacts, tops, part, cases, domain, width, clear)
+    levels = combined_levels(maps)
+    warnings = map_warnings(assembly, tops, contacts, levels, width)
+    return {
+        "levels": tuple(
+            LevelPlaces(
+                height=level.height + prism.below,
+                stands=level.stands,
+                falls=level.falls,
+                open=level.open,
+            )
+            for level in levels
+        ),
+        "best": _best(levels, prism),
+        "accuracy": width,
+        "programs": sum(case.programs for case in maps),
+        "warnings": (*warnings, *contacts.warnings),
+        "prism": prism,
+        "question": MapQuestion(contacts, domain, clear, levels, tuple(maps)),
+    }
 
 
-def _best(
-    levels: Sequence[LevelMap], part: PlacedPrism
-) -> tuple[float, float, float, float] | None:
+def _free_part(
+    part: Part, assembly: Assembly, mass: float | Sequence[float] | None
+) -> tuple[Part, tuple[float, float]]:
+    """The part with a free name and its largest mass, and the least and the largest mass [kg]."""
+    if not isinstance(part, Part):
+        raise InputError(
+            f"place needs a part, got {type(part).__name__}",
+            hint="give kilter.Part(name, shape, mass=...)",
+        )
+    name, count = part.name, 1
+    while name in assembly.index:
+        count += 1
+        name = f"{part.name} {count}"
+    part = replace(part, name=name, grounded=False)
+    limits = mass_limits(mass, part)
+    return reweighed(part, given_mass=limits[1], density=None), limits
+
+
+def _best(levels: Sequence[LevelMap], part: PlacedPrism) -> BestPlace | None:
     """The place farthest from the boundary of the places that stand, of all heights."""
     best = None
     for level in levels:
@@ -393,7 +410,7 @@ def _best(
                 continue
             radius = shapely.maximum_inscribed_circle(piece)
             margin = float(radius.length)
-            center = shapely.get_coordinates(radius)[0]
-            if best is None or margin > best[3]:
-                best = (float(center[0]), float(center[1]), level.height + part.below, margin)
+            if best is None or margin > best.margin:
+                x, y = shapely.get_coordinates(radius)[0].tolist()
+                best = BestPlace(x=x, y=y, height=level.height + part.below, margin=margin)
     return best

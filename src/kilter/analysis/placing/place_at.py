@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.load_limit import Limit, find_limit
 from kilter.analysis.placing.default_density import density_matters
 from kilter.analysis.placing.uncertain_part import part_cases
 from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted
@@ -23,41 +23,31 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import Pose
 from kilter.tell.levels import level_rank
+from kilter.tell.record import InPython, Record, key
 from kilter.validate import finite
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.place_data import AtPlaceData
 
 __all__ = ["AtPlace", "decide_at"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AtPlace:
-    """The decision on the part at a given place.
-
-    Attributes
-    ----------
-    x, y, height : float
-        Centre of the part, world frame [length unit].
-    part : Part
-        At the place.
-    verdicts : tuple of Verdict
-        `kilter.check` of the assembly with the part: a verdict, or one for each corner of its
-        masses and centres.
-    heaviest : float or None
-        Largest mass of the part that is carried there, with each centre [kg]; infinite without a
-        limit, None if it is not known.
-    """
+class AtPlace(Record):
+    """The decision on the part at a given place."""
 
     x: float
+    """Centre of the part, world frame [length unit]."""
     y: float
+    """Centre of the part, world frame [length unit]."""
     height: float
-    part: Part
-    verdicts: tuple[Verdict, ...]
+    """Height of the centre of the part [length unit]."""
     heaviest: float | None
+    """Largest mass that is carried there, with each centre [kg]; null: not known, or no limit."""
+    part: InPython[Part]
+    """The part at the place."""
+    verdicts: InPython[tuple[Verdict, ...]]
+    """`kilter.check` of the assembly with the part: a verdict, or one for each corner of its
+    masses and centres."""
 
     @property
-    def verdict(self) -> Verdict:
+    def worst(self) -> Verdict:
         """The worst verdict: unstable, then undecided, then the lowest level."""
         words = ("unstable", "undecided")
         return min(
@@ -69,43 +59,48 @@ class AtPlace:
         )
 
     @property
+    @key
+    def verdict(self) -> str:
+        """Word of the worst verdict."""
+        return self.worst.verdict
+
+    @property
+    @key
     def level(self) -> str | None:
         """Level at the place for all masses and centres.
 
         Corners decide equilibrium for all of them. Without friction equilibrium is a proof.
         """
-        level = self.verdict.level
+        level = self.worst.level
         if len(self.verdicts) == 1:
             return level
-        most = "equilibrium" if (self.verdict.contacts.patch_mu > 0).any() else "proved"
+        most = "equilibrium" if (self.worst.contact_set.patch_mu > 0).any() else "proved"
         return min(level, most, key=level_rank)
 
-    def remarks(self, base: Assembly) -> list[str]:
+    @property
+    @key
+    def moving(self) -> list[str]:
+        """Parts that move."""
+        return list(self.worst.moving)
+
+    @property
+    @key
+    def unlimited(self) -> bool:
+        """Whether any mass is carried."""
+        return self.heaviest is not None and not np.isfinite(self.heaviest)
+
+    def remarks(self, base: Assembly) -> tuple[str, ...]:
         """Warnings about the assembly with the part.
 
         The warning about the default density is left out if the verdict and the heaviest mass do
         not depend on it, unless the assembly without the part (`base`) has this warning, too.
         """
-        remarks = self.verdict.contacts.remarks()
-        idle = set(density_warnings(self.verdict.assembly.parts)) - {*base.geometry.warnings}
+        remarks = self.worst.contact_set.warnings
+        idle = set(density_warnings(self.worst.assembly.parts)) - {*base.geometry.warnings}
         limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
         if not idle or limited or any(map(density_matters, self.verdicts)):
             return remarks
-        return [remark for remark in remarks if remark not in idle]
-
-    def to_dict(self) -> AtPlaceData:
-        """JSON data of the decision."""
-        unlimited = self.heaviest is not None and not np.isfinite(self.heaviest)
-        return {
-            "x": self.x,
-            "y": self.y,
-            "height": self.height,
-            "verdict": self.verdict.verdict,
-            "level": self.level,
-            "moving": list(self.verdict.moving),
-            "heaviest": None if unlimited else self.heaviest,
-            "unlimited": unlimited,
-        }
+        return tuple(remark for remark in remarks if remark not in idle)
 
 
 def decide_at(
@@ -135,16 +130,13 @@ def decide_at(
         heaviest.append(_heaviest(build_program(whole, contacts), part.name))
     known = [mass for mass in heaviest if mass is not None]
     least = min(known) if len(known) == len(heaviest) else None
-    return AtPlace(x, y, height, part, tuple(verdicts), least)
+    return AtPlace(x=x, y=y, height=height, heaviest=least, part=part, verdicts=tuple(verdicts))
 
 
 def _lowered(assembly: Assembly, alone: Assembly, tops: Sequence[Top], x: float, y: float) -> float:
     """Height of the centre of the part when it is lowered onto upright tops at a place.
 
-    Raises
-    ------
-    InputError
-        If nothing is below the part, or a part below it has another form.
+    Raises an `InputError` if nothing or a part of another form is below it.
     """
     prism = placed_prism(alone)
     if prism is None:

@@ -171,7 +171,7 @@ def _proved_places(
     `alone`: whether the assembly stands without the part.
     """
     nominal, center = case_prism(part, assembly.units)
-    same_height = float(contacts.tolerance.gap_of(np.array([2 * nominal.radius]))[0])
+    same_height = float(contacts.searched.gap_of(np.array([2 * nominal.radius]))[0])
     cases = part_cases(part, tuple(data["mass"]), data["center_within"])
     tops, program = find_tops(assembly), build_program(assembly, contacts)
     stands: dict[float, list[Geometry]] = {}

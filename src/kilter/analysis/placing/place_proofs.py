@@ -20,7 +20,6 @@ At a given place the proof is that of `kilter.check` for the assembly with the p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,12 +56,15 @@ class MapQuestion:
         Rectangle of the centres.
     clear : float
         Distance to parts beside the part [length unit].
+    levels : tuple of LevelMap
+        Maps of all cases together.
     maps : tuple of CaseMap
     """
 
     contacts: ContactSet
     domain: shapely.Geometry
     clear: float
+    levels: tuple[LevelMap, ...]
     maps: tuple[CaseMap, ...]
 
 
@@ -83,7 +85,7 @@ def at_proof(
         change = {"part": part_data(part, verdict.assembly.units)}
         proofs.append(({"about": PLACE, "change": change}, verdict.proof(options=options)))
     data = {
-        "part": part_data(at.part, at.verdict.assembly.units),
+        "part": part_data(at.part, at.worst.assembly.units),
         "mass": list(mass),
         "center_within": center_within,
     }
@@ -93,7 +95,6 @@ def at_proof(
 def map_proof(
     assembly: Assembly,
     part: Part,
-    levels: Sequence[LevelMap],
     question: MapQuestion,
     mass: tuple[float, float],
     center_within: float,
@@ -124,7 +125,7 @@ def map_proof(
                 "stands": rings_of(level.stands),
                 "falls": rings_of(level.falls),
             }
-            for level in levels
+            for level in question.levels
         ],
         "cases": [
             [

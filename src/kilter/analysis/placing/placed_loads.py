@@ -15,7 +15,7 @@ import shapely
 
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top
 from kilter.arrays import Array
-from kilter.contact.left_out import PossibleContacts
+from kilter.contact.common.patches import PossibleContacts
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program

@@ -28,8 +28,8 @@ from kilter.assembly import Assembly
 from kilter.assembly.question import Question
 from kilter.contact import ContactSet
 from kilter.contact.detect import touching
-from kilter.contact.fits.coincident import coincident
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.fits.suggestions import coincident
+from kilter.contact.kept_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program

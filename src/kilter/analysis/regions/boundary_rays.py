@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import gravity_wrench
+from kilter.analysis.load_limit import gravity_wrench
 from kilter.analysis.turning_tolerances import SHARE_AGREES, WIDEST_ARC
 from kilter.arrays import Array, unit_rows
 from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones

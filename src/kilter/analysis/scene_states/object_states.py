@@ -22,6 +22,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -38,8 +39,8 @@ from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
-from kilter.contact.left_out import SAME_BODY, Overlap
-from kilter.contact.sub_contacts import contacts_among, without_overlaps
+from kilter.contact.common.patches import SAME_BODY, Overlap
+from kilter.contact.kept_contacts import contacts_among, without_overlaps
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.tell.levels import require_level
@@ -110,17 +111,17 @@ def scene(
     survey.judge()
     free = ~assembly.geometry.grounded
     objects = tuple(
-        survey.states[k] if is_free else SceneObject(name, "held")
-        for k, (name, is_free) in enumerate(zip(assembly.names, free.tolist(), strict=True))
+        survey.states[k] if is_free else survey.entry(k, "held")
+        for k, is_free in enumerate(free.tolist())
     )
     return SceneReport(
-        assembly,
-        contacts,
-        objects,
-        tuple(survey.verdicts),
-        require,
-        (*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
-        time.perf_counter() - started,
+        objects=objects,
+        require=require,
+        warnings=(*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
+        seconds=time.perf_counter() - started,
+        assembly=assembly,
+        contacts=contacts,
+        verdicts=tuple(survey.verdicts),
     )
 
 
@@ -128,7 +129,7 @@ def _repaired(asked: Question) -> SceneReport:
     """The report about a scene after its repair (`kilter.analysis.scene_states.scene_repair`)."""
     assembly, contacts = asked.assembly, asked.contacts
     first = scene(asked)
-    falls = {entry.name: entry.move for entry in first if entry.move is not None}
+    falls = {entry.name: entry.pose for entry in first if entry.pose is not None}
     fallen = assembly.with_poses(falls) if falls else assembly
     again = asked.but(assembly=fallen)
     touching = detect.contacts(again.but(progress=None)) if falls else contacts
@@ -167,6 +168,13 @@ class _Survey:
         self.down: Array = self.assembly.down
         self.overlap = _worst_overlaps(self.assembly, self.contacts)
         """The deepest overlap of each part that is the fault of one."""
+
+    def entry(self, k: int, state: ObjectState, **more: Any) -> SceneObject:
+        """A part with its state."""
+        part = self.assembly.parts[k]
+        geometry: Any = part.geometry or "as-drawn"
+        units = self.assembly.units
+        return SceneObject(name=part.name, state=state, geometry=geometry, units=units, **more)
 
     def judge(self) -> None:
         """Find the states of all free parts."""
@@ -246,13 +254,12 @@ class _Survey:
             if k in self.overlap:
                 self._overlapping(k)
             else:
-                name = self.assembly.names[k]
-                self.states[k] = SceneObject(name, "at-rest", level, if_held=if_held)
+                self.states[k] = self.entry(k, "at-rest", level=level, if_held=if_held)
 
     def _overlapping(self, k: int) -> None:
         overlap, names = self.overlap[k], self.assembly.names
-        other = overlap.parts[0] if overlap.parts[1] == k else overlap.parts[1]
-        self.states[k] = SceneObject(names[k], "overlaps", gap=-overlap.depth, other=names[other])
+        other = overlap.ends[0] if overlap.ends[1] == k else overlap.ends[1]
+        self.states[k] = self.entry(k, "overlaps", gap=-overlap.depth, other=names[other])
 
     def _overlapping_among(self, members: Index) -> bool:
         """Give the overlapping members their state; whether there are any."""
@@ -266,28 +273,27 @@ class _Survey:
         fall = falling_distance(self.assembly, self.sweeps, members, self.down)
         parts = self.assembly.parts
         for k in members.tolist():
-            name, pose = parts[k].name, parts[k].pose
+            pose = parts[k].pose
             if k in self.overlap:
                 self._overlapping(k)
             elif fall is None:
-                self.states[k] = SceneObject(name, "falls", motion="nothing is below it")
+                self.states[k] = self.entry(k, "falls", motion="nothing is below it")
             else:
                 other, touching = parts[fall.other].name, self._touching_gap(fall.part, fall.other)
                 moved = Pose(pose.position + fall.distance * self.down, pose.rotation)
+                found = {"gap": fall.distance, "other": other}
                 if fall.distance <= touching:
                     # a round part that is sunk by less than its triangles show has no contact
                     state: ObjectState = "overlaps" if fall.distance < -touching else "open"
                     raised = moved if state == "overlaps" else None
-                    self.states[k] = SceneObject(name, state, None, fall.distance, other, raised)
+                    self.states[k] = self.entry(k, state, pose=raised, **found)
                     continue
-                self.states[k] = SceneObject(
-                    name, "floats", None, fall.distance, other, moved, if_held=if_held
-                )
+                self.states[k] = self.entry(k, "floats", pose=moved, if_held=if_held, **found)
 
     def _touching_gap(self, part: int, other: int) -> float:
         """Gap up to which two parts touch [length unit]."""
         geometry, pair = self.assembly.geometry, [part, other]
-        gap = float(self.contacts.tolerance.gap_of(geometry.size[pair].min()[None])[0])
+        gap = float(self.contacts.searched.gap_of(geometry.size[pair].min()[None])[0])
         return max(gap, 2 * float(geometry.accuracy[pair].sum()))
 
     def _falling(self, members: Index, verdict: Verdict, if_held: tuple[str, ...]) -> bool:
@@ -319,9 +325,8 @@ class _Survey:
             if k in self.overlap:
                 self._overlapping(k)
             else:
-                name = self.assembly.names[k]
-                words = verdict.words(name)
-                self.states[k] = SceneObject(name, "falls", motion=words, if_held=if_held)
+                words = verdict.words(self.assembly.names[k]) or None
+                self.states[k] = self.entry(k, "falls", motion=words, if_held=if_held)
         return bool(moves.any())
 
     def _open(self, members: Index, if_held: tuple[str, ...]) -> None:
@@ -331,26 +336,26 @@ class _Survey:
             if k in self.overlap:
                 self._overlapping(k)
                 continue
-            pairs = [pair for pair in self.contacts.open_pairs if k in pair.parts]
+            pairs = [pair for pair in self.contacts.open_pairs if k in pair.ends]
             pair = min(pairs, key=lambda pair: abs(pair.gap or 0.0), default=None)
             other = gap = None
             if pair is not None:
-                other = names[pair.parts[0] if pair.parts[1] == k else pair.parts[1]]
+                other = names[pair.ends[0] if pair.ends[1] == k else pair.ends[1]]
                 gap = pair.gap
-            self.states[k] = SceneObject(names[k], "open", None, gap, other, if_held=if_held)
+            self.states[k] = self.entry(k, "open", gap=gap, other=other, if_held=if_held)
 
 
 def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:
     """The deepest overlap of each part to which an overlap is assigned."""
-    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
     worst: dict[int, Overlap] = {}
-    overlaps = [pair for pair in contacts.overlaps if frozenset(pair.parts) in left_open]
+    overlaps = [pair for pair in contacts.overlaps if frozenset(pair.ends) in left_open]
     if not overlaps:
         return worst
     geometry = assembly.geometry
     low = np.minimum.reduceat(-geometry.vertices @ assembly.down, geometry.vertex_start[:-1])
     for overlap in overlaps:
-        a, b = overlap.parts
+        a, b = overlap.ends
         if geometry.grounded[a] or geometry.grounded[b]:
             k = b if geometry.grounded[a] else a
         elif abs(low[a] - low[b]) > overlap.depth * SAME_HEIGHT:

@@ -54,9 +54,9 @@ class SceneGraph:
             for names in linked
             for a, b in pairwise(names)
         ]
-        pairs += [pair.parts for pair in contacts.unsupported]
-        pairs += [pair.parts for pair in contacts.open_pairs if pair.kind != "near"]
-        near = [pair.parts for pair in contacts.open_pairs if pair.kind == "near"]
+        pairs += [pair.ends for pair in contacts.unsupported]
+        pairs += [pair.ends for pair in contacts.open_pairs if pair.kind != "near"]
+        near = [pair.ends for pair in contacts.open_pairs if pair.kind == "near"]
         return cls(
             count,
             np.append(~assembly.geometry.grounded, False),

@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 
 from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose
-from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds, level_rank
+from kilter.tell.record import Answer, InPython, Record, Shape, UnitWord, Vector, key
 from kilter.tell.scene_words import object_words, scene_sentence
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.scene_data import SceneData, SceneObjectData
 
 __all__ = ["FAULTS", "STATES", "ObjectState", "SceneObject", "SceneReport"]
 
@@ -31,101 +28,115 @@ FAULTS: tuple[ObjectState, ...] = ("floats", "overlaps", "falls")
 """States of an object that is not at rest."""
 
 
-@dataclass(frozen=True, slots=True)
-class SceneObject:
-    """An object of a scene and its state.
+class Move(Record):
+    """A pose of a part: the transform from its own frame to the world frame."""
 
-    Attributes
-    ----------
-    name : str
-    state : {"at-rest", "held", "floats", "overlaps", "falls", "open"}
-    level : str or None
-        Level of the verdict on its cluster; None unless it is at rest.
-    gap : float or None
-        Height above `other`, negative for the depth of an overlap [length unit].
-    other : str or None
-        The part above which it floats, that it overlaps, or whose contact is open.
-    move : Pose or None
-        Pose of the part after a vertical move to its first contact, for a floating object, and for
-        a round object that is sunk by less than the error of its triangles.
-    motion : str
-        First motion of a falling object, in words.
-    if_held : tuple of str
-        Objects with a fault that were held where they are drawn when this object was judged.
-    """
+    position: Vector
+    """[length unit]"""
+    rotation: Annotated[Array, Shape(4)]
+    """Quaternion w x y z."""
+
+
+class SceneObject(Record):
+    """An object of a scene and its state."""
 
     name: str
+    """Name of the part."""
     state: ObjectState
+    """Its state."""
     level: str | None = None
+    """Level of the verdict on its cluster; null: not at rest."""
     gap: float | None = None
+    """Height above `other`; negative: depth of an overlap [length unit]."""
     other: str | None = None
-    move: Pose | None = None
-    motion: str = ""
+    """The part above which it floats, that it overlaps, or whose contact is open."""
+    motion: str | None = None
+    """First motion of a falling object."""
     if_held: tuple[str, ...] = ()
+    """Objects with a fault that were held as drawn for this state."""
+    geometry: Literal["collider", "visual", "as-drawn"] = "as-drawn"
+    """Kind of the shape used."""
+    units: InPython[str] = "m"
+    """Length unit of the scene."""
+    pose: InPython[Pose | None] = None
+    """The pose `move`."""
 
-    def to_dict(self, units: str, geometry: str = "as-drawn") -> SceneObjectData:
-        """JSON data of the object.
+    @property
+    @key
+    def move(self) -> Move | None:
+        """Pose after a vertical move to the first contact.
 
-        Parameters
-        ----------
-        units : {"m", "cm", "mm", "in"}
-            Length unit of the scene, for the words.
-        geometry : {"collider", "visual", "as-drawn"}
-            Kind of the shape that was used.
+        Floating objects have it, and round objects that are sunk by less than the error of their
+        triangles.
         """
-        move = self.move
-        pose = None
-        if move is not None:
-            pose = {"position": move.position.tolist(), "rotation": move.rotation.tolist()}
-        data: SceneObjectData = {
-            "name": self.name,
-            "state": self.state,
-            "level": self.level,
-            "gap": self.gap,
-            "other": self.other,
-            "move": pose,  # type: ignore[typeddict-item]
-            "motion": self.motion or None,
-            "if_held": list(self.if_held),
-            "geometry": geometry,  # type: ignore[typeddict-item]
-            "words": "",  # made below from the other data
-        }
-        data["words"] = object_words(data, units)
-        return data
+        pose = self.pose
+        return None if pose is None else Move(position=pose.position, rotation=pose.rotation)
+
+    @property
+    @key
+    def words(self) -> str:
+        """The state in words."""
+        return object_words(self.data_without("words"), self.units)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class SceneReport(AnswerInWords):
+class SceneReport(Answer):
     """Answer of `kilter.scene`: the state of each object of a scene.
 
     ``for entry in report`` yields each `SceneObject`; ``report["cup"]`` is that of a part.
-
-    Attributes
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    objects : tuple of SceneObject
-        In the order of the assembly.
-    verdicts : tuple of Verdict
-        The verdict on each cluster of touching objects, with its certificate. An object without a
-        contact that bears has no cluster: it floats.
-    require : str
-        Level from which an object counts as at rest.
-    warnings : tuple of str
-    seconds : float
-    drawn : Assembly or None
-        The assembly before a repair; None without a repair.
     """
 
     answer: ClassVar[str] = "scene"
 
-    assembly: Assembly
-    contacts: ContactSet
     objects: tuple[SceneObject, ...]
-    verdicts: tuple[Verdict, ...]
+    """In the order of the assembly."""
     require: str
+    """Level from which an object counts as at rest."""
     warnings: tuple[str, ...]
+    """Warnings about file, geometry and contacts."""
     seconds: float
-    drawn: Assembly | None = None
+    """Duration [s]."""
+    assembly: InPython[Assembly]
+    """The scene, after a repair if there is one."""
+    contacts: InPython[ContactSet]
+    """Its contacts."""
+    verdicts: InPython[tuple[Verdict, ...]]
+    """The verdict on each cluster of touching objects, with its certificate.
+
+    An object without a contact that bears has no cluster: it floats.
+    """
+    drawn: InPython[Assembly | None] = None
+    """The assembly before a repair; None without a repair."""
+
+    @property
+    @key
+    def sentence(self) -> str:
+        """The answer in a sentence."""
+        return scene_sentence(self.data_without("sentence"))
+
+    @property
+    @key
+    def clusters(self) -> int:
+        """Number of separately judged clusters."""
+        return len(self.verdicts)
+
+    @property
+    @key
+    def gravity(self) -> Vector:
+        """Gravity as used [m/s^2]."""
+        gravity: Array = self.assembly.gravity
+        return gravity
+
+    @property
+    @key
+    def friction(self) -> float:
+        """Coefficient of the contacts without a coefficient of their own [-]."""
+        return self.assembly.friction
+
+    @property
+    @key
+    def units(self) -> UnitWord:
+        """Length unit."""
+        return self.assembly.units
 
     def __iter__(self) -> Iterator[SceneObject]:
         return iter(self.objects)
@@ -136,19 +147,17 @@ class SceneReport(AnswerInWords):
     def __getitem__(self, name: str) -> SceneObject:
         if name not in self._index:
             near = nearest_name(name, self._index)
-            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self._names, 8)}"
+            there = some_names(list(self._index), 8)
+            hint = f"did you mean {near!r}?" if near else f"there are: {there}"
             raise InputError(f"no object is named {name!r}", hint=hint)
         return self.objects[self._index[name]]
 
     @cached_property
-    def _names(self) -> Sequence[str]:
-        return [entry.name for entry in self.objects]
-
-    @cached_property
     def _index(self) -> dict[str, int]:
-        return {name: k for k, name in enumerate(self._names)}
+        return {entry.name: k for k, entry in enumerate(self.objects)}
 
     @property
+    @key
     def counts(self) -> dict[str, int]:
         """Number of objects in each state that occurs."""
         counted = Counter(entry.state for entry in self.objects)
@@ -160,12 +169,14 @@ class SceneReport(AnswerInWords):
         return tuple(entry for entry in self.objects if entry.state in FAULTS)
 
     @property
+    @key
     def at_rest(self) -> bool:
         """Whether every free object is at rest at the required level."""
         free = [entry for entry in self.objects if entry.state != "held"]
         return all(entry.state == "at-rest" and holds(entry.level, self.require) for entry in free)
 
     @property
+    @key
     def level(self) -> str | None:
         """Lowest level of the objects; None if an object is not at rest, or none is free."""
         free = [entry for entry in self.objects if entry.state != "held"]
@@ -174,6 +185,7 @@ class SceneReport(AnswerInWords):
         return min((entry.level for entry in free), key=level_rank)
 
     @property
+    @key
     def moved(self) -> dict[str, float]:
         """Distance by which a repair moved the centre of mass of each object [length unit]."""
         if self.drawn is None:
@@ -185,35 +197,11 @@ class SceneReport(AnswerInWords):
         return {old.name: length for old, new, length in rows if old.pose != new.pose}
 
     @property
+    @key
     def geometry(self) -> dict[str, int]:
         """Number of objects by the geometry that was used: "collider", "visual" or "as-drawn"."""
         counted = Counter(part.geometry or "as-drawn" for part in self.assembly.parts)
         return dict(sorted(counted.items()))
-
-    def to_dict(self) -> SceneData:
-        """The states of the objects as JSON data, as ``kilter scene --json`` prints it."""
-        units = self.assembly.units
-        data: SceneData = {
-            "sentence": "",  # made below from the other data
-            "objects": [
-                entry.to_dict(units, part.geometry or "as-drawn")
-                for entry, part in zip(self.objects, self.assembly.parts, strict=True)
-            ],
-            "counts": self.counts,
-            "at_rest": self.at_rest,
-            "level": self.level,
-            "require": self.require,
-            "clusters": len(self.verdicts),
-            "moved": self.moved,
-            "geometry": self.geometry,
-            "gravity": self.assembly.gravity.tolist(),
-            "friction": self.assembly.friction,
-            "units": units,
-            "warnings": list(self.warnings),
-            "seconds": self.seconds,
-        }
-        data["sentence"] = scene_sentence(data)
-        return data
 
     def __repr__(self) -> str:
         words = ", ".join(f"{count} {state}" for state, count in self.counts.items())

@@ -30,17 +30,23 @@ from kilter.analysis.settled_pose.settle_tolerances import (
 from kilter.arrays import TINY, Array, Index, Mask, Rows, across, columns, distinct_rows, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import facet_pairs
-from kilter.contact.contact_search import ContactSearch, begin_search
+from kilter.contact.common.broad import facet_pairs
+from kilter.contact.common.contact_search import ContactSearch, begin_search
+from kilter.contact.common.distances import surface_distance
+from kilter.contact.common.findings import FacePatches
+from kilter.contact.common.gaps import Tolerance
+from kilter.contact.common.patches import Patches
+from kilter.contact.common.polygons import (
+    FacetFrame,
+    convex_hull,
+    facet_frames,
+    overlaps_of,
+    padded,
+)
 from kilter.contact.contact_tolerances import CLUSTER, SAME_PLACE
-from kilter.contact.fits.winding_depth import inside_part
 from kilter.contact.friction_coefficients import friction_coefficients
-from kilter.contact.gaps import Tolerance
-from kilter.contact.pair_findings import RoundAndSharp, find_round_and_sharp
-from kilter.contact.patches import Patches
-from kilter.contact.planar.facet_overlays import FacetFrame, facet_frames, overlaps_of
-from kilter.contact.planar.polygons import convex_hull, padded
-from kilter.contact.triangle_distance import surface_distance
+from kilter.contact.overlap import inside_part
+from kilter.contact.pair_findings import find_families
 
 __all__ = ["NearPoints", "find_near_points", "surface_gaps"]
 
@@ -128,7 +134,7 @@ def _points(
 
 
 def _flat_points(
-    search: ContactSearch, reach: float, skip: RoundAndSharp | None = None
+    search: ContactSearch, reach: float, skip: FacePatches | None = None
 ) -> tuple[NearPoints, Mask]:
     """Corners of the overlaps of opposed flat faces, and a mask of the pairs that have some."""
     facets = search.facets
@@ -297,14 +303,14 @@ def _corner_at(search: ContactSearch, facet: Index, at: Array) -> tuple[Index, M
 
 def _general_points(search: ContactSearch, reach: float) -> list[NearPoints]:
     """Points of pairs of parts of any shape: flat faces, curved faces, edges and corners."""
-    found = find_round_and_sharp(search)
+    found = find_families(search)
     flat, _ = _flat_points(search, reach, found)
     geometry = search.geometry
-    curved = found.faces.curved.patches
-    surface = np.repeat(found.faces.curved.surface, np.diff(curved.start), axis=0)
+    curved = found.curved.patches
+    surface = np.repeat(found.curved.surface, np.diff(curved.start), axis=0)
     round_points = _patch_points(curved, _curved_gaps(geometry, curved, surface))
     blocks = [flat, round_points.take(_share_material(geometry, round_points))]
-    for patches in (found.faces.smooth.patches, found.near.patches):
+    for patches in (found.smooth.patches, found.sharp.patches):
         points = _patch_points(patches, _sharp_gaps(geometry, patches))
         points = points.take(_truly_inside(geometry, points))
         blocks.append(points.take(_share_material(geometry, points)))

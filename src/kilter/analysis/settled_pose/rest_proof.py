@@ -24,8 +24,8 @@ from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly, GivenContact
 from kilter.assembly.geometry import Geometry
 from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.common.facets import Facets, find_facets
 from kilter.contact.contact_tolerances import ROUNDINGS
-from kilter.contact.planar.facets import Facets, find_facets
 from kilter.errors import some_names
 from kilter.mechanics.nonnegative import nonnegative
 
@@ -120,7 +120,7 @@ def deepest_overlap(
     penetration = max(0.0, -float(lowest.min(initial=0.0)))
     if contacts.overlaps:
         worst = max(contacts.overlaps, key=lambda overlap: overlap.depth)
-        both = some_names([names[k] for k in worst.parts])
+        both = some_names([names[k] for k in worst.ends])
         return max(worst.depth, penetration), f"{both} overlap by {worst.depth:.3g} {units}"
     if penetration > 2 * gap:
         both = some_names([names[k] for k in contacts.patch_parts[int(lowest.argmin())]])

@@ -191,13 +191,13 @@ def _round(
     gap = programs.gap
     deep = float(max(-gap.min(), 0.0))
     off = float(np.abs(programs.drift).max(initial=0.0))
+    opened = gap
     if max(deep, off) <= state.closed:
         closed = programs.bears & (np.abs(gap) <= state.closed)
         _, imbalance = programs.carry(np.zeros(len(gap)), closed)
         if np.abs(imbalance).max(initial=0.0) <= BALANCED:
             return SearchResult("at-rest", bodies, rounds)
-    opened = gap
-    if max(deep, off) > state.closed:
+    else:
         apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
@@ -235,12 +235,17 @@ def _round(
         motion = _closing_step(programs, forces, scale, least, state.stuck)
     if motion is None:
         return SearchResult("not-found", bodies, rounds, why="a step of the search has no solution")
-    steps = programs.steps(motion * scale, bodies)
+    return _limited(programs.steps(motion * scale, bodies), bodies, programs.length, state, reach)
+
+
+def _limited(
+    steps: Array, bodies: RigidBodies, length: float, state: _Progress, reach: float
+) -> Array:
+    """The steps, shortened to the largest movement in a round; the next fine reach follows."""
     far = np.linalg.norm(steps[:, :3], axis=1) + np.linalg.norm(steps[:, 3:], axis=1) * (
         bodies.size / 2
     )
     longest = float(far.max())
-    length = programs.length
     state.fine_reach = float(
         np.clip(FINER * longest, LEAST_REACH * length, min(reach, state.fine_reach))
     )

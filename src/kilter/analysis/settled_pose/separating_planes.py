@@ -12,8 +12,8 @@ import numpy as np
 from kilter.analysis.settled_pose.settle_tolerances import COINCIDES, SLENDER
 from kilter.arrays import Array, Index, Mask, distinct_rows
 from kilter.assembly.geometry import Geometry
-from kilter.contact.planar.facets import Facets
-from kilter.contact.sharp.edges import segment_distance
+from kilter.contact.common.distances import segment_distance
+from kilter.contact.common.facets import Facets
 
 __all__ = ["separating_points"]
 

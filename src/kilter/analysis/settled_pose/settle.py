@@ -11,15 +11,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import replace
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from kilter.analysis.check import check, check_level
 from kilter.analysis.settled_pose.near_points import find_near_points
 from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_contacts, closed_gap
-from kilter.analysis.settled_pose.rest_search import RestState, SearchResult, search_rest
+from kilter.analysis.settled_pose.rest_search import SearchResult, search_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle_tolerances import REACH
 from kilter.analysis.verdict.verdict import Verdict
@@ -29,15 +29,12 @@ from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
-from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.numbers import NO_ANGLE
+from kilter.tell.record import Answer, InPython, Record, UnitWord, key
 from kilter.tell.settle_words import settle_sentence
 from kilter.validate import number
 from kilter.work import stop_after
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.settle_data import SettleData
 
 __all__ = ["Settled", "settle"]
 
@@ -57,63 +54,62 @@ UNMOVED = 1e-3
 """Movement that comes from rounding, as a fraction of the gap that counts as closed [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Settled(AnswerInWords):
-    """Answer of `kilter.settle`: the pose at rest, or the reason why there is none.
+class Moved(Record):
+    """Movement of a part from the drawn to the settled pose."""
 
-    Attributes
-    ----------
-    drawn, assembly : Assembly
-        The assembly in the drawn pose, and in the last pose of the search. Points of loads, joints
-        and bonds have moved with their parts.
-    state : {"at-rest", "does-not-fit", "falls", "not-found"}
-    movement : ndarray, shape (N, 6)
-        Shift of the centre of mass of each part [length unit], and its rotation vector [rad].
-    rounds : int
-    reach : float
-        Largest gap that the search considered [length unit].
-    parts : tuple of str
-        Parts that fall, that do not fit, or that are out of reach.
-    depth : float
-        Depth of the overlap that no small motion opens [length unit]; 0 if all open.
-    why : str
-        Cause of a failure as a clause; empty at rest.
-    closed : ClosedContacts or None
-        Contacts of the pose at closed points; None unless the search ended at rest.
-    closed_verdict : Verdict or None
-        Verdict on forces at the closed points alone.
-    tolerance : float
-        Gap that counts as closed [length unit].
-    before, after : Verdict or None
-        Verdicts of `kilter.check` on the drawn and on the settled pose. `before` is decided at the
-        level "equilibrium"; `after` too if the closed points alone reach the required level.
-    require : str
-    dropped : float
-        Largest distance of a fall before the search [length unit].
-    warnings : tuple of str
-    seconds : float
-    """
+    part: str
+    """Name of the part."""
+    distance: float
+    """Of its centre of mass [length unit]."""
+    angle_deg: float
+    """Of its rotation [deg]."""
+
+
+class Settled(Answer):
+    """Answer of `kilter.settle`: the pose at rest, or the reason why there is none."""
 
     answer: ClassVar[str] = "settle"
 
-    drawn: Assembly
-    assembly: Assembly
-    state: RestState
-    movement: Array
+    state: Literal["at-rest", "does-not-fit", "falls", "not-found"]
+    """State in which the search ended."""
     rounds: int
+    """Number of rounds of the search."""
     reach: float
-    parts: tuple[str, ...]
-    depth: float
-    why: str
-    closed: ClosedContacts | None
-    closed_verdict: Verdict | None
+    """Largest gap that the search considered [length unit]."""
     tolerance: float
-    before: Verdict | None
-    after: Verdict | None
-    require: str
+    """Gap that counts as closed [length unit]."""
     dropped: float
+    """Largest distance of a fall before the search [length unit]."""
+    parts: tuple[str, ...]
+    """Parts that fall, that do not fit, or that are out of reach."""
+    depth: float
+    """Depth of the overlap that no small motion opens [length unit]; 0 if all open."""
+    why: str
+    """Cause of a failure as a clause; empty at rest."""
+    require: str
+    """Level from which the parts count as at rest."""
     warnings: tuple[str, ...]
+    """Warnings about file, geometry and contacts."""
     seconds: float
+    """Duration [s]."""
+    drawn: InPython[Assembly]
+    """The assembly in the drawn pose."""
+    assembly: InPython[Assembly]
+    """The assembly in the last pose of the search.
+
+    Points of loads, joints and bonds have moved with their parts.
+    """
+    movement: InPython[Array]
+    """Shift of the centre of mass of each part [length unit], and its rotation vector [rad], shape
+    (N, 6)."""
+    closed: InPython[ClosedContacts | None] = None
+    """Contacts of the pose at closed points; None unless the search ended at rest."""
+    closed_verdict: InPython[Verdict | None] = None
+    """Verdict on forces at the closed points alone."""
+    drawn_verdict: InPython[Verdict]
+    """Verdict of `kilter.check` on the drawn pose, decided at the level "equilibrium"."""
+    settled_verdict: InPython[Verdict | None] = None
+    """Verdict of `kilter.check` on the settled pose, decided at the level `after_asked`."""
 
     def __getitem__(self, name: str) -> Part:
         """The part with this name, in the last pose of the search."""
@@ -130,6 +126,78 @@ class Settled(AnswerInWords):
         return np.asarray(np.degrees(np.linalg.norm(self.movement[:, 3:], axis=1)))
 
     @property
+    @key
+    def sentence(self) -> str:
+        """The answer in a sentence."""
+        return settle_sentence(self.data_without("sentence"))
+
+    @property
+    @key
+    def units(self) -> UnitWord:
+        """Length unit."""
+        return self.drawn.units
+
+    @property
+    @key
+    def moved(self) -> list[Moved]:
+        """Moved parts, the farthest first."""
+        names, distance, angle = self.drawn.names, self.distance, self.angle
+        moved = np.flatnonzero((distance > UNMOVED * self.tolerance) | (angle > NO_ANGLE))
+        return [
+            Moved(part=names[k], distance=float(distance[k]), angle_deg=float(angle[k]))
+            for k in moved[np.argsort(-distance[moved], kind="stable")].tolist()
+        ]
+
+    @property
+    @key
+    def widest_gap(self) -> float | None:
+        """Widest gap of a closed point [length unit]; null without a pose at rest."""
+        return None if self.closed is None else self.closed.widest_gap
+
+    @property
+    @key
+    def deepest_overlap(self) -> float | None:
+        """Deepest overlap of two parts [length unit]; null without a pose at rest."""
+        return None if self.closed is None else self.closed.deepest_overlap
+
+    @property
+    @key
+    def carries(self) -> list[list[str]]:
+        """Names of the pairs of parts that touch at closed points."""
+        if self.closed is None:
+            return []
+        pairs = np.unique(np.sort(self.closed.contacts.patch_parts, axis=1), axis=0)
+        return [[self.drawn.names[a], self.drawn.names[b]] for a, b in pairs.tolist()]
+
+    @property
+    @key
+    def before(self) -> str | None:
+        """Verdict on the drawn pose."""
+        return self.drawn_verdict.verdict
+
+    @property
+    @key
+    def after(self) -> str | None:
+        """Verdict on the pose at rest; null in other states."""
+        return None if self.settled_verdict is None else self.settled_verdict.verdict
+
+    @property
+    @key
+    def after_asked(self) -> str | None:
+        """Level up to which the verdict on the pose at rest was asked.
+
+        It is "equilibrium" if the closed points alone reach the required level.
+        """
+        return None if self.settled_verdict is None else self.settled_verdict.require
+
+    @property
+    @key
+    def closed_level(self) -> str | None:
+        """Level of forces at closed points alone."""
+        return None if self.closed_verdict is None else self.closed_verdict.level
+
+    @property
+    @key
     def level(self) -> str | None:
         """Level of the pose at rest, the higher of both verdicts on it; None in other states.
 
@@ -137,7 +205,7 @@ class Settled(AnswerInWords):
         """
         if self.state != "at-rest":
             return None
-        verdicts = [v for v in (self.after, self.closed_verdict) if v is not None]
+        verdicts = [v for v in (self.settled_verdict, self.closed_verdict) if v is not None]
         return max((v.level for v in verdicts), key=level_rank, default=None)
 
     @property
@@ -161,51 +229,6 @@ class Settled(AnswerInWords):
         proof["rest"] = {"gap": self.tolerance}
         proof["digest"] = digest_of(proof)
         return proof
-
-    def to_dict(self) -> SettleData:
-        """The answer as JSON data, as ``kilter settle --json`` prints it."""
-        names, distance, angle = self.drawn.names, self.distance, self.angle
-        moved = np.flatnonzero((distance > UNMOVED * self.tolerance) | (angle > NO_ANGLE))
-        data: SettleData = {
-            "sentence": "",  # made below from the other data
-            "state": self.state,
-            "level": self.level,
-            "units": self.drawn.units,
-            "moved": [
-                {
-                    "part": names[k],
-                    "distance": float(distance[k]),
-                    "angle_deg": float(angle[k]),
-                }
-                for k in moved[np.argsort(-distance[moved], kind="stable")].tolist()
-            ],
-            "widest_gap": None if self.closed is None else self.closed.widest_gap,
-            "deepest_overlap": None if self.closed is None else self.closed.deepest_overlap,
-            "carries": self._carrying_pairs(),
-            "rounds": self.rounds,
-            "reach": self.reach,
-            "tolerance": self.tolerance,
-            "dropped": self.dropped,
-            "parts": list(self.parts),
-            "depth": self.depth,
-            "why": self.why,
-            "before": None if self.before is None else self.before.verdict,
-            "after": None if self.after is None else self.after.verdict,
-            "after_asked": None if self.after is None else self.after.require,
-            "closed_level": None if self.closed_verdict is None else self.closed_verdict.level,
-            "require": self.require,
-            "warnings": list(self.warnings),
-            "seconds": self.seconds,
-        }
-        data["sentence"] = settle_sentence(data)
-        return data
-
-    def _carrying_pairs(self) -> list[list[str]]:
-        """Names of the pairs of parts that touch at closed points."""
-        if self.closed is None:
-            return []
-        pairs = np.unique(np.sort(self.closed.contacts.patch_parts, axis=1), axis=0)
-        return [[self.drawn.names[a], self.drawn.names[b]] for a, b in pairs.tolist()]
 
     def __repr__(self) -> str:
         far = float(self.distance.max(initial=0.0))
@@ -280,53 +303,71 @@ def _settle(asked: Question, reach: float | None, keep: str | Iterable[str], dro
     roughly = asked.but(require=ROUGHLY)
     before = check_level(roughly.but(contacts=contacts))
     bodies = rigid_bodies(assembly, kept)
-    dropped = 0.0
-    refusal = _refusal(assembly)
-    if refusal:
-        found = SearchResult("not-found", bodies, 0, why=refusal)
-        used = most or 0.0
-    else:
-        if drop:
-            from kilter.analysis.settled_pose.vertical_drop import drop_hanging
-
-            tell("drop")
-            bodies, dropped = drop_hanging(bodies)
-        found, used = _search(bodies, contacts, most, dropped, tell)
-        if _between_fits(found, contacts):
-            found = replace(found, why=f"{found.why}; {FITS}")
+    found, used, dropped = _found(assembly, bodies, contacts, most, drop, tell)
     settled = found.bodies.assembly()
-    closed = closed_verdict = after = None
+    verdicts: dict[str, Any] = {}
     if found.state == "at-rest":
         tell("verification")
-        assert found.points is not None
-        closed = closed_contacts(settled, found.points, progress=asked.progress)
-        closed_verdict = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
-        why = _unproved(closed, closed_verdict)
-        if why:
-            found = replace(found, state="not-found", why=why)
-        else:
-            again = roughly if holds(closed_verdict.level, asked.require) else asked
-            after = check(again.but(assembly=settled, contacts=None))
+        found, verdicts = _verified(found, settled, asked, roughly)
+    warned = verdicts.get("settled_verdict", before)
     return Settled(
-        assembly,
-        settled,
-        found.state,
-        found.bodies.movements(),
-        found.rounds,
-        used,
-        found.parts,
-        found.depth,
-        found.why,
-        closed,
-        closed_verdict,
-        closed_gap(settled),
-        before,
-        after,
-        asked.require,
-        dropped,
-        tuple(dict.fromkeys(before.warnings if after is None else after.warnings)),
-        time.perf_counter() - asked.begun,
+        state=found.state,
+        rounds=found.rounds,
+        reach=used,
+        tolerance=closed_gap(settled),
+        dropped=dropped,
+        parts=found.parts,
+        depth=found.depth,
+        why=found.why,
+        require=asked.require,
+        warnings=tuple(dict.fromkeys(warned.notes)),
+        seconds=time.perf_counter() - asked.begun,
+        drawn=assembly,
+        assembly=settled,
+        movement=found.bodies.movements(),
+        drawn_verdict=before,
+        **verdicts,
     )
+
+
+def _found(
+    assembly: Assembly,
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    most: float | None,
+    drop: bool,
+    tell: Callable[[str], None],
+) -> tuple[SearchResult, float, float]:
+    """The result of the search, its reach and the largest distance of a fall before it."""
+    refusal = _refusal(assembly)
+    if refusal:
+        return SearchResult("not-found", bodies, 0, why=refusal), most or 0.0, 0.0
+    dropped = 0.0
+    if drop:
+        from kilter.analysis.settled_pose.vertical_drop import drop_hanging
+
+        tell("drop")
+        bodies, dropped = drop_hanging(bodies)
+    found, used = _search(bodies, contacts, most, dropped, tell)
+    if _between_fits(found, contacts):
+        found = replace(found, why=f"{found.why}; {FITS}")
+    return found, used, dropped
+
+
+def _verified(
+    found: SearchResult, settled: Assembly, asked: Question, roughly: Question
+) -> tuple[SearchResult, dict[str, Any]]:
+    """The result of a search that ended at rest, and the verdicts on the pose, as fields."""
+    assert found.points is not None
+    closed = closed_contacts(settled, found.points, progress=asked.progress)
+    alone = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
+    verdicts: dict[str, Any] = {"closed": closed, "closed_verdict": alone}
+    why = _unproved(closed, alone)
+    if why:
+        return replace(found, state="not-found", why=why), verdicts
+    again = roughly if holds(alone.level, asked.require) else asked
+    verdicts["settled_verdict"] = check(again.but(assembly=settled, contacts=None))
+    return found, verdicts
 
 
 def _search(
@@ -361,7 +402,7 @@ def _between_fits(found: SearchResult, contacts: ContactSet) -> bool:
     index = found.bodies.drawn.index
     parts = {index[name] for name in found.parts}
     return found.state == "not-found" and any(
-        pair.kind == "free-form" and set(pair.parts) == parts for pair in contacts.open_pairs
+        pair.kind == "free-form" and set(pair.ends) == parts for pair in contacts.open_pairs
     )
 
 
@@ -384,7 +425,7 @@ def _default_reach(assembly: Assembly, contacts: ContactSet, dropped: float) -> 
     """Reach from the widest gap and the deepest overlap of the drawn pose [length unit]."""
     size = _median_size(assembly)
     gaps = [overlap.depth for overlap in contacts.overlaps]
-    gaps += [abs(pair.gap) for pair in contacts.rejected if abs(pair.gap) < size]
+    gaps += [abs(pair.gap) for pair in contacts.near if abs(pair.gap) < size]
     if not dropped:
         gaps += [neighbour.gap for neighbour in contacts.neighbours]
     return MARGIN * max([REACH / MARGIN * size, *gaps])

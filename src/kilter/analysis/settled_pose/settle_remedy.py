@@ -6,8 +6,8 @@ programs, and a deep overlap is meant or a mistake of another kind.
 
 from __future__ import annotations
 
-from kilter.analysis.open_pairs.remedies import Remedy
 from kilter.analysis.settled_pose.settle import settle
+from kilter.analysis.verdict.remedies import Remedy
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.errors import KilterError
 
@@ -24,17 +24,17 @@ CLOSABLE = ("overlap", "near")
 
 def settle_remedy(verdict: Verdict) -> Remedy | None:
     """The verdict on the pose at rest near the drawn pose; None if it was not tried or found."""
-    assembly, contacts = verdict.assembly, verdict.contacts
+    assembly, contacts = verdict.assembly, verdict.contact_set
     kinds = {pair.kind for pair in contacts.open_pairs}
     small = len(assembly) <= MOST_PARTS and len(contacts.points) <= MOST_POINTS
     if verdict.verdict != "undecided" or not kinds & set(CLOSABLE) or not small:
         return None
-    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
     size = assembly.geometry.size
     deep = (
-        overlap.depth > DEEPEST * size[list(overlap.parts)].min()
+        overlap.depth > DEEPEST * size[list(overlap.ends)].min()
         for overlap in contacts.overlaps
-        if frozenset(overlap.parts) in left_open
+        if frozenset(overlap.ends) in left_open
     )
     if any(deep):
         return None
@@ -42,7 +42,7 @@ def settle_remedy(verdict: Verdict) -> Remedy | None:
         answer = settle(assembly, contacts=contacts, require="equilibrium", effort=0.0)
     except KilterError:
         return None
-    if answer.state != "at-rest" or answer.after is None:
+    if answer.state != "at-rest" or answer.settled_verdict is None:
         return None
     moved = float(answer.distance.max(initial=0.0))
-    return Remedy("--settle", answer.after.verdict, answer.level, moved, assembly.units)
+    return Remedy("--settle", answer.settled_verdict.verdict, answer.level, moved, assembly.units)

@@ -63,7 +63,7 @@ def drop_hanging(bodies: RigidBodies) -> tuple[RigidBodies, float]:
 
 def _hanging_groups(bodies: RigidBodies, contacts: ContactSet) -> Index:
     """Group of each part: 0 if it touches the ground, directly or through others; shape (N,)."""
-    pairs = [contacts.patch_parts, *(np.array([o.parts]) for o in contacts.overlaps)]
+    pairs = [contacts.patch_parts, *(np.array([o.ends]) for o in contacts.overlaps)]
     touching = bodies.of_part[np.concatenate(pairs)]
     joined = [[bodies.body_of(name) for name in joint.parts] for joint in bodies.drawn.joints]
     ends = np.concatenate([touching, np.array(joined, dtype=np.int64).reshape(-1, 2)])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.transport.carried_set import MOST, Slice
 from kilter.arrays import Array
 from kilter.errors import InputError
@@ -63,9 +63,9 @@ def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
     program = known.program
     rows, bounds = [], []
     for _, limit in known.limits:
-        if limit.mechanism is None:
+        if limit.motion is None:
             continue
-        motion = limit.mechanism.motion
+        motion = limit.motion.motion
         moment = (program.mass * program.free) @ motion[:, :3]
         size = float(np.linalg.norm(moment))
         if size > 0.0:

@@ -9,7 +9,7 @@ is convex. Without friction it is a polyhedron. Given loads and bonds are fixed 
 belong to w. For an acceleration a alone and without loads and bonds, A = g - S, with the cone S of
 directions of gravity that `kilter.region` finds.
 
-    farthest point    max t : J^T f + w(g) + t B y = 0: `kilter.analysis.margins.load_limit`;
+    farthest point    max t : J^T f + w(g) + t B y = 0: `kilter.analysis.load_limit`;
                       forces prove the point, a motion proves a plane beyond which A has no point
     least             the point of the boundary nearest to 0 among the horizontal accelerations
     slice             the boundary of a plane section: a polygon inside and planes outside
@@ -22,7 +22,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones, Why
+from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, Why
 from kilter.analysis.margins.tilt import across_gravity, held_limit
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
@@ -35,6 +35,7 @@ from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.tell.record import Lines, OrNull, Record, Rows
 
 __all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice"]
 
@@ -75,36 +76,23 @@ class LeastAcceleration:
     programs: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Slice:
-    """Section of the set of carried accelerations with a plane through 0, in units of g.
+class Slice(Record):
+    """Section of the set of carried accelerations with a plane through 0, in units of g."""
 
-    Attributes
-    ----------
-    axes : ndarray, shape (2, 3)
-        Orthonormal directions of acceleration that span the plane.
-    points : ndarray, shape (n, 2)
-        Carried accelerations, counterclockwise; their hull is carried.
-    normals : ndarray, shape (m, 2)
-        Unit normals of lines beyond which no acceleration is carried.
-    reach : ndarray, shape (m,)
-        Distance of each line from 0: ``normals @ a <= reach`` for every carried a.
-    limited : ndarray of bool, shape (n,)
-        False for a point at the largest acceleration of the search.
-    proved : ndarray of bool, shape (m,)
-        True for a line that a motion proves.
-    gap : float
-        Largest distance from an edge of the polygon to the lines beyond it; 0 if the
-        polygon is exact.
-    """
-
-    axes: Array
-    points: Array
-    normals: Array
-    reach: Array
+    axes: Lines
+    """Orthonormal directions of acceleration that span the plane, shape (2, 3)."""
+    points: Rows
+    """Carried accelerations along the axes, counterclockwise; their hull is carried [g]."""
     limited: Mask
+    """False for a point at the largest acceleration of the search."""
     proved: Mask
-    gap: float
+    """True for a line that a motion proves."""
+    normals: Rows
+    """Unit normals of lines: ``normals @ a <= reach`` for every carried a."""
+    reach: Array
+    """Distance of each line from 0, the farthest acceleration along its normal [g]."""
+    gap: OrNull
+    """Largest distance from an edge of the polygon to the lines beyond it [g]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,9 +256,9 @@ class CarriedSet:
         reach = max(min(limit.value, self.most), 0.0)
         point = reach * direction
         limited = bool(np.isfinite(limit.value))
-        if limit.mechanism is None:
+        if limit.motion is None:
             return SupportLine(direction, point, direction, reach, limited, False)
-        program, motion = self.program, limit.mechanism.motion
+        program, motion = self.program, limit.motion.motion
         moment = (program.mass * program.free) @ motion[:, :3]
         # the power of the load w(g) - m g a on the motion is not positive for any carried a
         outward = -(axes @ moment) * program.g

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,9 +31,6 @@ from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.transport_data import CarrierMotionData
 
 __all__ = ["PAIRS", "CarrierMotion", "carried_assembly", "carrier_wrench", "load_matrix"]
 
@@ -108,15 +104,6 @@ class CarrierMotion:
                 "the carrier of a planar assembly turns about y only",
                 hint="give angular vectors with x = z = 0",
             )
-
-    def to_dict(self) -> CarrierMotionData:
-        """The carrier motion as JSON data."""
-        return {
-            "acceleration": np.asarray(self.acceleration).tolist(),
-            "angular_velocity": np.asarray(self.angular_velocity).tolist(),
-            "angular_acceleration": np.asarray(self.angular_acceleration).tolist(),
-            "about": np.asarray(self.about).tolist(),
-        }
 
 
 def carrier_wrench(program: Program, motion: CarrierMotion) -> Array:

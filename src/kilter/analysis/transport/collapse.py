@@ -27,23 +27,20 @@ along a random direction and against it, find other mechanisms if M* is not uniq
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
-from kilter.analysis.margins.limit_sides import beyond_at, motion_share
-from kilter.analysis.margins.load_limit import Limit, finite, gravity_wrench, starting
+from kilter.analysis.limit_sides import beyond_at, motion_share
+from kilter.analysis.load_limit import Limit, gravity_wrench, starting
 from kilter.arrays import Array
 from kilter.mechanics.certificate import MotionProof, part_sizes
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.transport_data import CollapseData
+from kilter.tell.record import InPython, OrNull, Record, Vector, key
 
 __all__ = ["CONFIDENCE_FACTOR", "CollapseMultiplier", "find_collapse"]
 
@@ -59,62 +56,45 @@ SAME_MASS = 1e-3
 """Relative difference of M* above which it is not unique [-]; above the effect of `SELECTION`."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class CollapseMultiplier:
-    """The multiplier of horizontal forces at which a mechanism starts, with its mass.
+class CollapseMultiplier(Record):
+    """Multiplier of horizontal forces at which a mechanism starts, with its participating mass.
 
-    Attributes
-    ----------
-    name : str
-        "+x", ..., or "least"; the direction of the forces, opposite to that of the ground.
-    direction : ndarray, shape (3,)
-        Horizontal unit direction of the forces.
-    limit : Limit
-        Largest multiplier that is proved to be carried [-], infinite without a limit. Its mechanism
-        is that of the largest participating mass of all that were found at the limit.
-    participating_mass : float
-        M* [kg].
-    e : float
-        Fraction e* of the mass of all free parts [-].
-    e_moving : float
-        Fraction e* of the mass of the moving parts alone [-].
-    unique : bool
-        False if other mechanisms at the limit have a smaller M*.
+    The mechanism is that of the largest participating mass of all that were found at the limit.
     """
 
     name: str
-    direction: Array
-    limit: Limit
-    participating_mass: float
-    e: float
-    e_moving: float
-    unique: bool
+    """"+x", ..., or "least"; the direction of the forces, opposite to that of the ground."""
+    direction: Vector
+    """Horizontal direction of the forces, unit."""
+    alpha0: OrNull
+    """Largest multiplier that is proved to be carried [-]; infinite without a limit."""
+    upper: OrNull
+    """Multiplier proved not to be carried [-]."""
+    participating_mass: OrNull
+    """M* [kg]."""
+    e: OrNull
+    """M* over the mass of all free parts [-]."""
+    a0: OrNull
+    """Spectral acceleration a0* for `e` [m/s^2]."""
+    e_moving: OrNull
+    """M* over the mass of the moving parts [-]."""
+    a0_moving: OrNull
+    """Spectral acceleration a0* for `e_moving` [m/s^2]."""
+    unique: bool | None
+    """False: other mechanisms at `alpha0` have a smaller M*."""
+    limit: InPython[Limit]
+    """Forces and mechanism at `alpha0`."""
 
-    def to_dict(self, program: Program, fc: float) -> CollapseData:
-        """JSON data of the multiplier, with the spectral accelerations for a confidence factor."""
-        limit = self.limit
-        known = limit.mechanism is not None
-        upper = limit.value + limit.gap * max(abs(limit.value), 1.0)
-        a0, a0_moving = (
-            limit.value * program.g / (share * fc) if known else np.inf
-            for share in (self.e, self.e_moving)
-        )
-        return {
-            "name": self.name,
-            "direction": self.direction.tolist(),
-            "alpha0": finite(limit.value),
-            "upper": finite(upper),
-            "participating_mass": finite(self.participating_mass),
-            "e": finite(self.e),
-            "a0": finite(a0),
-            "e_moving": finite(self.e_moving),
-            "a0_moving": finite(a0_moving),
-            "unique": self.unique if known else None,
-            "moves": starting(program, limit.mechanism),
-        }
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move."""
+        return self.limit.moves
 
 
-def find_collapse(program: Program, name: str, force: Array, limit: Limit) -> CollapseMultiplier:
+def find_collapse(
+    program: Program, name: str, force: Array, limit: Limit, *, fc: float = 1.0
+) -> CollapseMultiplier:
     """Compute the participating mass of the mechanism at a limit of horizontal forces.
 
     Parameters
@@ -127,6 +107,8 @@ def find_collapse(program: Program, name: str, force: Array, limit: Limit) -> Co
         Horizontal unit direction of the forces.
     limit : Limit
         Largest multiple of the weights along `force`, in g, with its proofs.
+    fc : float
+        Confidence factor FC of the spectral accelerations [-].
 
     Examples
     --------
@@ -140,22 +122,33 @@ def find_collapse(program: Program, name: str, force: Array, limit: Limit) -> Co
     >>> program = build_program(load, contacts(load))
     >>> limit = CarriedSet(program).along([-1.0, 0, 0])
     >>> collapse = find_collapse(program, "+x", np.array([1.0, 0, 0]), limit)
-    >>> round(collapse.limit.value, 6), round(collapse.e, 6), collapse.unique
+    >>> round(collapse.alpha0, 6), round(collapse.e, 6), collapse.unique
     (0.2, 1.0, True)
     """
-    if limit.mechanism is None:
-        none = float("nan")
-        return CollapseMultiplier(name, force, limit, none, none, none, True)
-    wide = cone_problem(program)
-    wrench = gravity_wrench(program, force)
-    found = [proof for proof in _mechanisms(wide, wrench, limit) if proof is not None]
-    # without a selected mechanism, that of the limit remains
-    chosen, others = (found[0], found[1:]) if found else (limit.mechanism, [])
-    mass, fraction, moving = _masses(program, force, chosen)
-    least = min((_masses(program, force, other)[0] for other in others), default=mass)
-    unique = bool(found) and least >= mass * (1 - SAME_MASS)
+    mass = fraction = moving = float("nan")
+    unique = None
+    if limit.motion is not None:
+        wide = cone_problem(program)
+        wrench = gravity_wrench(program, force)
+        found = [proof for proof in _mechanisms(wide, wrench, limit) if proof is not None]
+        # without a selected mechanism, that of the limit remains
+        chosen, others = (found[0], found[1:]) if found else (limit.motion, [])
+        mass, fraction, moving = _masses(program, force, chosen)
+        least = min((_masses(program, force, other)[0] for other in others), default=mass)
+        unique = bool(found) and least >= mass * (1 - SAME_MASS)
+        limit = replace(limit, motion=chosen)
     return CollapseMultiplier(
-        name, force, replace(limit, mechanism=chosen), mass, fraction, moving, unique
+        name=name,
+        direction=force,
+        alpha0=limit.value,
+        upper=limit.value + limit.gap * max(abs(limit.value), 1.0),
+        participating_mass=mass,
+        e=fraction,
+        a0=limit.value * program.g / (fraction * fc),
+        e_moving=moving,
+        a0_moving=limit.value * program.g / (moving * fc),
+        unique=unique,
+        limit=limit,
     )
 
 

@@ -8,24 +8,20 @@ bonds give way, which the law does not model, the words name only the kind of mo
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, starting, with_more
+from kilter.analysis.decision.motion import find_motion_with_friction, round_mantle
+from kilter.analysis.load_limit import Limit, starting, with_more
 from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
-from kilter.analysis.verdict.motion import find_motion_with_friction, round_mantle
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
+from kilter.tell.record import Record
 from kilter.tell.words import motion_words
 from kilter.units import metres_per_unit
 
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.transport_data import FirstMotionData
-
-__all__ = ["first_motions", "kind_of_motion"]
+__all__ = ["FirstMotion", "first_motions", "kind_of_motion"]
 
 BEYOND = 1e-3
 """Excess of the load over the limit at which the motion is computed [-]."""
@@ -35,34 +31,30 @@ EFFORT = 0.2
 """Effort of the search for the motion at a limit: an answer has up to eight."""
 
 
-def first_motions(
-    assembly: Assembly, program: Program, limit: Limit, carried: CarrierMotion
-) -> list[FirstMotionData]:
-    """How the parts start to move beyond a limit, seen from the carrier, the fastest first.
+class FirstMotion(Record):
+    """How a part starts to move, in words."""
 
-    As JSON data.
+    part: str
+    """Name of the part."""
+    words: str
+    """The motion, such as "slides +x"."""
 
-    Parameters
-    ----------
-    assembly : Assembly
-    program : Program
-        The assembly at rest on its carrier.
-    limit : Limit
-        Largest factor of the motion of the carrier.
-    carried : CarrierMotion
-    """
-    if limit.mechanism is None:
+
+def first_motions(assembly: Assembly, limit: Limit, carried: CarrierMotion) -> list[FirstMotion]:
+    """How the parts start to move beyond a limit of a carrier motion, the fastest first."""
+    program = limit.program
+    if limit.motion is None:
         return []
     found = _by_the_law(program, limit, carried)
     dilates = found is None and bool(program.mu.any())
-    motion = limit.mechanism.motion if found is None else found
-    names = set(starting(program, limit.mechanism))
+    motion = limit.motion.motion if found is None else found
+    names = set(starting(program, limit.motion))
     size = part_sizes(program, motion, per_radius=False)
     if found is not None:
         names = {name for k, name in enumerate(program.names) if size[k] > 0}
     order = [k for k in np.argsort(-size, kind="stable") if program.names[k] in names]
     metres = metres_per_unit(program.units)
-    words: list[FirstMotionData] = []
+    words = []
     for k in order:
         turn = float(np.linalg.norm(motion[k, 3:])) * program.radius[k]
         relative = np.array([np.linalg.norm(motion[k, :3]), turn])
@@ -77,7 +69,7 @@ def first_motions(
             mantle=round_mantle(assembly.parts[k]),
         )
         phrase = kind_of_motion(phrase) if dilates else phrase
-        words.append({"part": program.names[k], "words": phrase})
+        words.append(FirstMotion(part=program.names[k], words=phrase))
     return words
 
 

@@ -31,18 +31,15 @@ specified paths, 1985: limits of lam = k^2 along a path.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Annotated
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
     SharedCones,
     find_limit,
-    finite,
-    starting,
 )
 from kilter.analysis.transport.carrier import load_matrix
 from kilter.analysis.transport.carrier_path import CarrierPath
@@ -52,9 +49,7 @@ from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.transport_data import PathData
+from kilter.tell.record import InPython, OrNull, Record, Shape, key
 
 __all__ = ["PathLimit", "find_path_limit"]
 
@@ -72,62 +67,55 @@ LEFT = 1e-9
 """Largest residual of a combination of carried loads, relative to the weight [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PathLimit:
-    """The largest factor by which a carrier may run a path faster before a part moves.
+class PathLimit(Record):
+    """Largest factor on the speed along a path at which contact forces can hold the parts."""
 
-    Attributes
-    ----------
-    path : CarrierPath
-    factor : float
-        The path may run this many times as fast [-]; infinite without a limit, 0 if a part moves
-        at any speed.
-    lower : float
-        Factor up to which every sample is proved to be carried [-].
-    slowest : float
-        Least factor that is carried; above 0 where a part slides down unless the path runs [-].
-    time : float or None
-        Time of the path at which a part moves first [s].
-    limit : Limit or None
-        Forces and mechanism there.
-    bounds : ndarray, shape (n,)
-        Upper bound of the factor at every sample [-].
-    between : bool
-        True if the factor is also proved between the samples.
-    programs : int
-        Number of limits that were computed.
-    rows : ndarray, shape (m, 12)
-        Planes around the carried loads, with z = (g - a, al, O): ``rows @ z <= levels``.
-    levels : ndarray, shape (m,)
-        Zero without loads and bonds.
-    """
-
-    path: CarrierPath
-    factor: float
-    lower: float
+    factor: OrNull
+    """Largest speed factor [-]; infinite without a limit, 0 if a part moves at any speed."""
+    lower: OrNull
+    """Factor up to which every sample is proved to be carried [-]."""
     slowest: float
+    """Factor below which a part slides [-]; 0 if it is carried at rest."""
     time: float | None
-    limit: Limit | None
-    bounds: Array
-    between: bool
-    programs: int
-    rows: Array
-    levels: Array
+    """Time of the path at which a part moves first [s]."""
+    between_samples: bool
+    """Whether the factor is also proved between the samples."""
+    factors: Annotated[Array, Shape(None, infinite=True)]
+    """Upper bound of the factor at every sample [-]."""
+    path: InPython[CarrierPath]
+    """The path."""
+    limit: InPython[Limit | None]
+    """Forces and mechanism of the first motion."""
+    programs: InPython[int]
+    """Number of limits that were computed."""
+    rows: InPython[Array]
+    """Planes around the carried loads z = (g - a, al, O): ``rows @ z <= levels``, shape (m, 12)."""
+    levels: InPython[Array]
+    """Zero without loads and bonds, shape (m,)."""
 
-    def to_dict(self, program: Program) -> PathData:
-        """The speed limit of the path as JSON data."""
-        return {
-            "samples": len(self.path.time),
-            "duration": float(self.path.time[-1] - self.path.time[0]),
-            "factor": finite(self.factor),
-            "lower": finite(self.lower),
-            "slowest": self.slowest,
-            "time": self.time,
-            "between_samples": self.between,
-            "moves": [] if self.limit is None else starting(program, self.limit.mechanism),
-            "factors": [finite(bound) for bound in self.bounds],
-            "times": self.path.time.tolist(),
-        }
+    @property
+    @key
+    def samples(self) -> int:
+        """Number of samples."""
+        return len(self.path.time)
+
+    @property
+    @key
+    def duration(self) -> float:
+        """Duration of the path [s]."""
+        return float(self.path.time[-1] - self.path.time[0])
+
+    @property
+    @key
+    def times(self) -> Array:
+        """Times of the samples [s]."""
+        return self.path.time
+
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move first."""
+        return [] if self.limit is None else self.limit.moves
 
 
 class _PathSearch:
@@ -208,8 +196,8 @@ class _PathSearch:
         limit = find_limit(program, wrench, opening=opening, shared=shared, most=most)
         if isinstance(limit, Limit):
             self._carry(start + min(limit.value, most) * along)
-            if limit.mechanism is not None:
-                self._add_plane(limit.mechanism.motion)
+            if limit.motion is not None:
+                self._add_plane(limit.motion.motion)
         return limit
 
     def _carry(self, load: Array) -> None:
@@ -374,8 +362,8 @@ def _path_limit(search: _PathSearch, slowest: float) -> PathLimit | NoLimit:
         slowest=float(np.sqrt(slowest)),
         time=None if unlimited[first] else float(path.time[first]),
         limit=None if unlimited[first] else search.limits[first][1],
-        bounds=factors,
-        between=path.linear and slowest == 0.0,
+        factors=factors,
+        between_samples=path.linear and slowest == 0.0,
         programs=search.programs,
         rows=search.rows,
         levels=search.levels,

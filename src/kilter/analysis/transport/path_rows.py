@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones, find_limit
+from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, find_limit
 from kilter.analysis.transport.carried_set import MOST
 from kilter.analysis.transport.carrier import load_matrix
 from kilter.analysis.transport.path import PathLimit
@@ -128,9 +128,9 @@ def _line(program: Program, wrenches: Array, direction: Array, limit: Limit) -> 
     """Boundary point along a direction, and the line around the carried points of its mechanism."""
     reach = max(min(limit.value, MOST), 0.0)
     point, limited = reach * direction, bool(np.isfinite(limit.value))
-    if limit.mechanism is None:
+    if limit.motion is None:
         return SupportLine(direction, point, direction, reach, limited, False)
-    motion = limit.mechanism.motion
+    motion = limit.motion.motion
     outward = np.einsum("kpi,pi->k", wrenches, motion)
     size = float(np.linalg.norm(outward))
     distance = -program.power(motion) / size if size > 0.0 else np.inf

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import NoLimit
+from kilter.analysis.load_limit import NoLimit
 from kilter.analysis.turning_tolerances import PARALLEL_PLANES
 from kilter.arrays import TINY, Array
 

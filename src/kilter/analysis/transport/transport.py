@@ -13,16 +13,17 @@ the levels of check.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.margins.load_limit import EXACT, Limit, NoLimit, Why
+from kilter.analysis.load_limit import EXACT, Limit, LimitSteps
 from kilter.analysis.margins.uncertainty import Ranges
-from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration, Slice
+from kilter.analysis.transport.carried_set import CarriedSet, Slice
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.analysis.transport.codes import code_accelerations
@@ -32,28 +33,32 @@ from kilter.analysis.transport.collapse import (
     find_collapse,
 )
 from kilter.analysis.transport.path import PathLimit, find_path_limit
-from kilter.analysis.transport.transport_answer import CarriedCase, DirectionLimit, Transport
+from kilter.analysis.transport.transport_answer import (
+    CarriedCase,
+    DirectionLimit,
+    Transport,
+    carried_at,
+)
+from kilter.analysis.transport.transport_proofs import CARRIER
 from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet
 from kilter.contact.round_edges import round_edges
-from kilter.errors import InputError, TimeLimitReached
-from kilter.mechanics.program import Program, build_program
+from kilter.errors import InputError
+from kilter.mechanics.program import build_program
 from kilter.tell.levels import level_rank, require_level
 from kilter.validate import number
-from kilter.work import Work, stop_after
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["transport"]
 
-T = TypeVar("T")
 AXES = (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("-y", (0, -1, 0)),
         ("+z", (0, 0, 1)), ("-z", (0, 0, -1)))  # fmt: skip
 """Names and directions of acceleration of an answer without a question."""
+TURNED = str.maketrans("+-", "-+")
+"""Names of opposite directions."""
 
 
 @question()
@@ -123,18 +128,157 @@ def transport(
     >>> question.carried, round(question.cases[0].factor.value, 4)
     (True, 1.308)
     """
-    assembly, require, tell = asked.assembly, require_level(asked.require), asked.tell
+    assembly, require = asked.assembly, require_level(asked.require)
     motions = _questions(assembly, accelerate, turn, code, forward, path)
     fc = number(fc, "confidence factor", lowest=1.0)
-    if collapse and (motions or path is not None):
+    narrow = bool(motions) or path is not None
+    if collapse and narrow:
         raise InputError(
             "collapse multipliers are those of all horizontal directions",
             hint="ask for them without another question",
         )
+    steps = _steps(asked.but(require=require), mu_range)
+    limits = [] if narrow else steps.limits()
+    return Transport(
+        assembly=assembly,
+        contacts=steps.detected,
+        rest=steps.rest,
+        program=steps.carried.program,
+        edges=steps.carried.edges,
+        limits=tuple(limits),
+        polar=steps.polar() if polar and limits and limits[-1].least else None,
+        alpha=tuple(steps.multipliers(limits, fc) if collapse else ()),
+        speed=None if path is None else steps.speed(path),
+        cases=tuple(steps.case(name, motion) for name, motion in motions),
+        code=code,
+        forward=None if code is None else np.array(forward, dtype=np.float64),
+        fc=fc if collapse else None,
+        mu_range=mu_range,
+        require=require,
+        missing=steps.missing,
+        warnings=steps.rest.notes,
+        seconds={**steps.rest.seconds, "total": time.perf_counter() - asked.begun},
+    )
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class TransportSteps(LimitSteps):
+    """Steps that compute the limits of a carrier; `frictions` has the least friction first."""
+
+    asked: Question
+    detected: ContactSet
+    frictions: list[ContactSet]
+    rest: Verdict
+    carried: CarriedSet
+
+    def limits(self) -> list[DirectionLimit]:
+        """Known limits along the axes, then that of the weakest horizontal direction."""
+        limits: list[DirectionLimit] = []
+        if self.rest.verdict == "unstable":
+            return limits
+        for name, direction in _axes(self.asked.assembly):
+            self.tell(f"acceleration along {name}")
+            limit = self.limit(name, self.carried.along, direction)
+            if limit is not None:
+                limits.append(self._along(name, direction, limit.value, limit.value, limit))
+        self.tell("least horizontal acceleration")
+        least = self.limit("least", self.carried.least)
+        if least is not None:
+            limits.append(
+                self._along("least", least.direction, least.value, least.lower, least.limit)
+            )
+        return limits
+
+    def _along(
+        self, name: str, direction: Array, value: float, lower: float, limit: Limit
+    ) -> DirectionLimit:
+        """The limit along a direction, from accelerations in g."""
+        size = self.carried.program.g
+        return DirectionLimit(
+            name=name,
+            direction=direction,
+            acceleration=lower * size,
+            upper=value * size,
+            g=value,
+            least=name == "least",
+            limit=limit,
+            assembly=self.asked.assembly,
+        )
+
+    def polar(self) -> Slice | None:
+        """Boundary of the horizontal accelerations; None for a planar assembly."""
+        if self.asked.assembly.planar:
+            return None
+        self.tell("all horizontal accelerations")
+        return self.limit("polar", self.carried.slice, _horizontal(self.asked.assembly))
+
+    def multipliers(
+        self, limits: Iterable[DirectionLimit], fc: float
+    ) -> Iterator[CollapseMultiplier]:
+        """Collapse multipliers of the forces that horizontal accelerations of the ground cause."""
+        self.tell("mechanisms of collapse")
+        for entry in limits:
+            if abs(entry.direction @ self.asked.assembly.down) > ACROSS_GRAVITY:
+                continue
+            if not entry.direction.any():
+                continue
+            name = entry.name.translate(TURNED)  # the ground moves against the forces
+            find = partial(find_collapse, fc=fc)
+            found = self.limit(
+                f"alpha {entry.name}",
+                find,
+                self.carried.program,
+                name,
+                -entry.direction,
+                entry.limit,
+            )
+            if found is not None:
+                yield found
+
+    def speed(self, path: CarrierPath) -> PathLimit | None:
+        """Largest speed factor of a path."""
+        self.tell("path")
+        return self.limit("path", find_path_limit, self.carried.program, path, self.tell)
+
+    def case(self, name: str, motion: CarrierMotion) -> CarriedCase:
+        """Decide if an assembly stays in place under a carrier motion, and find its largest factor.
+
+        The verdict is the lowest of those with each friction.
+        """
+        felt = carried_assembly(self.asked.assembly, motion)
+        verdicts = [
+            check(
+                self.asked.but(
+                    assembly=felt, contacts=contacts.of(felt), time_limit=self.work.seconds
+                )
+            )
+            for contacts in self.frictions
+        ]
+        verdict = min(verdicts, key=lambda verdict: level_rank(verdict.level))
+        limit = self.limit(name, self.carried.share, motion)
+        return CarriedCase(
+            name=name,
+            **{vector: getattr(motion, vector) for vector in CARRIER},
+            g=float(np.linalg.norm(motion.acceleration)) / self.carried.program.g,
+            carried=carried_at((verdict,), self.asked.require),
+            verdict=verdict.verdict,
+            level=verdict.level,
+            guarantee=verdict.guarantee,
+            factor=None if limit is None else limit.value,
+            limit=limit,
+            carrier=motion,
+            check=verdict,
+            assembly=self.asked.assembly,
+        )
+
+
+def _steps(asked: Question, mu_range: tuple[float, float] | None) -> TransportSteps:
+    """Decide the assembly at rest, and prepare the steps with the least friction."""
+    assembly, work = asked.assembly, asked.work()
     ends = [1.0] if mu_range is None else sorted(set(Ranges(mu=mu_range).mu))
-    work, at_rest = asked.work(), asked.but(require="equilibrium")
+    at_rest = asked.but(require="equilibrium")
     rest = check(at_rest)
-    detected = rest.contacts
+    detected = rest.contact_set
     frictions = [detected if end == 1.0 else detected.with_friction_share(end) for end in ends]
     if frictions[0] is not detected:
         rest = check(at_rest.but(contacts=frictions[0], progress=None))
@@ -142,75 +286,14 @@ def transport(
     # a copy of a contact point would also copy its bond
     round_ = not (program.planar or program.has_strength or len(program.part_a) > EXACT)
     edges = round_edges(assembly, frictions[0]) if round_ else ()
-    carried = CarriedSet(program, edges=edges)
-    missing: dict[str, Why] = {}
-
-    def in_time(name: str, step: Callable[[], T | NoLimit]) -> T | None:
-        """Result of a step of the analysis; None, with the reason in `missing`, if it has none."""
-        try:
-            with stop_after(work.seconds):
-                result = step()
-        except TimeLimitReached:
-            result = NoLimit("time")
-        if isinstance(result, NoLimit):
-            missing[name] = result.why
-            return None
-        return result
-
-    limits: list[DirectionLimit] = []
-    least: DirectionLimit | None = None
-    section: Slice | None = None
-    speed: PathLimit | None = None
-    if not (motions or path is not None) and rest.verdict != "unstable":
-        for name, direction in _axes(assembly):
-            tell(f"acceleration along {name}")
-            limit = in_time(name, lambda direction=direction: carried.along(direction))  # type: ignore[misc]
-            if limit is not None:
-                limits.append(DirectionLimit(name, direction, limit.value, limit.value, limit))
-        tell("least horizontal acceleration")
-        weakest = in_time("least", carried.least)
-        least = None if weakest is None else _least_limit(weakest)
-        if polar and not assembly.planar and weakest is not None:
-            tell("all horizontal accelerations")
-            axes = _horizontal(assembly)
-            section = in_time("polar", lambda: carried.slice(axes))
-    multipliers: list[CollapseMultiplier] = []
-    if collapse:
-        tell("mechanisms of collapse")
-        for entry in (*limits, *([] if least is None else [least])):
-            if abs(entry.direction @ assembly.down) <= ACROSS_GRAVITY and entry.direction.any():
-                found = in_time(
-                    f"alpha {entry.name}",
-                    lambda entry=entry: _multiplier(program, entry),  # type: ignore[misc]
-                )
-                multipliers += [] if found is None else [found]
-    if path is not None:
-        tell("path")
-        speed = in_time("path", lambda: find_path_limit(program, path, tell))
-    cases = tuple(
-        _decide(assembly, frictions, carried, name, motion, require, asked.effort, work, in_time)
-        for name, motion in motions
-    )
-    return Transport(
-        assembly=assembly,
-        contacts=detected,
+    return TransportSteps(
+        work=work,
+        tell=asked.tell,
+        asked=asked,
+        detected=detected,
+        frictions=frictions,
         rest=rest,
-        program=program,
-        edges=edges,
-        limits=tuple(limits),
-        least=least,
-        polar=section,
-        cases=cases,
-        code=code,
-        forward=None if code is None else np.array(forward, dtype=np.float64).tolist(),
-        path=speed,
-        collapse=tuple(multipliers),
-        fc=fc if collapse else None,
-        mu_range=mu_range,
-        require=require,
-        missing=missing,
-        warnings=tuple(rest.warnings),
-        seconds={**rest.seconds, "total": time.perf_counter() - asked.begun},
+        carried=CarriedSet(program, edges=edges),
     )
 
 
@@ -249,37 +332,6 @@ def _questions(
     return motions
 
 
-def _decide(
-    assembly: Assembly,
-    frictions: list[ContactSet],
-    carried: CarriedSet,
-    name: str,
-    motion: CarrierMotion,
-    require: str,
-    effort: float,
-    work: Work,
-    in_time: Callable[[str, Callable[[], Limit | NoLimit]], Limit | None],
-) -> CarriedCase:
-    """Decide if an assembly stays in place under a carrier motion, and find its largest factor.
-
-    The verdict is the lowest of those with each friction of `frictions`, the least of which is
-    first.
-    """
-    felt = carried_assembly(assembly, motion)
-    verdicts = [
-        check(
-            felt,
-            contacts=contacts.of(felt),
-            require=require,
-            effort=effort,
-            time_limit=work.seconds,
-        )
-        for contacts in frictions
-    ]
-    verdict = min(verdicts, key=lambda verdict: level_rank(verdict.level))
-    return CarriedCase(name, motion, verdict, in_time(name, lambda: carried.share(motion)))
-
-
 def _axes(assembly: Assembly) -> Iterator[tuple[str, Array]]:
     """Names and unit directions of the coordinate axes; without y for a planar assembly."""
     for name, direction in AXES:
@@ -295,13 +347,3 @@ def _horizontal(assembly: Assembly) -> Array:
     first = first / float(np.linalg.norm(first))
     second = np.cross(-down, first)
     return np.stack([first, second])
-
-
-def _least_limit(weakest: LeastAcceleration) -> DirectionLimit:
-    return DirectionLimit("least", weakest.direction, weakest.value, weakest.lower, weakest.limit)
-
-
-def _multiplier(program: Program, limit: DirectionLimit) -> CollapseMultiplier:
-    """Collapse multiplier of the forces that an acceleration limit of the ground causes."""
-    name = limit.name.translate(str.maketrans("+-", "-+"))  # the ground moves against the forces
-    return find_collapse(program, name, -limit.direction, limit.limit)

@@ -1,197 +1,193 @@
-"""The answer of `kilter.transport`: largest accelerations, cases, straps, and their JSON data."""
+"""The answer of `kilter.transport`: largest accelerations, cases and straps."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, Why, finite
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
+from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.transport.acceleration_rows import KnownAccelerations, inner_rows, outer_rows
 from kilter.analysis.transport.carried_set import Slice
 from kilter.analysis.transport.carrier import CarrierMotion
-from kilter.analysis.transport.collapse import (
-    CollapseMultiplier,
-)
-from kilter.analysis.transport.first_motion import first_motions, kind_of_motion
+from kilter.analysis.transport.collapse import CollapseMultiplier
+from kilter.analysis.transport.first_motion import FirstMotion, first_motions, kind_of_motion
 from kilter.analysis.transport.path import PathLimit
 from kilter.analysis.transport.path_rows import path_rows
 from kilter.analysis.transport.transport_proofs import ALPHA, transport_proofs
-from kilter.analysis.verdict.answers import joints_answer
+from kilter.analysis.verdict.answers import OfAssembly
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.contact import ContactSet
 from kilter.contact.round_edges import RoundEdge, has_round_edges
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import Program
-from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds, level_rank
+from kilter.tell.record import (
+    Guarantee,
+    InPython,
+    LevelWord,
+    OrNull,
+    Record,
+    Seconds,
+    Vector,
+    Word,
+    key,
+)
 from kilter.tell.transport_facts import transport_sentence
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.transport_data import (
-        CaseData,
-        DirectionLimitData,
-        PolarData,
-        StrapUseData,
-        TransportData,
-    )
 
 __all__ = ["CarriedCase", "DirectionLimit", "Transport"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class DirectionLimit:
-    """The largest carrier acceleration along a direction at which the assembly stays in place.
-
-    Attributes
-    ----------
-    name : str
-        "+x", ..., or "least" for the weakest horizontal direction.
-    direction : ndarray, shape (3,)
-        Of the acceleration of the carrier, unit, in the frame of the assembly.
-    value : float
-        [g]; infinite without a limit.
-    lower : float
-        Acceleration that is proved to be carried [g].
-    limit : Limit
-        Forces and mechanism there.
-    """
+class DirectionLimit(Record):
+    """Largest acceleration of the carrier in a direction at which forces can hold the parts."""
 
     name: str
-    direction: Array
-    value: float
-    lower: float
+    """"+x", ..., or "least" for the weakest horizontal direction."""
+    direction: Vector
+    """Direction of the acceleration, unit, in the frame of the assembly."""
+    acceleration: OrNull
+    """Largest carried acceleration [m/s^2]; infinite without a limit."""
+    upper: OrNull
+    """Acceleration beyond which nothing is carried, as is proved [m/s^2]."""
+    g: OrNull
+    """`upper` in units of g; infinite without a limit."""
+    least: bool
+    """Whether it is the weakest horizontal direction."""
     limit: Limit
+    """Proofs on both sides of the limit."""
+    assembly: InPython[Assembly]
+    """The assembly at rest on the carrier."""
 
-    def to_dict(self, assembly: Assembly, program: Program) -> DirectionLimitData:
-        """The largest acceleration along the direction as JSON data."""
-        along = CarrierMotion(program.g * self.direction)
-        motion = first_motions(assembly, program, self.limit, along)
-        return {
-            "name": self.name,
-            "direction": self.direction.tolist(),
-            "acceleration": finite(self.lower * program.g),
-            "upper": finite(self.value * program.g),
-            "g": finite(self.value),
-            "moves": [first["part"] for first in motion],
-            "how": kind_of_motion(motion[0]["words"]) if motion else "",
-            "least": self.name == "least",
-            "motion": motion,
-            "limit": self.limit.to_dict(program),
-        }
+    @cached_property
+    @key
+    def motion(self) -> list[FirstMotion]:
+        """How the parts start to move, the fastest first."""
+        along = CarrierMotion(self.limit.program.g * self.direction)
+        return first_motions(self.assembly, self.limit, along)
+
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move first, the fastest first."""
+        return [first.part for first in self.motion]
+
+    @property
+    @key
+    def how(self) -> str:
+        """Slides, tips, or other words: the first of them."""
+        return kind_of_motion(self.motion[0].words) if self.motion else ""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class CarriedCase:
-    """The decision whether an assembly stays in place under a motion of the carrier.
-
-    Attributes
-    ----------
-    name : str
-    motion : CarrierMotion
-    verdict : Verdict
-        `kilter.check` of the assembly that feels this motion.
-    factor : Limit or None
-        Largest factor of all accelerations of the motion; None if it is not known.
-    """
+class CarriedCase(Record):
+    """Whether the parts stay in place at a motion of the carrier, and how surely."""
 
     name: str
-    motion: CarrierMotion
-    verdict: Verdict
-    factor: Limit | None
+    """Name of the direction or rule."""
+    acceleration: Vector
+    """Of the reference point [m/s^2]."""
+    angular_velocity: Vector
+    """[rad/s]"""
+    angular_acceleration: Vector
+    """[rad/s^2]"""
+    about: Vector
+    """Point of the carrier [length unit]."""
+    g: float
+    """Size of the acceleration [g]."""
+    carried: bool | None
+    """At the required level; None: undecided."""
+    verdict: Word
+    """Verdict of `kilter.check`."""
+    level: LevelWord | None
+    """Level of the verdict."""
+    guarantee: Guarantee
+    """Guarantee of the verdict."""
+    factor: OrNull | None
+    """Largest factor of the motion [-]."""
+    limit: Limit | None
+    """Proofs on both sides of the factor."""
+    carrier: InPython[CarrierMotion]
+    """The motion."""
+    check: InPython[Verdict]
+    """Answer of `kilter.check` for the assembly that feels this motion."""
+    assembly: InPython[Assembly]
+    """The assembly at rest on the carrier."""
 
-    def to_dict(self, assembly: Assembly, program: Program, require: str) -> CaseData:
-        """The decision on a carrier motion, at a required level, as JSON data."""
-        size = float(np.linalg.norm(np.asarray(self.motion.acceleration)))
-        return {
-            "name": self.name,
-            **self.motion.to_dict(),
-            "g": size / program.g,
-            "carried": carried_at((self.verdict,), require),
-            "verdict": self.verdict.verdict,
-            "level": self.verdict.level,
-            "guarantee": self.verdict.guarantee,
-            "factor": None if self.factor is None else finite(self.factor.value),
-            "motion": []
-            if self.factor is None
-            else first_motions(assembly, program, self.factor, self.motion),
-            "limit": None if self.factor is None else self.factor.to_dict(program),
-        }
+    @cached_property
+    @key
+    def motion(self) -> list[FirstMotion]:
+        """How the parts start to move beyond the factor, the fastest first."""
+        if self.limit is None:
+            return []
+        return first_motions(self.assembly, self.limit, self.carrier)
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Transport(AnswerInWords):
-    """Answer of `kilter.transport`: accelerations under which an assembly stays in place.
+class StrapUse(Record):
+    """A strap and its pull in the forces that prove that the assembly holds."""
 
-    Attributes
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    rest : Verdict
-        The assembly without acceleration, at the level "equilibrium".
-    program : Program
-        The modelled contacts, with friction.
-    edges : tuple of RoundEdge
-        Round edges over which parts tip.
-    limits : tuple of DirectionLimit
-        Along the axes; empty if a question was asked, or if rest is not held.
-    least : DirectionLimit or None
-        The weakest horizontal direction.
-    polar : Slice or None
-        All horizontal accelerations.
-    cases : tuple of CarriedCase
-        The motions of the question.
-    code : str or None
-        Name of the rule whose accelerations are the cases.
-    forward : list of float or None
-        Direction of travel of the rule.
-    path : PathLimit or None
-        Speed factor of a path.
-    collapse : tuple of CollapseMultiplier
-        Multipliers of horizontal forces; empty if they were not requested.
-    fc : float or None
-        Confidence factor of the spectral accelerations; None if they were not requested.
-    mu_range : (float, float) or None
-        Factors between which every friction coefficient varies. The limits are those of the least
-        friction, and the level of a motion is the lower of those at both ends.
-    require : str
-        The level of `carried`.
-    missing : dict
-        Names of limits without a value, and why: "none", "failed" or "time".
-    warnings : tuple of str
-    seconds : dict
+    name: str
+    """Name of the strap."""
+    tension: float | None
+    """[N]; None: the strap has a capacity."""
+    capacity: float | None
+    """[N]; None: the strap has a tension."""
+    used: float | None
+    """Largest pull over the cases [N]; None: not known."""
+
+
+class Transport(OfAssembly):
+    """Answer of `kilter.transport`: accelerations of the carrier that the assembly withstands.
+
+    Without a question, it has the limits along the axes and of the weakest horizontal direction.
     """
 
     answer: ClassVar[str] = "transport"
 
-    assembly: Assembly
-    contacts: ContactSet
-    rest: Verdict
-    program: Program
-    edges: tuple[RoundEdge, ...]
+    rest: InPython[Verdict]
+    """The assembly without acceleration, at the level "equilibrium"."""
+    program: InPython[Program]
+    """The modelled contacts, with friction."""
+    edges: InPython[tuple[RoundEdge, ...]]
+    """Round edges over which parts tip."""
     limits: tuple[DirectionLimit, ...]
-    least: DirectionLimit | None
+    """Along +x -x +y -y +z -z; then the weakest horizontal direction. Empty with a question."""
     polar: Slice | None
-    cases: tuple[CarriedCase, ...]
-    code: str | None
-    forward: list[float] | None
-    path: PathLimit | None
-    collapse: tuple[CollapseMultiplier, ...]
+    """Boundary of all horizontal accelerations at which contact forces can hold the parts."""
+    alpha: tuple[CollapseMultiplier, ...]
+    """Collapse multipliers of horizontal forces; empty if they were not requested."""
     fc: float | None
+    """Confidence factor FC of the spectral accelerations [-]."""
     mu_range: tuple[float, float] | None
-    require: str
+    """Factors on every mu; the limits are of the least, the levels the lower of both."""
+    code: str | None
+    """Rule of load securing whose accelerations are the cases."""
+    forward: Vector | None
+    """Direction of travel of the code."""
+    cases: tuple[CarriedCase, ...]
+    """The motions of the question."""
+    speed: PathLimit | None
+    """Speed of a path."""
+    require: LevelWord
+    """Level of `carried`."""
     missing: dict[str, Why]
+    """Limits without a value, and why."""
     warnings: tuple[str, ...]
-    seconds: dict[str, float]
+    """What to know about the answer."""
+    seconds: Seconds
+    """Duration of each stage [s]."""
 
     @property
+    @key
+    def sentence(self) -> str:
+        """The answer in a sentence: the first line that the command prints."""
+        return transport_sentence(self.data_without("sentence"))
+
+    @property
+    @key
     def carried(self) -> bool | None:
         """True if the assembly stays in place under every given motion, at the required level.
 
@@ -200,58 +196,42 @@ class Transport(AnswerInWords):
         """
         if "path" in self.missing:
             return False if self.missing["path"] == "none" else None
-        if self.path is not None:
-            return self.path.factor >= 1.0 >= self.path.slowest
+        if self.speed is not None:
+            return self.speed.factor >= 1.0 >= self.speed.slowest
         if not self.cases:
             return None
-        return carried_at([case.verdict for case in self.cases], self.require)
+        return carried_at([case.check for case in self.cases], self.require)
 
     @property
-    def level(self) -> str | None:
+    @key
+    def verdict(self) -> Word:
+        """Verdict at rest."""
+        return self.rest.verdict
+
+    @property
+    @key
+    def level(self) -> LevelWord | None:
         """Lowest verdict level over the given motions; without motions, the level of the limits."""
         if self.cases:
-            return min((case.verdict.level for case in self.cases), key=level_rank)
+            return min((case.level for case in self.cases), key=level_rank)
         if not holds(self.rest.level, "equilibrium"):
             return None
-        return "equilibrium" if self.program.mu.any() else "proved"
-
-    def to_dict(self) -> TransportData:
-        """The transport answer as JSON data, as ``kilter transport --json`` prints it."""
-        program = self.program
-        answer: TransportData = {
-            "sentence": "",  # made below from the other data
-            "carried": self.carried,
-            "verdict": self.rest.verdict,
-            "level": self.level,
-            "require": self.require,
-            "units": self.assembly.units,
-            "down": self.assembly.down.tolist(),
-            "gravity": program.g,
-            "friction": bool(program.mu.any()),
-            "mu_range": None if self.mu_range is None else list(self.mu_range),
-            "joints": joints_answer(self.assembly),
-            "open_pairs": open_pairs_answer(self.assembly, self.contacts),
-            "exact": self.exact,
-            "limits": [
-                limit.to_dict(self.assembly, program)
-                for limit in (*self.limits, *([] if self.least is None else [self.least]))
-            ],
-            "polar": None if self.polar is None else _polar_answer(self.polar),
-            "alpha": [entry.to_dict(program, self.fc or 1.0) for entry in self.collapse],
-            "fc": self.fc,
-            "code": self.code,
-            "forward": self.forward,
-            "cases": [case.to_dict(self.assembly, program, self.require) for case in self.cases],
-            "straps": strap_uses(self.assembly, self.program, self._verdicts()),
-            "speed": None if self.path is None else self.path.to_dict(program),
-            "missing": dict(self.missing),
-            "warnings": list(self.warnings),
-            "seconds": self.seconds,
-        }
-        answer["sentence"] = transport_sentence(answer)
-        return answer
+        return "equilibrium" if self.friction else "proved"
 
     @property
+    @key
+    def gravity(self) -> float:
+        """Size of gravity [m/s^2]."""
+        return self.program.g
+
+    @property
+    @key
+    def friction(self) -> bool:
+        """Whether forces of friction were counted."""
+        return bool(self.program.mu.any())
+
+    @property
+    @key
     def exact(self) -> bool:
         """Whether all limits are those of the solids: no open pair, and no polygon for a circle.
 
@@ -259,8 +239,20 @@ class Transport(AnswerInWords):
         """
         if self.contacts.open_pairs:
             return False
-        known = self.edges if self.path is None else ()
+        known = self.edges if self.speed is None else ()
         return not has_round_edges(self.assembly, self.contacts, known)
+
+    @property
+    @key
+    def straps(self) -> list[StrapUse]:
+        """Straps, with their largest pull in the forces of the verdicts."""
+        verdicts = [case.check for case in self.cases] or [self.rest]
+        return strap_uses(self.assembly, self.program, verdicts)
+
+    @property
+    def least(self) -> DirectionLimit | None:
+        """The limit of the weakest horizontal direction, if it is known."""
+        return next((limit for limit in self.limits if limit.least), None)
 
     @property
     def mechanism(self) -> MotionProof | None:
@@ -268,20 +260,14 @@ class Transport(AnswerInWords):
 
         With collapse multipliers, the motion of the least multiplier; None without a known motion.
         """
-        limits = [entry.limit for entry in self.collapse if entry.limit.mechanism is not None]
-        if limits:
-            return min(limits, key=lambda limit: limit.value).mechanism
-        limits = [case.factor for case in self.cases if case.factor is not None]
-        if self.path is not None and self.path.limit is not None:
-            limits.append(self.path.limit)
-        if self.least is not None:
-            limits.append(self.least.limit)
+        limits = [entry.limit for entry in self.alpha if entry.limit.motion is not None]
+        if not limits:
+            path = None if self.speed is None else self.speed.limit
+            rest = None if self.least is None else self.least.limit
+            limits = [case.limit for case in self.cases if case.limit is not None]
+            limits += [limit for limit in (path, rest) if limit is not None]
         first = min(limits, key=lambda limit: limit.value, default=None)
-        return None if first is None else first.mechanism
-
-    def _verdicts(self) -> list[Verdict]:
-        """Verdicts of the given motions; without a question, the verdict at rest."""
-        return [case.verdict for case in self.cases] or [self.rest]
+        return None if first is None else first.motion
 
     def rows(self, *, inner: bool = True) -> tuple[Array, Array]:
         """Linear constraints ``A @ y <= b`` on the motion of the carrier, for a planner of paths.
@@ -319,16 +305,15 @@ class Transport(AnswerInWords):
         >>> bool((rows @ [3.9, 0, 0] <= bounds).all()), bool((rows @ [4, 0, 0] <= bounds).all())
         (True, False)
         """
-        if self.path is not None:
-            return path_rows(self.program, self.path, inner=inner)
+        if self.speed is not None:
+            return path_rows(self.program, self.speed, inner=inner)
         if not self.limits:
             raise InputError(
                 "this answer has no largest accelerations along the axes",
                 hint="call kilter.transport(assembly), or give a path that is carried",
             )
-        limits = [*self.limits, *([] if self.least is None else [self.least])]
         known = KnownAccelerations(
-            self.program, [(limit.direction, limit.limit) for limit in limits], self.polar
+            self.program, [(limit.direction, limit.limit) for limit in self.limits], self.polar
         )
         return inner_rows(known) if inner else outer_rows(known)
 
@@ -340,24 +325,20 @@ class Transport(AnswerInWords):
         InputError
             If no limit is known.
         """
+        size = self.program.g
         motions: list[tuple[str, CarrierMotion, Limit, float | None]] = [
-            (limit.name, CarrierMotion(self.program.g * limit.direction), limit.limit, None)
-            for limit in (*self.limits, *([self.least] if self.least is not None else []))
+            (entry.name, CarrierMotion(size * entry.direction), entry.limit, None)
+            for entry in self.limits
         ]
         motions += [
-            (case.name, case.motion, case.factor, None)
+            (case.name, case.carrier, case.limit, None)
             for case in self.cases
-            if case.factor is not None
+            if case.limit is not None
         ]
-        motions += [
-            (
-                ALPHA + entry.name,
-                CarrierMotion(-self.program.g * entry.direction),
-                entry.limit,
-                None if entry.limit.mechanism is None else entry.participating_mass,
-            )
-            for entry in self.collapse
-        ]
+        for entry in self.alpha:
+            mass = None if entry.limit.motion is None else entry.participating_mass
+            motion = CarrierMotion(-size * entry.direction)
+            motions.append((ALPHA + entry.name, motion, entry.limit, mass))
         weaker = {} if self.mu_range is None else {"mu_share": self.mu_range[0]}
         proofs = transport_proofs(
             self.assembly, self.contacts, motions, weaker, options=options or {}
@@ -365,46 +346,31 @@ class Transport(AnswerInWords):
         return make_bundle("transport", proofs)
 
     def __repr__(self) -> str:
-        if self.path is not None:
-            return f"Transport(path: factor {self.path.factor:.6g})"
+        if self.speed is not None:
+            return f"Transport(path: factor {self.speed.factor:.6g})"
         if self.cases:
-            words = ", ".join(f"{case.name} {case.verdict.verdict}" for case in self.cases)
+            words = ", ".join(f"{case.name} {case.verdict}" for case in self.cases)
             return f"Transport({words})"
-        least = "none" if self.least is None else f"{self.least.value:.6g} g"
-        return f"Transport({self.rest.verdict} at rest, least horizontal acceleration {least})"
+        least = "none" if self.least is None else f"{self.least.g:.6g} g"
+        return f"Transport({self.verdict} at rest, least horizontal acceleration {least})"
 
 
-def _polar_answer(polar: Slice) -> PolarData:
-    """The boundary of the carried horizontal accelerations as JSON data."""
-    return {
-        "axes": polar.axes.tolist(),
-        "points": polar.points.tolist(),
-        "limited": polar.limited.tolist(),
-        "proved": polar.proved.tolist(),
-        "normals": polar.normals.tolist(),
-        "reach": polar.reach.tolist(),
-        "gap": finite(polar.gap),
-    }
-
-
-def strap_uses(
-    assembly: Assembly, program: Program, verdicts: Sequence[Verdict]
-) -> list[StrapUseData]:
+def strap_uses(assembly: Assembly, program: Program, verdicts: Sequence[Verdict]) -> list[StrapUse]:
     """Tension or capacity of each strap, and its largest pull in the forces of the verdicts."""
-    proofs = [verdict.certificate for verdict in verdicts]
+    proofs = [verdict.evidence for verdict in verdicts]
     forces = [proof.forces for proof in proofs if isinstance(proof, ForceProof)]
     first, _ = program.bounded_straps
     pulls = iter(np.max([force[first] for force in forces], axis=0) if forces else [])
-    uses: list[StrapUseData] = []
+    uses = []
     for k, strap in enumerate(assembly.straps, 1):
         pull = strap.tension if strap.capacity is None else next(pulls, None)
         uses.append(
-            {
-                "name": strap.name or f"strap {k}",
-                "tension": strap.tension,
-                "capacity": strap.capacity,
-                "used": None if pull is None else float(pull),
-            }
+            StrapUse(
+                name=strap.name or f"strap {k}",
+                tension=strap.tension,
+                capacity=strap.capacity,
+                used=None if pull is None else float(pull),
+            )
         )
     return uses
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.margin_proofs import changed_proof
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.turning_tolerances import AROUND_LIMIT
@@ -92,7 +92,7 @@ def _near_limit(
     options: dict[str, Any],
 ) -> Iterator[About]:
     """Yield statements with proofs on one side of a limit, the nearest first."""
-    mechanism = None if held else limit.mechanism
+    mechanism = None if held else limit.motion
     for step in AROUND_LIMIT:
         share = limit.value + (-step if held else step) * max(abs(limit.value), 1.0)
         change = carried_change(assembly, motion, share)

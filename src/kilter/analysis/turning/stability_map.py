@@ -80,14 +80,6 @@ class StabilityMap:
         result: Array = -highest
         return result
 
-    def partition_of(self, gravity: ArrayLike) -> Index:
-        """Index of the vertex that determines z for each direction of gravity, shape (n,).
-
-        The directions of a vertex are a partition of Figure 5 of the paper.
-        """
-        result: Index = (np.asarray(gravity, dtype=np.float64) @ self.vertices.T).argmax(axis=-1)
-        return result
-
     def partition(self, vertex: int) -> Array:
         """Unit rays of the cone of gravity directions for which a vertex determines z, (k, 3).
 

@@ -111,7 +111,7 @@ def _depths(assembly: Assembly) -> dict[tuple[int, int], float]:
     """Penetration depth of each overlapping pair, over the size of the smaller part [-]."""
     size = assembly.geometry.size
     overlaps = contacts(assembly).overlaps
-    return {pair.parts: pair.depth / max(size[list(pair.parts)].min(), TINY) for pair in overlaps}
+    return {pair.ends: pair.depth / max(size[list(pair.ends)].min(), TINY) for pair in overlaps}
 
 
 def _free_amount(assembly: Assembly, screws: Array, most: float) -> float:

@@ -9,8 +9,8 @@ import numpy as np
 from kilter.arrays import connected
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.contact.fits.coincident import coincident_remarks
-from kilter.contact.neighbours import nearest_parts
+from kilter.contact.common.distances import nearest_parts
+from kilter.contact.fits.suggestions import coincident_remarks
 from kilter.tell.contact_words import group_warnings, lone_warnings
 from kilter.tell.numbers import rounded_up
 
@@ -20,7 +20,7 @@ __all__ = ["floating_groups", "gaps_under_straps", "loose_parts", "remarks", "to
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
     """Warnings about file, geometry and contacts; a further warning if no part is free."""
     contacts = contacts.of(assembly)
-    texts = contacts.remarks() + coincident_remarks(contacts)
+    texts = [*contacts.warnings, *coincident_remarks(contacts)]
     if assembly.geometry.grounded.all():
         texts.append("every part is held: nothing can move")
     return texts
@@ -50,7 +50,8 @@ def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
     """Warnings about parts and groups that touch no other part, with their nearest parts."""
     if assembly.geometry.grounded.all():
         return []  # contacts between held parts are not detected, so nothing is known to be alone
-    alone = lone_warnings(contacts.of(assembly).nearest(), assembly.units)
+    nearest = contacts.of(assembly).nearest
+    alone = lone_warnings([entry.to_dict() for entry in nearest], assembly.units)
     return alone + group_warnings(floating_groups(assembly, contacts))
 
 
@@ -76,4 +77,4 @@ def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]
 
 def touching_nothing(assembly: Assembly, contacts: ContactSet) -> list[str]:
     """Names of the free parts that touch no other part and are joined to none."""
-    return [entry["part"] for entry in contacts.of(assembly).nearest() if not entry["grounded"]]
+    return [entry.part for entry in contacts.of(assembly).nearest if not entry.grounded]

@@ -1,109 +1,119 @@
-"""Patches of curved contacts, sorted into touching, near and overlapping, then packed in arrays."""
+"""Contact patches of curved faces.
+
+Depth of the material that two overlapping faces share.
+
+Faces i and j of two parts overlap by d along a normal n: part i begins at d/2 and extends
+backwards, part j begins at -d/2 and extends forwards. They share the interval
+
+    from max(-d/2, the end of i behind its face)   to min(d/2, the end of j in front of its face)
+
+of the line, if it is not empty. Two shells about the same axis, one inside the bore of the other,
+share nothing, although the outer shell as a solid shaft would overlap the inner shell.
+"""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import chain
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, cross, ratio, starts
+from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS
-from kilter.contact.contact_search import ContactSearch
-from kilter.contact.contact_set import INTERFERE, Overlap, PossibleContacts
-from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL
+from kilter.contact.common.broad import joins
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.findings import CurvedFindings, FacePatches, on_flat
+from kilter.contact.common.gaps import APART, PENETRATES, RejectedPair
+from kilter.contact.common.patches import INTERFERE, Overlap, Patches, PossibleContacts
+from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL, WALL_RIM
 from kilter.contact.curved.contact_points import PatchPoints
-from kilter.contact.curved.shared_walls import shared_depth
-from kilter.contact.gaps import APART, PENETRATES, RejectedPair
-from kilter.contact.kept_pairs import KeptPairs
-from kilter.contact.patches import Patches
 
-__all__ = ["CandidateLimits", "CurvedContacts", "CurvedPatch", "PatchBuilder", "SurfacePairs",
-           "classify", "no_curved", "on_flat", "pack", "without_repeats"]  # fmt: skip
+__all__ = [
+    "CandidateLimits",
+    "CurvedPatch",
+    "PatchBuilder",
+    "SurfacePairs",
+    "classify",
+    "pack",
+    "raised_warning",
+    "shared_depth",
+    "without_repeats",
+]
+
+
+def shared_depth(
+    geometry: Geometry, parts: tuple[int, int], points: Array, normals: Array, depth: Array
+) -> float:
+    """Longest interval on the given lines that lies inside both parts [length unit]; 0: none.
+
+    Parameters
+    ----------
+    geometry : Geometry
+    parts : pair of int
+        The part that the outward normals belong to, and the other part.
+    points, normals : ndarray, shape (n, 3)
+        Points half-way between the faces, and normals there.
+    depth : ndarray, shape (n,)
+        Overlap of the faces along each normal; lines without overlap are skipped [length unit].
+    """
+    slack = float(geometry.slack[list(parts)].max())
+    overlapping = depth > 0
+    points, normals, half = points[overlapping], normals[overlapping], depth[overlapping] / 2
+    ends = points - half[:, None] * normals, points + half[:, None] * normals
+    boxes = np.minimum(*ends), np.maximum(*ends)
+    low, high = -half, half.copy()
+    for line, t in _crossings(geometry, parts[0], points, normals, boxes):
+        is_end = t < half[line] - slack
+        np.maximum.at(low, line[is_end], t[is_end])
+    for line, t in _crossings(geometry, parts[1], points, normals, boxes):
+        is_end = t > slack - half[line]
+        np.minimum.at(high, line[is_end], t[is_end])
+    return float((high - low).max(initial=0.0))
+
+
+def _crossings(
+    geometry: Geometry, part: int, points: Array, normals: Array, boxes: tuple[Array, Array]
+) -> Iterator[tuple[Index, Array]]:
+    """Yield batches of pairs (line, t): a line passes through a triangle of a part at t.
+
+    Line k is ``points[k] + t normals[k]``. All crossings inside its box are among the yielded ones.
+    """
+    span = slice(int(geometry.triangle_start[part]), int(geometry.triangle_start[part + 1]))
+    corners = geometry.vertices[geometry.triangles[span]]
+    lowest, highest = corners.min(axis=1), corners.max(axis=1)
+    # only triangles near a line: the rim of a triangle, and the rounding of coordinates
+    all_boxes = boxes[0].min(axis=0, initial=np.inf), boxes[1].max(axis=0, initial=-np.inf)
+    rim = 2 * WALL_RIM * (np.abs(lowest) + np.abs(highest) + highest - lowest).max(initial=0.0)
+    is_near = ((highest >= all_boxes[0] - rim) & (lowest <= all_boxes[1] + rim)).all(axis=1)
+    corners, lowest, highest = corners[is_near], lowest[is_near], highest[is_near]
+    owners = (np.zeros(len(rows), dtype=np.int64) for rows in (points, corners))
+    of_lines, of_triangles = owners
+    for _, line, k in joins(of_lines, boxes, of_triangles, (lowest, highest), np.array([rim])):
+        hit, t = _line_through(corners[k], points[line], normals[line])
+        yield line[hit], t[hit]
+
+
+def _line_through(corners: Array, x: Array, n: Array) -> tuple[Mask, Array]:
+    """Mask of triangles through which the line x + t n passes, and the parameter t, shape (m,)."""
+    p, q, r = corners.transpose(1, 0, 2)
+    # Moeller and Trumbore 1997: t and the barycentric weights of q and r by Cramer's rule
+    edge_q, edge_r = q - p, r - p
+    normal = cross(edge_q, edge_r)
+    determinant = -np.einsum("ij,ij->i", normal, n)
+    divisor = np.where(determinant == 0, np.inf, determinant)
+    offset = x - p
+    offset_cross_n = cross(offset, n)
+    share_q = np.einsum("ij,ij->i", edge_r, offset_cross_n) / divisor
+    share_r = -np.einsum("ij,ij->i", edge_q, offset_cross_n) / divisor
+    t = np.einsum("ij,ij->i", offset, normal) / divisor
+    inside = (share_q >= -WALL_RIM) & (share_r >= -WALL_RIM) & (share_q + share_r <= 1 + WALL_RIM)
+    return inside & (determinant != 0), t
 
 
 NAMED = ("sphere", "torus", "cone", "cylinder")
 """Kinds of surface in order of precedence: a patch has the name of the first kind in it."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CurvedContacts:
-    """Result of the search for curved contacts: patches ordered by pair, near pairs and overlaps.
-
-    Attributes
-    ----------
-    patches : Patches
-    surface : ndarray of int, shape (P, 2)
-        Curved surfaces of part a and b of each patch; -1: a flat face.
-    zone : ndarray, shape (P,)
-        Distance from the contact within which triangles may touch [length unit].
-    unknown : ndarray of int, shape (m, 3)
-        Row of the pair, and curved surfaces of a and b (-1: flat faces) without a formula.
-    possible : PossibleContacts
-        Outer rows of the patches whose points lie inside the true cone of forces.
-    rejected, overlaps
-        As in `ContactSet`.
-    raised : ndarray of int, shape (k,)
-        Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
-    """
-
-    patches: Patches
-    surface: Index
-    zone: Array
-    unknown: Index
-    possible: PossibleContacts
-    rejected: tuple[RejectedPair, ...]
-    overlaps: tuple[Overlap, ...]
-    raised: Index
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings about the pairs of parts whose gap tolerance was raised; empty without them."""
-        count = len(self.raised)
-        if not count:
-            return ()
-        pairs = "1 pair" if count == 1 else f"{count} pairs"
-        return (
-            f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
-            "height of the arcs over their triangles; a smaller clearance or interference is not "
-            "detected",
-        )
-
-    @staticmethod
-    def join(blocks: Sequence[tuple[int, CurvedContacts]]) -> CurvedContacts:
-        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
-        found = [block for _, block in blocks]
-        return CurvedContacts(
-            patches=Patches.join(block.patches.after(begin) for begin, block in blocks),
-            surface=np.concatenate([block.surface for block in found]),
-            zone=np.concatenate([block.zone for block in found]),
-            unknown=np.concatenate(
-                [np.add(block.unknown, (begin, 0, 0)) for begin, block in blocks]
-            ),
-            possible=PossibleContacts.join(block.possible for block in found),
-            rejected=tuple(chain.from_iterable(block.rejected for block in found)),
-            overlaps=tuple(chain.from_iterable(block.overlaps for block in found)),
-            raised=np.concatenate([block.raised + begin for begin, block in blocks]),
-        )
-
-    def among(self, kept: KeptPairs) -> CurvedContacts:
-        """The contacts of some of the pairs, with new numbers.
-
-        `surface` and the surfaces of `unknown` keep the numbers of the surfaces of all parts.
-        """
-        patches = kept.rows_of(self.patches.pair)
-        return CurvedContacts(
-            patches=kept.patches(self.patches),
-            surface=self.surface[patches],
-            zone=self.zone[patches],
-            unknown=kept.rows(self.unknown),
-            possible=kept.possible(self.possible),
-            rejected=kept.records(self.rejected),
-            overlaps=kept.records(self.overlaps),
-            raised=kept.rows(self.raised[:, None])[:, 0],
-        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -277,15 +287,14 @@ def _parts(search: ContactSearch, patch: CurvedPatch) -> tuple[int, int]:
     return a, b
 
 
-def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> CurvedContacts:
+def without_repeats(curved: CurvedFindings, faces: FacePatches) -> CurvedFindings:
     """Curved contacts without lines and points that lie in a flat patch of the same pair.
 
     These lie on the rim of the flat patch.
 
-    Such a repeat is the seam of a fillet. `tolerance` is the gap tolerance of each pair [length
-    unit].
+    Such a repeat is the seam of a fillet.
     """
-    patches = curved.patches
+    patches, flat, tolerance = curved.patches, faces.flat.patches, faces.search.limits.gap
     keep = np.ones(len(patches), dtype=bool)
     for patch in np.flatnonzero(np.isin(patches.pair, flat.pair)):
         pair, slack = int(patches.pair[patch]), 2 * tolerance[patches.pair[patch]]
@@ -303,27 +312,9 @@ def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> 
     )
 
 
-def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
-    """Mask of points, shape (n, 3), within `slack` of a flat convex polygon."""
-    level = np.abs((points - corners[0]) @ normal) <= slack
-    along = np.roll(corners, -1, axis=0) - corners
-    side = cross(along[None], points[:, None] - corners[None]) @ normal
-    side = ratio(side, np.linalg.norm(along, axis=1))
-    if float((cross(along, corners.mean(axis=0) - corners) @ normal).sum()) < 0:
-        side = -side  # the corners run clockwise
-    inside: Mask = level & (side >= -slack).all(axis=1)
-    return inside
-
-
-def no_curved(search: ContactSearch) -> CurvedContacts:
-    """The contacts of curved faces in a search without such faces: none."""
-    empty = np.empty((0, 3), dtype=np.int64)
-    return pack(search, PatchBuilder(), empty, empty[:, 0])
-
-
 def pack(
     search: ContactSearch, builder: PatchBuilder, unknown: Index, raised: Index
-) -> CurvedContacts:
+) -> CurvedFindings:
     """Convert the patches of a builder to arrays, ordered by pair, with normals from a to b.
 
     Parameters
@@ -331,7 +322,7 @@ def pack(
     search : ContactSearch
     builder : PatchBuilder
     unknown : ndarray of int, shape (m, 3)
-        Pairs of surfaces without a formula: see `CurvedContacts`.
+        Pairs of surfaces without a formula: see `CurvedFindings`.
     raised : ndarray of int, shape (k,)
         Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
     """
@@ -367,7 +358,7 @@ def pack(
         mu=np.zeros(len(outer)),
         degenerate=np.full(len(outer), -1),
     )
-    return CurvedContacts(
+    return CurvedFindings(
         patches=patches,
         surface=surface,
         zone=np.array([patch.zone for patch in touching]),
@@ -375,7 +366,7 @@ def pack(
         possible=possible,
         rejected=tuple(rejected),
         overlaps=tuple(overlaps),
-        raised=raised,
+        raised=raised[:, None],
     )
 
 
@@ -406,3 +397,13 @@ def _kind(search: ContactSearch, surface: list[int]) -> str:
     """Name of the kind of contact between two surfaces, such as "cylinder"; -1: a flat face."""
     kinds = {KINDS[search.geometry.surfaces.kind[k]] for k in surface if k >= 0}
     return next(name for name in NAMED if name in kinds)
+
+
+def raised_warning(count: int) -> str:
+    """Warning about pairs of parts whose gap tolerance was raised."""
+    pairs = "1 pair" if count == 1 else f"{count} pairs"
+    return (
+        f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
+        "height of the arcs over their triangles; a smaller clearance or interference is not "
+        "detected"
+    )

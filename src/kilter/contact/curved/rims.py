@@ -1,20 +1,64 @@
-"""Round rims of flat faces, which triangles replace by inscribed polygons.
+"""Rims of curved faces in contact with other faces.
+
+Round rims of flat faces, which triangles replace by inscribed polygons.
 
 The forces of the circumscribed polygon bound the answer from the other side.
+
+Candidate contacts of balls with the round rims of narrower holes.
+
+The end of a hollow cylinder at the height t of its axis a is a circle of radius r about the point
+c = p + t a. A ball of radius R > r about the axis, with its centre at the height h over c, outside
+of the hole, touches the whole rim if r^2 + h^2 = R^2. The normals of the contact are those of the
+ball: from its centre to the rim, (r u - h a) / R for the direction u away from the axis.
+
+Candidate contacts of the rims and tips of solid cylinders and cones with planes.
+
+The end of a cylinder or cone at the height h of its axis a is a circle of radius rho about c + h a.
+With n the outward normal of the plane, its nearest point to the plane is the farthest along -n, c +
+h a + rho u, u = the unit direction of -n less its part along a. The plane touches the rim there
+from outside if -n lies between the normal of the side and that of the end, which is +a or -a. The
+tip of a cone touches a plane that has the whole side in front of it: n . a >= sin(half_angle).
+
+If -n is along the axis, the end lies flat; if -n is a normal of the side, the part lies on a
+generator. Both are other contacts (`planar`, `kilter.contact.curved.candidates`).
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, cross, unit_rows
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, Surfaces
-from kilter.contact.contact_set import PossibleContacts
-from kilter.contact.contact_tolerances import RIM_LEVEL
-from kilter.contact.patches import Patches
+from kilter.contact.common.patches import Patches, PossibleContacts
+from kilter.contact.contact_tolerances import APEX, RIM_LEVEL
+from kilter.contact.curved.candidates import (
+    CIRCLE,
+    POINT,
+    Candidates,
+    Planes,
+    Side,
+    dot,
+    make_candidates,
+    without_along,
+)
+from kilter.contact.curved.contact_points import bands_of
 
-__all__ = ["Force", "coaxial_clear", "possible_forces", "radius_at", "rim_contacts", "rims_clear"]
+__all__ = [
+    "Force",
+    "balls_on_rims",
+    "coaxial_clear",
+    "cone_tips",
+    "possible_forces",
+    "radius_at",
+    "rim_contacts",
+    "rims_clear",
+    "rims_on_planes",
+    "tips_on_faces",
+]
+
 
 Force = tuple[int, int, Array, Array]
 """Parts a and b, point, and unit direction of a force."""
@@ -178,3 +222,137 @@ def radius_at(s: Surfaces, surface: int, height: float) -> float | None:
         near = abs(height) <= tube * (1 + RIM_LEVEL)
         cut = radius + float(np.sqrt(max(tube**2 - height**2, 0.0))) if near else 0.0
     return cut if cut > 0 else None
+
+
+def balls_on_rims(geometry: Geometry, i: Index, j: Index, gap: Array) -> Candidates:
+    """Candidate circle contacts of balls with the ends of hollow cylinders.
+
+    Pairs of other kinds have no candidates. `gap`, shape (n,), is the largest distance of the
+    ball's centre from the axis [length unit].
+    """
+    s = geometry.surfaces
+
+    def are(first: Index, second: Index) -> Index:
+        """Rows with a ball in `first` and a narrower hollow cylinder in `second`."""
+        pairs = (s.kind[first] == SPHERE) & ~s.hollow[first]
+        pairs &= (s.kind[second] == CYLINDER) & s.hollow[second]
+        return np.flatnonzero(pairs & (s.radius[second] < s.radius[first]))
+
+    forth, back = are(i, j), are(j, i)
+    row = np.concatenate([forth, back])
+    if not len(row):
+        return Candidates.none()
+    ball, hole = Side(s, np.append(i[forth], j[back])), Side(s, np.append(j[forth], i[back]))
+    sense = np.append(np.ones(len(forth)), -np.ones(len(back)))
+    used, band_row = np.unique(hole.row, return_inverse=True)
+    bands = bands_of(geometry, used)
+    blocks = []
+    for height, end in ((bands.low[band_row], -1.0), (bands.high[band_row], 1.0)):
+        center = hole.point + height[:, None] * hole.axis
+        over = dot(ball.point - center, hole.axis)
+        aside = np.linalg.norm(ball.point - center - over[:, None] * hole.axis, axis=1)
+        distance = np.hypot(hole.radius, over)
+        out, up = hole.radius / distance, -over / distance
+        circle = make_candidates(
+            CIRCLE,
+            center,
+            sense[:, None] * np.column_stack([out, up, 0 * out]),
+            distance - ball.radius,
+            along=hole.axis,
+            radius=hole.radius,
+            swing=aside * out,
+            bend=ball.radius,
+            rim=np.where(sense > 0, 2.0, 1.0),
+        )
+        blocks.append(replace(circle, row=row).take((end * over > 0) & (aside <= gap[row])))
+    return Candidates.join(blocks)
+
+
+def rims_on_planes(geometry: Geometry, i: Index, planes: Planes, angle: Array) -> Candidates:
+    """Candidate point contacts of the circular ends of cylinders and cones `i` with planes.
+
+    Surfaces of other kinds, and hollow surfaces, have no candidates. `angle`, shape (n,), is the
+    largest angle at which an end lies flat, or a side lies on the plane [rad].
+    """
+    s = geometry.surfaces
+    row = np.flatnonzero(np.isin(s.kind[i], (CYLINDER, CONE)) & ~s.hollow[i])
+    if not len(row):
+        return Candidates.none()
+    used, band_row = np.unique(i[row], return_inverse=True)
+    bands = bands_of(geometry, used)
+    low, high = bands.low[band_row], bands.high[band_row]
+    side, n, o, level = Side(s, i[row]), planes.normal[row], planes.origin[row], angle[row]
+    found = Candidates.join(
+        [
+            _rims(side, n, o, level, low, -1.0),
+            _rims(side, n, o, level, high, 1.0),
+            _tips(side, n, o, level, low, high),
+        ]
+    )
+    return replace(found, row=row[found.row])
+
+
+def _rims(a: Side, n: Array, o: Array, angle: Array, height: Array, end: float) -> Candidates:
+    """Candidate contacts: the lowest points of the end circles at `height` over their planes.
+
+    `end` is 1 at the upper and -1 at the lower end.
+    """
+    alpha = np.where(a.kind == CONE, a.half_angle, 0.0)
+    radius = np.where(a.kind == CONE, height * np.tan(alpha), a.radius)
+    aside = without_along(-n, a.axis)
+    sine = np.linalg.norm(aside, axis=1)
+    out = unit_rows(aside)
+    # -n = side (out cos - axis sin) + rest (end axis), neither below zero
+    rest = end * (dot(-n, a.axis) + sine * np.tan(alpha))
+    at = a.point + height[:, None] * a.axis + radius[:, None] * out
+    bend = radius / np.maximum(sine, np.sin(angle))
+    points = _points(at, n, o, along=out, radius=radius, bend=bend)
+    return points.take((sine > np.sin(angle)) & (rest > np.sin(angle)) & (radius > 0))
+
+
+def _tips(a: Side, n: Array, o: Array, angle: Array, low: Array, high: Array) -> Candidates:
+    """Candidate point contacts of the tips of cones with their planes."""
+    # angle by which the side rises from the plane
+    lean = np.arcsin(np.clip(dot(n, a.axis), -1, 1)) - a.half_angle
+    bend = high * np.tan(a.half_angle) / np.sin(np.maximum(lean, angle))
+    points = _points(a.point, n, o, along=-a.axis, bend=bend)
+    return points.take((a.kind == CONE) & (low <= APEX * high) & (lean > angle))
+
+
+def _points(at: Array, n: Array, o: Array, **more: Array) -> Candidates:
+    """Candidate contacts of points `at` with planes."""
+    gap = dot(at - o, n)
+    return make_candidates(POINT, at - (gap / 2)[:, None] * n, -n, gap, **more)
+
+
+def cone_tips(geometry: Geometry) -> Index:
+    """Exact solid cones that reach their apex, as rows of the surfaces."""
+    s = geometry.surfaces
+    cones = np.flatnonzero((s.kind == CONE) & ~s.hollow & (s.doubt == 0))
+    cones = cones[np.diff(s.triangle_start)[cones] > 0]
+    if not len(cones):
+        return cones
+    bands = bands_of(geometry, cones)
+    sharp: Index = cones[bands.low <= APEX * bands.high]
+    return sharp
+
+
+def tips_on_faces(geometry: Geometry, i: Index, j: Index, angle: Array) -> Candidates:
+    """Candidate point contacts of the tips of cones with curved faces.
+
+    Their `along` leads out of the tip. `angle`, shape (n,), is the largest angle at which the side
+    of a cone lies on a face [rad].
+    """
+    s = geometry.surfaces
+    tips = cone_tips(geometry)
+    blocks = []
+    for first, second, sense in ((i, j, -1.0), (j, i, 1.0)):
+        row = np.flatnonzero(np.isin(first, tips) & (s.kind[second] != FREE))
+        cone, face = Side(s, first[row]), second[row]
+        gap, n = s.distance(face, cone.point), s.outward(face, cone.point)
+        lean = np.arcsin(np.clip(dot(n, cone.axis), -1, 1)) - cone.half_angle
+        middle = cone.point - (gap / 2)[:, None] * n
+        rim = np.full(len(row), 1.0 if sense < 0 else 2.0)
+        points = make_candidates(POINT, middle, sense * n, gap, along=-cone.axis, rim=rim)
+        blocks.append(replace(points, row=row).take(lean > angle[row]))
+    return Candidates.join(blocks)

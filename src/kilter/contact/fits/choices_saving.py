@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.fits.chosen import chosen, tolerance_of
 from kilter.contact.fits.fastening import fasten_as_read
-from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError
 from kilter.files.choices import Choices, find_choices
 from kilter.files.choices_writing import choices_about, require_place, write_choices

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kilter.assembly import Assembly
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
-from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError
 from kilter.files.choices import Choices, digest, find_choices
 from kilter.files.choices_off import released_in_part, switched_off

@@ -13,10 +13,10 @@ import numpy as np
 
 from kilter.assembly import Assembly, Bond, Joint
 from kilter.contact import detect
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.fits.open_choices import with_decided_pairs
 from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching_pairs
-from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError, some_names
 from kilter.files.reading import Reading
 from kilter.values.guesses import guarded
@@ -108,7 +108,7 @@ def _fasten_found(
         )
     if overlaps:
         overlapping = {
-            frozenset(contacts.assembly.names[k] for k in o.parts) for o in contacts.overlaps
+            frozenset(contacts.assembly.names[k] for k in o.ends) for o in contacts.overlaps
         }
         suggestions = [s for s in suggestions if frozenset(s.parts) in overlapping]
         how = "as they overlap", "no overlapping pair can be joined"
@@ -198,8 +198,8 @@ def _pairs_with_play(assembly: Assembly, contacts: ContactSet) -> set[Pair]:
     nearest = contacts.neighbours
     size = assembly.geometry.size
     smaller = np.minimum(size[[n.part for n in nearest]], size[[n.other for n in nearest]])
-    gap = contacts.tolerance.gap_of(smaller)
-    pairs = [pair.parts for pair in contacts.open_pairs if pair.kind == "clearance"]
+    gap = contacts.searched.gap_of(smaller)
+    pairs = [pair.ends for pair in contacts.open_pairs if pair.kind == "clearance"]
     pairs += [(n.part, n.other) for n, most in zip(nearest, gap, strict=True) if n.gap <= most]
     names = {(assembly.names[a], assembly.names[b]) for a, b in pairs}
     return {*names, *(pair[::-1] for pair in names)}
@@ -290,8 +290,8 @@ def _no_contact_error(
     """Build the error for patterns whose parts do not touch; it states their least distance."""
     names = assembly.names
     near = ""
-    for rejected in contacts.rejected:
-        a, b = (names[k] for k in rejected.parts)
+    for rejected in contacts.near:
+        a, b = (names[k] for k in rejected.ends)
         if (a in first and b in second) or (b in first and a in second):
             near = f": {a!r} and {b!r} come within {abs(rejected.gap):.3g} {assembly.units}"
             break

@@ -15,9 +15,9 @@ import numpy as np
 
 from kilter.assembly import Assembly, GivenContact, Joint
 from kilter.contact import detect
+from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import DECIDED, LOOKED_AT_ANGLE, LOOSE_ANGLE
-from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError
 
 __all__ = ["with_decided_pairs"]
@@ -94,9 +94,7 @@ def _touching(
 def _nearest(contacts: ContactSet) -> list[tuple[float, float]]:
     """Gaps [length unit] and angles [rad] between near faces of two parts, the closest first."""
     touching = [(float(np.abs(gap).max()), LOOSE_ANGLE) for gap in contacts.patch_gap]
-    near = [
-        (abs(pair.gap), min(pair.angle * DECIDED, LOOKED_AT_ANGLE)) for pair in contacts.rejected
-    ]
+    near = [(abs(pair.gap), min(pair.angle * DECIDED, LOOKED_AT_ANGLE)) for pair in contacts.near]
     deep = [(o.depth, 0.0) for o in contacts.overlaps if o.depth is not None]
     return [(gap, angle) for gap, angle in [*touching, *near, *deep] if gap > 0]
 

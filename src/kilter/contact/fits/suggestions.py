@@ -1,4 +1,19 @@
-"""Pairs that look fastened, with a suggested joint for each.
+"""Joints that the parts suggest.
+
+Parts that lie in the same place, and so cannot be as drawn: their likely cause and a remedy.
+
+Two parts coincide if they share more than half of the volume of the smaller part, and are neither
+both held nor fixed to each other. A screw in a nut that is drawn without its hole shares less. The
+causes:
+
+    the same body twice, variants in a single file, the whole beside its parts
+        the answer has a warning, and leaving parts out is tried as a remedy
+    a part modelled without the hole for another, a misplaced part
+        the answer has a warning, and joining the parts is tried as a remedy
+    files in frames of their own, a table above the lowest part
+        the assembly is rejected, since all of its contacts are wrong
+
+Pairs that look fastened, with a suggested joint for each.
 
 Parts that share volume cannot both be positioned as drawn: a thread that is modelled as a cylinder,
 a press fit, an insert in its hole, or an inaccurate model. A part whose cylinder fills a hole of
@@ -22,22 +37,247 @@ The kinds, the most certain first:
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from pathlib import Path
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from kilter.assembly import Assembly
-from kilter.contact.contact_set import INTERFERE, SAME_BODY, ContactSet, Overlap
-from kilter.contact.contact_tolerances import ANGLE, AXIS_ROUNDING, GAP, PRESS_FIT, SUNK, THREAD
-from kilter.contact.fits.coaxial import Fit, coaxial_fits, is_tube
-from kilter.errors import shell_words
+from kilter.contact.common.patches import INTERFERE, SAME_BODY, Overlap
+from kilter.contact.contact_set import ContactSet
+from kilter.contact.contact_tolerances import (
+    ANGLE,
+    AXIS_ROUNDING,
+    COINCIDENT,
+    GAP,
+    INSIDE,
+    PRESS_FIT,
+    SUNK,
+    THREAD,
+)
+from kilter.contact.curved.coaxial_faces import Fit, coaxial_fits, is_tube
+from kilter.errors import InputError, shell_words
 from kilter.shape.solid import Solid
+from kilter.tell.record import Record
 
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.check_data import SuggestionData
+__all__ = [
+    "Kind",
+    "Suggestion",
+    "coincident",
+    "coincident_remarks",
+    "merely_sunk",
+    "parts_to_leave_out",
+    "require_apart",
+    "suggest_joints",
+    "touching_pairs",
+]
 
-__all__ = ["Kind", "Suggestion", "merely_sunk", "suggest_joints", "touching_pairs"]
+
+MANY = 3
+"""Number of such pairs from which the parts of a folder seem to have separate frames."""
+
+SHARE_DIGITS = 6
+"""Digits to which shares are compared: the volume of an intersection has a rounding error."""
+
+
+def coincident(contacts: ContactSet) -> list[Overlap]:
+    """Overlaps of open pairs that fill over half of the smaller part, the largest share first."""
+    left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
+    coinciding = [
+        overlap
+        for overlap in contacts.overlaps
+        if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.ends) in left_open
+    ]
+    parts = contacts.assembly.parts
+
+    def rank(overlap: Overlap) -> tuple[float, bool, bool]:
+        """The largest share first; of equal shares the table, then the same body twice."""
+        share = round(min(overlap.share or 0.0, 1.0), SHARE_DIGITS)
+        return -share, not any(parts[k].table for k in overlap.ends), overlap.why != SAME_BODY
+
+    return sorted(coinciding, key=rank)
+
+
+def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
+    """Raise an InputError if parts lie on each other because all contacts are wrong.
+
+    Raises
+    ------
+    InputError
+        With the pairs, the likely cause, and a remedy.
+
+    Examples
+    --------
+    >>> from kilter.assembly import Part
+    >>> from kilter.contact import contacts
+    >>> from kilter.rigid import Pose
+    >>> from kilter.shape.primitives import Box
+    >>> cubes = [Part(f"a{k}", Box([1, 1, 1]), Pose([0.2 * k, 0, 0])) for k in range(3)]
+    >>> require_apart(Assembly(cubes), contacts(Assembly(cubes)))
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: 'a0' and 'a1' share 80 % of 'a1', and 2 more pairs coincide: each ...
+    """
+    contacts = contacts.of(assembly)
+    overlaps = coincident(contacts)
+    if not overlaps:
+        return
+    cause = _cause_and_remedy(contacts, overlaps)
+    if cause.rejects:
+        raise InputError(
+            f"{_pairs_in_words(contacts, overlaps)}: {cause.reason}",
+            file=assembly.source or None,
+            hint=cause.hint,
+            option=cause.option,
+        )
+
+
+def coincident_remarks(contacts: ContactSet) -> list[str]:
+    """A warning about parts that lie in the same place, with its remedy; empty without such parts.
+
+    Examples
+    --------
+    >>> from kilter.assembly import Part
+    >>> from kilter.contact import contacts
+    >>> from kilter.rigid import Pose
+    >>> from kilter.shape.primitives import Box
+    >>> cubes = [Part("a", Box([1, 1, 1])), Part("b", Box([1, 1, 1]), Pose([0.3, 0, 0]))]
+    >>> coincident_remarks(contacts(Assembly(cubes)))[0].partition(":")[0]
+    "'a' and 'b' share 70 % of 'b'"
+    """
+    overlaps = coincident(contacts)
+    if not overlaps:
+        return []
+    cause = _cause_and_remedy(contacts, overlaps)
+    return [f"{_pairs_in_words(contacts, overlaps)}: {cause.reason}; {cause.option}"]
+
+
+def parts_to_leave_out(contacts: ContactSet) -> tuple[str, ...]:
+    """Names of the copies, variants or wholes that lie on other parts; empty for other causes."""
+    overlaps = coincident(contacts)
+    return _cause_and_remedy(contacts, overlaps).leave_out if overlaps else ()
+
+
+def _pairs_in_words(contacts: ContactSet, overlaps: Sequence[Overlap]) -> str:
+    """Describe the first coincident pair, and the second pair or the number of further pairs."""
+    more = f", and {len(overlaps) - 1} more pairs coincide" if len(overlaps) > 2 else ""
+    if len(overlaps) == 2:
+        more = f", and {_describe(contacts, overlaps[1])}"
+    return f"{_describe(contacts, overlaps[0])}{more}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Cause:
+    """Likely cause of parts in the same place: its remedy in Python (`hint`) and as an option.
+
+    `leave_out`: the parts that the remedy leaves out. `rejects`: whether no answer is possible.
+    """
+
+    reason: str
+    hint: str
+    option: str
+    leave_out: tuple[str, ...] = ()
+    rejects: bool = False
+
+
+def _describe(contacts: ContactSet, overlap: Overlap) -> str:
+    """Describe in words how two parts occupy the same place; the smaller part comes second."""
+    larger, smaller = (repr(contacts.assembly.names[k]) for k in _sort_by_volume(contacts, overlap))
+    if overlap.why == SAME_BODY:
+        return f"{larger} and {smaller} are the same body twice"
+    if (overlap.share or 0.0) > INSIDE:
+        return f"{smaller} lies inside {larger}"
+    return f"{larger} and {smaller} share {100 * (overlap.share or 0.0):.2g} % of {smaller}"
+
+
+def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
+    """Indices of the two parts of an overlap, the larger part first."""
+    a, b = overlap.ends
+    volume = contacts.assembly.geometry.volume
+    return (a, b) if volume[a] >= volume[b] else (b, a)
+
+
+def _whole_of(contacts: ContactSet, overlaps: Sequence[Overlap]) -> int | None:
+    """Index of a part that the other overlapping parts together fill, such as a whole; or None."""
+    pairs = [_sort_by_volume(contacts, overlap) for overlap in overlaps]
+    larger, smaller = {pair[0] for pair in pairs}, [pair[1] for pair in pairs]
+    if len(larger) != 1 or len(smaller) < 2:
+        return None
+    whole, volume = larger.pop(), contacts.assembly.geometry.volume
+    shares = [overlap.share or 0.0 for overlap in overlaps]
+    filled = sum(share * volume[part] for share, part in zip(shares, smaller, strict=True))
+    return whole if filled > COINCIDENT * volume[whole] else None
+
+
+def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cause:
+    """Likely cause of parts in the same place, and its remedy."""
+    parts = contacts.assembly.parts
+    first = overlaps[0]
+    larger, smaller = _sort_by_volume(contacts, first)
+    names = parts[larger].name, parts[smaller].name
+    if any(parts[k].table for k in first.ends):
+        how = "give the floor a lower height"
+        option = (
+            f"{how}: --floor HEIGHT, or --floor alone; --without NAME leaves out a plane of a scene"
+        )
+        return _Cause("the table is too high", how, option, rejects=True)
+    if first.why == SAME_BODY and len(overlaps) < MANY:
+        copy = _copies(contacts, overlaps[:1])
+        return _Cause(
+            "a copy or an exploded view, or a file given under two names",
+            f"leave a part out with assembly.without({copy[0]!r})",
+            f"leave a part out with --without {shell_words(copy)}",
+            _copies(contacts, overlaps),
+        )
+    whole = _whole_of(contacts, overlaps)
+    if whole is not None:
+        name = parts[whole].name
+        return _Cause(
+            f"{name!r} is the whole beside its parts",
+            f"leave the whole out with assembly.without({name!r})",
+            f"leave the whole out with --without {shell_words((name,))}",
+            (name,),
+        )
+    join = f"kilter.fastened(assembly, [{names!r}])"
+    fasten = f"--fasten {shell_words(names[:2])}"
+    if len(overlaps) >= MANY and Path(contacts.assembly.source).suffix:
+        out = sorted({parts[_sort_by_volume(contacts, pair)[1]].name for pair in overlaps})
+        words = " ".join(f"--without {shell_words((name,))}" for name in out)
+        return _Cause(
+            "copies, or variants drawn over each other",
+            f"leave the smaller parts out with assembly.without({out!r}); or join with {join}",
+            f"leave the smaller parts out with {words}; "
+            f"or join parts that are meant to overlap with {fasten} or --fasten-overlaps",
+            tuple(out),
+        )
+    if len(overlaps) >= MANY:
+        place = "export the parts where they are in the assembly, not each in its own frame"
+        return _Cause(
+            "each file seems to be in a frame of its own",
+            f"{place}; or join parts that are meant to overlap with {join}",
+            f"{place}; or join parts that are meant to overlap with {fasten} or --fasten-overlaps",
+            rejects=True,
+        )
+    return _Cause(
+        "misplaced, or drawn without the hole for the other",
+        f"correct the model; or join parts that are meant to overlap with {join}",
+        f"correct the model; or join parts that are meant to overlap with {fasten}",
+    )
+
+
+def _copies(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tuple[str, ...]:
+    """Names of the second body of each pair that is the same body twice, without a held body."""
+    parts = contacts.assembly.parts
+    names = []
+    for overlap in overlaps:
+        larger, smaller = _sort_by_volume(contacts, overlap)
+        if overlap.why == SAME_BODY:
+            extra = larger if parts[smaller].grounded else smaller
+            names.append(parts[extra].name)
+    return tuple(sorted(set(names)))
+
 
 Kind = Literal["thread", "press fit", "insert", "overlap", "same body", "size on size"]
 RANK = {kind: rank for rank, kind in enumerate(get_args(Kind))}
@@ -56,51 +296,31 @@ THREADED = _word("nut", "screw", "bolt", "stud", "thread", "shcs", "bhcs", "fhcs
 """Names of parts that have a thread."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Suggestion:
-    """A pair of parts that looks fastened, with the kind of fastening and the reason.
-
-    Attributes
-    ----------
-    parts : pair of str
-        The bolt, pin or shaft; the part with the hole.
-    kind : str
-        Kind of the fit.
-    why : str
-        Reason, in words.
-    option : str
-        Command-line option that fixes them, or leaves one part out.
-    joint : dict or None
-        Entry for the `joints` of a file.
-    """
+class Suggestion(Record, kw_only=False):
+    """A pair of parts that looks fastened, and the option that fastens it."""
 
     parts: tuple[str, str]
+    """The bolt, pin or shaft; the part with the hole."""
     kind: Kind
+    """Kind of the fit."""
     why: str
+    """Reason, in words."""
     option: str
+    """Command-line option that fixes them, or leaves one part out."""
     joint: dict[str, Any] | None
+    """Entry to add to the joints of an assembly file."""
 
     @property
     def fixed(self) -> bool:
         """Whether the joint is fixed; if not, the parts may slide, or one should be left out."""
         return self.joint is not None and self.joint["kind"] == "fixed"
 
-    def to_dict(self) -> SuggestionData:
-        """JSON data of the suggestion."""
-        return {
-            "parts": list(self.parts),
-            "kind": self.kind,
-            "why": self.why,
-            "option": self.option,
-            "joint": self.joint,
-        }
-
 
 def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:
     """Pairs of parts, by index and in order, that touch or overlap."""
     pairs = [(int(a), int(b)) for a, b in contacts.patch_parts]
-    pairs += [entry.parts for entry in contacts.unsupported]
-    pairs += [entry.parts for entry in contacts.overlaps]
+    pairs += [entry.ends for entry in contacts.unsupported]
+    pairs += [entry.ends for entry in contacts.overlaps]
     return sorted({(min(pair), max(pair)) for pair in pairs})
 
 
@@ -111,18 +331,18 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     radius within the tolerance; but no pair of held parts, not the table of `with_floor`, and no
     parts that are merely sunk into each other.
     """
-    near_pairs = [*touching_pairs(contacts), *(r.parts for r in contacts.rejected)]
-    overlaps = {_key(overlap.parts): overlap for overlap in contacts.overlaps}
+    near_pairs = [*touching_pairs(contacts), *(r.ends for r in contacts.near)]
+    overlaps = {_key(overlap.ends): overlap for overlap in contacts.overlaps}
     joinable = [pair for pair in near_pairs if _may_join(assembly, pair)]
     fits: dict[frozenset[int], Fit] = {}
-    user_gap = contacts.tolerance.gap or 0.0
+    user_gap = contacts.searched.gap or 0.0
     # the fit as drawn: a gap tolerance of the user makes no thread of a clearance or a press fit
-    drawn = replace(contacts.tolerance, gap=None, relative_gap=GAP)
+    drawn = replace(contacts.searched, gap=None, relative_gap=GAP)
     for fit in coaxial_fits(assembly, joinable, drawn, thickest=THREAD):
-        key = _key(fit.parts)
+        key = _key(fit.ends)
         # a clearance holds nothing, also if a tolerance counts it as closed
         closed = key in overlaps or fit.interference <= user_gap
-        if fit.kind == "clearance" or (fit.tight and not closed):
+        if fit.fit == "clearance" or (fit.tight and not closed):
             continue
         if key not in fits or (fit.tight, fit.length) > (fits[key].tight, fits[key].length):
             fits[key] = fit
@@ -130,7 +350,7 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     fits = {key: fit for key, fit in fits.items() if fit.tight or key not in overlaps}
     suggestions = [_from_fit(assembly, contacts, fit) for fit in fits.values()]
     for key, overlap in overlaps.items():
-        joinable_pair = key not in fits and _may_join(assembly, overlap.parts)
+        joinable_pair = key not in fits and _may_join(assembly, overlap.ends)
         if joinable_pair and not merely_sunk(assembly, overlap):
             suggestions.append(_from_overlap(assembly, overlap))
     return sorted(suggestions, key=lambda suggestion: RANK[suggestion.kind])
@@ -154,7 +374,7 @@ def merely_sunk(assembly: Assembly, overlap: Overlap) -> bool:
 
     Exact solids and parts whose names say that they are fastened are drawn with care.
     """
-    pair, geometry = list(overlap.parts), assembly.geometry
+    pair, geometry = list(overlap.ends), assembly.geometry
     drawn = any(isinstance(assembly.parts[k].shape, Solid) for k in pair)
     names = [_short_name(assembly.names[k]) for k in pair]
     if drawn or any(one.search(name) for one in (INSERT, THREADED, HOLLOW) for name in names):
@@ -166,7 +386,7 @@ def merely_sunk(assembly: Assembly, overlap: Overlap) -> bool:
 
 def _from_fit(assembly: Assembly, contacts: ContactSet, fit: Fit) -> Suggestion:
     """The suggested joint for a shaft in its hole."""
-    parts = (assembly.names[fit.parts[0]], assembly.names[fit.parts[1]])
+    parts = (assembly.names[fit.ends[0]], assembly.names[fit.ends[1]])
     unit = assembly.units
     size = f"radius {fit.radius:.6g} {unit} over {fit.length:.4g} {unit}"
     if fit.tight:
@@ -200,7 +420,7 @@ def _clamped_between(contacts: ContactSet, fit: Fit) -> int | None:
     flat = (contacts.patch_kind == "plane") & (np.abs(along) > np.cos(ANGLE))
     height = (contacts.points @ fit.axis)[contacts.patch_start[:-1]]
     pressed = []
-    for part, other in (fit.parts, fit.parts[::-1]):
+    for part, other in (fit.ends, fit.ends[::-1]):
         outwards = flat & (first == part) & (second != other)
         inwards = flat & (second == part) & (first != other)
         rows = np.flatnonzero(outwards | inwards)
@@ -215,7 +435,7 @@ def _clamped_between(contacts: ContactSet, fit: Fit) -> int | None:
 
 def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
     """Kind of fastening (thread, press fit or insert) of a shaft thicker than its hole, and why."""
-    shaft, hole = (_short_name(assembly.names[k]) for k in fit.parts)
+    shaft, hole = (_short_name(assembly.names[k]) for k in fit.ends)
     insert = INSERT.search(shaft)
     if insert:
         return "insert", f"{why}, by its name {_with_article(insert[1])}"
@@ -231,14 +451,14 @@ def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
 
 def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
     """The suggested joint for two parts that overlap otherwise than as a shaft in its hole."""
-    parts = (assembly.names[overlap.parts[0]], assembly.names[overlap.parts[1]])
+    parts = (assembly.names[overlap.ends[0]], assembly.names[overlap.ends[1]])
     unit = assembly.units
     if overlap.why == SAME_BODY:
         option = f"--without {shell_words(parts[1:])}"
         return Suggestion(parts, "same body", "the same body twice: leave out a copy", option, None)
     why = f"overlap by {overlap.depth:.3g} {unit}"
     if overlap.volume is not None:
-        share = overlap.volume / float(assembly.geometry.volume[list(overlap.parts)].min())
+        share = overlap.volume / float(assembly.geometry.volume[list(overlap.ends)].min())
         why += f", {100 * share:.2g} % of the smaller"
     short_names = [_short_name(name) for name in parts]
     for kind, pattern in (("insert", INSERT), ("thread", THREADED)):

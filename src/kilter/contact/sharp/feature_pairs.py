@@ -1,4 +1,6 @@
-"""Points at which corners and edges of a part come near features of another part.
+"""Near pairs of edges, corners and faces.
+
+Points at which corners and edges of a part come near features of another part.
 
 The corners of an area of contact are corners of one part on the other, and crossings of edges; for
 rigid parts no other point is needed (the paper, section 2.1). A corner within tolerance of a corner
@@ -8,6 +10,12 @@ inside both of its edges: each point is found once.
 An edge within tolerance of a facet that is tilted by less than the angle that counts as flat lies
 on the facet with its whole length there, as a face on a face does: both ends of that length are
 returned, although their gap is larger.
+
+Near pairs whose corners or edges almost touch, without any recorded contact.
+
+Near faces are recorded when facets are intersected; a corner over a face, or an edge beside an
+edge, is not. Only pairs without a contact and without near faces are searched, within `LOOSE_GAP`
+of the size of the smaller part.
 """
 
 from __future__ import annotations
@@ -18,20 +26,16 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, columns, cross, ragged, ratio
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import Boxes, facets_in, joins
-from kilter.contact.contact_search import ContactSearch
-from kilter.contact.contact_tolerances import EDGE_NEARLY_PARALLEL, EDGE_PARALLEL
-from kilter.contact.planar.facets import Facets, facet_triangles
-from kilter.contact.sharp.edges import Edges, segment_distance
+from kilter.contact.common.broad import Boxes, facets_in, joins
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.distances import segment_distance
+from kilter.contact.common.edges import Edges, find_edges
+from kilter.contact.common.facets import Facets, facet_triangles
+from kilter.contact.common.gaps import APART, RejectedPair
+from kilter.contact.contact_tolerances import EDGE_NEARLY_PARALLEL, EDGE_PARALLEL, LOOSE_GAP
 
-__all__ = [
-    "CORNER",
-    "EDGE",
-    "FACE",
-    "Meetings",
-    "PairBlock",
-    "meetings",
-]
+__all__ = ["CORNER", "EDGE", "FACE", "Meetings", "PairBlock", "meetings", "near_edges"]
+
 
 _Side = tuple[Index, Index]
 """Features near one side of the pairs: rows of the pair block, and indices of the features."""
@@ -387,3 +391,38 @@ def _crossings(
         k, first, second = k[keep], first[keep], second[keep]
         blocks.append(_make_meetings(block, pair[k], (EDGE, EDGE), [e[k], f[k]], [first, second]))
     return blocks
+
+
+def near_edges(search: ContactSearch, unrecorded: Mask) -> list[RejectedPair]:
+    """Near pairs of parts without recorded contact, each with its nearest corner or edge.
+
+    Parameters
+    ----------
+    search : ContactSearch
+    unrecorded : ndarray of bool, shape (n,)
+        Pairs of the search without any contact, overlap or near faces.
+    """
+    geometry, boxes = search.geometry, search.boxes
+    a, b = search.pairs.T
+    limit = LOOSE_GAP * np.minimum(geometry.size[a], geometry.size[b])
+    grow = limit[:, None]
+    meets = (boxes.part_low[a] <= boxes.part_high[b] + grow).all(axis=1)
+    meets &= (boxes.part_low[b] <= boxes.part_high[a] + grow).all(axis=1)
+    rows = np.flatnonzero(unrecorded & meets)
+    if not len(rows):
+        return []
+    a, b, grow = a[rows], b[rows], grow[rows]
+    low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
+    high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
+    edges = find_edges(geometry, search.facets, np.unique(search.pairs[rows]))
+    block = PairBlock(search, edges, rows, limit[rows], low, high)
+    found_meetings = Meetings.join(meetings(block))
+    apart = np.linalg.norm(found_meetings.at[:, 1] - found_meetings.at[:, 0], axis=1)
+    nearest: dict[int, float] = {}
+    for row, gap in zip(found_meetings.pair.tolist(), apart.tolist(), strict=True):
+        nearest[row] = min(gap, nearest.get(row, gap))
+    rejected = []
+    for row, gap in nearest.items():
+        part_a, part_b = search.pairs[row].tolist()
+        rejected.append(RejectedPair((part_a, part_b), gap, 0.0, APART))
+    return rejected

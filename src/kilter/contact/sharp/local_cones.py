@@ -28,9 +28,9 @@ from kilter.arrays import (
     unit_rows,
 )
 from kilter.assembly.geometry import Geometry
+from kilter.contact.common.edges import Edges, Rays
+from kilter.contact.common.facets import Facets
 from kilter.contact.contact_tolerances import CONE_ANGLE, EXACT_ANGLE
-from kilter.contact.planar.facets import Facets
-from kilter.contact.sharp.edges import Edges, Rays
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE
 from kilter.work import stop_if_late
 

@@ -11,95 +11,184 @@ there.
 - A corner or edge in a notch: a normal for each facet.
 - At the rim of a patch: the normal of the patch, which the patch already has.
 - Beside a curved face no edge is sharp; contacts there without a formula are listed and
-  bounded by `kilter.contact.curved.unmodelled`.
+  bounded by `kilter.contact.sharp.edges_on_curves`.
 
-For two convex parts a patch of planar contact is complete: no other contact is searched for.
+For two convex parts a patch of planar contact is complete: no other contact is searched for. The
+contacts are patches without area. An edge on a facet is a single patch, with its two ends on that
+facet as points; every other point is a patch of its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import TINY, Array, Index, Labels, Mask, connected, ragged
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import Boxes
-from kilter.contact.contact_tolerances import LOOSE_GAP, MEETS_EXACTLY, ONE_POINT
-from kilter.contact.curved.edge_touching import EdgeTouching
-from kilter.contact.curved.edges_on_curves import edges_near_faces
-from kilter.contact.curved.edges_with_edges import edges_on_edges, near_edge_pairs, tips_on_edges
-from kilter.contact.curved.edges_with_faces import EdgeFacePairs, edge_contacts_on_faces
-from kilter.contact.curved.exact_edges import EdgeCurves
+from kilter.contact.common.broad import Boxes
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.edges import EdgeCurves, Edges, find_edges
+from kilter.contact.common.findings import FacePatches, Findings, explained, is_settled, on_patches
+from kilter.contact.common.patches import (
+    DegeneratePoints,
+    Patches,
+    PossibleContacts,
+    UnsupportedContact,
+)
+from kilter.contact.contact_tolerances import (
+    CONE_ANGLE,
+    EDGE_STRAIGHTNESS,
+    LOOSE_GAP,
+    MEETS_EXACTLY,
+    NORMAL_ANGLE,
+    ONE_POINT,
+)
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
-from kilter.contact.curved.unmodelled import (
+from kilter.contact.sharp.edges_on_curves import (
     NearFaces,
     RoundContacts,
     beside_curved,
+    edges_near_faces,
     explained_points,
-    no_round_contacts,
     round_contacts,
 )
-from kilter.contact.degenerate_points import DegeneratePoints
-from kilter.contact.face_patches import FacePatches, explained, on_patches
-from kilter.contact.gaps import RejectedPair
-from kilter.contact.kept_pairs import KeptPairs
-from kilter.contact.left_out import PossibleContacts, UnsupportedContact
-from kilter.contact.patches import Patches
-from kilter.contact.sharp.edges import Edges, find_edges
+from kilter.contact.sharp.edges_with_edges import (
+    EdgeTouching,
+    edges_on_edges,
+    near_edge_pairs,
+    tips_on_edges,
+)
+from kilter.contact.sharp.edges_with_faces import EdgeFacePairs, edge_contacts_on_faces
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings, PairBlock, meetings
+from kilter.contact.sharp.normals import Clauses, Pushes, normals_of
 
-if TYPE_CHECKING:
-    from kilter.contact.sharp.normals import Clauses, Pushes
+__all__ = ["edge_contacts", "find_sharp"]
 
-__all__ = ["NearContacts", "near_contacts"]
+
+def edge_contacts(
+    search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes
+) -> Patches:
+    """Contact patches for the accepted contact points of edges and corners, ordered by pair.
+
+    `accuracy` is that of the coordinates, relative to the size of the features that touch.
+    """
+    if not len(pushes.meeting):
+        return Patches.none()
+    pushes = pushes.take(np.argsort(meetings.pair[pushes.meeting], kind="stable"))
+    label = _edge_labels(search, edges, meetings, pushes)
+    point = meetings.middle[pushes.meeting]
+    pushes_kept = _without_middle_points(point, label)
+    pushes, label = pushes.take(pushes_kept), label[pushes_kept]
+    order = np.argsort(label, kind="stable")
+    pushes, label = pushes.take(order), label[order]
+    row = pushes.meeting
+    start = np.append(np.flatnonzero(np.diff(label, prepend=-1)), len(label))
+    gap = np.einsum("ij,ij->i", meetings.at[row, 1] - meetings.at[row, 0], pushes.normal)
+    first = start[:-1]
+    gaps = [reduce.reduceat(gap, first) for reduce in (np.minimum, np.maximum)]
+    point_accuracy = _relative_accuracy(search, edges, meetings, row)
+    pair = meetings.pair[row[first]]
+    return Patches(
+        pair=pair,
+        parts=search.pairs[pair],
+        kind=_kinds(meetings, pushes, start),
+        normal=pushes.normal[first],
+        area=np.zeros(len(pair)),
+        gap=np.column_stack(gaps),
+        accuracy=np.maximum.reduceat(point_accuracy, first),
+        doubt=np.zeros(len(pair)),
+        mu=np.full(len(pair), np.nan),
+        start=start,
+        points=meetings.middle[row],
+        normals=pushes.normal,
+    )
+
+
+def _kinds(meetings: Meetings, pushes: Pushes, start: Index) -> Labels:
+    """Kind of each contact patch: "edge-edge", "vertex-face" or "edge-face"."""
+    first = start[:-1]
+    kind = meetings.kind[pushes.meeting[first]]
+    crossing = (kind == EDGE).all(axis=1) | ~pushes.of_facet[first].any(axis=1)
+    crossing &= ~(kind == FACE).any(axis=1)
+    kinds: Labels = np.where(crossing, "edge-edge", "vertex-face").astype("<U11")
+    kinds[np.diff(start) > 1] = "edge-face"
+    return kinds
+
+
+def _edge_labels(search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes) -> Index:
+    """Number of each contact point; points of the same edge on the same facet share a number."""
+    first, second = [], []
+    for side in (0, 1):
+        point, edge = _edges_at(edges, meetings, pushes, side)
+        on_facet = pushes.of_facet[point, 1 - side]
+        level = np.einsum("ij,ij->i", edges.direction(search.geometry, edge), pushes.normal[point])
+        on_facet &= np.abs(level) <= CONE_ANGLE
+        point, edge = point[on_facet], edge[on_facet]
+        order = np.lexsort((edge, meetings.pair[pushes.meeting[point]]))
+        point, edge = point[order], edge[order]
+        p, q = point[:-1], point[1:]
+        same = np.diff(edge) == 0
+        same &= meetings.pair[pushes.meeting[p]] == meetings.pair[pushes.meeting[q]]
+        same &= np.linalg.norm(pushes.normal[p] - pushes.normal[q], axis=1) <= NORMAL_ANGLE
+        first.append(p[same])
+        second.append(q[same])
+    return connected(len(pushes), np.concatenate(first), np.concatenate(second))
+
+
+def _edges_at(edges: Edges, meetings: Meetings, pushes: Pushes, side: int) -> tuple[Index, Index]:
+    """Edges of part a (`side` 0) or b (1) through each contact point: pairs (point, edge)."""
+    kind, feature = meetings.kind[pushes.meeting, side], meetings.feature[pushes.meeting, side]
+    on_edge, corner = np.flatnonzero(kind == EDGE), np.flatnonzero(kind == CORNER)
+    owner, row = ragged(edges.ray_start, feature[corner])
+    points = np.concatenate([on_edge, corner[owner]])
+    return points, np.concatenate([feature[on_edge], edges.ray_edge[row]])
+
+
+def _without_middle_points(point: Array, label: Index) -> Index:
+    """Rows of contact points that are not between two others on the same edge."""
+    keep = np.ones(len(label), dtype=bool)
+    count = np.bincount(label)
+    for group in np.flatnonzero(count > 2):
+        rows = np.flatnonzero(label == group)
+        offset = point[rows] - point[rows[0]]
+        span = offset[np.linalg.norm(offset, axis=1).argmax()]
+        length = float(np.linalg.norm(span))
+        share = offset @ span / max(length, TINY)
+        off_line = offset - np.outer(share, span) / max(length, TINY)
+        if np.abs(off_line).max() <= EDGE_STRAIGHTNESS * length:
+            keep[rows] = False
+            keep[rows[[share.argmin(), share.argmax()]]] = True
+    return np.flatnonzero(keep)
+
+
+def _relative_accuracy(
+    search: ContactSearch, edges: Edges, meetings: Meetings, rows: Index
+) -> Array:
+    """Error of the coordinates divided by the size of the smallest touching edge or facet [-]."""
+    geometry, facets = search.geometry, search.facets
+    width = np.full(len(rows), np.inf)
+    accuracy = np.zeros(len(rows))
+    for side in (0, 1):
+        kind, feature = meetings.kind[rows, side], meetings.feature[rows, side]
+        face, edge = np.flatnonzero(kind == FACE), np.flatnonzero(kind == EDGE)
+        corner = np.flatnonzero(kind == CORNER)
+        face_width = facets.area[feature[face]] / facets.reach[feature[face]]
+        width[face] = np.minimum(width[face], face_width)
+        p, q = edges.ends(geometry, feature[edge])
+        width[edge] = np.minimum(width[edge], np.linalg.norm(q - p, axis=1))
+        part = np.empty(len(rows), dtype=np.int64)
+        part[face] = facets.part[feature[face]]
+        part[edge] = geometry.vertex_part[edges.ends_of[feature[edge], 0]]
+        part[corner] = geometry.vertex_part[feature[corner]]
+        width = np.minimum(width, geometry.size[part])
+        accuracy += geometry.accuracy[part]
+    result: Array = accuracy / width
+    return result
 
 
 PAIRS = 20_000
 """Pairs searched at once, so that their candidates fit in memory."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class NearContacts:
-    """Contacts at edges and corners, and contacts at round faces that are not modelled."""
-
-    patches: Patches
-    degenerate: DegeneratePoints
-    rounds: RoundContacts
-    rejected: tuple[RejectedPair, ...] = ()
-
-    def unsupported(self, geometry: Geometry) -> tuple[UnsupportedContact, ...]:
-        """Records of the contacts that are not modelled."""
-        return (*_unsupported_of(self.degenerate, geometry), *self.rounds.unsupported)
-
-    @property
-    def possible(self) -> PossibleContacts:
-        """Forces that contacts may exert that are not modelled.
-
-        The first rows are the normals of `degenerate`, in order.
-        """
-        return PossibleContacts.join([self.degenerate.pushes(), self.rounds.possible])
-
-    @staticmethod
-    def join(blocks: Sequence[tuple[int, NearContacts]]) -> NearContacts:
-        """Contacts of successive pairs; a block gives its first pair, and its contacts."""
-        return NearContacts(
-            Patches.join(block.patches.after(begin) for begin, block in blocks),
-            DegeneratePoints.join([block.degenerate for _, block in blocks]),
-            RoundContacts.join([block.rounds for _, block in blocks]),
-            tuple(pair for _, block in blocks for pair in block.rejected),
-        )
-
-    def among(self, kept: KeptPairs) -> NearContacts:
-        """The contacts of some of the pairs, with new numbers."""
-        return NearContacts(
-            kept.patches(self.patches),
-            kept.degenerate(self.degenerate)[0],
-            self.rounds.among(kept),
-            kept.records(self.rejected),
-        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,42 +211,37 @@ class _SharpSearch:
         return self.face_patches.search.limits.gap
 
 
-def near_contacts(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> NearContacts:
-    """Find contacts at corners, edges and round faces that the patches so far do not explain.
-
-    `rejected` are near faces: their pairs are already known to be open.
-    """
-    search = face_patches.search
-    boxes, convex = search.boxes, search.facets.convex_part
+def find_sharp(face_patches: FacePatches) -> Findings:
+    """Find contacts at corners, edges and round faces that the patches so far do not explain."""
+    search, boxes = face_patches.search, face_patches.search.boxes
     a, b = search.pairs.T
-    # for convex parts a patch is complete
-    settled = convex[a] & convex[b] & face_patches.has_patch
-    reach = _reach(face_patches, rejected)
-    sharp_rows = np.flatnonzero(_boxes_meet(boxes, a, b, search.limits.gap) & ~settled)
-    round_rows = np.flatnonzero(_boxes_meet(boxes, a, b, reach) & ~settled)
+    open_pairs = ~is_settled(face_patches)
+    reach = _reach(face_patches)
+    sharp_rows = np.flatnonzero(_boxes_meet(boxes, a, b, search.limits.gap) & open_pairs)
+    round_rows = np.flatnonzero(_boxes_meet(boxes, a, b, reach) & open_pairs)
     round_rows = round_rows[_round_parts(search.geometry)[search.pairs[round_rows]].any(axis=1)]
-    patches, degenerate, rounds = Patches.none(), DegeneratePoints.none(), no_round_contacts()
-    touching = EdgeTouching()
     all_rows = np.union1d(sharp_rows, round_rows)
-    if len(all_rows):
-        # imported late: only edges and corners that touch need these modules
-        from kilter.contact.sharp.edge_contacts import edge_contacts
-
-        edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
-        sharp_search = _SharpSearch(face_patches, edges)
-        candidates = _meetings(sharp_search, sharp_rows, search.limits.gap)
-        candidates = candidates.take(
-            np.flatnonzero(~face_patches.smooth.explains(candidates.pair, candidates.middle))
-        )
-        candidates = candidates.take(np.flatnonzero(~_beside_curved(sharp_search, candidates)))
-        pushes, clauses = _normals(sharp_search, candidates)
-        all_pushes = pushes
-        pushes, clauses = _without_explained(candidates, pushes, clauses, face_patches)
-        patches = edge_contacts(search, edges, candidates, pushes)
-        degenerate = _degenerate_points(sharp_search, candidates, clauses, all_pushes)
-        rounds, touching = _round_contacts(sharp_search, round_rows, reach)
-        patches = Patches.join([patches, touching.patches(search)]).ordered()
-    return NearContacts(patches, degenerate, rounds, touching.rejected(search))
+    if not len(all_rows):
+        return Findings()
+    edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
+    near = _SharpSearch(face_patches, edges)
+    candidates = _meetings(near, sharp_rows, search.limits.gap)
+    candidates = candidates.take(
+        np.flatnonzero(~face_patches.smooth.explains(candidates.pair, candidates.middle))
+    )
+    candidates = candidates.take(np.flatnonzero(~_beside_curved(near, candidates)))
+    all_pushes, clauses = _normals(near, candidates)
+    pushes, clauses = _without_explained(candidates, all_pushes, clauses, face_patches)
+    patches = edge_contacts(search, edges, candidates, pushes)
+    degenerate = _degenerate_points(near, candidates, clauses, all_pushes)
+    rounds, touching = _round_contacts(near, round_rows, reach)
+    return Findings(
+        patches=Patches.join([patches, touching.patches(search)]).ordered(),
+        rejected=touching.rejected(search),
+        unsupported=(*_unsupported_of(degenerate, search.geometry), *rounds.unsupported),
+        possible=rounds.possible,
+        degenerate=degenerate,
+    )
 
 
 def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
@@ -175,9 +259,6 @@ def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
 
 def _normals(near: _SharpSearch, met: Meetings) -> tuple[Pushes, Clauses]:
     """Normals at meeting points of corners and edges: unique, or several at degenerate points."""
-    # imported late: only edges and corners that touch need these modules
-    from kilter.contact.sharp.normals import normals_of
-
     geometry = near.geometry
     parts = near.pairs[met.pair]
     size, accuracy = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)
@@ -211,7 +292,7 @@ def _boxes_meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
     return np.asarray(apart.max(axis=1) <= grow)
 
 
-def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array:
+def _reach(face_patches: FacePatches) -> Array:
     """Largest gap at which edges and free-form faces of each pair may touch a round face.
 
     In the length unit, shape (number of pairs,).
@@ -219,7 +300,8 @@ def _reach(face_patches: FacePatches, rejected: Iterable[RejectedPair]) -> Array
     For a pair without touching or near faces it is the loose tolerance.
     """
     limits, search = face_patches.search.limits, face_patches.search
-    near = {tuple(sorted(faces.parts)) for faces in rejected}
+    rejected = [*face_patches.flat.rejected, *face_patches.curved.rejected]
+    near = {tuple(sorted(faces.ends)) for faces in rejected}
     has_near = [tuple(sorted(pair)) in near for pair in search.pairs.tolist()] if near else False
     size = search.geometry.size[search.pairs].min(axis=1)
     loose = np.where(face_patches.has_patch | has_near, 0.0, LOOSE_GAP * size)
@@ -236,7 +318,7 @@ def _round_contacts(
     """
     touching = EdgeTouching()
     if not len(rows):
-        return no_round_contacts(), touching
+        return RoundContacts(), touching
     geometry, face_patches = near.geometry, near.face_patches
     curves = EdgeCurves(geometry, face_patches.search.facets, near.edges)
     candidates = _meetings(near, rows, reach + geometry.slack[near.pairs].sum(axis=1))

@@ -18,14 +18,23 @@ difference are possible. Points at which the sides differ by more than `SMOOTH_U
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across, starts, unit_rows
-from kilter.contact.broad import joins
-from kilter.contact.contact_search import ContactSearch
+from kilter.arrays import Array, Index, across, starts, unit_rows
+from kilter.contact.common.broad import joins
+from kilter.contact.common.contact_search import ContactSearch
+from kilter.contact.common.distances import TriangleTrees
+from kilter.contact.common.findings import (
+    FacePatches,
+    Matches,
+    SmoothFindings,
+    SmoothJoint,
+    may_be_smooth,
+)
+from kilter.contact.common.patches import Patches, PossibleContacts, UnsupportedContact
+from kilter.contact.common.polygons import facet_frames, overlaps_of
 from kilter.contact.contact_tolerances import (
     DISTANCE_ROUNDING,
     GAP,
@@ -36,16 +45,10 @@ from kilter.contact.contact_tolerances import (
     SMOOTH_LEAST,
     SMOOTH_UNSURE,
 )
-from kilter.contact.kept_pairs import KeptPairs
-from kilter.contact.left_out import PossibleContacts, UnsupportedContact
-from kilter.contact.patches import Patches
-from kilter.contact.planar.facet_overlays import facet_frames, overlaps_of
-from kilter.contact.smooth.matching import Matches, matches
-from kilter.contact.smooth.smooth_faces import SmoothFace, smooth_faces
-from kilter.contact.triangle_distance import TriangleTrees
+from kilter.contact.smooth.smooth_faces import SmoothFace, matches, smooth_faces
 from kilter.work import stop_if_late
 
-__all__ = ["SmoothJoint", "SmoothJoints", "find_smooth"]
+__all__ = ["find_smooth", "possible_forces_of", "smooth_warning"]
 
 
 MOST = 96
@@ -60,186 +63,102 @@ FACETS = 0.999
 """Fraction of the common area on which facets must lie flush to count as truly flat [-]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SmoothJoint:
-    """A contact of two smooth faces: their triangles, contact points, area and error.
-
-    Attributes
-    ----------
-    pair : int
-        Row of the pair of parts.
-    surfaces : pair of TriangleTrees
-        Triangles of the face of part a, and of part b.
-    facets : pair of ndarray of int
-        Facets of both faces.
-    matches : Matches
-        Contact points.
-    area : float
-        Common area [length unit^2].
-    reach : float
-        Distance from the surfaces within which triangles may touch [length unit].
-    tilt : float
-        Error of the normals [rad].
-    """
-
-    pair: int
-    surfaces: tuple[TriangleTrees, TriangleTrees]
-    facets: tuple[Index, Index]
-    matches: Matches
-    area: float
-    reach: float
-    tilt: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SmoothJoints:
-    """All contacts of smooth faces that a search finds, in the order of the pairs."""
-
-    search: ContactSearch
-    joints: tuple[SmoothJoint, ...] = ()
-
-    @staticmethod
-    def join(search: ContactSearch, blocks: Sequence[tuple[int, SmoothJoints]]) -> SmoothJoints:
-        """Joints of successive pairs; a block gives its first pair, and its joints."""
-        return SmoothJoints(
-            search,
-            tuple(
-                replace(joint, pair=joint.pair + begin)
-                for begin, block in blocks
-                for joint in block.joints
-            ),
-        )
-
-    def among(self, kept: KeptPairs, search: ContactSearch) -> SmoothJoints:
-        """The joints of some of the pairs, with the numbers of their search."""
-        rows = kept.new_row[np.array([joint.pair for joint in self.joints], dtype=np.int64)]
-        return SmoothJoints(
-            search,
-            tuple(
-                replace(joint, pair=row)
-                for joint, row in zip(self.joints, rows.tolist(), strict=True)
-                if row >= 0
-            ),
-        )
-
-    @property
-    def patches(self) -> Patches:
-        """These contacts of smooth faces as contact patches, in order."""
-        joints, search = self.joints, self.search
-        if not joints:
-            return Patches.none()
-        pair = np.array([joint.pair for joint in joints], dtype=np.int64)
-        parts = search.pairs[pair]
-        size = np.array([float(np.ptp(joint.matches.point, axis=0).max()) for joint in joints])
-        every = Matches.join(joint.matches for joint in joints)
-        start = starts([len(joint.matches) for joint in joints])
-        gap = [(float(joint.matches.gap.min()), float(joint.matches.gap.max())) for joint in joints]
-        return Patches(
-            pair=pair,
-            parts=parts,
-            kind=np.full(len(joints), "smooth", dtype="<U11"),
-            normal=unit_rows(np.add.reduceat(every.normal, start[:-1], axis=0)),
-            area=np.array([joint.area for joint in joints]),
-            gap=np.array(gap),
-            accuracy=search.geometry.accuracy[parts].sum(axis=1) / size,
-            doubt=np.array([joint.tilt for joint in joints]),
-            mu=np.full(len(joints), np.nan),
-            start=start,
-            points=every.point,
-            normals=every.normal,
-        )
-
-    def possible(self, mu: Array) -> PossibleContacts:
-        """Forces that smooth contacts may exert, with friction, given the error of their normals.
-
-        `mu` is the friction coefficient of each pair of parts [-]. Such a force lies within mu +
-        tilt of the fitted normal; the forces are the corners of the pyramid around that cone.
-        """
-        blocks = []
-        angle = np.arange(SIDES) * 2 * np.pi / SIDES
-        for joint in self.joints:
-            points, parts = joint.matches, self.search.pairs[joint.pair]
-            u, v = across(points.normal)
-            half_width = (joint.tilt + mu[joint.pair]) / np.cos(np.pi / SIDES)
-            directions = [
-                unit_rows(points.normal + half_width * (np.cos(t) * u + np.sin(t) * v))
-                for t in angle
-            ]
-            count = SIDES * len(points)
-            zeros = np.zeros(count)
-            blocks.append(
-                PossibleContacts(
-                    np.full(count, parts[0]),
-                    np.full(count, parts[1]),
-                    np.tile(points.point, (SIDES, 1)),
-                    np.concatenate(directions),
-                    zeros > 0,
-                    zeros,
-                    np.full(count, -1),
-                )
-            )
-        return PossibleContacts.join(blocks)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """A warning that states the error of the fitted normals; empty without smooth contacts."""
-        if not self.joints:
-            return ()
-        pairs = len({joint.pair for joint in self.joints})
-        worst = float(np.degrees(max(joint.tilt for joint in self.joints)))
-        many = "1 pair" if pairs == 1 else f"{pairs} pairs"
-        return (
-            f"curved faces without a formula, {many}: their normals are those of surfaces "
-            f"fitted to their corners, accurate to {worst:.1g} degrees",
-        )
-
-    @property
-    def unsure(self) -> tuple[UnsupportedContact, ...]:
-        """An `UnsupportedContact` for each smooth contact: fitted normals are never certain."""
-        records: dict[tuple[int, int], UnsupportedContact] = {}
-        for joint in self.joints:
-            a, b = (int(k) for k in self.search.pairs[joint.pair])
-            x, y, z = joint.matches.point[0].tolist()
-            records.setdefault((a, b), UnsupportedContact((a, b), "curved", (x, y, z)))
-        return tuple(records.values())
-
-    def between(self, pair: Index, i: Index, j: Index) -> Mask:
-        """Mask of facet pairs (i of part a, j of b) that belong to a smooth contact of the pair."""
-        is_between = np.zeros(len(pair), dtype=bool)
-        for joint in self.joints:
-            of_pair = np.flatnonzero(pair == joint.pair)
-            both = np.isin(i[of_pair], joint.facets[0]) & np.isin(j[of_pair], joint.facets[1])
-            is_between[of_pair[both]] = True
-        return is_between
-
-    def explains(self, pair: Index, points: Array) -> Mask:
-        """Mask of points, shape (n, 3), on both faces of a smooth contact of their pair."""
-        is_explained = np.zeros(len(points), dtype=bool)
-        for joint in self.joints:
-            rows = np.flatnonzero((pair == joint.pair) & ~is_explained)
-            for surface in joint.surfaces:
-                rows = rows[surface.within(points[rows], joint.reach)]
-            is_explained[rows] = True
-        return is_explained
-
-
-def find_smooth(search: ContactSearch) -> SmoothJoints:
+def find_smooth(so_far: FacePatches) -> SmoothFindings:
     """Find contacts of smooth faces: of two meshes, or where a clearance was closed."""
-    convex, (a, b) = search.facets.convex_part, search.pairs.T
-    mesh, closes = search.meshes, search.limits.closed > search.limits.gap
-    rows = np.flatnonzero((mesh[a] & mesh[b] | closes) & ~(convex[a] & convex[b]))
+    search = so_far.search
     faces: dict[int, list[SmoothFace]] = search.smooth_faces
     joints: list[SmoothJoint] = []
-    for row in rows.tolist():
-        parts = (int(a[row]), int(b[row]))
+    for row in np.flatnonzero(may_be_smooth(search)).tolist():
+        parts = tuple(search.pairs[row].tolist())
         for part in parts:
             if part not in faces:
-                faces[part] = smooth_faces(search.geometry, part, mesh=bool(mesh[part]))
+                mesh = bool(search.meshes[part])
+                faces[part] = smooth_faces(search.geometry, part, mesh=mesh)
         for face_a in faces[parts[0]]:
             for face_b in faces[parts[1]]:
                 stop_if_late()
                 joints += _joint(search, row, (face_a, face_b))
-    return SmoothJoints(search, tuple(joints))
+    return SmoothFindings(
+        patches=_patches(search, joints), unsupported=_unsure(search, joints), joints=tuple(joints)
+    )
+
+
+def _patches(search: ContactSearch, joints: Sequence[SmoothJoint]) -> Patches:
+    """Contacts of smooth faces as contact patches, in order."""
+    if not joints:
+        return Patches.none()
+    pair = np.array([joint.pair for joint in joints], dtype=np.int64)
+    parts = search.pairs[pair]
+    size = np.array([float(np.ptp(joint.matches.point, axis=0).max()) for joint in joints])
+    every = Matches.join(joint.matches for joint in joints)
+    start = starts([len(joint.matches) for joint in joints])
+    gap = [(float(joint.matches.gap.min()), float(joint.matches.gap.max())) for joint in joints]
+    return Patches(
+        pair=pair,
+        parts=parts,
+        kind=np.full(len(joints), "smooth", dtype="<U11"),
+        normal=unit_rows(np.add.reduceat(every.normal, start[:-1], axis=0)),
+        area=np.array([joint.area for joint in joints]),
+        gap=np.array(gap),
+        accuracy=search.geometry.accuracy[parts].sum(axis=1) / size,
+        doubt=np.array([joint.tilt for joint in joints]),
+        mu=np.full(len(joints), np.nan),
+        start=start,
+        points=every.point,
+        normals=every.normal,
+    )
+
+
+def _unsure(search: ContactSearch, joints: Sequence[SmoothJoint]) -> tuple[UnsupportedContact, ...]:
+    """An `UnsupportedContact` for each smooth contact: fitted normals are never certain."""
+    records: dict[tuple[int, int], UnsupportedContact] = {}
+    for joint in joints:
+        a, b = (int(k) for k in search.pairs[joint.pair])
+        x, y, z = joint.matches.point[0].tolist()
+        records.setdefault((a, b), UnsupportedContact((a, b), "curved", (x, y, z)))
+    return tuple(records.values())
+
+
+def possible_forces_of(joints: Sequence[SmoothJoint], pairs: Index, mu: Array) -> PossibleContacts:
+    """Forces that smooth contacts may exert, with friction, given the error of their normals.
+
+    `mu` is the friction coefficient of each pair of parts [-]. Such a force lies within mu +
+    tilt of the fitted normal; the forces are the corners of the pyramid around that cone.
+    """
+    blocks = []
+    angle = np.arange(SIDES) * 2 * np.pi / SIDES
+    for joint in joints:
+        points, parts = joint.matches, pairs[joint.pair]
+        u, v = across(points.normal)
+        half_width = (joint.tilt + mu[joint.pair]) / np.cos(np.pi / SIDES)
+        directions = [
+            unit_rows(points.normal + half_width * (np.cos(t) * u + np.sin(t) * v)) for t in angle
+        ]
+        count = SIDES * len(points)
+        zeros = np.zeros(count)
+        blocks.append(
+            PossibleContacts(
+                np.full(count, parts[0]),
+                np.full(count, parts[1]),
+                np.tile(points.point, (SIDES, 1)),
+                np.concatenate(directions),
+                zeros > 0,
+                zeros,
+                np.full(count, -1),
+            )
+        )
+    return PossibleContacts.join(blocks)
+
+
+def smooth_warning(joints: Sequence[SmoothJoint]) -> str:
+    """Warning that states the error of the fitted normals of smooth contacts."""
+    pairs = len({joint.pair for joint in joints})
+    worst = float(np.degrees(max(joint.tilt for joint in joints)))
+    many = "1 pair" if pairs == 1 else f"{pairs} pairs"
+    return (
+        f"curved faces without a formula, {many}: their normals are those of surfaces "
+        f"fitted to their corners, accurate to {worst:.1g} degrees"
+    )
 
 
 def _joint(

@@ -118,7 +118,7 @@ def _set_detected(
 ) -> None:
     """Fill in the features of both parts at contact points that were detected."""
     geometry = contacts.assembly.geometry
-    reach = 2 * (contacts.tolerance.gap_of(geometry.size) + geometry.accuracy)
+    reach = 2 * (contacts.searched.gap_of(geometry.size) + geometry.accuracy)
     parts = contacts.patch_parts[program.source[rows]]
     region = contacts.patch_area[program.source[rows]] > 0
     meshes = np.isin(contacts.patch_kind[program.source[rows]], ROUND_KINDS) & recognised

@@ -24,8 +24,8 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, Rows, columns, cross, ragged, ratio, starts, unit_rows
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, TORUS
-from kilter.contact.broad import joins
-from kilter.contact.curved.coverage import bands_of
+from kilter.contact.common.broad import joins
+from kilter.contact.curved.contact_points import bands_of
 from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX
 from kilter.second_order.second_order_tolerances import AGREE, CROSSING
 

@@ -24,7 +24,7 @@ from kilter.arrays import Array, Index, Mask, across, cross, distinct_rows, unit
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, SPHERE
-from kilter.contact.triangle_distance import surface_distance
+from kilter.contact.common.distances import surface_distance
 from kilter.mechanics.program import Program
 from kilter.rigid import turn_of
 from kilter.second_order.second_order_tolerances import ACROSS, KEEPS

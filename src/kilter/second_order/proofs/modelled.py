@@ -41,6 +41,8 @@ OFF_CENTRE = "second order does not model loads beside a centre of mass"
 
 def unmodelled_pairs(assembly: Assembly, contacts: ContactSet) -> dict[frozenset[int], str]:
     """Pairs of parts with contacts that second order cannot model, each with the reason."""
+    if not contacts.open_pairs and not len(contacts.possible):
+        return {}
     sharp = sharp_pushes(contacts)
     jointed = RigidGroups.of(assembly).jointed_pairs(assembly)
     possible = _pairs(contacts)
@@ -48,7 +50,7 @@ def unmodelled_pairs(assembly: Assembly, contacts: ContactSet) -> dict[frozenset
     pushed = {possible[k] for k in np.flatnonzero(sharp)}
     found = {}
     for pair in still_open(contacts.open_pairs, assembly):
-        both = frozenset(pair.parts)
+        both = frozenset(pair.ends)
         overlaps = pair.kind == "overlap" and both in jointed
         if not (overlaps or (pair.kind == "degenerate" and both in pushed)):
             found[both] = "is open"

@@ -23,7 +23,7 @@ from kilter.analysis.placing.piles.pile_question import (
 from kilter.analysis.placing.piles.pile_state import Pattern
 from kilter.analysis.placing.piles.pile_statics import rectangle_corners
 from kilter.arrays import Array, Index, Mask
-from kilter.contact.planar.polygons import clip_convex
+from kilter.contact.common.polygons import clip_convex
 
 __all__ = ["carry"]
 

@@ -2,7 +2,8 @@
 
 A box is lowered straight down. It passes beside a box of the pile if their overlap from above is at
 most the gap tolerance of the pair, and lands on the highest top below it. Its contacts there are
-rectangles, and the tolerances are those of `kilter.contact.gaps` and `kilter.contact.open_pairs`:
+rectangles, and the tolerances are those of `kilter.contact.common.gaps` and
+`kilter.contact.open_pairs`:
 
     carries      both faces are within the gap tolerance, and the rectangle is wider than twice it
     may carry    also thinner rectangles, whose edges may carry

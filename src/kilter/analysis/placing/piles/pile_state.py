@@ -34,7 +34,7 @@ from kilter.analysis.placing.piles.pile_statics import (
     rectangle_corners,
 )
 from kilter.arrays import TINY, Array, Index, Mask
-from kilter.contact.planar.polygons import clip_convex, convex_hull, polygon_area
+from kilter.contact.common.polygons import clip_convex, convex_hull, polygon_area
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.mechanics.program import Program
 

@@ -1,241 +1,240 @@
-"""Fixture: the fewest supports that hold an assembly, and the proof that fewer are not enough."""
+"""Fixture: the fewest supports or straps that hold an assembly, and the proof that fewer do not."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-import numpy as np
-
-from kilter.analysis.open_pairs.open_question import open_pairs_answer
-from kilter.analysis.planning.hold.least_supports import LeastSupports
-from kilter.analysis.planning.hold.supported import Supported, SupportedState
-from kilter.arrays import Array
+from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.assembly import Assembly, Strap
+from kilter.contact import ContactSet
 from kilter.contact.supports import Support
-from kilter.errors import InputError
+from kilter.errors import InputError, some
 from kilter.mechanics.bundle import apply_change, make_bundle
-from kilter.mechanics.certificate import check_motion, part_sizes
-from kilter.mechanics.mechanics_tolerances import STILL
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_motion
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.tell.hold_words import hold_sentence
-from kilter.tell.html import html_of
-from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds
+from kilter.tell.record import Answer, InPython, LevelWord, Record, UnitWord, Vector, key, keys_of
 
 if TYPE_CHECKING:
-    from kilter.tell.answer_data.plan_data import HoldData
+    from kilter.tell.answer_data.common_data import OpenPairData
 
-__all__ = ["Fixture"]
+__all__ = ["ChosenStrap", "Fixture", "HeldSupport", "Stated", "StoppedMotion", "StrapCase"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Fixture(AnswerInWords):
-    """Answer of `kilter.hold`: the fewest supports, or the proof that all candidates together fail.
+class HeldSupport(Record):
+    """A support of a fixture, and its force on the part."""
 
-    Attributes
-    ----------
-    supported : Supported
-        Assembly with its candidates.
-    found : LeastSupports
-    most : int or None
-        Largest number of supports that the search considered.
-    require : str
-        The required level.
-    time_limit : float or None
-        Limit that stopped the search [s]; None if the search did not reach it.
-    interrupted, exhausted : bool
-        Whether an interrupt stopped the search; whether the search was complete.
-    seconds : mapping
-        Duration of each stage [s].
-    """
+    kind: str
+    """Grip, finger, prop, vacuum or magnet."""
+    part: str
+    """Part that it holds."""
+    point: Vector | None
+    """Point of action [length unit]; null for a grip."""
+    direction: Vector | None
+    """Unit vector along which it pushes the part; null for a prop that pushes upwards."""
+    mu: float
+    """Friction coefficient across the direction [-]."""
+    capacity: float
+    """Largest pull of a vacuum or magnet [N]."""
+    on: str | None
+    """Part that a prop stands on; null: the ground."""
+    name: str
+    """Name of the candidate."""
+    force: Vector | None
+    """Force of the proof [N]; null for a grip, which also has a torque."""
+
+
+class ChosenStrap(Record):
+    """A strap of the answer of hold, with its pull."""
+
+    candidate: int
+    """Number in the list of candidates, from 1."""
+    parts: tuple[str, ...]
+    """Parts that it joins, in the order of its path."""
+    tension: float | None
+    """Tension of a strap that is tensioned [N]."""
+    capacity: float | None
+    """Largest pull of a strap that is not tensioned [N]."""
+    pull: float | None
+    """Tension, or largest computed pull [N]."""
+    strap: InPython[Strap]
+    """The strap itself."""
+
+
+class StrapCase(Record):
+    """A direction of a code of load securing, and the level with the straps of the answer."""
+
+    name: str
+    """Direction of the code."""
+    acceleration: Vector
+    """Acceleration of the carrier [m/s^2]."""
+    level: LevelWord | None
+    """Level with the straps; null without straps."""
+
+
+class StoppedMotion(Record):
+    """A motion without supports, and the candidate supports that stop it."""
+
+    stopped_by: tuple[str, ...]
+    """Candidates that may stop it."""
+    moving: list[str]
+    """Parts that move."""
+
+
+Stated = tuple[Mapping[str, Any], ForceProof | MotionProof]
+"""Subject of a proof with its change of the assembly, and the forces or motion that prove it."""
+
+
+class Fixture(Answer):
+    """Answer of `kilter.hold`: the fewest supports or straps, or why there are none."""
 
     answer: ClassVar[str] = "hold"
 
-    supported: Supported
-    found: LeastSupports
-    most: int | None
-    require: str
-    time_limit: float | None
-    interrupted: bool
+    level: LevelWord | None
+    """Level that the assembly reaches with the supports; null without supports."""
+    require: LevelWord
+    """Required level."""
+    why: str | None = None
+    """Reason why the level is only equilibrium, as for check."""
+    supports: tuple[HeldSupport, ...] | None
+    """Smallest set of supports with which the assembly holds; null if none was found."""
+    straps: tuple[ChosenStrap, ...] | None = None
+    """Smallest set of straps, empty if none was found; null: straps were no candidates."""
+    code: str | None = None
+    """Code of load securing; null: the load as it is given."""
+    cases: tuple[StrapCase, ...] = ()
+    """Directions of the code."""
+    least: int
+    """Proved lower bound of the number of supports."""
+    motions: tuple[StoppedMotion, ...] = ()
+    """Motions without supports, of which the supports stop each."""
+    most: int | None = None
+    """Largest number of supports that the search considered."""
+    judged: int
+    """Number of judged sets."""
     exhausted: bool
-    seconds: Mapping[str, float]
+    """Whether the search was complete."""
+    interrupted: bool = False
+    """Whether an interrupt stopped the search."""
+    time_limit: float | None = None
+    """Limit that stopped the search [s]; null if the search did not reach it."""
+    seconds: dict[str, float]
+    """Duration of each stage [s]."""
+    assembly: InPython[Assembly]
+    """Assembly without the candidates."""
+    contacts: InPython[ContactSet]
+    """Contacts of this assembly."""
+    offered: InPython[Sequence[Support] | Sequence[Strap]]
+    """All candidates."""
+    chosen: InPython[tuple[int, ...] | None]
+    """Indices of the candidates of the answer."""
+    impossible: InPython[bool]
+    """Whether all sets of candidates are proved not to hold it."""
+    stated: InPython[Sequence[Stated]]
+    """Proofs: that the candidates of the answer hold it, and that fewer do not."""
+    rules: InPython[Mapping[str, Any] | None] = None
+    """Further rules of the proof file: the code."""
 
     @property
-    def candidates(self) -> tuple[Support, ...]:
-        """All candidate supports of the fixture."""
-        return self.supported.supports
-
-    @property
-    def supports(self) -> list[Support] | None:
-        """The smallest set of candidates with which the assembly holds; None if none was found."""
-        if self.found.state is None:
-            return None
-        return [self.candidates[k] for k in sorted(self.found.state.chosen)]
-
-    @property
-    def least(self) -> int:
-        """Proved lower bound of the number of supports that hold the assembly."""
-        return self.found.least
-
-    @property
-    def fewest(self) -> bool:
-        """Whether it is proved that fewer supports than these are not enough."""
-        return self.found.state is not None and len(self.found.state.chosen) == self.least
-
-    @property
-    def verdict(self) -> str:
-        """Verdict: "held", "impossible" (all candidates together are not enough) or "undecided"."""
-        if self.found.state is not None:
+    @key
+    def verdict(self) -> Literal["held", "impossible", "undecided"]:
+        """Whether the assembly is held, or no set of the candidates holds it."""
+        if self.chosen is not None:
             return "held"
-        return "impossible" if self.found.enough is False else "undecided"
+        return "impossible" if self.impossible else "undecided"
 
     @property
-    def level(self) -> str | None:
-        """Verdict level that the assembly reaches with the supports; None without supports."""
-        state = self.found.state
-        return None if state is None or state.decision is None else state.decision.level
-
-    @property
+    @key
     def holds(self) -> bool:
-        """Whether the assembly reaches the required verdict level with the supports."""
+        """Whether the assembly reaches the required verdict level."""
         return holds(self.level, self.require)
 
-    def forces(self) -> list[Array | None]:
-        """Force of each support on its part [N], shape (3,); None for a grip.
+    @property
+    @key
+    def open_pairs(self) -> list[OpenPairData]:
+        """Open pairs of the assembly."""
+        return open_pairs_answer(self.assembly, self.contacts)
 
-        A grip also has a torque.
-        """
-        state = self.found.state
-        if state is None or state.forces is None or self.supports is None:
-            return []
-        proof, program = state.forces, state.program
-        of = self.supported.support_rows(program)
-        total = proof.forces[:, None] * program.normal + proof.friction
-        pushes: list[Array | None] = []
-        for k in sorted(state.chosen):
-            support = self.candidates[k]
-            place = self.supported.place_of(k)
-            push = total[of == place].sum(axis=0) if place is not None else None
-            if push is not None and support.capacity:
-                push = push - support.capacity * support.pushing(self.supported.assembly)
-            pushes.append(push)
-        return pushes
+    @property
+    @key
+    def fewest(self) -> bool:
+        """Whether it is proved that fewer are not enough."""
+        return self.chosen is not None and len(self.chosen) == self.least
 
-    def to_dict(self) -> HoldData:
-        """The fixture as JSON data, as printed by ``kilter hold --json``."""
-        assembly = self.supported.assembly
-        forces = self.forces()
-        answer: HoldData = {
-            "verdict": self.verdict,
-            "level": self.level,
-            "require": self.require,
-            "holds": self.holds,
-            "why": self._why(),
-            "open_pairs": open_pairs_answer(assembly, self.supported.contacts),
-            "supports": None
-            if self.supports is None
-            else [
-                {**entry.to_dict(), "force": None if push is None else push.tolist()}
-                for entry, push in zip(self.supports, forces, strict=True)
-            ],
-            "straps": None,
-            "code": None,
-            "cases": [],
-            "least": self.least,
-            "fewest": self.fewest,
-            "motions": [
-                {
-                    "stopped_by": [self.candidates[k].name for k in sorted(entry.shares)],
-                    "moving": _moving(entry.state),
-                }
-                for entry in self.found.motions
-            ],
-            "candidates": len(self.candidates),
-            "most": self.most,
-            "units": assembly.units,
-            "base": [part.name for part in assembly if part.grounded],
-            "judged": self.supported.asked,
-            "exhausted": self.exhausted,
-            "interrupted": self.interrupted,
-            "time_limit": self.time_limit,
-            "warnings": self.supported.contacts.remarks(),
-            "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
-            "sentence": "",  # made below from the other data
-        }
-        answer["sentence"] = hold_sentence(answer)
-        return answer
+    @property
+    @key
+    def candidates(self) -> int:
+        """Number of candidates."""
+        return len(self.offered)
 
-    def _why(self) -> str | None:
-        """Reason why the verdict level is only equilibrium, as in `Verdict.why`; else None."""
-        state = self.found.state
-        decision = None if state is None else state.decision
-        if decision is None or decision.level != "equilibrium":
-            return None
-        if decision.verdict == "balanced":
-            return "balanced"
-        return None if decision.friction is None else decision.friction.why
+    @property
+    @key
+    def units(self) -> UnitWord:
+        """Length unit."""
+        return self.assembly.units
+
+    @property
+    @key
+    def base(self) -> list[str]:
+        """Held parts of the file."""
+        return [part.name for part in self.assembly if part.grounded]
+
+    @property
+    @key
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the contacts."""
+        return self.contacts.warnings
+
+    @property
+    @key
+    def sentence(self) -> str:
+        """The answer in words."""
+        return hold_sentence({k: getattr(self, k) for k in keys_of(Fixture) if k != "sentence"})
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Proof that the supports hold the assembly and fewer do not, for `kilter.verify`.
+        """Proof that these candidates hold the assembly and fewer do not, for `kilter.verify`.
 
-        Parameters
-        ----------
-        options : dict, optional
-            Options with which the file is read.
+        `options` are those with which the file is read.
 
         Raises
         ------
         InputError
-            If no supports were found and their absence is not proved.
+            If no candidates were found and their absence is not proved.
         """
+        kind, noun = ("hold", "supports") if self.straps is None else ("lashing", "straps")
         if self.verdict == "undecided":
             raise InputError(
-                "no supports were found and nothing is proved, so there is no proof to write"
+                f"no {noun} were found and nothing is proved, so there is no proof to write"
             )
-        stated: list[tuple[str, SupportedState]] = []
-        if self.found.state is not None:
-            stated.append(("held", self.found.state))
-        stated += [("not fewer", entry.state) for entry in self.found.motions]
-        proofs = []
-        for about, state in stated:
-            gripped, others = self.supported.given(state.chosen)
-            change = {"held": gripped, "supports": [entry.to_dict() for entry in others]}
-            statement = {"about": about, "supports": sorted(state.chosen), "change": change}
-            proofs.append((statement, self._proof(state, change, options or {})))
-        rules = {"candidates": [entry.to_dict() for entry in self.candidates], "least": self.least}
-        return make_bundle("hold", proofs, rules=rules)
+        proofs = [(subject, self._proof(subject, proof, options)) for subject, proof in self.stated]
+        rules = {"candidates": [item.to_dict() for item in self.offered], "least": self.least}
+        return make_bundle(kind, proofs, rules={**rules, **(self.rules or {})})
 
     def _proof(
-        self, state: SupportedState, change: dict[str, Any], options: dict[str, Any]
+        self,
+        subject: Mapping[str, Any],
+        proof: ForceProof | MotionProof,
+        options: dict[str, Any] | None,
     ) -> dict[str, Any]:
-        """Proof of the verdict on a set of supports, as data for a proof file."""
-        assembly, contacts = apply_change(self.supported.assembly, self.supported.contacts, change)
-        program = build_program(assembly, contacts, possible=state.stable is False)
-        if state.motion is not None:
-            motion = check_motion(program, state.motion.motion)
-            return make_proof(assembly, contacts, program, motion, options)
-        evidence = Evidence("open") if program.mu.any() else None
-        return make_proof(assembly, contacts, program, state.forces, options, evidence=evidence)
-
-    def _repr_html_(self) -> str:
-        """The fixture as HTML for a notebook."""
-        return html_of(self.to_dict())
+        """Proof about a set of candidates, as data for a proof file."""
+        assembly, contacts = apply_change(self.assembly, self.contacts, subject["change"])
+        evidence = None
+        program = build_program(assembly, contacts, possible=isinstance(proof, MotionProof))
+        if isinstance(proof, MotionProof):
+            proof = check_motion(program, proof.motion)
+        elif program.mu.any():
+            evidence = Evidence("open")
+        return make_proof(assembly, contacts, program, proof, options or {}, evidence=evidence)
 
     def __repr__(self) -> str:
-        if self.supports is None:
+        if self.chosen is None:
             return f"<Fixture: {self.verdict}, {self.least} or more>"
-        names: Sequence[str] = [support.name for support in self.supports]
-        return f"<Fixture: {', '.join(names) or 'nothing'}>"
+        items = [self.offered[k] for k in self.chosen]
+        names = [item.name if isinstance(item, Support) else repr(item) for item in items]
+        return f"<Fixture: {some(names) or 'nothing'}>"
 
     def __bool__(self) -> bool:
         raise TypeError("a fixture is neither true nor false: use .verdict")
-
-
-def _moving(state: SupportedState) -> list[str]:
-    """Names of the parts that move in the proved motion of a set of supports."""
-    assert state.motion is not None
-    sizes = part_sizes(state.program, state.motion.motion, per_radius=False)
-    moves = sizes > STILL * np.max(sizes, initial=0.0)
-    return [name for name, moving in zip(state.program.names, moves, strict=True) if moving]

@@ -12,21 +12,21 @@ from collections.abc import Iterable
 
 from numpy.typing import ArrayLike
 
-from kilter.analysis.check import check
-from kilter.analysis.planning.hold.fixture import Fixture
-from kilter.analysis.planning.hold.lashing import Lashing
+from kilter.analysis.decision.decision import Decision
+from kilter.analysis.planning.hold.fixture import Fixture, StoppedMotion
 from kilter.analysis.planning.hold.least_straps import find_least_straps
 from kilter.analysis.planning.hold.least_supports import LeastSupports, find_least_supports
 from kilter.analysis.planning.hold.support_candidates import candidates_of
 from kilter.analysis.planning.hold.supported import Supported
-from kilter.assembly import Assembly, Strap
+from kilter.assembly import Strap
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.question import Question, question
-from kilter.contact import ContactSet, detect
-from kilter.contact.fits.coincident import require_apart
+from kilter.contact import detect
+from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.supports import Support
 from kilter.errors import InputError
 from kilter.tell.levels import require_level
+from kilter.work import Work
 
 __all__ = ["hold"]
 
@@ -46,7 +46,7 @@ def hold(
     code: str | None = None,
     forward: ArrayLike = (1.0, 0.0, 0.0),
     most: int | None = None,
-) -> Fixture | Lashing:
+) -> Fixture:
     """Find the fewest supports with which an assembly holds, and prove that fewer are not enough.
 
     Parameters
@@ -57,8 +57,8 @@ def hold(
         Candidates: a grip on every part, a prop under every part, a finger on every flat
         face that is free, or the given supports.
     straps : iterable of Strap, optional
-        Candidates of the only kind, in place of `candidates`: the answer is a `Lashing`, the fewest
-        of these straps beside those of the assembly. The proof is one of equilibrium.
+        Candidates of the only kind, in place of `candidates`: the answer has the fewest of these
+        straps beside those of the assembly. The proof is one of equilibrium.
     code : str, optional
         With `straps`: the same straps must hold the load at every acceleration of this code of load
         securing, as in `kilter.transport`.
@@ -101,19 +101,14 @@ def hold(
                 hint="give straps=[...]",
                 option="give them with --straps FILE.json",
             )
-    require = require_level(asked.require)
+    asked = asked.but(require=require_level(asked.require))
+    require = asked.require
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
         raise InputError(f"most is {most!r:.40}", hint="give a whole number, 0 or more")
-    work, started = asked.work(SEARCH), time.perf_counter()
+    work = asked.work(SEARCH)
     contacts = detect.touching(asked)
     require_apart(assembly, contacts)
-    seconds = {"contacts": time.perf_counter() - started}
-    between = time.perf_counter()
     if straps is not None:
-
-        def level_of(lashed: Assembly, touching: ContactSet) -> str | None:
-            return check(lashed, contacts=touching, require=require, effort=asked.effort).level
-
         return find_least_straps(
             assembly,
             contacts,
@@ -121,25 +116,62 @@ def hold(
             code=code,
             forward=forward,
             require=require,
-            level_of=level_of,
-            progress=asked.progress,
+            effort=asked.effort,
+            tell=work.stage,
         )
     wanted = [candidates] if isinstance(candidates, str | Support) else candidates
     given = Supported(assembly, contacts, candidates_of(assembly, contacts, wanted))
+    seconds = {"contacts": time.perf_counter() - asked.begun}
+    return _by_supports(given, asked, work, most, seconds)
+
+
+def _by_supports(
+    given: Supported, asked: Question, work: Work, most: int | None, seconds: dict[str, float]
+) -> Fixture:
+    """The fixture with the fewest supports."""
+    started, interrupted, require = time.perf_counter(), False, asked.require
     work.stage("the fewest supports")
-    interrupted = False
     try:
         least = find_least_supports(given, work, most=most, require=require, effort=asked.effort)
     except KeyboardInterrupt:
         least, interrupted = LeastSupports(None, 0, None, ()), True
-    seconds["solve"] = time.perf_counter() - between
+    state = least.state
+    decision = None if state is None else state.decision
+    stated = [] if state is None else [given.stated("held", state)]
+    stated += [given.stated("not fewer", entry.state) for entry in least.motions]
+    seconds["solve"] = time.perf_counter() - started
     return Fixture(
-        supported=given,
-        found=least,
-        most=most,
+        level=None if decision is None else decision.level,
         require=require,
-        time_limit=asked.time_limit if work.cut else None,
-        interrupted=interrupted,
+        why=_why(decision),
+        supports=None if state is None else given.held(state),
+        least=least.least,
+        motions=tuple(
+            StoppedMotion(
+                stopped_by=tuple(given.supports[k].name for k in sorted(entry.shares)),
+                moving=entry.state.moving,
+            )
+            for entry in least.motions
+        ),
+        most=most,
+        judged=given.asked,
         exhausted=least.complete and not work.over and not interrupted,
-        seconds=seconds,
+        interrupted=interrupted,
+        time_limit=asked.time_limit if work.cut else None,
+        seconds={key: round(value, 6) for key, value in seconds.items()},
+        assembly=given.assembly,
+        contacts=given.contacts,
+        offered=given.supports,
+        chosen=None if state is None else tuple(sorted(state.chosen)),
+        impossible=least.enough is False,
+        stated=stated,
     )
+
+
+def _why(decision: Decision | None) -> str | None:
+    """Reason why the verdict level is only equilibrium, as in `Verdict.why`; else None."""
+    if decision is None or decision.level != "equilibrium":
+        return None
+    if decision.verdict == "balanced":
+        return "balanced"
+    return None if decision.friction is None else decision.friction.why

@@ -1,8 +1,8 @@
-"""Verify a fixture file: that its supports hold the assembly, and that fewer are not enough.
+"""Verify a file about the fewest supports or straps: that they hold, and that fewer do not.
 
-That each state holds or falls is judged with its forces or its motion
-(`kilter.analysis.verification`). Here: that each is one of the candidates it names; and that, by
-the shares that the candidates take of each motion, found anew, no smaller set is enough.
+Each proof is judged by itself (`kilter.analysis.verification`). This module verifies that each is
+about the candidates and the load that it names, that one set of straps holds every load of the
+code, and that the motions exclude every smaller set. The shares are computed anew.
 """
 
 from __future__ import annotations
@@ -12,16 +12,25 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.planning.hold.least_straps import (
+    LoadCase,
+    load_cases,
+    smallest_set,
+    strap_powers,
+)
 from kilter.analysis.planning.hold.supported import shares_of
-from kilter.analysis.planning.states.covers import least_cover
-from kilter.assembly import Assembly
+from kilter.analysis.smallest_set import least_cover
+from kilter.arrays import Array
+from kilter.assembly import Assembly, Strap
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support, with_supports
+from kilter.errors import InputError
 from kilter.mechanics.bundle import apply_change
 from kilter.mechanics.certificate import check_motion
+from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.program import build_program
 
-__all__ = ["wrong_hold"]
+__all__ = ["wrong_hold", "wrong_lashing"]
 
 About = Mapping[str, Any]
 
@@ -29,19 +38,7 @@ About = Mapping[str, Any]
 def wrong_hold(
     assembly: Assembly, contacts: ContactSet, bundle: About, verdicts: Sequence[str]
 ) -> Iterator[str]:
-    """Yield the reasons why the proofs of a fixture do not show the fewest supports.
-
-    Malformed data ends as in `kilter.analysis.planning.order.order_check`.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    bundle : mapping
-        As `Fixture.proof` makes it.
-    verdicts : sequence of str
-        Of its proofs.
-    """
+    """Yield the reasons why valid proofs about sets of supports do not prove the fewest."""
     rules = bundle["rules"]
     candidates = [Support.from_dict(item) for item in rules["candidates"]]
     for item in candidates:
@@ -102,3 +99,66 @@ def _shares(
         motion[number[name]] = six
     proof = check_motion(program, motion)
     return shares_of(candidates, build_program(*every), len(contacts.patch_mu), proof, present)
+
+
+def wrong_lashing(
+    assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
+) -> list[str]:
+    """Reasons why valid proofs about sets of straps do not prove the fewest."""
+    rules = bundle["rules"]
+    candidates = [_strap_of(data) for data in rules["candidates"]]
+    code = rules.get("code")
+    try:
+        cases = load_cases(assembly, *(() if code is None else (code["name"], code["forward"])))
+    except InputError as error:
+        return [f"its code has no loads: {error}"]
+    named = {case.name: case for case in cases}
+    held: list[tuple[str, list[int]]] = []
+    rows: list[Array] = []
+    for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
+        chosen, case = entry["chosen"], named.get(entry.get("case", ""))
+        if case is None:
+            return ["a proof names no direction of the code"]
+        if sorted(set(chosen)) != chosen or not all(0 <= k < len(candidates) for k in chosen):
+            return ["a set of straps names no candidates"]
+        if fault := _other_load(entry["change"], case, [candidates[k] for k in chosen]):
+            return [fault]
+        if verdict != "unstable":
+            held.append((case.name, chosen))
+            continue
+        motion = np.zeros((len(assembly.parts), 6))
+        for name, six in entry["proof"]["motion"].items():
+            motion[assembly.index_of(name)] = six
+        rows.append(strap_powers(case.assembly, contacts, candidates, motion))
+    powers = np.array(rows).reshape(-1, 1 + len(candidates))
+    least, _ = smallest_set(powers)
+    reasons: list[str] = []
+    if least < rules["least"]:
+        reasons.append(f"its motions do not exclude every set of {least} straps")
+    if not held and least <= len(candidates):
+        reasons.append("it has no straps that hold, and its motions do not exclude every set")
+    if any(len(chosen) > rules["least"] for _, chosen in held):
+        reasons.append("its straps are more than the least number that it states")
+    if held and {name for name, _ in held} != set(named):
+        reasons.append("its straps are not proved to hold in every direction of the code")
+    if any(chosen != held[0][1] for _, chosen in held):
+        reasons.append("its proofs hold different sets of straps")
+    return reasons
+
+
+def _other_load(change: Mapping[str, Any], case: LoadCase, straps: Sequence[Strap]) -> str:
+    """Reason why a change is not that of a load with these straps; empty if it is."""
+    expected = case.change(straps)
+    if change.keys() != expected.keys() or change["straps"] != expected["straps"]:
+        return "the straps of a proof differ from the candidates that it names"
+    if "gravity" in expected:
+        gravity = case.assembly.gravity
+        apart = float(np.linalg.norm(np.asarray(change["gravity"]) - gravity))
+        if apart > AGREES * float(np.linalg.norm(gravity)):
+            return "the gravity of a proof is not that of its direction of the code"
+    return ""
+
+
+def _strap_of(data: Mapping[str, Any]) -> Strap:
+    """The strap of JSON data."""
+    return Strap(**{**data, "path": [tuple(point) for point in data["path"]]})

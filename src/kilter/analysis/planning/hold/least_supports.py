@@ -1,12 +1,7 @@
 """The fewest supports with which an assembly holds, from motions that supports must stop.
 
-    Z = least cover of the motions found;  does the assembly hold with Z?
-        yes: Z is the answer          no: another motion, which no support of Z stops
-
-Before it is kept, a motion is sought that fewer supports can stop: others are added while one is
-left. The loop ends, since each motion rules out the set that it was found with. That Z holds is
-proved by forces, that fewer are not enough by the motions
-(`kilter.analysis.planning.states.covers`).
+The search is that of `kilter.analysis.smallest_set`. A support takes the share 1 of a motion that
+it may stop. A vacuum or magnet that the motion with power p pulls off, opening by u, takes F u / p.
 """
 
 from __future__ import annotations
@@ -17,7 +12,7 @@ import numpy as np
 
 from kilter.analysis.planning.hold.gripped_parts import grips_that_hold
 from kilter.analysis.planning.hold.supported import Supported, SupportedState
-from kilter.analysis.planning.states.covers import Shares, least_cover
+from kilter.analysis.smallest_set import Shares, least_cover, reduced_by_halves
 from kilter.tell.levels import holds
 from kilter.work import EFFORT, Work, units_of
 
@@ -187,22 +182,17 @@ def _known_to_hold(given: Supported, work: Work, limit: int) -> frozenset[int] |
 
 
 def _fewest_that_stop(given: Supported, state: SupportedState, work: Work) -> Stopping:
-    """Find a motion that as few supports as possible can stop.
-
-    The supports that may stop it are added by halves, quarters and so on until a single one is
-    left.
-    """
+    """Find a motion that as few supports as possible can stop, by adding others."""
     every = frozenset(range(len(given.supports)))
     stopping = Stopping(state, given.shares(state))
-    needed: set[int] = set()
-    size = max(len(stopping.shares) // 2, 1)
-    while (left := sorted(set(stopping.shares) - needed)) and len(stopping.shares) > 1:
-        size = min(size, max(len(left) // 2, 1))
-        other = _judge_supports(given, (every - set(stopping.shares)) | set(left[:size]), work)
-        if other.stable is False:
-            stopping = Stopping(other, given.shares(other))
-        elif size == 1:
-            needed.add(left[0])
-        else:
-            size //= 2
+
+    def stopped(members: set[int], added: list[int]) -> set[int] | None:
+        nonlocal stopping
+        other = _judge_supports(given, (every - members) | set(added), work)
+        if other.stable is not False:
+            return None
+        stopping = Stopping(other, given.shares(other))
+        return set(stopping.shares)
+
+    reduced_by_halves(set(stopping.shares), stopped)
     return stopping

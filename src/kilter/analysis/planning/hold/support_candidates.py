@@ -71,7 +71,7 @@ def _props(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
         if not len(heights):
             continue  # its centre of mass is not above any of it
         foot, below = heights.max(), (owner != k) & (along > 0)
-        gap = float(contacts.tolerance.gap_of(geometry.size[[k]])[0])
+        gap = float(contacts.searched.gap_of(geometry.size[[k]])[0])
         below &= along > foot - gap
         if not below.any():
             on = None
@@ -95,7 +95,7 @@ def _fingers(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
                 continue
             along, owner = _hits(assembly, point, outward)
             away = float(ROOM * geometry.size[k])
-            gap = float(contacts.tolerance.gap_of(geometry.size[[k]])[0])
+            gap = float(contacts.searched.gap_of(geometry.size[[k]])[0])
             if ((owner != k) & (along > -gap) & (along < away)).any():
                 continue
             name = f"finger {number} on {part.name}"

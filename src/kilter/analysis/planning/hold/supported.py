@@ -11,14 +11,16 @@ from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.planning.states.covers import Shares
+from kilter.analysis.planning.hold.fixture import HeldSupport, Stated
 from kilter.analysis.planning.states.state_programs import StatePrograms, build_state_programs
+from kilter.analysis.smallest_set import Shares
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support, with_supports
 from kilter.mechanics.bundle import apply_change
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes, violations
+from kilter.mechanics.mechanics_tolerances import STILL
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.work import Work
@@ -53,6 +55,14 @@ class SupportedState:
     forces: ForceProof | None
     motion: MotionProof | None
     decision: Decision | None = None
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the parts that move in the proved motion."""
+        assert self.motion is not None
+        sizes = part_sizes(self.program, self.motion.motion, per_radius=False)
+        moves = sizes > STILL * np.max(sizes, initial=0.0)
+        return [name for name, moving in zip(self.program.names, moves, strict=True) if moving]
 
 
 class Supported:
@@ -118,6 +128,28 @@ class Supported:
         )
         return replace(state, decision=decision)
 
+    def stated(self, about: str, state: SupportedState) -> Stated:
+        """The proof about a set of supports with its subject."""
+        gripped, others = self.given(state.chosen)
+        change = {"held": gripped, "supports": [support.to_dict() for support in others]}
+        proof = state.forces if state.motion is None else state.motion
+        assert proof is not None
+        return {"about": about, "supports": sorted(state.chosen), "change": change}, proof
+
+    def held(self, state: SupportedState) -> tuple[HeldSupport, ...]:
+        """The supports of a state that holds, with their forces [N]."""
+        assert state.forces is not None
+        rows = self.support_rows(state.program)
+        total = state.forces.forces[:, None] * state.program.normal + state.forces.friction
+        held = []
+        for k in sorted(state.chosen):
+            support, force = self.supports[k], None
+            if support.kind != "grip":
+                force = total[rows == self._acting.index(k)].sum(axis=0)
+                force -= support.capacity * support.pushing(self.assembly)
+            held.append(HeldSupport(**support.to_dict(), force=force))
+        return tuple(held)
+
     def judge(self, chosen: Iterable[int], work: Work) -> SupportedState:
         """Judge the assembly with the chosen supports; each set is judged once."""
         key = frozenset(chosen)
@@ -154,10 +186,6 @@ class Supported:
         """Index of the support of each row, counted without grips; -1 for other rows."""
         is_support = (program.kind == CONTACT) & (program.source >= self._first)
         return np.where(is_support, program.source - self._first, -1)
-
-    def place_of(self, support: int) -> int | None:
-        """Position of a support in the list of supports without the grips; None for a grip."""
-        return self._acting.index(support) if support in self._acting else None
 
     def _loads(self, which: Mask, program: Program) -> Array:
         """Total load of a subset of the supports on each part, shape (N, 6)."""

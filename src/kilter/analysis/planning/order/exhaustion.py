@@ -14,9 +14,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from kilter.analysis.planning.order.search import OrderSearch
-from kilter.analysis.planning.states.holds import Holds, least_hitting_set
+from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.part_sets import bits_of
 from kilter.analysis.planning.states.state import State
+from kilter.analysis.smallest_set import least_hitting_set
 
 __all__ = ["MOST_SETS", "find_refused", "leads_nowhere"]
 

@@ -32,9 +32,9 @@ from kilter.analysis.planning.order.order_rules import Rules
 from kilter.analysis.planning.order.pressing import press_loads
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.planning.order.turning import OPPOSITE
-from kilter.analysis.planning.states.holds import least_hitting_set
 from kilter.analysis.planning.states.part_sets import bits_of
 from kilter.analysis.planning.states.state_programs import build_state_programs
+from kilter.analysis.smallest_set import least_hitting_set
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import some_names

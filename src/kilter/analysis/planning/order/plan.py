@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from kilter.analysis.planning.order.closure import find_unreachable
 from kilter.analysis.planning.order.exhaustion import find_refused
 from kilter.analysis.planning.order.given_order import judge_order, sets_of_order
 from kilter.analysis.planning.order.locking import Locked, find_locked
-from kilter.analysis.planning.order.order import Order
+from kilter.analysis.planning.order.order import Assumes, Fewest, Order, Search
 from kilter.analysis.planning.order.plan_rules import PlanRules, turns_alone
 from kilter.analysis.planning.order.plan_step import steps_of
 from kilter.analysis.planning.order.pressing import Pressing
@@ -37,11 +38,12 @@ from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.part_sets import members
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States, states
-from kilter.arrays import Mask
+from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.question import Question, question
 from kilter.tell.levels import require_level
+from kilter.validate import finite
 from kilter.work import Work
 
 __all__ = ["plan"]
@@ -97,13 +99,27 @@ def plan(
     _require_plannable(assembly, rules)
     level = require_level(asked.require)
     work = asked.work(SEARCH)
-    started = time.perf_counter()
     after, units = later_parts(assembly, rules.before), units_of_groups(assembly, rules.groups)
     if rules.sequence is not None:
         units = sets_of_order(assembly, rules.sequence)
     carried = extreme_accelerations(assembly, rules.carried)
     part_states = states(asked, accelerations=carried)
-    searching = time.perf_counter()
+    order = _planned(part_states, rules, after, units, asked.but(require=level), work)
+    return replace(order, time_limit=asked.time_limit) if work.cut else order
+
+
+def _planned(
+    part_states: States,
+    rules: PlanRules,
+    after: list[int],
+    units: list[int],
+    asked: Question,
+    work: Work,
+) -> Order:
+    """The answer for the states of an assembly; `after` and `units` as in `OrderSearch`."""
+    searching, level = time.perf_counter(), asked.require
+    assembly = part_states.assembly
+    carried = extreme_accelerations(assembly, rules.carried)
     whole, finished = part_states.finished(require=level, effort=asked.effort, work=work)
     screws = tuple(find_screws(part_states.contacts, rules.screws))
     search = _order_search(part_states, rules, work, after, units, screws)
@@ -114,42 +130,32 @@ def plan(
     work.stage("levels of the steps")
     steps = steps_of(search, searched.order or [], level, asked.effort)
     longest = () if searched.order else [removed.set for removed in search.best]
+    least = _least(searched, len(obstacles.falling))
     return Order(
-        states=part_states,
+        require=level,
         steps=tuple(steps),
+        precedence=precedence_pairs(assembly, after, screws),
         best=_names(assembly, *longest),
+        given=rules.sequence is not None,
+        fewest=Fewest(what=rules.fewest, least=least),
+        search=_counts(search, rules),
+        assumes=_assumes(part_states, rules, carried, screws, units),
+        interrupted=searched.interrupted,
+        time_limit=None,
+        seconds={
+            "contacts": round(searching - asked.begun, 6),
+            "search": round(ordered - searching, 6),
+            "solve": round(time.perf_counter() - searching, 6),
+        },
+        states=part_states,
         falling=tuple(obstacles.falling),
         locked=tuple(obstacles.locked),
         refused=tuple(refused),
         whole=whole,
-        finished=finished,
-        hold=rules.hold,
-        require=level,
-        precedence=precedence_pairs(assembly, after, screws),
+        decision=finished,
         never_held=tuple(np.array(assembly.names)[_never_held(part_states, rules)].tolist()),
-        directions=tuple(
-            entry if isinstance(entry, str) else tuple(np.asarray(entry).tolist())
-            for entry in rules.directions
-        ),
         screws=screws,
-        moved_as_one=tuple(_names(assembly, unit) for unit in units if _has_several(unit)),
-        together=rules.together,
-        exhausted=search.exhausted,
-        press=rules.press,
-        carried=np.asarray(rules.carried, dtype=np.float64),
         accelerations=carried,
-        turn=rules.turn,
-        given=rules.sequence is not None,
-        fewest=rules.fewest,
-        least=_least(searched, len(obstacles.falling)),
-        interrupted=searched.interrupted,
-        time_limit=asked.time_limit if work.cut else None,
-        counts=_counts(search),
-        seconds={
-            "contacts": searching - started,
-            "search": ordered - searching,
-            "solve": time.perf_counter() - searching,
-        },
     )
 
 
@@ -241,15 +247,37 @@ def _find_refused(
         return [], Searched(None, interrupted=True)
 
 
-def _counts(search: OrderSearch) -> dict[str, int]:
+def _counts(search: OrderSearch, rules: PlanRules) -> Search:
     """Counted work of a search for an order, by kind."""
     counts = search.states.counts
-    return {
-        "states": search.visited,
-        "programs": counts["programs"] + counts["cones"],
-        "sweeps": search.removal.sweeps.tests,
-        "no_goods": search.states.no_goods,
-    }
+    return Search(
+        states=search.visited,
+        programs=counts["programs"] + counts["cones"],
+        sweeps=search.removal.sweeps.tests,
+        no_goods=search.states.no_goods,
+        exhausted=search.exhausted,
+        hold=rules.hold,
+    )
+
+
+def _assumes(
+    states: States, rules: PlanRules, carried: Array, screws: Sequence[Screw], units: list[int]
+) -> Assumes:
+    """The assumptions of a plan under the rules of the user."""
+    names, given = states.assembly.names, np.asarray(rules.carried, dtype=np.float64)
+    return Assumes(
+        directions=tuple(
+            entry if isinstance(entry, str) else finite(entry, (3,), "direction")
+            for entry in rules.directions
+        ),
+        tolerance=states.contacts.searched.relative_gap,
+        screws=tuple((names[screw.bolt], names[screw.nut]) for screw in screws),
+        groups=tuple(_names(states.assembly, unit) for unit in units if _has_several(unit)),
+        together=rules.together,
+        press=rules.press,
+        carried=given.tolist() if len(carried) else None,
+        turn=rules.turn,
+    )
 
 
 def _has_several(parts: int) -> bool:
@@ -257,7 +285,7 @@ def _has_several(parts: int) -> bool:
     return bool(parts & (parts - 1))
 
 
-def _least(searched: Searched, falling: int) -> str | None:
+def _least(searched: Searched, falling: int) -> Literal["always", "as-tried"] | None:
     """Whether fewer held parts or steps are excluded for all paths, or for the tried ones only."""
     if searched.order is None:
         return None

@@ -8,79 +8,84 @@ the moved parts in place if they are held too.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.decision.decision import Word
 from kilter.analysis.planning.order.removal import Direction, Leg
 from kilter.analysis.planning.order.search import OrderSearch, Removed
 from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Array
+from kilter.tell.record import InPython, LevelWord, Lines, Record, Vector, key
 
 __all__ = ["FAR", "NO_WAY", "UNDECIDED", "VERDICTS", "Step", "lower_level", "steps_of"]
 
 FAR = 2.0
 """Distance at which a part starts, relative to the size of the whole assembly [-]."""
-VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
+VERDICTS: dict[str, Word] = {
+    "proved": "stable",
+    "settles": "settles",
+    "equilibrium": "potentially-stable",
+}
 """Verdict of a step for each level."""
 NO_WAY = "no free path was found along the directions that were tried"
 UNDECIDED = "it is undecided whether the parts in place before it hold"
 """Reasons why a step of a given order fails that are not proofs for every path."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Step:
-    """A step of a plan, which inserts one part, or several parts that move together.
-
-    Attributes
-    ----------
-    parts : tuple of str
-    legs : tuple of Leg
-        Path out; the parts come in along its reverse.
-    over : str or None
-        Bolt whose thread carries the inserted nut; None for other parts.
-    touches, rubs : tuple of str
-        Parts in contact with the seated parts; parts along which they slide on the last leg.
-    held, grips, releases : tuple of str
-        Parts held during the step; newly gripped parts; parts released before the step.
-    state : State
-        State of the standing parts during the step.
-    level : {"proved", "settles", "equilibrium"} or None
-        Level of the state; None if it does not hold.
-    needs : Holds or None
-        Motions that prove that fewer holds are not enough; None without held parts.
-    fails : tuple of str
-        Reasons why a step of a given order is impossible. The path or the holds may then be
-        empty.
-    pressed : State or None
-        State with the moved parts in place under the pressing force; None without that force.
-    under : States or None
-        States under the pressing force.
-    turned : States or None
-        States under the direction of gravity of this step; None under that of the file.
-    between : State or None
-        State of the standing parts before the assembly is turned after this step; None if it
-        is not turned.
-    """
+class Step(Record):
+    """A step of a plan, which inserts one part, or several parts that move together."""
 
     parts: tuple[str, ...]
-    legs: tuple[Leg, ...]
+    """Inserted parts."""
+    legs: InPython[tuple[Leg, ...]]
+    """Straight pieces of the path out; the parts come in along its reverse."""
+    path: Lines
+    """Positions of the part, relative to its final position, which is the last [length unit]."""
     over: str | None
+    """Bolt whose thread carries the inserted nut; null for other parts."""
     touches: tuple[str, ...]
+    """Parts in contact with the seated parts."""
     rubs: tuple[str, ...]
+    """Parts along which the inserted parts slide on the last piece of the path."""
     held: tuple[str, ...]
+    """Parts held during the step."""
     grips: tuple[str, ...]
+    """Newly gripped parts."""
     releases: tuple[str, ...]
-    state: State
-    level: str | None
-    needs: Holds[State] | None = None
+    """Parts released before the step."""
+    down: Vector
+    """Direction of gravity during the step."""
+    level: LevelWord | None
+    """Level of the state of the standing parts; null if it does not hold."""
     fails: tuple[str, ...] = ()
-    pressed: State | None = None
-    under: States | None = None
-    turned: States | None = None
-    between: State | None = None
+    """Reasons why a step of a given order is impossible; path and holds may then be empty."""
+    state: InPython[State]
+    """State of the standing parts during the step."""
+    needs: InPython[Holds[State] | None] = None
+    """Motions that prove that fewer holds are not enough; None without held parts."""
+    pressed: InPython[State | None] = None
+    """State with the moved parts in place under the pressing force; None without that force."""
+    under: InPython[States | None] = None
+    """States under the pressing force."""
+    turned: InPython[States | None] = None
+    """States under the direction of gravity of this step; None under that of the file."""
+    between: InPython[State | None] = None
+    """State of the standing parts before the assembly is turned after this step, or None."""
+
+    @property
+    @key
+    def direction(self) -> Direction | None:
+        """Direction in which the inserted parts arrive, unit; null without a path."""
+        return _back(self.legs) if self.legs else None
+
+    @property
+    @key
+    def verdict(self) -> Word:
+        """Verdict on the standing parts."""
+        return "unstable" if self.level is None else VERDICTS[self.level]
 
     @property
     def part(self) -> str:
@@ -92,31 +97,6 @@ class Step:
         """Whether this step of a given order fails for every path."""
         return any(reason not in (NO_WAY, UNDECIDED) for reason in self.fails)
 
-    @property
-    def direction(self) -> Direction | None:
-        """Direction in which the inserted parts arrive (unit, world frame); None without a path."""
-        if not self.legs:
-            return None
-        return _back(self.legs)
-
-    def path(self, far: float) -> Array:
-        """Points of the path of the inserted parts, shape (n, 3) [length unit].
-
-        They are relative to the final position, which is the last row.
-
-        Parameters
-        ----------
-        far : float
-            Length of the leg that has no end [length unit].
-        """
-        lengths = [leg.length if np.isfinite(leg.length) else far for leg in self.legs]
-        pieces = [
-            size * np.array(leg.direction) for size, leg in zip(lengths, self.legs, strict=True)
-        ]
-        places = np.cumsum([np.zeros(3), *pieces], axis=0)
-        back: Array = places[::-1] + 0.0
-        return back
-
     def __repr__(self) -> str:
         held = f", held: {', '.join(self.held)}" if self.held else ""
         return f"<Step: {', '.join(self.parts)}{held}>"
@@ -127,11 +107,12 @@ def steps_of(
 ) -> list[Step]:
     """Convert removals into the steps of a plan, each with its verdict level."""
     states, names = search.states, search.states.assembly.names
+    far = FAR * float(np.ptp(states.assembly.geometry.vertices, axis=0).max())
     steps: list[Step] = []
     before: set[str] = set()
     for removal in reversed(removed):
         held = states.held_names(removal.state)
-        moved = tuple(names[k] for k in removal.parts)
+        moved = _names(names, removal.parts)
         along = removal.legs[0].direction if removal.legs else (0.0, 0.0, 0.0)
         touches, rubs = search.removal.touching(removal.set, removal.state.present, along)
         under = states if removal.turned is None else removal.turned
@@ -148,12 +129,14 @@ def steps_of(
             Step(
                 parts=moved,
                 legs=removal.legs,
+                path=_way_in(removal.legs, far),
                 over=None if bolt is None else names[bolt],
                 touches=_names(names, touches),
                 rubs=_names(names, rubs) if removal.legs else (),
                 held=tuple(held),
                 grips=tuple(name for name in held if name not in before),
                 releases=tuple(sorted(before - set(held), key=names.index)),
+                down=under.assembly.down,
                 state=removal.state,
                 level=level,
                 needs=removal.needs if removal.state.stable else None,
@@ -166,6 +149,14 @@ def steps_of(
         )
         before = {*held, *moved} if held else set()
     return steps
+
+
+def _way_in(legs: tuple[Leg, ...], far: float) -> Array:
+    """Points of the path in, shape (n, 3) [length unit]; `far` is the length of an endless leg."""
+    lengths = [leg.length if np.isfinite(leg.length) else far for leg in legs]
+    pieces = [size * np.array(leg.direction) for size, leg in zip(lengths, legs, strict=True)]
+    back: Array = np.cumsum([np.zeros(3), *pieces], axis=0)[::-1] + 0.0
+    return back
 
 
 def _back(legs: tuple[Leg, ...]) -> Direction:

@@ -86,7 +86,7 @@ class Removal:
         self.sweeps = Sweeps(contacts)
         self._geometry = contacts.assembly.geometry
         self._up = -contacts.assembly.down
-        self._angle = contacts.tolerance.angle
+        self._angle = contacts.searched.angle
         self._contacts_by_part = _contacts_by_part(contacts)
         self._given = [
             _direction(direction) if not isinstance(direction, str) else direction

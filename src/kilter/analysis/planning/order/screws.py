@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from kilter.analysis.planning.order.removal import Screw
 from kilter.contact import ContactSet
 from kilter.contact.contact_tolerances import THREAD
-from kilter.contact.fits.coaxial import coaxial_fits
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.errors import InputError
 
 __all__ = ["find_screws"]
@@ -34,8 +34,8 @@ def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[
             raise InputError(f"screws have {pair!r:.60}", hint="give pairs of a bolt and a nut")
         bolts, nuts = (sorted(map(assembly.index_of, assembly.matching(entry))) for entry in pair)
         wanted = {(bolt, nut) for bolt in bolts for nut in nuts if bolt != nut}
-        fits = coaxial_fits(assembly, wanted, contacts.tolerance, thickest=THREAD, thinnest=THREAD)
-        screws = [(fit.parts, fit.axis) for fit in fits if fit.parts in wanted]
+        fits = coaxial_fits(assembly, wanted, contacts.searched, thickest=THREAD, thinnest=THREAD)
+        screws = [(fit.ends, fit.axis) for fit in fits if fit.ends in wanted]
         if not screws:
             raise InputError(
                 f"no {pair[1]!r} surrounds the shaft of a {pair[0]!r}",

@@ -26,7 +26,7 @@ from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.planning.states.part_sets import bits_of, members
 from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
-from kilter.contact.planar.polygons import cut_convex
+from kilter.contact.common.polygons import cut_convex
 
 __all__ = ["Sweeps"]
 
@@ -83,8 +83,8 @@ class Sweeps:
 
     def __init__(self, contacts: ContactSet) -> None:
         self._geometry = contacts.assembly.geometry
-        self._tolerance = contacts.tolerance
-        self._depth = {frozenset(overlap.parts): overlap.depth for overlap in contacts.overlaps}
+        self._tolerance = contacts.searched
+        self._depth = {frozenset(overlap.ends): overlap.depth for overlap in contacts.overlaps}
         self._shadows: dict[tuple[int, Direction], _Shadow] = {}
         self._endless: dict[tuple[int, Direction], tuple[int, int]] = {}
         self._before: dict[tuple[int, Direction], int] = {}

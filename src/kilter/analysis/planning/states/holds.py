@@ -1,30 +1,22 @@
 """Smallest set of parts to hold so that a half-built assembly stands, by minimum hitting sets.
 
-A set of held parts must hit (share a part with) the moving parts of every motion.
-
 A motion of the parts M that no contact resists continues unless a part of M is held. So the held
-parts hit every such set M. A minimum hitting set of the known sets is a lower bound:
-
-    H = least set that hits all M found;  does (S, H) hold?  yes: H is the answer
-                                          no: another M, without any part of H
-
-Each M is reduced before use: its parts are held in turn as long as a motion remains. The loop ends
-because every M is new. Forces prove that the state holds with H; the motions prove that fewer
-held parts are not enough.
+parts must hit (share a part with) every such set M (`kilter.analysis.smallest_set`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from kilter.analysis.planning.states.part_sets import bits_of, mask_of
+from kilter.analysis.smallest_set import least_hitting_set, reduced_by_halves
 from kilter.arrays import Mask
 
-__all__ = ["Cut", "Holds", "find_fewest_holds", "least_hitting_set"]
+__all__ = ["Cut", "Holds", "find_fewest_holds"]
 
 
 class Judged(Protocol):
@@ -153,75 +145,26 @@ def find_fewest_holds(
 
 
 def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
-    """Reduce the moving parts of a falling state: hold some while the others still fall.
+    """Reduce the moving parts of a falling state: hold some while the others still fall."""
 
-    The first attempt holds half of the untried parts, later attempts a quarter, and so on.
-    """
-    moves = state.moves.copy()
-    needed = np.zeros(len(moves), dtype=bool)
-    size = max(int(moves.sum()) // 2, 1)
-    while True:
-        left = np.flatnonzero(moves & ~needed)
-        if not len(left) or moves.sum() < 2:
-            break
-        size = min(size, max(len(left) // 2, 1))
-        held = present & ~moves
-        held[left[:size]] = True
-        other = judge(present, held)
-        if other.stable is False:
-            moves = other.moves.copy()
-        elif size == 1:
-            needed[left[0]] = True
-        else:
-            size //= 2
-    return Cut(moves, judge(present, present & ~moves))
+    def stopped(moves: set[int], held: list[int]) -> set[int] | None:
+        other = judge(present, _but(present, moves.difference(held)))
+        return _moving(other) if other.stable is False else None
+
+    moves = reduced_by_halves(_moving(state), stopped)
+    held = _but(present, moves)
+    free = np.zeros(len(present), dtype=bool)
+    free[list(moves)] = True
+    return Cut(free, judge(present, held))
 
 
-def least_hitting_set(sets: Sequence[int], most: int) -> int | None:
-    """A smallest bit set that shares a bit with every given set; None if it exceeds `most`.
-
-    Parameters
-    ----------
-    sets : sequence of int
-        Bit sets (`kilter.analysis.planning.states.part_sets`).
-    most : int
-        Largest number of members. No set is returned if a given set is empty.
-
-    Examples
-    --------
-    >>> least_hitting_set([0b011, 0b110], 2), least_hitting_set([0b01, 0b10], 2)
-    (2, 3)
-    >>> least_hitting_set([0b01, 0b10], 1) is None, least_hitting_set([], 0)
-    (True, 0)
-    """
-    for size in range(most + 1):
-        chosen = _hitting(list(sets), size)
-        if chosen is not None:
-            return chosen
-    return None
+def _moving(state: Judged) -> set[int]:
+    """Indices of the parts that move in a state that falls."""
+    return set(np.flatnonzero(state.moves).tolist())
 
 
-def _hitting(sets: list[int], size: int) -> int | None:
-    """A bit set of at most `size` bits that shares a bit with every given set; else None."""
-    if not sets:
-        return 0
-    if _disjoint(sets) > size:
-        return None
-    branch = min(sets, key=lambda parts: (parts.bit_count(), parts))
-    while branch:
-        member = branch & -branch
-        branch &= ~member
-        rest = _hitting([parts for parts in sets if not parts & member], size - 1)
-        if rest is not None:
-            return rest | member
-    return None
-
-
-def _disjoint(sets: list[int]) -> int:
-    """Number of disjoint sets in a greedy selection: a lower bound for the size of hitting sets."""
-    seen = count = 0
-    for parts in sorted(sets, key=int.bit_count):
-        if not parts & seen:
-            seen |= parts
-            count += 1
-    return count
+def _but(present: Mask, moves: set[int]) -> Mask:
+    """Mask of the present parts without the given ones."""
+    held = present.copy()
+    held[list(moves)] = False
+    return held

@@ -56,8 +56,8 @@ from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
-from kilter.contact.fits.coincident import require_apart
-from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.fits.suggestions import require_apart
+from kilter.contact.kept_contacts import contacts_among
 from kilter.errors import InputError
 from kilter.mechanics.certificate import (
     ForceProof,

@@ -1,0 +1,1 @@
+"""Shared by all families of contacts: facets, edges, gaps, patches and the search."""

@@ -1,0 +1,485 @@
+"""Parts that overlap, and the reasons for which an overlap is no error.
+
+Depth of the corners of a part inside another part, by the winding number of its surface.
+
+For triangles that bound no body: an edge with one face, or with four.
+
+References
+----------
+A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
+
+Intersection of two overlapping parts as a mesh, by the library manifold3d.
+
+The surface of the intersection of A and B consists of the part of the surface of A inside B and the
+part of the surface of B inside A. The depth of the overlap follows from it:
+
+    depth = max over points x of either piece of |x - surface of the other part|,
+
+computed at the corners and at the middles of sides and triangles. The distance from the nearest
+corner of the other surface is an upper bound. So the points with the largest bounds are computed
+first, and the rest only until the bound falls below the largest distance.
+
+Curved faces count as their inscribed polyhedra, refined as requested.
+
+Overlaps: parts that share volume, with depth, volume, and share of the smaller part.
+
+Two convex parts share no volume if the plane of a facet of one has the other in front of it (within
+tolerance). If no facet's plane separates them, the largest ball inside both decides; it also
+recognises parts that only an edge against an edge separates.
+
+The triangles of other parts are intersected (`kilter.contact.overlap`). Triangles that
+bound no body have no volume; for these the winding number shows which corners lie inside the other
+part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from kilter.arrays import TINY, Array, Mask, cross, distinct_rows
+from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+from kilter.contact.common.contact_search import coincide, deep_boxes
+from kilter.contact.common.distances import PartSolids, at_most, surface_distance
+from kilter.contact.common.facets import Facets
+from kilter.contact.common.findings import FacePatches, in_patch, is_settled
+from kilter.contact.common.gaps import Tolerance
+from kilter.contact.common.patches import INTERFERE, SAME_BODY, Overlap
+from kilter.contact.contact_tolerances import COPY_PLACE
+from kilter.contact.curved.coaxial_faces import coaxial_fits
+from kilter.solvers.problem import LinearProgram
+from kilter.work import stop_if_late
+
+__all__ = [
+    "SharedBody",
+    "depth_by_winding",
+    "depth_of",
+    "find_overlaps",
+    "inside_part",
+    "shared_body",
+]
+
+
+PROBES = 300
+"""Largest number of points of a part that are tested."""
+BATCH = 100_000
+"""Largest number of pairs (point, triangle) computed at once; more leave the processor's cache."""
+
+
+def depth_by_winding(
+    geometry: Geometry,
+    parts: tuple[int, int],
+    tolerance: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    """Depth to which two parts overlap, at corners and edge middles [length unit]; 0: none."""
+    a, b = parts
+    return max(_depth_inside(geometry, *pair, tolerance, without) for pair in ((a, b), (b, a)))
+
+
+def _depth_inside(
+    geometry: Geometry,
+    a: int,
+    b: int,
+    tolerance: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    """Largest depth of points of part a inside part b [length unit]; 0: none."""
+    corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
+    sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
+    probes = np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides])
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
+    probes = _some_without(distinct_rows(probes)[0], without)
+    if not len(probes):
+        return 0.0
+    inside = inside_part(geometry, b, probes)
+    return float(surface_distance(probes[inside], triangles).max(initial=0.0))
+
+
+def inside_part(geometry: Geometry, part: int, points: Array) -> Mask:
+    """Mask of points inside the surface of a part, shape (n,)."""
+    triangles = geometry.corners_of(part)
+    batches = np.array_split(points, 1 + len(points) * len(triangles) // BATCH)
+    return np.concatenate([_winding_number(batch, triangles) > 0.5 for batch in batches])
+
+
+def _some_without(probes: Array, without: Callable[[Array], Mask]) -> Array:
+    """About `PROBES` points, evenly spread over the given ones, for which `without` is False."""
+    step = len(probes) // PROBES + 1
+    chosen = probes[:0]
+    for k in range(step):  # one round is enough unless `without` removes many points
+        batch = probes[k::step]
+        chosen = np.concatenate([chosen, batch[~without(batch)]])
+        if len(chosen) >= PROBES // 2:
+            break
+    return chosen
+
+
+def _winding_number(points: Array, triangles: Array) -> Array:
+    """Winding number of a closed surface about each point: 1 inside, 0 outside, shape (n,)."""
+    middle = triangles.mean(axis=(0, 1))
+    x, corners = points - middle, triangles - middle
+    # products of two or three of a - x, b - x, c - x are linear in x, except for |x|^2: expanded,
+    # they need no array of points times triangles times coordinates
+    a, b, c = corners.transpose(1, 0, 2)
+    square = (x**2).sum(axis=1)[:, None]
+    la, lb, lc = (
+        np.sqrt(np.maximum(square + (corner**2).sum(axis=1) - 2 * (x @ corner.T), 0.0))
+        for corner in (a, b, c)
+    )
+    bc = cross(b, c)
+    top = np.einsum("ti,ti->t", a, bc) - x @ (bc + cross(c, a) + cross(a, b)).T
+    bottom = la * lb * lc
+    for p, q, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        product = np.einsum("ti,ti->t", p, q) - x @ (p + q).T + square
+        bottom += product * length
+    winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
+    return winding
+
+
+FIRST = 200
+"""Points in the first batch of distances; each further batch is twice as large."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SharedBody:
+    """The intersection of two overlapping parts, as a mesh in the world frame.
+
+    Attributes
+    ----------
+    volume : float
+        Volume [length unit^3].
+    corners : ndarray, shape (T, 3, 3)
+        Triangles of its surface.
+    of_first : ndarray of bool, shape (T,)
+        True if a triangle lies on the surface of the first part, else on that of the second.
+    """
+
+    volume: float
+    corners: Array
+    of_first: Mask
+
+
+def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:
+    """The intersection of parts a and b, empty if they are apart; None if a part is not closed.
+
+    Returns
+    -------
+    SharedBody or None
+        None if the triangles of a part bound no body: an edge with one face, or with four.
+    """
+    solid_a, solid_b = solids.of(a), solids.of(b)
+    if solid_a is None or solid_b is None:
+        return None
+    center = solids.geometry.center
+    common = solid_a ^ solid_b.translate(tuple((center[b] - center[a]).tolist()))
+    mesh = common.to_mesh64()
+    length = np.diff(np.asarray(mesh.run_index, dtype=np.int64)) // 3
+    first = np.repeat(np.array(mesh.run_original_id) == a + 1, length.astype(np.int64))
+    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts)] + center[a]
+    return SharedBody(float(common.volume()), corners, first)
+
+
+def depth_of(
+    solids: PartSolids,
+    parts: tuple[int, int],
+    body: SharedBody,
+    *,
+    least: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    """Depth to which two parts overlap, at least `least` [length unit].
+
+    Returns
+    -------
+    float
+        `least` if the overlap is not deeper.
+    """
+    deepest = least
+    for part, on_other in ((parts[1], body.of_first), (parts[0], ~body.of_first)):
+        points = _probes(body.corners[on_other])
+        points = points[~without(points)]
+        surface = solids.geometry.corners_of(part)
+        deepest = _farthest(points, body.corners[~on_other], surface, deepest)
+    return deepest
+
+
+def _probes(corners: Array) -> Array:
+    """Corners, edge middles and centres of triangles, each point once."""
+    middles = (corners + np.roll(corners, -1, axis=1)) / 2
+    points = np.concatenate([corners.reshape(-1, 3), middles.reshape(-1, 3), corners.mean(axis=1)])
+    return distinct_rows(points)[0]
+
+
+def _farthest(points: Array, patch: Array, surface: Array, least: float) -> float:
+    """Largest distance of points from a surface; `least` if all points are nearer than that.
+
+    `patch` is a part of the surface, which bounds the distances from above.
+    """
+    if not len(points):
+        return least
+    bound = at_most(points, patch if len(patch) else surface)
+    order = np.argsort(-bound, kind="stable")
+    begin, count = 0, FIRST
+    while begin < len(order) and bound[order[begin]] > least:
+        batch = order[begin : begin + count]
+        batch = batch[bound[batch] > least]
+        least = max(least, float(surface_distance(points[batch], surface, bound[batch]).max()))
+        begin, count = begin + count, 2 * count
+    return least
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _OverlapSearch:
+    """Data of the overlap search: the assembly, its contact patches and its parts as solids."""
+
+    face_patches: FacePatches
+
+    @property
+    def solids(self) -> PartSolids:
+        return self.face_patches.search.solids
+
+    @property
+    def geometry(self) -> Geometry:
+        return self.face_patches.search.geometry
+
+    @property
+    def facets(self) -> Facets:
+        return self.face_patches.search.facets
+
+
+def find_overlaps(
+    assembly: Assembly, face_patches: FacePatches, tolerances: Tolerance
+) -> tuple[Overlap, ...]:
+    """Find the pairs of parts that occupy the same space, with the shared volume."""
+    search = face_patches.search
+    geometry, facets, boxes = search.geometry, search.facets, search.boxes
+    a, b = search.pairs.T
+    both_convex = facets.convex_part[a] & facets.convex_part[b]
+    # triangulations of touching curved faces penetrate each other by their sagittas
+    tolerance = search.limits.gap + geometry.slack[a] + geometry.slack[b]
+    deep = deep_boxes(geometry, boxes, search.pairs, search.limits)
+    # convex parts with a patch lie on either side of its plane
+    rows = np.flatnonzero(deep & ~(is_settled(face_patches)))
+    overlaps = list({overlap.ends: overlap for overlap in face_patches.curved.overlaps}.values())
+    overlaps += [_same_body(geometry, (i, j)) for i, j in search.same_bodies.tolist()]
+    recorded = {overlap.ends for overlap in overlaps}
+    if not overlaps and not len(rows):
+        return ()
+    overlap_search = _OverlapSearch(face_patches)
+    known: dict[tuple[object, ...], Overlap | None] = {}
+    for row in rows.tolist():
+        parts = (int(a[row]), int(b[row]))
+        if parts in recorded:
+            continue
+        stop_if_late()
+        if both_convex[row]:
+            overlap = _convex_overlap(overlap_search, parts, float(tolerance[row]))
+        else:
+            copy = _copy_key(assembly, parts, float(tolerance[row]))
+            if copy not in known:
+                known[copy] = _general_overlap(overlap_search, row, parts, float(tolerance[row]))
+            found = known[copy]
+            overlap = None if found is None else replace(found, ends=parts)
+        if overlap is not None:
+            overlaps.append(overlap)
+    return tuple(
+        _with_volume(overlap_search, overlap, tolerances)
+        for overlap in _with_interference(assembly, overlaps, tolerances)
+    )
+
+
+def _copy_key(assembly: Assembly, parts: tuple[int, int], tolerance: float) -> tuple[object, ...]:
+    """Key that is equal for pairs of copies in the same relative pose, whose overlap is equal.
+
+    The poses are rounded to `COPY_PLACE` of the gap tolerance.
+    """
+    a, b = (assembly.parts[k] for k in parts)
+    turn = a.pose.matrix.T
+    step = COPY_PLACE * tolerance
+    size = float(assembly.geometry.size[list(parts)].max())
+    place = np.round(turn @ (b.pose.position - a.pose.position) / step)
+    angles = np.round(turn @ b.pose.matrix * (size / step))
+    return (id(a.shape), id(b.shape), tolerance, *place.tolist(), *angles.ravel().tolist())
+
+
+FINER = range(1, 5)
+"""Rounds of refinement of triangles for the volume of an overlap; each halves the sides."""
+SETTLED = 0.01
+"""Relative change of the volume in a round below which the volume is extrapolated [-]. A smaller
+change takes more rounds, each of which takes about three times longer."""
+
+
+def _with_interference(
+    assembly: Assembly, overlaps: list[Overlap], tolerance: Tolerance
+) -> list[Overlap]:
+    """Mark overlaps of shafts that are thicker than their holes, with the reason INTERFERE."""
+    fits = coaxial_fits(assembly, [overlap.ends for overlap in overlaps], tolerance)
+    tight = {frozenset(fit.ends) for fit in fits if fit.tight}
+    return [
+        replace(overlap, why=INTERFERE) if frozenset(overlap.ends) in tight else overlap
+        for overlap in overlaps
+    ]
+
+
+def _with_volume(overlap_search: _OverlapSearch, overlap: Overlap, tolerance: Tolerance) -> Overlap:
+    """The overlap with its shared volume, also as a fraction of the smaller part's volume.
+
+    The share is None if the smaller part is thinner than the gap tolerance.
+    """
+    volume, geometry, both = overlap.volume, overlap_search.geometry, list(overlap.ends)
+    exact = overlap.why == SAME_BODY or not (geometry.slack[both] > 0).any()
+    if volume is None or not exact:
+        body = shared_body(overlap_search.solids, *overlap.ends)
+        volume = _exact_volume(geometry, overlap.ends, body) if body is not None else volume
+    smaller = int(both[int(np.argmin(geometry.volume[both]))])
+    thinnest = float(tolerance.gap_of(geometry.size[[smaller]])[0])
+    share = None
+    if volume is not None and _thickness(geometry, smaller) > thinnest:
+        share = volume / float(geometry.volume[smaller])
+    return replace(overlap, volume=volume, share=share)
+
+
+def _thickness(geometry: Geometry, part: int) -> float:
+    """Mean thickness of a part, twice its volume over its surface [length unit]."""
+    rows = slice(*geometry.triangle_start[part : part + 2].tolist())
+    a, b, c = geometry.vertices[geometry.triangles[rows]].transpose(1, 0, 2)
+    surface = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    return float(2 * geometry.volume[part] / surface) if surface > 0 else 0.0
+
+
+def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
+    """Volume that two parts share, extrapolated to exact curved surfaces [length unit^3].
+
+    The polyhedra are inside the surfaces by the square of their sides: a round leaves a quarter of
+    the error of the volume.
+    """
+    slack = float(geometry.slack[list(parts)].sum())
+    if not slack or not len(body.corners):
+        return body.volume
+    corners = body.corners.reshape(-1, 3)
+    box = corners.min(axis=0) - slack, corners.max(axis=0) + slack
+    volume = body.volume
+    for rounds in FINER:
+        finer = shared_body(PartSolids(geometry, (rounds, box)), *parts)
+        if finer is None:
+            break
+        step, volume = finer.volume - volume, finer.volume
+        if rounds > FINER[0] and abs(step) <= SETTLED * volume:
+            return volume + step / 3
+    return volume
+
+
+def _general_overlap(
+    overlap_search: _OverlapSearch, row: int, parts: tuple[int, int], tolerance: float
+) -> Overlap | None:
+    """Overlap of two parts of any shape; None if its depth is within the tolerance.
+
+    Points on curved faces that touch over an area are ignored: only triangulations overlap there.
+    """
+    geometry, (a, b) = overlap_search.geometry, parts
+    if coincide(geometry, a, b):
+        return _same_body(geometry, parts)
+
+    def on_patch(points: Array) -> Mask:
+        return in_patch(overlap_search.face_patches, row, points, 2 * tolerance)
+
+    body = shared_body(overlap_search.solids, a, b)
+    if body is None:
+        volume, depth = None, depth_by_winding(geometry, parts, tolerance, on_patch)
+    else:
+        depth = depth_of(overlap_search.solids, parts, body, least=tolerance, without=on_patch)
+        volume = body.volume
+    return Overlap(parts, volume, depth, "overlap") if depth > tolerance else None
+
+
+def _same_body(geometry: Geometry, parts: tuple[int, int]) -> Overlap:
+    """The overlap of two identical bodies in the same place."""
+    size = float(geometry.size[list(parts)].min())
+    return Overlap(parts, float(geometry.volume[parts[0]]), size, SAME_BODY)
+
+
+def _corners(geometry: Geometry, part: int) -> Array:
+    return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
+
+
+def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
+    """Outward unit normals of a part's facets, and a point on each facet."""
+    span = slice(facets.start[part], facets.start[part + 1])
+    return facets.normal[span], facets.origin[span]
+
+
+def _convex_overlap(
+    overlap_search: _OverlapSearch, parts: tuple[int, int], tolerance: float
+) -> Overlap | None:
+    """Overlap of two convex parts; None if they are apart or only touch."""
+    geometry, (a, b) = overlap_search.geometry, parts
+    if coincide(geometry, a, b):
+        return _same_body(geometry, parts)
+    middle = geometry.center[a]
+    # separation by the planes of the facets, relative to the centre of a to keep digits
+    normals, offsets, separation = [], [], -np.inf
+    for part, other in ((a, b), (b, a)):
+        n, origin = _facet_planes(geometry, overlap_search.facets, part)
+        offset = np.einsum("ij,ij->i", n, origin - middle)
+        nearest = (n @ (_corners(geometry, other) - middle).T).min(axis=1) - offset
+        separation = max(separation, float(nearest.max()))
+        normals.append(n)
+        offsets.append(offset)
+    if separation >= -tolerance:
+        return None
+    overlap, away = _ball_overlap(
+        np.concatenate(normals), np.concatenate(offsets), parts, -separation, tolerance
+    )
+    if overlap is None or away is None:
+        return overlap
+    # between edges or corners no facet separates the parts, but this direction does
+    outwards = away[: len(normals[0])] @ normals[0]
+    length = float(np.linalg.norm(outwards))
+    if length <= TINY:
+        return overlap
+    heights = [(_corners(geometry, part) - middle) @ (outwards / length) for part in parts]
+    return replace(overlap, depth=min(overlap.depth, float(heights[0].max() - heights[1].min())))
+
+
+def _ball_overlap(
+    normals: Array, offsets: Array, parts: tuple[int, int], depth: float, tolerance: float
+) -> tuple[Overlap | None, Array | None]:
+    """Overlap of two convex parts from the largest ball inside both; None if that is small.
+
+    `depth` is the least depth to any facet's plane [length unit]. The ball is the solution of a
+    linear program. Also the pressures of the facets on the ball, which are in balance, shape (m,);
+    None if they are unknown.
+    """
+    from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
+    from kilter.solvers.highs import solve_linear
+
+    scale = max(float(np.abs(offsets).max()), TINY)
+    no_limit = np.full(4, np.inf)
+    ball = solve_linear(
+        LinearProgram(
+            np.array([0.0, 0.0, 0.0, -1.0]),
+            csc_array(np.column_stack([normals, np.ones(len(normals))])),
+            np.full(len(normals), -np.inf),
+            offsets / scale,
+            np.array([-np.inf, -np.inf, -np.inf, 0.0]),
+            no_limit,
+        )
+    )
+    if ball.outcome == "infeasible" or (ball.optimal and ball.x[3] * scale <= tolerance / 2):
+        return None, None
+    if not ball.optimal:  # undecided: report an overlap, so that none is missed
+        return Overlap(parts, None, depth, "overlap"), None
+    try:
+        halfspaces = np.column_stack([normals, -offsets / scale])
+        corners = HalfspaceIntersection(halfspaces, ball.x[:3]).intersections
+        volume = float(ConvexHull(corners).volume) * scale**3
+    except QhullError:  # too flat for a volume
+        volume = None
+    return Overlap(parts, volume, depth, "overlap"), np.abs(ball.multipliers)
