@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tower_with_gap import tower
+from free_form import tower
 
 import kilter
 from kilter import Choices, InputError

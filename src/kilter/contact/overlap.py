@@ -168,10 +168,7 @@ class SharedBody:
 def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:
     """The intersection of parts a and b, empty if they are apart; None if a part is not closed.
 
-    Returns
-    -------
-    SharedBody or None
-        None if the triangles of a part bound no body: an edge with one face, or with four.
+    Returns None if the triangles of a part bound no body: an edge with one face, or with four.
     """
     solid_a, solid_b = solids.of(a), solids.of(b)
     if solid_a is None or solid_b is None:
@@ -195,10 +192,7 @@ def depth_of(
 ) -> float:
     """Depth to which two parts overlap, at least `least` [length unit].
 
-    Returns
-    -------
-    float
-        `least` if the overlap is not deeper.
+    Returns `least` if the overlap is not deeper.
     """
     deepest = least
     for part, on_other in ((parts[1], body.of_first), (parts[0], ~body.of_first)):

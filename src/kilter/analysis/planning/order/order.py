@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from kilter.analysis.decision.decision import Decision, Word
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.analysis.planning.order.locking import Locked
 from kilter.analysis.planning.order.order_proof import order_proof
 from kilter.analysis.planning.order.plan_step import VERDICTS, Step, lower_level
@@ -39,9 +39,6 @@ from kilter.tell.record import (
     Vector,
     key,
 )
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.common_data import OpenPairData
 
 __all__ = ["Assumes", "Fewest", "Order", "Search"]
 
@@ -250,10 +247,10 @@ class Order(InCells, Answer):
 
     @property
     @key
-    def open_pairs(self) -> list[OpenPairData]:
+    def open_pairs(self) -> tuple[AnsweredPair, ...]:
         """Open pairs of the finished assembly, the deciding pairs first."""
         states = self.states
-        return open_pairs_answer(states.assembly, states.contacts, self.decision.question)
+        return answered_pairs(states.assembly, states.contacts, self.decision.question)
 
     @property
     @key
