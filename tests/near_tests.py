@@ -5,8 +5,6 @@ import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["near_tests"]
-
 ROOT = Path(__file__).resolve().parents[1]
 ENOUGH = 60
 """Test functions after which no file is added: with their cases they take less than 10 s."""

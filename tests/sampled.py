@@ -10,8 +10,6 @@ from typing import Any
 
 import pytest
 
-__all__ = ["SLOW_EXAMPLES", "in_block", "mark_rest_slow", "sampled"]
-
 SLOW_EXAMPLES = frozenset(
     {
         "kilter.analysis.everything.everything",

@@ -53,7 +53,6 @@ WRONG: dict[str, tuple[Callable[[], Any], str]] = {
     "verdict.holds": (lambda: kilter.check(a).holds, "verdict.stable"),
     "verdict.report": (lambda: kilter.check(a).report("x.html"), "kilter.report(assembly"),
     "verdict.draw": (lambda: kilter.check(a).draw("x.svg"), "kilter.draw(verdict"),
-    "forces that are not": (lambda: kilter.check(stack(0.6)).forces, "verdict.moving"),
     "Part(fixed)": (lambda: Part("b", CUBE, fixed=True), "use grounded=True"),
     "Part(position)": (lambda: Part("b", CUBE, position=[0, 0, 1]), "use pose=[x, y, z]"),
     "Part(friction)": (lambda: Part("b", CUBE, friction=0.5), "kilter.Assembly(parts, friction"),

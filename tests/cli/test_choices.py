@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tower_with_gap import tower
+from free_form import tower
 
 import kilter
 from kilter import Assembly, Box, Choices, InputError, Part, Pose

@@ -15,7 +15,6 @@ import kilter
 from kilter import Assembly, Bond, Box, Joint, Load, Part, PlanRules, Strap
 from kilter.cli import main
 from kilter.contact import Tolerance
-from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import scene
 from kilter.scenes.pieces import block, floor
 
@@ -342,9 +341,6 @@ def test_a_floor_without_another_direction_has_no_note(box):
     assert np.allclose(sideways["floor"].pose.matrix[:, 2], [1, 0, 0])
 
 
-SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
-
-
 @pytest.fixture(autouse=True)
 def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -364,19 +360,6 @@ def ask(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["paper-figure-1", "paper-figure-11", "corner-wedges", "tower"])
-def test_the_orientation_found_is_stable_and_its_turn_leads_there(name, capsys):
-    file = written(name)
-    code, answer = ask(capsys, "orient", file)
-    assert code == 0
-    assert answer["found"]
-    down = [repr(x) for x in answer["down"]]
-    assert main(["check", file, "--down", *down, "--quiet"]) == 0
-    turned = quaternion_to_matrix(answer["rotation"]) @ answer["down"]
-    assert turned == pytest.approx(scene(name).down, abs=1e-12)
-
-
-@pytest.mark.slow
 def test_where_nothing_is_stable_the_nearest_is_given_with_what_moves(capsys):
     code, answer = ask(capsys, "orient", written("floating-block"))
     assert code == 1
@@ -393,27 +376,6 @@ def test_friction_that_can_hold_it_is_found_and_said_to_be_no_guarantee(capsys):
     assert (code, answer["verdict"], answer["method"]) == (0, "found", "walk")
     assert answer["sentence"].startswith("Forces that hold it exist")
     assert "kilter check --down" in answer["sentence"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [
-        ("paper-figure-10", "fan"),
-        ("tower", "ray"),
-        ("corner-wedges", "cone"),
-        ("floating-block", "none"),
-    ],
-)
-def test_region_in_words_and_as_data(name, kind, capsys):
-    file = written(name)
-    assert main(["region", file, "--quiet"]) == 0
-    assert f"{kind}, dimension" in capsys.readouterr().out
-    code, answer = ask(capsys, "region", file)
-    assert (code, answer["kind"], answer["exact"]) == (0, kind, True)
-    for ray in answer["rays"]:
-        assert all(np.dot(q, ray) >= -1e-9 for q in answer["facets"])
-        assert all(abs(np.dot(q, ray)) <= 1e-9 for q in answer["equations"])
 
 
 @pytest.mark.slow
@@ -443,16 +405,3 @@ def test_wrong_usage(words, expected, capsys):
     assert out == ""
     assert error.count("\n") == 1
     assert expected in error
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of real assemblies is not there")
-@pytest.mark.parametrize(
-    ("file", "held", "kind"),
-    [("cubes", ["0"], "ray"), ("H", ["0", "1"], "line"), ("type-a", ["0", "1"], "fan")],
-)
-def test_real_assemblies(file, held, kind, capsys):
-    words = [str(SHARED / "compas_cra" / f"{file}.json")]
-    words += [w for name in held for w in ("--ground", name)]
-    _, answer = ask(capsys, "region", *words)
-    assert answer["kind"] == kind

@@ -5,8 +5,7 @@ import json
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from solids import bolt, bore, cone_frustum, mesh_of, peg, socket, torus, trough
-from tubes import pin, tube
+from solids import bolt, bore, cone_frustum, mesh_of, peg, pin, socket, torus, trough
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
@@ -24,7 +23,7 @@ from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.contact.fits.suggestions import parts_to_leave_out
 from kilter.contact.kept_contacts import KeptContacts
 from kilter.errors import InputError
-from kilter.scenes.pieces import block
+from kilter.scenes.pieces import block, tube
 from kilter.shape.covering import FaceCover, covered
 from kilter.shape.shape_tolerances import GRAZING
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from solids import pin
 from transformations import scaled
-from tubes import pin, tube
 
 import kilter
 from kilter import Bond, InputError, check, dump, fastened, margin, orient, region
@@ -18,7 +18,7 @@ from kilter.contact.contact_tolerances import GAP, LOOSE_ANGLE, LOOSE_GAP
 from kilter.contact.fits.suggestions import coincident_remarks, parts_to_leave_out
 from kilter.rigid import Pose
 from kilter.scenes import scene
-from kilter.scenes.pieces import block, turn
+from kilter.scenes.pieces import block, tube, turn
 from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Prism, Sphere
 

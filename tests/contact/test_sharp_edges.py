@@ -6,11 +6,19 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from edge_oracle import Convex, contacts, stacked
-from first_order import CLEAR, Body, enters, pairs_of_cubes, tips_on_cubes
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
+from sharp_oracle import (
+    CLEAR,
+    Body,
+    Convex,
+    contacts,
+    enters,
+    pairs_of_cubes,
+    stacked,
+    tips_on_cubes,
+)
 
 from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check
 from kilter.analysis.decision.degenerate_branches import decide_degenerate
@@ -323,7 +331,7 @@ def test_a_corner_in_a_corner_has_one_normal_a_wall():
 
 def _octant_hole() -> tuple[np.ndarray, list[list[int]]]:
     """The cube [-1, 1]^3 without its positive octant."""
-    from first_order import cubes
+    from sharp_oracle import cubes
 
     cells = {(x, y, z) for x in (-1, 0) for y in (-1, 0) for z in (-1, 0)} - {(0, 0, 0)}
     body = cubes(cells)

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from curved_joints import JOINTS, blocks, exact_normals
-from free_forms import as_solids, oval_hole, oval_plug
 from scipy.spatial.transform import Rotation
+from solids import JOINTS, as_solids, blocks, exact_normals, oval_hole, oval_plug
 
 import kilter
 from kilter import Assembly, Part, Tolerance, check

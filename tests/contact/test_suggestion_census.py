@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from solids import pin
 from transformations import scaled
-from tubes import pin, tube
 
 from kilter import check, fastened
 from kilter.assembly import Assembly, Joint
 from kilter.contact import contacts
 from kilter.contact.fits.suggestions import suggest_joints
-from kilter.scenes.pieces import block, turn
+from kilter.scenes.pieces import block, tube, turn
 from kilter.scenes.transform import moved
 
 SCENES = 24

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Stage", "faulty_room"]
-
 
 class Stage:
     """A stage that is built prim by prim; z up and metres unless stated."""

@@ -13,8 +13,6 @@ from scipy.optimize import linprog, nnls
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
 
-__all__ = ["forged_forces", "forged_motions"]
-
 SIDES = 8
 """Directions across a contact into which its cone is divided."""
 SQUEEZES = [10.0**k for k in range(-2, 15, 2)]

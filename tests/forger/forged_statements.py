@@ -26,8 +26,6 @@ from kilter.mechanics.proof import Evidence, digest_of, make_proof
 from kilter.scenes import SCENES, scene
 from kilter.scenes.pieces import block
 
-__all__ = ["KINDS", "Forgery", "damaged", "forgeries", "signed"]
-
 Data = dict[str, Any]
 Random = np.random.Generator
 Lie = Callable[[Data, Random], None]

@@ -13,8 +13,6 @@ from kilter.rigid import Pose
 from kilter.scenes.pieces import block, prism
 from kilter.scenes.transform import moved
 
-__all__ = ["FAMILIES", "LimitCase", "limit_case"]
-
 G = 9.81
 MARGIN = 10.0
 """Distance from the limit above which the verdict is certain, over the tolerances of a proof: the

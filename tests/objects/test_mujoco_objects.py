@@ -265,7 +265,7 @@ def test_pairs_that_the_model_filters_do_not_touch():
     assembly = kilter.load(model)
     contacts = kilter.contacts(assembly)
     touching = {frozenset(patch.parts) for patch in contacts}
-    overlapping = {frozenset(assembly.names[k] for k in pair.parts) for pair in contacts.overlaps}
+    overlapping = {frozenset(assembly.names[k] for k in pair.ends) for pair in contacts.overlaps}
     assert touching | overlapping == expected
     assert expected == {frozenset(("base", "floor")), frozenset(("a", "floor"))}
     assert any("filters: " in note for note in assembly.notes)

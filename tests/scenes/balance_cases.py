@@ -17,8 +17,6 @@ from kilter.assembly import Assembly, Feature, GivenContact, Part
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box, Sphere
 
-__all__ = ["CASES", "ROLLING", "Case", "State"]
-
 State = Literal["minimum", "free", "balanced"]
 
 BASE = "base"

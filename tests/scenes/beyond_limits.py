@@ -20,8 +20,6 @@ from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved
 from kilter.scenes.walls import wall
 
-__all__ = ["FAMILIES", "BeyondLimit", "beyond_limit", "thinnest_arch"]
-
 FAMILIES = ("arch", "stack", "wall")
 BRACKET = 1e-7
 """Width of the bracket of a limit, relative or [rad]: a thousandth of the least distance."""

@@ -19,8 +19,6 @@ from kilter.assembly import Part
 from kilter.rigid import Pose
 from kilter.shape.solid import Solid, Surface
 
-__all__ = ["turned_part"]
-
 NODES = 40
 """Nodes of the quadrature on a line or arc."""
 SIDES, CUTS = 48, 12

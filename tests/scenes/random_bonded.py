@@ -12,8 +12,6 @@ from kilter.assembly.bonds import KINDS
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 
-__all__ = ["Bonded", "Touch", "random_bonded"]
-
 THIN = 0.05
 """Least side of the contact rectangle of two blocks [length unit]."""
 PLANE = 1e-9

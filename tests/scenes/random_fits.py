@@ -12,8 +12,6 @@ from kilter.contact import contacts
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes.transform import moved
 
-__all__ = ["FIT", "HEAVIEST", "random_fit"]
-
 FIT = (1e-9, 1e-3)
 """Least and greatest error of a normal [rad], and of a point over the radius of a part [-]."""
 HEAVIEST = 1e6

@@ -11,8 +11,6 @@ from kilter.scenes.friction import a_block, bracket, h_block, ladder, trough, v_
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.wedges import keystone
 
-__all__ = ["FAMILIES", "posts", "random_assembly"]
-
 FAMILIES = ("stack", "keystone", "arch", "ladder", "fence", "squeezed", "trough", "bracket")
 
 

@@ -20,8 +20,6 @@ from kilter.scenes.pieces import block, floor
 from kilter.scenes.wedges import keystone
 from kilter.shape.primitives import Box
 
-__all__ = ["PUSHED_FAMILIES", "Pushed", "pushed_assembly"]
-
 PUSHED_FAMILIES = ("stack", "bridge", "fence", "frame", "wedge", "arch", "ladder", "friction")
 Touching = Callable[[Assembly], tuple[Index, Array, Array]]
 PUSH = (1.5, 50.0)

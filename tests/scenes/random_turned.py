@@ -16,8 +16,6 @@ from kilter.scenes.pieces import block, floor, prism, turn
 from kilter.scenes.wedges import corner_wedges, keystone
 from kilter.shape.primitives import Cylinder, Sphere
 
-__all__ = ["TURNED", "random_turned", "springer_arch"]
-
 Random = np.random.Generator
 
 

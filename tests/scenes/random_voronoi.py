@@ -8,8 +8,6 @@ from scipy.spatial import ConvexHull, Voronoi
 from kilter import Assembly, Mesh, Part
 from kilter.arrays import Array
 
-__all__ = ["random_voronoi"]
-
 FRICTION = (0.0, 0.2, 0.5, 0.84, 1.0)
 """Coefficients of friction of masonry, and none [-]."""
 

@@ -12,8 +12,6 @@ import numpy as np
 from kilter import Assembly, Mesh, Part
 from kilter.arrays import Array
 
-__all__ = ["staggered_dome"]
-
 RADII = (2.8, 3.2)
 """Inner and outer radius [m]."""
 HIGHEST = 75.0

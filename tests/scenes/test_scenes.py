@@ -36,7 +36,7 @@ from kilter.shape.primitives import Box, Mesh
 
 
 def overlaps(assembly):
-    return [pair.parts for pair in kilter.contacts(assembly).open_pairs if pair.kind == "overlap"]
+    return [pair.ends for pair in kilter.contacts(assembly).open_pairs if pair.kind == "overlap"]
 
 
 def test_each_scene_has_a_title_held_and_free_parts_and_masses():

@@ -19,8 +19,6 @@ from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved_features, require_about_y
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
 
-__all__ = ["as_single", "has_box", "mirrored", "permuted", "renamed", "scaled", "split", "tilted"]
-
 
 def tilted(assembly: Assembly, axis: ArrayLike, degrees: float) -> Assembly:
     """Rotate only gravity, right-handed about `axis` [deg]; about +y it leans toward -x.

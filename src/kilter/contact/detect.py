@@ -348,12 +348,8 @@ def _own_friction(contact: GivenContact | Bond) -> float:
 def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
     """Copy of detected contacts with friction `mu` everywhere, equal to a new detection.
 
-    Parameters
-    ----------
-    detected : ContactSet
-        All contacts of an assembly, as `contacts` returns them.
-    mu : float
-        Friction coefficient of all pairs [-].
+    `detected`: all contacts of an assembly, as `contacts` returns them. `mu`: friction coefficient
+    of all pairs [-].
     """
     assembly = detected.assembly.with_friction(mu)
     if friction_needs_detection(detected):

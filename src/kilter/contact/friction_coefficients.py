@@ -30,15 +30,8 @@ def friction_coefficients(
     The pieces that touch are unknown here. The coefficient is the least of all pieces of the pair,
     which is certain, or the greatest.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    parts : ndarray of int, shape (n, 2)
-        Parts of each contact, by position.
-    given : ndarray, shape (n,), optional
-        Friction coefficient that is known for each contact; NaN: that of its pair [-].
-    greatest : bool
-        Whether the greatest coefficient of the pieces is returned instead of the least.
+    `parts`, shape (n, 2): parts of each contact, by position. `given`, shape (n,): friction
+    coefficient that is known for each contact; NaN: that of its pair [-].
 
     Examples
     --------

@@ -310,17 +310,9 @@ def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits)
 def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index, Index]:
     """Split near pairs into pairs to search, and pairs that may touch at an unknown surface.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    pairs : ndarray of int, shape (n, 2)
-    reach : ndarray, shape (N,)
-        Distance from each part within which others are searched for [length unit].
-
-    Returns
-    -------
-    looked_at, unknown : ndarray of int, shape (k, 2) and (m, 2)
-        A pair with a stand-in is only in the second array; a pair with a hole may be in both.
+    `reach`, shape (N,): distance from each part within which others are searched for [length unit].
+    Returns `looked_at`, `unknown`, shape (k, 2) and (m, 2): a pair with a stand-in is only in the
+    second array; a pair with a hole may be in both.
     """
     places = geometry.unknown
     stand_in = places.stand_ins(len(geometry.mass))

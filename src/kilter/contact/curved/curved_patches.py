@@ -48,15 +48,8 @@ def shared_depth(
 ) -> float:
     """Longest interval on the given lines that lies inside both parts [length unit]; 0: none.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    parts : pair of int
-        The part that the outward normals belong to, and the other part.
-    points, normals : ndarray, shape (n, 3)
-        Points half-way between the faces, and normals there.
-    depth : ndarray, shape (n,)
-        Overlap of the faces along each normal; lines without overlap are skipped [length unit].
+    `parts`: the part that the outward normals belong to, and the other part. `depth`, shape (n,):
+    overlap of the faces along each normal; lines without overlap are skipped [length unit].
     """
     slack = float(geometry.slack[list(parts)].max())
     overlapping = depth > 0
@@ -317,14 +310,7 @@ def pack(
 ) -> CurvedFindings:
     """Convert the patches of a builder to arrays, ordered by pair, with normals from a to b.
 
-    Parameters
-    ----------
-    search : ContactSearch
-    builder : PatchBuilder
-    unknown : ndarray of int, shape (m, 3)
-        Pairs of surfaces without a formula: see `CurvedFindings`.
-    raised : ndarray of int, shape (k,)
-        Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
+    `unknown`, shape (m, 3): pairs of surfaces without a formula: see `CurvedFindings`.
     """
     rejected, overlaps = _resolve(search, builder)
     touching = sorted(builder.touching, key=lambda patch: patch.pair)

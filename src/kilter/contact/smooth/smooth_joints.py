@@ -252,13 +252,8 @@ def _facing_cells(
 ) -> tuple[tuple[Index, Index], tuple[Index, Index], int]:
     """Facets of both faces by cells of directions, so that facing facets share a cell.
 
-    Returns
-    -------
-    first, second : pair of ndarray of int
-        Facets, and the cell of each, ascending. A facet of the second face is in the cells
-        around the reverse of its normal.
-    cells : int
-        Number of cells.
+    Returns `first`, `second`: facets, and the cell of each, ascending; a facet of the second face
+    is in the cells around the reverse of its normal; `cells`: number of cells.
     """
     i, j = facets
     # the difference of facing unit vectors is at most a side of a cell along each axis
