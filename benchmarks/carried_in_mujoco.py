@@ -32,7 +32,7 @@ import numpy as np
 from boxes_on_deck import random_stack
 
 import kilter
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.transport.carried_set import CarriedSet
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.first_motion import first_motions

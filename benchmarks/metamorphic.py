@@ -36,7 +36,7 @@ from random_friction import random_assembly  # noqa: E402
 from transformations import has_box, mirrored, permuted, renamed, scaled, split  # noqa: E402
 
 from kilter import margin  # noqa: E402
-from kilter.analysis.margins.load_limit import Limit  # noqa: E402
+from kilter.analysis.load_limit import Limit  # noqa: E402
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration  # noqa: E402
 from kilter.arrays import Array  # noqa: E402
 from kilter.assembly import Assembly  # noqa: E402

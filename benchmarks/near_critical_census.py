@@ -43,7 +43,7 @@ def near_critical(rng: np.random.Generator) -> Any:
 
 def programs(assembly: Any, angle: float) -> Iterator[tuple[float, bool, Any, bool]]:
     """Yield relative distance from the limit, side, program, and whether a mechanism exists."""
-    from kilter.analysis.margins.load_limit import Limit, find_limit, gravity_wrench
+    from kilter.analysis.load_limit import Limit, find_limit, gravity_wrench
     from kilter.contact import detect
     from kilter.mechanics.certificate import check_motion
     from kilter.mechanics.program import build_program

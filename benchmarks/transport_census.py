@@ -35,7 +35,7 @@ from random_turned import random_turned
 from random_voronoi import random_voronoi
 
 import kilter
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.transport.carried_set import CarriedSet
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.contact import contacts

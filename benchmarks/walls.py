@@ -57,7 +57,7 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
         importlib.import_module(module)
 
     from kilter.analysis.decision.judge import judge
-    from kilter.analysis.verdict.motion import find_motion
+    from kilter.analysis.decision.motion import find_motion
     from kilter.contact import detect
     from kilter.mechanics.certificate import check_forces, check_motion
     from kilter.mechanics.program import build_program

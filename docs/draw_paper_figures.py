@@ -143,7 +143,7 @@ def middle_turn(sets: StabilityMap, vertex: int) -> Array:
 
 def optimal_when_upright(sets: StabilityMap) -> int:
     """Vertex with the least z for gravity along -z; of several, the first."""
-    return int(sets.partition_of([[0.0, 0.0, -1.0]])[0])
+    return int(sets.vertices[:, 2].argmin())
 
 
 def figure_6() -> tuple[Figure, str]:

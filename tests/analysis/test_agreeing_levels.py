@@ -15,7 +15,7 @@ import pytest
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose, Sphere
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.open_pairs import remedies
+from kilter.analysis.verdict import remedies
 from kilter.cli import main
 from kilter.contact import Tolerance
 from kilter.scenes import SCENES, scene, stacks
@@ -177,7 +177,7 @@ def tried(
     verdict = kilter.check(stacks.block_on_slope(10.0))
     decision = replace(verdict.decision, units=verdict_units)
     found = remedies.find_remedies(
-        verdict.assembly, verdict.contacts, decision, require=require, work=Work(1e6)
+        verdict.assembly, verdict.contact_set, decision, require=require, work=Work(1e6)
     )
     return levels, [(remedy.leads_to, remedy.level) for remedy in found], sum(totals)
 

@@ -7,7 +7,7 @@ import pytest
 from judged import program_of, sides
 
 from kilter.analysis.decision.judge import SOLVERS, judge
-from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.analysis.load_limit import find_limit, gravity_wrench
 from kilter.scenes import arches, stacks, walls
 from kilter.solvers import cone_interior_point
 

@@ -6,8 +6,8 @@ from independent import baraff, dense_rows, kinetic, z_by_duality
 from judged import judged, program_of
 from transformations import tilted
 
+from kilter.analysis.decision.motion import find_motion
 from kilter.analysis.verdict.displacement import find_displacement
-from kilter.analysis.verdict.motion import find_motion
 from kilter.assembly import Assembly, Load
 from kilter.mechanics.forms import displacement
 from kilter.scenes import packings, paper, scene, stacks, traps, walls, wedges

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from transformations import scaled, tilted
 
 from kilter import check
-from kilter.analysis.verdict.motion import find_motion, optimality
+from kilter.analysis.decision.motion import find_motion, optimality
 from kilter.assembly import Assembly, Joint
 from kilter.mechanics.forms import scaled_problem as scaled_program
 from kilter.mechanics.gauss import least_constraint, mirror_half
@@ -189,8 +189,8 @@ def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monk
         asked.append(True)
         raise NotPositive
 
-    monkeypatch.setattr("kilter.analysis.verdict.motion.SMALL", 0)
-    monkeypatch.setattr("kilter.analysis.verdict.motion.solve_projection", singular)
+    monkeypatch.setattr("kilter.analysis.decision.motion.SMALL", 0)
+    monkeypatch.setattr("kilter.analysis.decision.motion.solve_projection", singular)
     found = find_motion(program)
     assert asked
     assert found.residual < 1e-6

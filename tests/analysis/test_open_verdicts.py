@@ -12,7 +12,7 @@ import pytest
 from judged import judged, reloaded, verified
 
 from kilter import check
-from kilter.analysis.open_pairs.deciding_pairs import MOST
+from kilter.analysis.decision.deciding_pairs import MOST
 from kilter.assembly import Assembly, FrictionPair, Joint
 from kilter.contact import Tolerance
 from kilter.contact.contact_tolerances import GAP

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from transformations import tilted
 
+from kilter.analysis import load_limit
 from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins import load_limit
-from kilter.analysis.margins.limit_sides import LimitSides
-from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.analysis.limit_sides import LimitSides
+from kilter.analysis.load_limit import find_limit, gravity_wrench
 from kilter.analysis.turning_tolerances import LIMIT_AGREES
 from kilter.assembly import Joint
 from kilter.contact import detect

@@ -10,9 +10,9 @@ from test_closed_forms import WEIGHT, cantilever, cube, hung
 
 import kilter
 from kilter import Assembly, Bond
+from kilter.analysis.decision.bond_factor import find_bond_factor, unbreakable
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.bond_factor import find_bond_factor, unbreakable
-from kilter.analysis.margins.load_limit import NoLimit
+from kilter.analysis.load_limit import NoLimit
 from kilter.cli import main
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program

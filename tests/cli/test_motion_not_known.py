@@ -1,7 +1,5 @@
 """Where no solver finishes the impending motion: every command says so, none ends as a fault."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from pathlib import Path
@@ -10,7 +8,7 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter.analysis.verdict.motion import NO_MOTION
+from kilter.analysis.decision.motion import NO_MOTION
 from kilter.cli import main
 from kilter.scenes import scene, stacks
 from kilter.tell.tables import NO_ACCELERATION
@@ -36,7 +34,7 @@ def no_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(clarabel, "solve_quadratic", none)
-    monkeypatch.setattr("kilter.analysis.verdict.motion.solve_projection", singular)
+    monkeypatch.setattr("kilter.analysis.decision.motion.solve_projection", singular)
 
 
 def written(name: str, assembly: kilter.Assembly) -> str:

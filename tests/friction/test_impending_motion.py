@@ -11,7 +11,7 @@ from beyond_limits import beyond_limit, thinnest_arch
 from coulomb_oracle import explained
 
 import kilter
-from kilter.analysis.verdict.motion import NO_MOTION_BY_LAW, find_motion
+from kilter.analysis.decision.motion import NO_MOTION_BY_LAW, find_motion
 from kilter.cli import main
 from kilter.scenes.arches import arch_with_held_ends
 from kilter.scenes.stacks import block_on_slope

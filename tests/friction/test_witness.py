@@ -13,7 +13,7 @@ from held_or_not import (
 )
 from modes_oracle import greatest_power
 
-from kilter.analysis.verdict.motion import find_motion
+from kilter.analysis.decision.motion import find_motion
 from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law

@@ -12,11 +12,11 @@ from margins import by_points, leaning, program_of, small_assembly
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
+from kilter.analysis import load_limit
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins import load_limit
+from kilter.analysis.limit_sides import LimitSides
+from kilter.analysis.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
 from kilter.analysis.margins.least_friction import find_least_friction
-from kilter.analysis.margins.limit_sides import LimitSides
-from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
 from kilter.analysis.margins.margin_question import PUSHED
 from kilter.analysis.margins.pushes import find_weakest_push
 from kilter.analysis.margins.tilt import (

@@ -7,9 +7,10 @@ import pytest
 from margins import program_of
 from random_turned import random_turned, springer_arch
 
+from kilter.analysis import load_limit
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.limit_sides import limit_sides
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.limit_sides import limit_sides
+from kilter.analysis.load_limit import (
     Limit,
     find_limit,
     gravity_wrench,
@@ -88,7 +89,7 @@ def test_a_share_that_is_held_whole_takes_no_linear_program(monkeypatch):
     def unasked(*_: object) -> None:
         raise AssertionError("linear programs were asked")
 
-    monkeypatch.setattr("kilter.analysis.margins.load_limit.limit_sides", unasked)
+    monkeypatch.setattr("kilter.analysis.load_limit.limit_sides", unasked)
     program = program_of(stacks.block_on_slope(0.0, friction=0.5))
     aside = gravity_wrench(program, np.array([0.28, 0.96, 0.0]))
     for most, value in ((0.4, np.inf), (1.0, pytest.approx(0.5, abs=1e-8))):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from margins import program_of
 
-from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.analysis.load_limit import find_limit, gravity_wrench
 from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.margins.what_helps import what_helps
 from kilter.assembly import Assembly, Load

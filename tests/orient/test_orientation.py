@@ -93,7 +93,7 @@ def test_a_direction_found_without_friction_holds_with_it():
     assert smooth.found
     assert rough.found
     assert rough.friction
-    assert rough.region.contains(smooth.down)
+    assert rough.stable_region.contains(smooth.down)
     assert rough.tilt_margin_deg > smooth.tilt_margin_deg
 
 

@@ -11,6 +11,7 @@ import pytest
 import kilter
 from kilter.analysis.placing import plan_states as states
 from kilter.analysis.placing.check_plan import check_plan
+from kilter.assembly.question import Question
 from kilter.contact import contacts
 from kilter.files.packing_lists import PackedBox, PackingPlan
 
@@ -75,9 +76,7 @@ def data_of(plan: PackingPlan, arguments: dict[str, Any]) -> dict[str, Any]:
 def by_stacks(plan: PackingPlan) -> list[bool]:
     """Whether the stacks decide each state."""
     whole = plan.assembly().with_floor()
-    found = states.plan_states(
-        whole, contacts(whole), len(plan.boxes), require="settles", effort=1.0
-    )
+    found = states.plan_states(Question(assembly=whole, contacts=contacts(whole)), len(plan.boxes))
     return [state.verdict is None for state in found]
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 
 import kilter
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.load_limit import Limit, find_limit, gravity_wrench
+from kilter.analysis.load_limit import Limit, find_limit, gravity_wrench
 from kilter.analysis.regions import boundary_rays
 from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.inner_hull import inner_hull

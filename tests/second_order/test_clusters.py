@@ -16,7 +16,7 @@ KNOWN = ["02", "03", "07", "25", "26", "34", "35", "37", "38"]
 
 
 def answer(assembly: Assembly, *, effort: float = 1.0) -> SecondOrder:
-    second = kilter.check(assembly, effort=effort).second_order
+    second = kilter.check(assembly, effort=effort).second_order_answer
     assert second is not None
     return second
 

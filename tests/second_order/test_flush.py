@@ -39,5 +39,5 @@ def test_within_the_edge_it_slides_and_beyond_it_falls(
     for order in itertools.permutations(build(width, off)):
         verdict = kilter.check(Assembly(order))
         assert verdict.stable == (off < 0)
-        second = verdict.second_order
+        second = verdict.second_order_answer
         assert off > 0 or (second is not None and second.state == "free")

@@ -8,12 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lashings import direct, random_direct
-from strap_program import least_share
+from lashings import direct, least_share, random_direct
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Strap
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.cli import main

@@ -7,7 +7,7 @@ import pytest
 from boxes_on_deck import portal, random_stack, stack_on_deck
 
 import kilter
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.analysis.transport.carried_set import CarriedSet
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.contact import contacts

@@ -16,7 +16,7 @@ import pytest
 from boxes_on_deck import random_stack, stack_on_deck
 
 import kilter
-from kilter.analysis.margins.load_limit import NoLimit
+from kilter.analysis.load_limit import NoLimit
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program

@@ -9,7 +9,7 @@ import pytest
 from boxes_on_deck import random_stack, stack_on_deck
 
 import kilter
-from kilter.analysis.margins.load_limit import NoLimit
+from kilter.analysis.load_limit import NoLimit
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath, path_from_poses, read_path
 from kilter.analysis.transport.path import find_path_limit

@@ -9,12 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lashings import lashed, over, random_direct, random_lashing
-from strap_program import least_share
+from lashings import lashed, least_share, over, random_direct, random_lashing
 
 import kilter
 from kilter import Assembly, InputError, Strap
-from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.cli import main
 from kilter.contact import contacts

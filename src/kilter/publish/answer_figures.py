@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from kilter.assembly.question import Question, question
 from kilter.errors import InputError
 from kilter.publish.output_files import require_figure
 from kilter.publish.subjects import changed_subject, path_of, require_steps
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike
 
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
@@ -22,8 +20,8 @@ if TYPE_CHECKING:
     from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
-    from kilter.assembly.verb_keywords import AssemblyOrPath
-    from kilter.contact import ContactSet, Tolerance
+    from kilter.assembly.question import AssemblyOrPath
+    from kilter.contact import ContactSet
 
 __all__ = ["answer_to_draw", "draw"]
 
@@ -32,23 +30,16 @@ DRAWING = 1.0
 Tell = Callable[[str], None]
 
 
-@guarded
+@question(lacks="contacts require")
 def draw(
     subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places,
     out: str | Path | None = None,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
+    asked: Question,
     what: Literal["assembly", "region"] = "assembly",
     view: tuple[float, float] | None = None,
     names: bool | None = None,
     contacts: ContactSet | bool | None = None,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Tell | None = None,
 ) -> Figure:
     """Draw the parts with their motion or forces, or the stable region on the sphere.
 
@@ -60,8 +51,6 @@ def draw(
         An answer is drawn unchanged. For an assembly, the answer is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     what : {"assembly", "region"}
         Figure of an assembly: its verdict or its stable region.
     view : (float, float), optional
@@ -71,8 +60,6 @@ def draw(
     contacts : ContactSet or bool, optional
         Contacts of this assembly; by default they are detected from its geometry. True or False
         decides whether contact patches are drawn; by default only few patches are drawn.
-    tolerance, effort, time_limit, progress : optional
-        As in `kilter.check`.
 
     Returns
     -------
@@ -109,18 +96,8 @@ def draw(
     require_figure(out, view)
     shown = contacts if isinstance(contacts, bool) else None
     known = None if isinstance(contacts, bool) else contacts
-    subject = changed_subject(
-        subject, "draw", known, friction=friction, down=down, ground=ground, floor=floor
-    )
-    answer = answer_to_draw(
-        subject,
-        what,
-        contacts=known,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        progress=progress,
-    )
+    asked = asked.but(contacts=known)
+    answer = answer_to_draw(changed_subject(subject, asked), what, asked)
     if isinstance(answer, Region):
         figure = draw_region(answer)
     elif isinstance(answer, Settled):
@@ -177,16 +154,7 @@ def _draw_places(answer: Places) -> Figure:
     return draw_places(answer.to_dict(), answer.assembly, answer.prism.footprint.tolist())
 
 
-def answer_to_draw(
-    subject: Any,
-    what: str,
-    *,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Tell | None = None,
-) -> Any:
+def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
     """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
     from kilter.analysis.check import check
     from kilter.analysis.placing.place import Places
@@ -200,23 +168,11 @@ def answer_to_draw(
     if isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
         return subject
     require_assembly(subject, "draw")
-    if time_limit is not None:
-        time_limit = max(time_limit - DRAWING, time_limit / 2)
+    left = asked.seconds_left
+    asked = asked.within(None if left is None else max(left - DRAWING, left / 2))
+    asked = asked.but(assembly=subject)
     if what == "region":
-        return region(
-            subject,
-            contacts=contacts,
-            tolerance=tolerance,
-            time_limit=time_limit,
-            progress=progress,
-        )
+        return region(asked)
     if what != "assembly":
         raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
-    return check(
-        subject,
-        contacts=contacts,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        progress=progress,
-    )
+    return check(asked)

@@ -98,7 +98,7 @@ def _film_of(verdict: Verdict) -> bytes:
 
 def _film_of_mechanism(answer: Transport) -> bytes:
     """GLB film of the motion that starts first on an accelerated carrier, seen from the carrier."""
-    from kilter.analysis.margins.load_limit import starting
+    from kilter.analysis.load_limit import starting
     from kilter.analysis.verdict.free_travel import travel_along
     from kilter.show.motion_film import film_of_motion
 

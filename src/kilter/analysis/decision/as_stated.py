@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import STATED_MOST
-from kilter.analysis.verdict.motion import find_motion
+from kilter.analysis.decision.motion import find_motion
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet

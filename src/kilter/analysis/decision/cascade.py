@@ -11,7 +11,7 @@ Every command calls `decide`. Each of its steps ends with a certificate that is 
 3. the outer bound: a motion that no force of an open pair can stop proves *unstable*;
 4. the normals of degenerate points, by branches (`degenerate_branches`);
 5. fitted normals, and the accuracy of coordinates that a file states;
-6. the open pairs that decide (`kilter.analysis.open_pairs`): *undecided*, with a question.
+6. the open pairs that decide (`open_question`): *undecided*, with a question.
 
 Only this package reads the doubts about contacts (`kilter.analysis.decision.doubts`).
 """
@@ -28,8 +28,8 @@ from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.fitted_normals import rests_on_fits, why_fits_leave_it_open
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.open_pairs.open_question import OpenQuestion, ask_open
-from kilter.analysis.open_pairs.ordinary_contacts import (
+from kilter.analysis.decision.open_question import OpenQuestion, ask_open
+from kilter.analysis.decision.ordinary_contacts import (
     EQUILIBRIUM,
     PROVED,
     SETTLES,

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from kilter.analysis.decision.judge import Judgement
-from kilter.analysis.open_pairs.open_question import OpenQuestion
-from kilter.analysis.open_pairs.ordinary_contacts import OpenTrial
+from kilter.analysis.decision.open_question import OpenQuestion
+from kilter.analysis.decision.ordinary_contacts import OpenTrial
 from kilter.mechanics.program import Program
 from kilter.tell.levels import level_of
 

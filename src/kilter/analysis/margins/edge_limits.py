@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit
+from kilter.analysis.load_limit import Limit, NoLimit
 from kilter.arrays import Array
 from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.certificate import ForceProof

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import NoLimit, gravity_wrench
+from kilter.analysis.load_limit import NoLimit, gravity_wrench
 from kilter.analysis.margins.tilt import across_gravity, first_directions
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import BALANCED, FOLLOWING_AGREES

@@ -23,7 +23,7 @@ import numpy as np
 
 from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.load_limit import NoLimit, starting
+from kilter.analysis.load_limit import NoLimit, starting
 from kilter.analysis.margins.squeeze import held_by_squeeze
 from kilter.analysis.turning_tolerances import (
     MU_AGREES,

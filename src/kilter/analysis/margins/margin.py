@@ -8,174 +8,34 @@ Contacts that are not modelled are left out; more contacts only raise a margin.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
-from typing import Any, ClassVar
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.fitted_normals import fits_left_out
-from kilter.analysis.margins.bond_factor import BondFactor
-from kilter.analysis.margins.least_friction import LeastFriction
-from kilter.analysis.margins.level_limits import LevelLimits, Limits
-from kilter.analysis.margins.load_limit import Limit, Why
-from kilter.analysis.margins.margin_proofs import margin_proofs
+from kilter.analysis.decision.open_question import open_pair_names
+from kilter.analysis.load_limit import Limit
+from kilter.analysis.margins.level_limits import Limits
+from kilter.analysis.margins.margin_answer import Bracket, Margin
 from kilter.analysis.margins.margin_question import MarginQuestion, margin_question
 from kilter.analysis.margins.margin_steps import MarginSteps
-from kilter.analysis.margins.part_loads import PartLoad
-from kilter.analysis.margins.pushes import Push
-from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin, tilt_about
-from kilter.analysis.margins.uncertainty import Ranges, Uncertainty
-from kilter.analysis.margins.what_helps import Help
-from kilter.analysis.open_pairs.open_question import open_pair_names
-from kilter.analysis.verdict.answers import OfAssembly
+from kilter.analysis.margins.tilt import NearestHeld, TiltMargin, tilt_about
+from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance
-from kilter.contact.round_edges import RoundEdge, has_round_edges
-from kilter.mechanics.bundle import make_bundle
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.levels import REQUIRE
 from kilter.tell.record import (
     Ends,
-    Guarantee,
-    InPython,
-    LevelWord,
-    Record,
-    Seconds,
-    Vector,
-    Word,
-    key,
 )
-from kilter.threads import on_one_thread
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT, Work, units_of
+from kilter.work import Work
 
-__all__ = ["Margin", "margin"]
-
-
-class Bracket(Record):
-    """Bounds of the least and of the greatest load factor, if slipping contacts do not dilate.
-
-    The inner bounds are held however slippery the parts.
-    """
-
-    least: Ends | None
-    """Bounds of the least factor."""
-    greatest: Ends | None
-    """Bounds of the greatest factor."""
-
-
-class Margin(OfAssembly):
-    """Answer of `kilter.margin`: limits of tilt, friction, load factor and pushes."""
-
-    answer: ClassVar[str] = "margin"
-
-    check: InPython[Verdict]
-    """Answer of `kilter.check`."""
-    program: InPython[Program]
-    """The modelled contacts, with friction."""
-    verdict: Word
-    """Verdict of `kilter.check`."""
-    sentence: str
-    """The verdict in words."""
-    guarantee: Guarantee
-    """Guarantee of the verdict."""
-    level: LevelWord
-    """Level of the limits: "proved" without friction, else "equilibrium"."""
-    require: LevelWord
-    """Level of `at_level`."""
-    tilt: InPython[TiltMargin | None]
-    """None if gravity as given is not held, with loads, or if the region is thinner than a cone."""
-    nearest: InPython[NearestHeld | None]
-    """Least turn that is held, from both sides, if gravity as given is not held."""
-    tilt_deg: float | None
-    """Least turn of gravity to the boundary [deg]; negative when outside."""
-    tilt_outside: Word | None
-    """Verdict of `kilter.check` just beyond the tilt limit, at the level "equilibrium"."""
-    at_level: LevelLimits | None
-    """Values up to which the level `require` is reached, if it is above "equilibrium"."""
-    tilt_lower_deg: float | None
-    """Turn that is proved to be held in every direction [deg]."""
-    tilt_upper_deg: float | None
-    """Turn that is proved not to reach a held direction, negative [deg]."""
-    tilt_down: Vector | None
-    """Direction of gravity at the limit; None if no tilt up to a right angle fails."""
-    tilt_limit: Limit | None
-    """Proofs of the tilt."""
-    about: TiltAbout | None
-    """Turn about the given axis."""
-    friction: float | None
-    """Least coefficient, the same at every contact [-]; None if none is enough."""
-    friction_limit: LeastFriction | None
-    """Proof of the least friction coefficient."""
-    clamped_by: tuple[str, ...]
-    """Bonds and straps, of which `bond` is the needed share."""
-    bond: float | None
-    """Least share of the strength of bonds and straps that is enough [-]; None if it is 0."""
-    bond_limit: BondFactor | None
-    """Proof of the least share of the bond strength; None if no share is enough."""
-    load_factor: Ends | None
-    """Least and greatest load factor [-], infinite without a limit; None without loads."""
-    load_factor_bracket: Bracket | None
-    """Bounds of the load factor without dilation, if requested."""
-    load_limits: tuple[Limit | None, Limit | None] | None
-    """Proofs of both ends; the values of the least have the opposite sign."""
-    pushes: tuple[Push, ...]
-    """Weakest push of each part."""
-    loads: tuple[PartLoad, ...]
-    """Additional load straight down of each part; empty if it was not requested."""
-    push: InPython[Vector | None]
-    """Direction of the body force of `load_factor`; None if the factor is that of the loads."""
-    edges: InPython[tuple[RoundEdge, ...]]
-    """Round edges over which parts tip, in the tilt."""
-    missing: dict[str, Why]
-    """Requested limits without a value, and why: "none", proved that there is none (it is not held
-    as given, or no friction or factor is enough); "failed", the numbers did."""
-    uncertainty: Uncertainty | None
-    """The worst case of inexact data; None without ranges, or if there are too many cases."""
-    helps: tuple[Help, ...]
-    """Changes that raise the tilt margin, or else the greatest load factor, most."""
-    warnings: tuple[str, ...]
-    """What to know about the answer."""
-    seconds: Seconds
-    """Duration of each stage [s]."""
-
-    @property
-    @key
-    def exact(self) -> bool:
-        """Whether all limits are those of the solids: no open pair, and no polygon for a circle.
-
-        Only the tilt counts round edges as circles; every other limit is that of polygons inside.
-        """
-        if self.contacts.open_pairs:
-            return False
-        others = self.about, self.load_limits, self.bond_limit, self.uncertainty, *self.pushes
-        tilts = self.tilt is not None and not (any(others) or self.loads)
-        tilts = tilts and not self.friction
-        known = self.edges if tilts and self.tilt is not None and self.tilt.closed else ()
-        return not has_round_edges(self.assembly, self.contacts, known)
-
-    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Forces within each limit and a motion beyond it, for `kilter.verify`, as JSON data.
-
-        Raises
-        ------
-        InputError
-            If no limit is known.
-        """
-        return make_bundle("margin", margin_proofs(self, options=options or {}))
-
-    def __repr__(self) -> str:
-        tilt = "none" if self.tilt_deg is None else f"{self.tilt_deg:.6g} deg"
-        if self.tilt is not None and self.tilt_down is None:
-            tilt = "over 90 deg"
-        mu = "none" if self.friction is None else f"{self.friction:.6g}"
-        if self.friction_limit is not None and not self.friction_limit.attained:
-            mu = f"above {mu}"
-        return f"Margin({self.verdict}, tilt {tilt}, least friction {mu})"
+__all__ = ["margin"]
 
 
 def _interval(factor: tuple[Limit | None, Limit | None] | None) -> Ends | None:
@@ -192,35 +52,22 @@ def _bracket(factor: Ends | None, sure: Ends | None) -> Bracket:
     return Bracket(least=(factor[0], inner[0]), greatest=(inner[1], factor[1]))
 
 
-@guarded
-@on_one_thread
+@question(require="equilibrium")
 def margin(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
     push: Any = None,
     about: Any = None,
     pushed: list[str] | None = None,
     loads: bool = False,
     ranges: Ranges | None = None,
     bracket: bool = False,
-    require: str = "equilibrium",
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Margin:
     """Compute the margins of an assembly: tilt, least friction, load factor and pushes.
 
     Parameters
     ----------
     assembly : Assembly, or path
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     push : array_like, shape (3,), optional
         The load factor of a body force in this direction, in units of each part's weight;
         else that of the given loads, if there are any.
@@ -239,8 +86,6 @@ def margin(
         Level from which the answer is yes. Above "equilibrium", `Margin.at_level` has the values up
         to which this level is reached. The default is lower than that of `check`, because each
         further value is a search.
-    contacts, tolerance, effort, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -260,42 +105,29 @@ def margin(
     >>> round(margin(scene("tower")).friction, 6)
     0.0
     """
-    started = time.perf_counter()
-    assembly = asked_assembly(
-        assembly, "margin", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
     question = margin_question(
-        assembly,
+        asked.assembly,
         push=push,
         about=about,
         pushed=pushed,
         loads=loads,
         ranges=ranges,
         bracket=bracket,
-        require=require,
+        require=asked.require,
     )
-    verdict = check(
-        assembly,
-        contacts=contacts,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        progress=progress,
-    )
-    remaining = None if time_limit is None else time_limit - (time.perf_counter() - started)
-    work = Work(units_of(effort), progress, time_limit=remaining)
-    limits = _limits(question, verdict, work, progress or (lambda stage: None))
-    seconds = {**verdict.seconds, "total": time.perf_counter() - started}
+    verdict = check(asked.but(require=REQUIRE))
+    limits = _limits(question, verdict, asked.work(), asked.tell)
+    seconds = {**verdict.seconds, "total": time.perf_counter() - asked.begun}
     return Margin(
-        assembly=assembly,
-        contacts=verdict.contacts,
+        assembly=asked.assembly,
+        contacts=verdict.contact_set,
         check=verdict,
         verdict=verdict.verdict,
         sentence=verdict.sentence,
         guarantee=verdict.guarantee,
         require=question.require,
         push=question.push,
-        clamped_by=tuple(name for name in ("bonds", "straps") if getattr(assembly, name)),
+        clamped_by=tuple(name for name in ("bonds", "straps") if getattr(asked.assembly, name)),
         seconds=seconds,
         **limits,
     )
@@ -306,8 +138,8 @@ def _limits(
 ) -> dict[str, Any]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
     assembly = question.assembly
-    program = build_program(assembly, verdict.contacts)
-    warnings = [*verdict.warnings, *_left_out(assembly, verdict.contacts, program)]
+    program = build_program(assembly, verdict.contact_set)
+    warnings = [*verdict.notes, *_left_out(assembly, verdict.contact_set, program)]
     steps = MarginSteps(
         work=work,
         tell=tell,

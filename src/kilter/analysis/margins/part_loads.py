@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit
+from kilter.analysis.load_limit import Limit, NoLimit, find_limit
 from kilter.analysis.turning_tolerances import SIDES_NEAR
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit
+from kilter.analysis.load_limit import Limit, NoLimit
 from kilter.analysis.margins.tilt import held_limit
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (

@@ -21,14 +21,14 @@ from functools import partial
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.edge_limits import limit_on_circles
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
     SharedCones,
     find_limit,
     gravity_wrench,
 )
+from kilter.analysis.margins.edge_limits import limit_on_circles
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (
@@ -293,7 +293,7 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
     nearest = _project_by_cones(program)
     if isinstance(nearest, NoLimit):
         return nearest
-    angle, lower, held = _angle_between(program.down, nearest), 0.0, nearest
+    angle, lower, held = float(angle_between(program.down, nearest)), 0.0, nearest
     motion: MotionProof | None = None
     aim, start = program.down, program.turned(nearest)
     for _ in range(NEARER):
@@ -304,8 +304,8 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
             break
         held_down = nearest + min(limit.value, 1.0) * (aim - nearest)
         held_down = held_down / float(np.linalg.norm(held_down))
-        if _angle_between(program.down, held_down) < angle:
-            angle, held = _angle_between(program.down, held_down), held_down
+        if (nearer := float(angle_between(program.down, held_down))) < angle:
+            angle, held = nearer, held_down
         if limit.motion is None:
             break
         moment = (program.mass * program.free) @ limit.motion.motion[:, :3]
@@ -338,11 +338,6 @@ def _project_by_cones(program: Program) -> Array | NoLimit:
     vector = answer.x[-len(axes) :] @ axes
     size = float(np.linalg.norm(vector))
     return NoLimit("none") if size < NO_PROJECTION else vector / size
-
-
-def _angle_between(first: Array, other: Array) -> float:
-    """Angle [rad] between two directions."""
-    return float(angle_between(first, other))
 
 
 def across_gravity(program: Program) -> Array:

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.load_limit import Limit
 from kilter.arrays import TINY, Array, Index, across
 from kilter.contact.common.polygons import convex_hull
 from kilter.contact.round_edges import RoundEdge

@@ -19,7 +19,7 @@ from typing import Literal
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
     find_limit,

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.margins.load_limit import NoLimit, find_limit, gravity_wrench
+from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.regions.boundary_rays import BoundaryRay, BoundaryRays
 from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
 from kilter.analysis.regions.inner_hull import InnerHull, inner_hull
@@ -32,7 +32,7 @@ from kilter.analysis.turning_tolerances import (
     RAY_BLUR,
     SAME_RAY,
 )
-from kilter.arrays import Array, unit_rows
+from kilter.arrays import Array, angle_between, unit_rows
 from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import (
     ConeProblem,
@@ -149,7 +149,7 @@ class ConeCutting:
         if not proof.holds:
             return False
         self.rays.append(DirectionProof("ray", ray.down, ray.down, proof))
-        if _angle_between(target, ray.down) <= NEARER * most:
+        if angle_between(target, ray.down) <= NEARER * most:
             return True
         facet = self._facet(target, ray.down, ray.motion)
         if facet is not None:
@@ -207,7 +207,7 @@ class ConeCutting:
             down = nearest / size
             forces = self.locked.forces(down, *self.wide.decoded(answer.x[:-3] / size))
             ray = self._ray(down, forces)
-            angle = np.pi if ray is None else _angle_between(direction, ray)
+            angle = np.pi if ray is None else float(angle_between(direction, ray))
         if angle < SAME_RAY:
             return angle, None
         rows = len(self.wide.problem.right)
@@ -286,7 +286,7 @@ class ConeCutting:
         toward = start + share * (direction - start)
         down = toward / float(np.linalg.norm(toward))
         ray = self._ray(down, self.locked.forces(down, *_scale_forces(limit.forces, toward)))
-        angle = angle if ray is None else min(angle, _angle_between(direction, ray))
+        angle = angle if ray is None else min(angle, float(angle_between(direction, ray)))
         if limit.motion is None:
             return angle, None
         motion = self.locked.motion(limit.motion.motion)
@@ -351,8 +351,3 @@ def _scale_forces(proof: ForceProof, down: Array) -> tuple[Array, Array]:
     """Forces and friction for a unit direction, from a proof for a direction of any length."""
     length = float(np.linalg.norm(down))
     return proof.forces / length, proof.friction / length
-
-
-def _angle_between(first: Array, other: Array) -> float:
-    """Angle between two unit vectors [rad]."""
-    return float(2 * np.arcsin(min(float(np.linalg.norm(first - other)) / 2, 1.0)))

@@ -159,17 +159,6 @@ class Cone:
         sine = float((self.facets @ direction).min(initial=1.0))
         return max(float(np.arcsin(np.clip(sine, 0.0, 1.0))) - self.inwards, 0.0)
 
-    def boundary_angle(self, directions: ArrayLike) -> Array:
-        """Least angle from directions to a facet or, outside the span, to the span [rad], (...).
-
-        A lower bound of the distance to the boundary, for directions of any length.
-        """
-        given = np.asarray(directions, dtype=np.float64)
-        unit = given / np.linalg.norm(given, axis=-1, keepdims=True)
-        sines = np.abs(np.concatenate([unit @ self.equations.T, unit @ self.facets.T], axis=-1))
-        angles: Array = np.arcsin(np.clip(sines.min(axis=-1, initial=1.0), 0.0, 1.0))
-        return angles
-
 
 def make_cone(equations: ArrayLike, facets: ArrayLike, points: ArrayLike, blur: float) -> Cone:
     """Create a cone from its equations, its facets, and points that include its extreme rays.

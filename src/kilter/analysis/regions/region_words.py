@@ -6,9 +6,9 @@ import numpy as np
 
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.fitted_normals import fits_left_out
-from kilter.analysis.open_pairs.open_question import open_pair_names
+from kilter.analysis.decision.motion import find_motion
+from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.regions.stable_cone import DirectionProof, StableCone
-from kilter.analysis.verdict.motion import find_motion
 from kilter.analysis.verdict.remarks import remarks, touching_nothing
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly

@@ -9,7 +9,7 @@ is convex. Without friction it is a polyhedron. Given loads and bonds are fixed 
 belong to w. For an acceleration a alone and without loads and bonds, A = g - S, with the cone S of
 directions of gravity that `kilter.region` finds.
 
-    farthest point    max t : J^T f + w(g) + t B y = 0: `kilter.analysis.margins.load_limit`;
+    farthest point    max t : J^T f + w(g) + t B y = 0: `kilter.analysis.load_limit`;
                       forces prove the point, a motion proves a plane beyond which A has no point
     least             the point of the boundary nearest to 0 among the horizontal accelerations
     slice             the boundary of a plane section: a polygon inside and planes outside
@@ -22,7 +22,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones, Why
+from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, Why
 from kilter.analysis.margins.tilt import across_gravity, held_limit
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
@@ -53,27 +53,18 @@ ACCURACY = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastAcceleration:
-    """The least horizontal acceleration of a carrier that no contact forces can balance.
-
-    Attributes
-    ----------
-    value : float
-        [g]; infinite if every horizontal acceleration up to `MOST` is carried.
-    lower : float
-        Every horizontal acceleration below this is carried [g].
-    direction : ndarray, shape (3,)
-        Of the least acceleration, unit; zero if the value is infinite.
-    limit : Limit
-        The limit along this direction, with its forces and its mechanism.
-    programs : int
-        Number of limits that were computed.
-    """
+    """The least horizontal acceleration of a carrier that no contact forces can balance."""
 
     value: float
+    """[g]; infinite if every horizontal acceleration up to `MOST` is carried."""
     lower: float
+    """Every horizontal acceleration below this is carried [g]."""
     direction: Array
+    """Of the least acceleration, unit, shape (3,); zero if the value is infinite."""
     limit: Limit
+    """The limit along this direction, with its forces and its mechanism."""
     programs: int
+    """Number of limits that were computed."""
 
 
 class Slice(Record):

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, starting, with_more
+from kilter.analysis.decision.motion import find_motion_with_friction, round_mantle
+from kilter.analysis.load_limit import Limit, starting, with_more
 from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
-from kilter.analysis.verdict.motion import find_motion_with_friction, round_mantle
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.mechanics.certificate import part_sizes

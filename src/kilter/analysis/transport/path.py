@@ -35,7 +35,7 @@ from typing import Annotated
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import (
+from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
     SharedCones,

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, NoLimit, SharedCones, find_limit
+from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, find_limit
 from kilter.analysis.transport.carried_set import MOST
 from kilter.analysis.transport.carrier import load_matrix
 from kilter.analysis.transport.path import PathLimit

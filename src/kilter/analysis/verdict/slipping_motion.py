@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import block_diag, csc_array, csr_array, eye_array, hstack, vstack
 
-from kilter.analysis.verdict.motion import ImpendingMotion, motion_of, optimality, still, unknown
+from kilter.analysis.decision.motion import ImpendingMotion, motion_of, optimality, still, unknown
 from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.forms import impending_motion

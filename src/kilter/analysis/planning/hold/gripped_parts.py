@@ -2,7 +2,7 @@
 
 A cover of motions needs a judgement for nearly every candidate if no motion is proved, as for an
 assembly whose open pairs might hold it. Instead, the conic program of
-`kilter.analysis.open_pairs.joining_wrenches` finds few grips whose wrenches complete the
+`kilter.analysis.decision.joining_wrenches` finds few grips whose wrenches complete the
 equilibrium. Halves of these grips are left out as long as the others hold.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.open_pairs.joining_wrenches import joining_wrenches
+from kilter.analysis.decision.joining_wrenches import joining_wrenches
 from kilter.analysis.planning.hold.supported import Supported
 from kilter.analysis.smallest_set import irreducible_subset
 from kilter.work import Work

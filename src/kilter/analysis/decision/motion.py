@@ -1,0 +1,371 @@
+"""Impending motion: accelerations of the parts from rest, by Gauss's least constraint.
+
+    min 1/2 (a - M^-1 w)^T M (a - M^-1 w),   J a >= 0
+
+Among all accelerations that the contacts allow, the true accelerations are nearest to free fall,
+in the metric of the masses and inertia tensors. They are unique. They are zero if and only if the
+assembly is stable. The displacement program only decides whether parts move, not how they move
+(section 2.2 of the paper).
+
+    kappa = |a|_M / (|g| sqrt(sum m_i))          0 = stable, 1 = everything in free fall
+
+With friction, the accelerations obey Coulomb's law and need not be unique. If the search finds
+none, no accelerations are shown: only the motion of the proof is known, which gains energy.
+
+References
+----------
+C. F. Gauss, Über ein neues allgemeines Grundgesetz der Mechanik, 1829. D. Baraff,
+Analytical methods for dynamic simulation of non-penetrating rigid bodies, 1989.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.analysis.analysis_tolerances import (
+    MOTION_ASKED,
+    MOTION_ENOUGH,
+    MOTION_GOOD,
+    MOVES,
+    ZERO_MOTION,
+)
+from kilter.arrays import TINY, Array, Mask
+from kilter.assembly import Part
+from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
+from kilter.mechanics.forms import scaled_problem
+from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
+from kilter.mechanics.program import Program
+from kilter.shape.primitives import Cylinder, Sphere
+from kilter.solvers.block_cholesky import NotPositive
+from kilter.solvers.projection import solve_projection
+from kilter.tell.words import RoundMantle
+from kilter.units import metres_per_unit
+from kilter.work import Work, units_of
+
+__all__ = [
+    "NO_MOTION",
+    "NO_MOTION_BY_LAW",
+    "NO_MOTION_OF_LIMITS",
+    "UNKNOWN_MOTION",
+    "ImpendingMotion",
+    "find_motion",
+    "find_motion_with_friction",
+    "motion_of",
+    "optimality",
+    "round_mantle",
+    "still",
+    "unknown",
+    "without_opening",
+]
+
+
+SMALL = 400
+"""Largest number of unknowns for which Clarabel is tried first."""
+MORE_WORK = 3.0
+"""Work to find the motion of an unstable assembly, over that of an effort: the search for a motion
+is all that is left to do. In a wall of 28 bricks it takes 1.5 s."""
+MANY = 8000
+"""Programs with more unknowns than this, about 1,300 parts, are solved to fewer digits."""
+
+
+NO_MOTION = (
+    "no solver finished the program of the impending motion: accelerations and kappa are left out"
+)
+NO_MOTION_BY_LAW = (
+    "no motion that obeys the law of friction was found: accelerations and kappa are left out"
+)
+NO_MOTION_OF_LIMITS = (
+    "the motion in which straps or the friction of joints give way, or bonds slip, is "
+    "not modelled: accelerations and kappa are left out"
+)
+UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"}
+"""Words for a part if no solver finished, by whether a proof shows that the part moves."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartMotion:
+    """Accelerations with which a part starts to move from rest; arrays are read-only.
+
+    Attributes
+    ----------
+    acceleration : ndarray, shape (6,)
+        Linear [m/s^2] and angular [rad/s^2] acceleration, world frame.
+    relative : ndarray, shape (2,)
+        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
+    moves : bool
+        Whether the part starts to move.
+    """
+
+    acceleration: Array
+    relative: Array
+    moves: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImpendingMotion:
+    """Accelerations with which all parts start to move from rest.
+
+    Attributes
+    ----------
+    acceleration : ndarray, shape (N, 6)
+        Linear [m/s^2] and angular [rad/s^2] accelerations, world frame.
+    relative : ndarray, shape (N, 2)
+        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
+    moves : ndarray of bool, shape (N,)
+        Whether either relative size exceeds `MOVES`.
+    instability : float
+        kappa [-].
+    residual : float
+        Residual of the optimality conditions by `optimality` [g], or of Coulomb's law [-].
+        Infinite if no solver finished; the accelerations are then 0 and have no meaning.
+    gains : ndarray, shape (N, 6), or None
+        If the accelerations are not known, the motion of the proof: translations [length unit] and
+        rotations [rad] of any common size, which gain energy. None if there is no such proof.
+    """
+
+    acceleration: Array
+    relative: Array
+    moves: Mask
+    instability: float
+    residual: float
+    gains: Array | None = None
+
+    @property
+    def known(self) -> bool:
+        """Whether a solver computed the motion; if not, `moves` marks parts that a proof moves."""
+        return bool(np.isfinite(self.residual))
+
+    def screws(self, metres: float) -> Array:
+        """Screw of each moving part, shape (N, 6), all of a common size: for pictures and films.
+
+        Shift of the centre of mass in length units of `metres` [m], and rotation; of the motion of
+        the proof if the accelerations are not known. 0 for other parts.
+        """
+        shown = self.acceleration / np.repeat([metres, 1.0], 3) if self.known else self.gains
+        return np.where(self.moves[:, None], 0.0 if shown is None else shown, 0.0)
+
+
+def find_motion(program: Program) -> ImpendingMotion:
+    """Compute the accelerations of all parts from rest, without friction.
+
+    If every solver fails, the result is not `known`.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("floating-block")
+    >>> motion = find_motion(build_program(assembly, contacts(assembly)))
+    >>> np.round(motion.acceleration[motion.moves][0, :3], 6) + 0.0
+    array([ 0.  ,  0.  , -9.81])
+    """
+    if not program.free.any():
+        return still(program)
+    solution = _least_constraint_motion(program)
+    if solution is None:
+        return unknown(program)
+    motion, residual = solution
+    motion = np.where(np.abs(motion) < ZERO_MOTION, 0.0, motion)
+    acceleration = motion * program.g
+    acceleration[:, 3:] /= metres_per_unit(program.units)
+    return motion_of(program, acceleration, residual)
+
+
+def motion_of(program: Program, acceleration: Array, residual: float) -> ImpendingMotion:
+    """Create an impending motion from accelerations, with moving parts and instability kappa.
+
+    Parameters
+    ----------
+    program : Program
+    acceleration : ndarray, shape (N, 6)
+        Linear [m/s^2] and angular [rad/s^2] accelerations.
+    residual : float
+        Residual of the conditions that the accelerations must satisfy [-].
+    """
+    motion = acceleration / max(program.g, TINY)
+    motion[:, 3:] *= metres_per_unit(program.units)
+    sizes = np.linalg.norm(motion.reshape(-1, 2, 3), axis=2)
+    sizes[:, 1] *= program.radius
+    energy = program.mass @ (motion[:, :3] ** 2).sum(axis=1) + np.einsum(
+        "ni,nij,nj->", motion[:, 3:], program.inertia, motion[:, 3:]
+    )
+    free_mass = float(program.mass[program.free].sum())
+    kappa = min(float(np.sqrt(max(energy, 0.0) / max(free_mass, TINY))), 1.0)
+    moves = np.asarray((sizes > MOVES).any(axis=1))
+    return ImpendingMotion(acceleration, sizes, moves, kappa, residual)
+
+
+def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotion | None:
+    """Compute accelerations from rest with Coulomb friction, if no equilibrium exists.
+
+    Parameters
+    ----------
+    program : Program
+    effort : float
+        Effort of the search.
+
+    Returns
+    -------
+    ImpendingMotion or None
+        None if the search finds no motion that obeys the law.
+    """
+    from kilter.friction.motion_search import find_coulomb_motion  # the import is slow
+
+    work = MORE_WORK * units_of(effort)
+    solution = find_coulomb_motion(program, work=Work(work), impending=True)
+    if solution is None:
+        return None
+    return motion_of(program, solution.acceleration, solution.law.residual)
+
+
+def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
+    """Accelerations of least constraint over g, (N, 6), and their residual; None if solvers fail.
+
+    Clarabel solves a small program first. If the residual exceeds `MOTION_GOOD`, the interior
+    point of `kilter.solvers.projection` follows, first on half of a symmetric assembly. The result
+    is the solution with the least residual, which is recomputed from the rows.
+    """
+    from kilter.solvers.clarabel import solve_quadratic
+
+    problem = scaled_problem(program)
+    try:
+        whole = least_constraint(problem)
+    except np.linalg.LinAlgError:  # the inertia of a damaged body is not positive
+        return None
+    solutions: list[tuple[Array, float]] = []
+
+    def add(form: LeastConstraint, unknowns: Array, multipliers: Array) -> float:
+        """Store a solution of a solver and return its residual."""
+        motion = problem.motion(form.accelerations(unknowns))
+        with np.errstate(over="ignore", invalid="ignore"):  # overflowing forces: residual infinite
+            residual = optimality(program, motion, form.forces(multipliers) * _heaviest(program))
+        residual = np.inf if np.isnan(residual) else residual
+        solutions.append((motion, residual))
+        return residual
+
+    if len(whole.cone.load) <= SMALL:
+        answer = solve_quadratic(whole.cone.conic)
+        if answer.found and add(whole, answer.x, answer.multipliers) <= MOTION_GOOD:
+            return solutions[-1]
+    many = len(whole.cone.load) > MANY
+    smaller = mirror_half(whole, problem)
+    for form in (whole,) if smaller is None else (smaller, whole):
+        try:
+            solution = solve_projection(form.cone, enough=MOTION_ASKED if many else 0.0)
+        except NotPositive:  # the matrix is singular up to rounding
+            continue
+        good = MOTION_ENOUGH if many else MOTION_GOOD
+        if add(form, solution.unknowns, solution.multipliers) <= good:
+            return solutions[-1]
+    if not solutions:  # both forms are singular: use Clarabel for every size
+        answer = solve_quadratic(whole.cone.conic)
+        if not answer.found:
+            return None
+        add(whole, answer.x, answer.multipliers)
+    return min(solutions, key=lambda pair: pair[1])
+
+
+def optimality(
+    program: Program, motion: Array, forces: Array, friction: Array | None = None
+) -> float:
+    """Largest residual of the optimality conditions of an impending motion, in [g].
+
+        M a = w + J^T f,   J a >= 0,   f >= 0,   f . J a = 0
+
+    The residual of a part is relative to its weight, including loads. The residual of a row is
+    relative to the lighter part that it touches. Torques are divided by the radius, too.
+
+    Parameters
+    ----------
+    program : Program
+    motion : ndarray, shape (N, 6)
+        Accelerations over the size of gravity.
+    forces : ndarray, shape (K,)
+        Forces along the rows [N].
+    friction : ndarray, shape (K, 3), optional
+        Forces across the rows [N].
+    """
+    gravity = program.g
+    rest = -program.wrenches(forces, friction) - program.load
+    rest[:, :3] += program.mass[:, None] * motion[:, :3] * gravity
+    rest[:, 3:] += np.einsum("nij,nj->ni", program.inertia, motion[:, 3:]) * gravity
+    rest[:, 3:] /= program.radius[:, None]
+    rest = (rest / program.weight[:, None])[np.ix_(program.free, program.freedoms)]
+    heavy = np.append(np.where(program.free, program.mass, np.inf), np.inf)
+    light = np.where(heavy[program.part_a] < heavy[program.part_b], program.part_a, program.part_b)
+    length = np.where(program.angular, program.radius[light], 1.0)
+    size = program.weight[light] / (program.mass[light] * gravity)
+    slack = program.velocities(motion) * length / size
+    push = forces / (program.weight[light] * length)
+    unilateral = ~program.two_sided
+    worst = (
+        np.abs(rest),
+        np.abs(slack[~unilateral]),
+        np.maximum(-slack[unilateral], 0.0),
+        np.maximum(-push[unilateral], 0.0),
+        np.minimum(np.abs(slack[unilateral]), np.abs(push[unilateral])),
+    )
+    return float(max(part.max(initial=0.0) for part in worst))
+
+
+def _heaviest(program: Program) -> float:
+    """Weight m g of the heaviest free part [N]."""
+    return float(program.mass[program.free].max() * program.g)
+
+
+def still(program: Program) -> ImpendingMotion:
+    """The impending motion of an assembly that stays: all accelerations are 0."""
+    count = len(program.names)
+    return ImpendingMotion(
+        np.zeros((count, 6)), np.zeros((count, 2)), np.zeros(count, dtype=bool), 0.0, 0.0
+    )
+
+
+def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
+    """The motion if none was found: marks the parts that a proof moves, and has its motion."""
+    motion = still(program)
+    moves, gains = motion.moves, None
+    if isinstance(proof, MotionProof) and proof.holds:
+        sizes = part_sizes(program, proof.motion, per_radius=False)
+        moves = program.free & (sizes > MOVES * float(sizes.max(initial=0.0)))
+        gains = np.where(moves[:, None], proof.motion, 0.0)
+    return replace(motion, moves=moves, instability=np.nan, residual=np.inf, gains=gains)
+
+
+def without_opening(program: Program, motion: Array, part: int) -> Array:
+    """Motion of a part, shape (6,), without the opening of contacts that slide in a proof.
+
+    In a proof with friction, a contact that slides by u_t opens by mu |u_t|, as no real part does.
+    The opening of a part that only shifts, over contacts with one normal, is taken away.
+
+    Parameters
+    ----------
+    program : Program
+    motion : ndarray, shape (N, 6)
+        Motion of all parts that proves that they fall.
+    part : int
+    """
+    touching = (program.part_a[program.rough] == part) | (program.part_b[program.rough] == part)
+    rows, moved = program.rough[touching], np.array(motion[part])
+    shift, turn = np.linalg.norm(moved.reshape(2, 3), axis=1) * [1, program.radius[part]]
+    if turn > MOVES * shift or not len(rows):
+        return moved
+    slip = np.linalg.norm(program.slips(motion, rows), axis=1)
+    opening = program.velocities(motion)[rows]
+    dilates = np.abs(opening - program.mu[rows] * slip) <= MOVES * slip.max(initial=0.0)
+    outward = np.where(program.part_b[rows] == part, 1.0, -1.0)[:, None] * program.normal[rows]
+    if dilates.all() and np.abs(outward - outward[0]).max() <= MOVES:
+        moved[:3] -= float(opening.mean()) * outward[0]
+    return moved
+
+
+def round_mantle(part: Part) -> RoundMantle | None:
+    """Surface on which a sphere or a cylinder rolls; None for other shapes."""
+    if isinstance(part.shape, Sphere):
+        return RoundMantle(part.pose.position, None, part.shape.radius)
+    if isinstance(part.shape, Cylinder):
+        return RoundMantle(part.pose.position, part.pose.matrix[:, 2], part.shape.radius)
+    return None

@@ -1,0 +1,382 @@
+"""The largest multiple of a further load that contacts hold, with forces and mechanism there.
+
+    max t:  J^T f + w + t d = 0,  f in Coulomb's cones
+
+The multipliers of this conic program are the motion that starts at the limit. If the conic solver
+stops short of a proof, linear programs in fitted pyramids follow (`limit_sides`).
+
+This is the associative limit. Above it no equilibrium exists. Up to it equilibrium forces exist,
+but with friction other motions may still obey the contact law (`kilter.friction.answer`).
+
+References
+----------
+M. Gilbert, C. Casapulla, H. M. Ahmed, Limit analysis of masonry block structures with
+non-associative frictional joints using linear programming, 2006. M. C. Ferris, F. Tin-Loi,
+Limit analysis of frictional block assemblies as a mathematical program with complementarity
+constraints, 2001.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+
+from kilter.analysis.limit_sides import (
+    LimitSides,
+    beyond_at,
+    held_at,
+    limit_sides,
+    motion_share,
+    slips_of,
+)
+from kilter.analysis.turning_tolerances import (
+    CONIC_SHARP,
+    MOVES,
+    NEARLY,
+    NO_SHARE,
+    PROVED_APART,
+    SIDES_APART,
+    SIDES_NEAR,
+    UNLIMITED,
+)
+from kilter.arrays import Array
+from kilter.errors import TimeLimitReached
+from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones
+from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
+from kilter.mechanics.coulomb_cones import cone_problem, largest_load
+from kilter.mechanics.opening import Opening
+from kilter.mechanics.program import Program
+from kilter.solvers.cone_interior_point import Start, common_start, iterates
+from kilter.solvers.solver_tolerances import CONIC
+from kilter.tell.record import InPython, OrNull, Record, Twist, key
+from kilter.work import Work, stop_after
+
+__all__ = [
+    "Limit",
+    "LimitSteps",
+    "NoLimit",
+    "SharedCones",
+    "find_limit",
+    "finite",
+    "gravity_wrench",
+    "starting",
+    "with_more",
+]
+
+
+MENDED = 2000
+"""Largest number of rows for which a further program narrows bounds that already agree."""
+EXACT = 500
+"""Largest number of rows for which linear programs close a small gap of the conic program. With
+more rows they take two hundred times as long for little gain."""
+BOLD = 0.999
+"""Fraction of the way to the boundary that an interior-point step takes [-]. A smaller fraction
+needs more steps."""
+NEAR, CLOSE = 1e-6, 1e-9
+"""Distances between a share and the bound of its motion, relative to max(share, 1) [-]. Below
+`NEAR` an iterate is worth a certificate; below `CLOSE` the steps end if both proofs meet."""
+MODEST = 10.0
+"""Upper end of the interval of shares that is tried first [-]."""
+
+T = TypeVar("T")
+Why = Literal["none", "failed", "time", "effort"]
+
+
+class Limit(Record):
+    """The largest multiple of a load that contacts hold, with proofs on both sides of it."""
+
+    value: InPython[float]
+    """Share t [-]: infinite without a limit, negative if only shares below 0 are held."""
+    gap: OrNull
+    """Distance from `value`, which is proved to be held, to a share that is proved not to be held,
+    relative to max(abs(value), 1) [-]; infinite if the second proof is missing."""
+    forces: InPython[ForceProof]
+    """Forces at the limit."""
+    motion: InPython[MotionProof | None]
+    """The motion that starts at the limit; None without a limit or a proved motion."""
+    program: InPython[Program]
+    """Program of the forces, perhaps with further points of round edges after its rows."""
+
+    @property
+    @key
+    def residual(self) -> float:
+        """Largest imbalance of a part at the limit, divided by its weight [-]."""
+        return self.forces.residual
+
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move beyond the limit."""
+        return starting(self.program, self.motion)
+
+    @property
+    @key
+    def mechanism(self) -> dict[str, Twist] | None:
+        """Motion of each free part at the limit [length unit, rad]."""
+        if self.motion is None:
+            return None
+        rows = zip(self.program.names, self.motion.motion, self.program.free, strict=True)
+        return {name: row for name, row, free in rows if free}
+
+    def __repr__(self) -> str:
+        return f"Limit({self.value:.6g})"
+
+
+@dataclass(frozen=True, slots=True)
+class NoLimit:
+    """The reason why a limit has no value.
+
+    The reason `why` is "none" if it is proved that no share is held, "failed" if the solvers
+    failed, "time" if the time limit was reached, and "effort" if no work was left.
+    """
+
+    why: Why
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class LimitSteps:
+    """Base class of the steps of an answer, each of which computes a limit, under a time limit.
+
+    `missing` has the reason for each requested limit that has no value. An answer at the time limit
+    still has the limits of the steps that ended before it.
+    """
+
+    work: Work
+    tell: Callable[[str], None]
+    missing: dict[str, Why] = field(default_factory=dict)
+
+    def limit(
+        self, name: str, step: Callable[..., T | NoLimit | None], *arguments: Any
+    ) -> T | None:
+        """Run the step for a limit; if it has no value, return None and note the reason."""
+        result = self.in_time(step, *arguments)
+        if isinstance(result, NoLimit):
+            self.missing[name] = result.why
+            return None
+        return result
+
+    def in_time(self, step: Callable[..., T], *arguments: Any) -> T | NoLimit:
+        """The result of a step, or the reason that the time limit ended it."""
+        try:
+            with stop_after(self.work.seconds):
+                result = step(*arguments)
+        except TimeLimitReached:
+            return NoLimit("time")
+        # a solver that was cut short has no proof, which is no failure of the solver
+        if isinstance(result, NoLimit) and result.why == "failed" and self.work.late:
+            return NoLimit("time")
+        return result
+
+
+def gravity_wrench(program: Program, direction: Array) -> Array:
+    """Weights of the free parts for gravity along a unit vector, world frame, shape (N, 6) [N]."""
+    wrench = np.zeros((len(program.names), 6))
+    wrench[:, :3] = (program.mass * program.free)[:, None] * program.g * direction
+    return wrench
+
+
+def finite(number: float) -> float | None:
+    """A number for JSON: None if it is not finite, and 0.0 instead of -0.0."""
+    return float(number) + 0.0 if np.isfinite(number) else None
+
+
+def starting(program: Program, mechanism: MotionProof | None) -> list[str]:
+    """Names of the parts that move in a mechanism."""
+    if mechanism is None:
+        return []
+    size = part_sizes(program, mechanism.motion, per_radius=False)
+    fast = size > MOVES * float(size.max(initial=0.0))
+    return [n for n, moves in zip(program.names, fast & program.free, strict=True) if moves]
+
+
+def with_more(program: Program, wrench: Array, share: float) -> Program:
+    """Copy of a program with an additional load: `share` times the wrenches, shape (N, 6).
+
+    Wrenches are in [N] and [N x length unit].
+    """
+    return program.with_rows(applied=program.applied + share * wrench)
+
+
+def find_limit(
+    program: Program,
+    wrench: Array,
+    *,
+    opening: Opening | None = None,
+    most: float = UNLIMITED,
+    shared: SharedCones | None = None,
+    from_none: bool = False,
+) -> Limit | NoLimit:
+    """Compute the largest multiple of the given wrenches that contacts can hold beside the weight.
+
+    The shares that contacts hold are an interval, and the result is its upper end. It may be
+    negative. If it is positive, a share of 0 need not be in the interval.
+
+    The result is a `NoLimit` with the reason "none" if it is proved that no share is held, or
+    "failed" if the solvers give no proof.
+
+    Parameters
+    ----------
+    program : Program
+        Program with the base load, which does not scale with the share.
+    wrench : ndarray, shape (N, 6)
+        Force [N] and torque about the centre of mass [N x length unit] on each part.
+    opening : Opening, optional
+        ``Opening(cone_problem(program))``, if the caller has it.
+    most : float
+        Largest share of the search [-]. If it is held, the limit is infinite.
+    shared : SharedCones, optional
+        ``SharedCones(program)``, if the caller computes several limits of this program.
+    from_none : bool
+        True if a share of 0 must be held: if small shares fail, larger shares are not tried.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> block = stacks.block_on_slope(0.0, friction=0.5)
+    >>> program = build_program(block, contacts(block))
+    >>> aside = np.zeros((2, 6))
+    >>> aside[1, 0] = program.weight[1]
+    >>> round(find_limit(program, aside).value, 9)
+    0.5
+    """
+    opening = opening or Opening(cone_problem(program))
+    large = len(program.part_a) > EXACT
+    # with bonds, kilter's interior point starts too far from the forces that pull: it ends after 50
+    # steps without a proof, and the conic solver needs 15
+    if most <= MODEST and not program.planar and large and not program.has_strength:
+        bounds = _by_own_cones(program, wrench, most, shared)
+        if bounds.closed or bounds.held >= most * (1 - NEARLY):
+            return _limit(program, bounds, most)
+    if most > MODEST:  # shares near 1 need fewer steps of the solver
+        near = find_limit(program, wrench, opening=opening, most=MODEST, shared=shared)
+        known = isinstance(near, Limit) and np.isfinite(near.value)
+        if known or (from_none and isinstance(near, NoLimit)):
+            return near  # else larger shares may be held, although no share up to MODEST is
+    return _limit(program, _best_sides(program, opening, wrench, most), most)
+
+
+def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) -> LimitSides:
+    """Bounds of a load limit from the conic program, or from finer programs if the gap is large."""
+    limited = program.has_limits  # only the conic program models limits of single forces
+    conic = _in_cones(program, opening, wrench, most)
+    large = len(program.part_a) > EXACT
+    enough = conic.sides.gap <= SIDES_NEAR and large
+    whole = conic.sides.held >= most * (1 - NEARLY)
+    sides = conic.sides
+    if sides.closed or sides.none or enough or whole:
+        return sides
+    if not limited:
+        sides = sides.better(limit_sides(program, wrench, most, conic.across))
+    if not sides.none and sides.gap > SIDES_APART:
+        sharp = _in_cones(program, opening, wrench, most, CONIC_SHARP).sides
+        sides = sides.better(sharp)
+    return sides
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Conic:
+    """Load bounds that a conic program proves, and the friction of its solution, (K, 3)."""
+
+    sides: LimitSides
+    across: list[Array]
+
+
+@dataclass(frozen=True, eq=False)
+class SharedCones:
+    """Friction cones and starting point that all load limits of a program have in common."""
+
+    program: Program
+
+    @cached_property
+    def balance(self) -> ConeBalance:
+        """The conic program for the balance of the parts under the base load alone."""
+        none = np.zeros((len(self.program.names), 6))
+        return balance_in_cones(self.program, self.program.load, none, MODEST)
+
+    @cached_property
+    def start(self) -> Start:
+        """Starting point of the interior-point method, near forces that balance the base load."""
+        return common_start(self.balance.cones)
+
+
+def _by_own_cones(
+    program: Program, wrench: Array, most: float, shared: SharedCones | None
+) -> LimitSides:
+    """Load bounds by kilter's own interior-point method; open if the base load is not held."""
+    balance = (shared or SharedCones(program)).balance.with_more(wrench, most)
+    if shared is not None:  # the common start may be too far from this wrench
+        sides = _from_iterates(balance, wrench, shared.start)
+        if sides.closed or sides.held >= most * (1 - NEARLY):
+            return sides
+    return _from_iterates(balance, wrench, None)
+
+
+def _from_iterates(balance: ConeBalance, wrench: Array, start: Start | None) -> LimitSides:
+    """Best load bounds that the iterates of the interior-point method prove."""
+    program, most = balance.program, balance.cones.most
+    best = LimitSides()
+    for step in iterates(balance.cones, BOLD, start):
+        size = max(step.share, 1.0)
+        if step.bound < -NEAR * size and step.y_rest <= NEAR * size:
+            break  # a share of 0 is not held
+        apart = min(abs(step.bound - step.share), most - step.share)
+        if apart > NEAR * size:
+            continue
+        x, motion = step.balanced(), balance.motion(-step.y)
+        if x is not None:
+            best = best.better(held_at(program, wrench, step.share, *balance.decoded(x)))
+        best = best.better(beyond_at(program, wrench, step.share, motion))
+        closed = best.closed or best.held >= most * (1 - NEARLY)
+        if closed and apart <= CLOSE * size:
+            break
+    return best
+
+
+def _in_cones(
+    program: Program,
+    opening: Opening,
+    wrench: Array,
+    most: float,
+    tolerance: float = CONIC,
+) -> _Conic:
+    """Bounds of a load limit by one conic program, with the friction of its solution."""
+    from kilter.solvers.clarabel import solve_conic
+
+    wide = opening.wide
+    answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
+    if not answer.found:
+        return _Conic(LimitSides(none=answer.proves_none), [])
+    value = float(answer.x[-1])
+    along, aside = wide.decoded(answer.x[:-1])
+    sides = held_at(program, wrench, value, along, aside)
+    if value >= most * (1 - NEARLY):
+        return _Conic(sides, [aside])
+    problem = wide.problem
+    motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
+    across = [aside, -slips_of(program, motion)]
+    bounds = sides.better(beyond_at(program, wrench, value, motion))
+    apart = bounds.gap > PROVED_APART and len(program.part_a) <= MENDED
+    if not bounds.closed or apart:
+        # the motion may violate contacts slightly; an opening motion, added to it, corrects this
+        motion = opening.mended(motion)
+        start = motion_share(program, wrench, motion)
+        bounds = bounds.better(beyond_at(program, wrench, start, motion))
+    return _Conic(bounds, across)
+
+
+def _limit(program: Program, sides: LimitSides, most: float) -> Limit | NoLimit:
+    """The load limit of proved bounds; `NoLimit` if not even the base load is proved to be held."""
+    if sides.forces is None:
+        return NoLimit("none" if sides.none else "failed")
+    value, motion, gap = sides.held, sides.motion, sides.gap
+    if value >= most * (1 - NEARLY):
+        value, motion, gap = np.inf, None, 0.0
+    elif abs(value) <= NO_SHARE:
+        value = 0.0
+    return Limit(value=value, gap=gap, forces=sides.forces, motion=motion, program=program)
