@@ -1,7 +1,5 @@
 """What all tests share: hypothesis without deadlines, since cores are shared; their options."""
 
-from __future__ import annotations
-
 import gc
 import os
 import signal

@@ -23,8 +23,6 @@ from kilter.files import from_dict, to_dict
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
 
-__all__ = ["judged", "kappa", "program_of", "reloaded", "sides", "verified", "z_of"]
-
 
 def reloaded(assembly: Assembly) -> Assembly:
     """The assembly written to the text of a file and read again."""

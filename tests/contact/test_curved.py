@@ -1,7 +1,5 @@
 """Contacts between exact curved faces: positions, free motions, and the forces they hold."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -1,7 +1,5 @@
 """Round bodies on a table: their lowest points, their contacts, and their free motions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -33,7 +33,10 @@ def found(name: str) -> Any:
 def unexplained(value: Any) -> list[str]:
     """Fields of a class without a text in its docstring or under them, and members without one."""
     listed = r"^ *(?:\w+, )*\b%s\b(?:, \w+)* *(?::|$)"
-    text = "\n".join([inspect.getdoc(value) or "", *texts_of(value)])
+    under = (
+        name for base in value.__mro__ if dataclasses.is_dataclass(base) for name in texts_of(base)
+    )
+    text = "\n".join([inspect.getdoc(value) or "", *under])
     fields = dataclasses.fields(value) if dataclasses.is_dataclass(value) else ()
     names = [field.name for field in fields if not field.name.startswith("_")]
     missing = [name for name in names if not re.search(listed % name, text, flags=re.M)]

@@ -184,7 +184,7 @@ def why_undecided(first: kilter.Verdict, second: kilter.Verdict) -> str:
 def _open_pairs(answer: kilter.Verdict) -> set[frozenset[str]]:
     """Names of parts, as they were before they had others."""
     names = [name.removeprefix("x-") for name in answer.assembly.names]
-    return {frozenset(names[k] for k in pair.parts) for pair in answer.contact_set.open_pairs}
+    return {frozenset(names[k] for k in pair.ends) for pair in answer.contact_set.open_pairs}
 
 
 def _extreme(assembly: Assembly) -> str:

@@ -14,8 +14,6 @@ from kilter.scenes import SCENES, arches, paper, scene, stacks, walls, wedges
 from kilter.scenes.pieces import block, turn
 from kilter.scenes.transform import moved
 
-__all__ = ["ALL", "UNSTABLE", "angle_from_down", "directions", "on_facets", "program_of"]
-
 OBLIQUE = turn([1.0, 2.0, -0.5], 37.0)
 
 

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lashings import lashed, over, random_direct, random_lashing
-from strap_program import least_share
+from lashings import lashed, least_share, over, random_direct, random_lashing
 
 import kilter
 from kilter import Assembly, InputError, Strap

@@ -17,7 +17,9 @@ Building a program, solving it (`kilter.solvers`) and checking the solution
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -39,6 +41,7 @@ from kilter.mechanics.rows import (
     STOP,
     STRAP,
     ForceRows,
+    RowArrays,
     bonded_rows,
     contact_rows,
     joint_rows,
@@ -47,11 +50,12 @@ from kilter.mechanics.rows import (
     strap_rows,
 )
 from kilter.rigid import unit
+from kilter.validate import frozen
 
 __all__ = ["Program", "bounding_program", "build_program"]
 
 
-ROW_FIELDS = ForceRows.__slots__
+ROW_FIELDS = tuple(field.name for field in fields(ForceRows))
 """Names of the members of a program that have an entry for each row."""
 
 PLANE = np.array([0, 2, 4])
@@ -59,9 +63,9 @@ PLANE.setflags(write=False)
 """Freedoms of a part in the plane: x, z, and rotation about y."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Program:
-    """Parts, rows (possible contact and joint forces) and load of an assembly, as arrays.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Program(RowArrays):
+    """Parts, K rows (possible contact and joint forces) and load of an assembly, as arrays.
 
     Attributes
     ----------
@@ -84,9 +88,6 @@ class Program:
     clamp : ndarray, shape (N, 6)
         Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, and the loads of
         springs of joints, in the same form.
-    part_a, part_b, point, normal, kind, two_sided, angular : ndarray
-    mu, source, doubt, pull, tied, shear, capacity : ndarray
-        Arrays of the K rows, as in `kilter.mechanics.rows.ForceRows`.
     tolerance : ndarray, shape (N,)
         Relative tolerance of a verdict for each part [-].
     planar : bool
@@ -104,20 +105,6 @@ class Program:
     gravity: Array
     applied: Array
     clamp: Array
-    part_a: Index
-    part_b: Index
-    point: Array
-    normal: Array
-    kind: Index
-    two_sided: Mask
-    angular: Mask
-    mu: Array
-    source: Index
-    doubt: Array
-    pull: Array
-    tied: Mask
-    shear: Array
-    capacity: Array
     tolerance: Array
     planar: bool
     units: str
@@ -132,23 +119,22 @@ class Program:
         """Unit direction of gravity, shape (3,)."""
         return unit(self.gravity)
 
-    @property
+    @cached_property
     def load(self) -> Array:
         """Load on each part besides contact forces: force [N], torque [N x length unit], (N, 6)."""
         load = self.applied + self.clamp
         load[:, :3] += self.mass[:, None] * self.gravity
         load[~self.free] = 0.0
-        return load
+        return frozen(load)
 
-    @property
+    @cached_property
     def weight(self) -> Array:
         """Weight of each part plus the sizes of the loads on it [N], shape (N,)."""
         force = np.linalg.norm(self.applied[:, :3], axis=1)
         torque = np.linalg.norm(self.applied[:, 3:], axis=1) / self.radius
-        weight: Array = self.mass * self.g + force + torque
-        return weight
+        return frozen(self.mass * self.g + force + torque)
 
-    @property
+    @cached_property
     def arm(self) -> Array:
         """Lever length of each angular row, shape (K,); 1 for the other rows.
 
@@ -156,7 +142,8 @@ class Program:
         a force, so no result depends on the unit of length. The value of the other rows is 1.
         """
         size = np.append(np.where(self.free, self.radius, 0.0), 0.0)
-        return np.where(self.angular, np.maximum(size[self.part_a], size[self.part_b]), 1.0)
+        arm = np.maximum(size[self.part_a], size[self.part_b])
+        return frozen(np.where(self.angular, arm, 1.0))
 
     @property
     def freedoms(self) -> Index:
@@ -171,7 +158,7 @@ class Program:
         return [(name, labels[k]) for name in moving for k in self.freedoms]
 
     @property
-    def rows(self) -> list[tuple[str, str, str, int]]:
+    def row_labels(self) -> list[tuple[str, str, str, int]]:
         """Labels of the rows: (kind, part a, part b, number of its patch, force or joint)."""
         names = (*self.names, GROUND)
         return [
@@ -453,10 +440,9 @@ class Program:
         """The program with gravity along `down`, shape (3,) of any length; same magnitude."""
         return self.with_rows(gravity=unit(down, "down") * self.g)
 
-    def with_rows(self, **changes: object) -> Program:
-        """A copy of the program with new values of the named row arrays."""
-        values = {name: getattr(self, name) for name in self.__slots__}
-        return Program(**{**values, **changes})
+    def with_rows(self, **changes: Any) -> Program:
+        """A copy of the program with new values of the named arrays."""
+        return replace(self, **changes)
 
 
 def build_program(
@@ -495,9 +481,16 @@ def build_program(
         blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
         blocks.append(sticking_rows(contacts, geometry))
-    joints = joint_rows(assembly, geometry, contacts.searched)
-    blocks += [joints, strap_rows(assembly, geometry)]
+    clamp = np.zeros((len(assembly.parts), 6))
+    if assembly.joints:
+        blocks.append(joint_rows(assembly, geometry, contacts.searched))
+        clamp += spring_wrenches(assembly)
+    if assembly.straps:
+        blocks.append(strap_rows(assembly, geometry))
+        clamp += strap_wrenches(assembly)
     rows = ForceRows.join(blocks)
+    if assembly.bonds:
+        clamp += clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull)
     return Program(
         names=assembly.names,
         free=~geometry.grounded,
@@ -507,9 +500,7 @@ def build_program(
         radius=geometry.radius,
         gravity=assembly.gravity,
         applied=_applied_loads(assembly, geometry),
-        clamp=clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull)
-        + strap_wrenches(assembly)
-        + spring_wrenches(assembly),
+        clamp=clamp,
         tolerance=_part_tolerances(contacts, geometry),
         planar=assembly.planar,
         units=assembly.units,

@@ -43,6 +43,7 @@ __all__ = [
     "STOP",
     "STRAP",
     "ForceRows",
+    "RowArrays",
     "bonded_rows",
     "contact_rows",
     "joint_rows",
@@ -61,8 +62,8 @@ KINDS = ("contact", "possible", "joint", "sticking", "bonded", "strap", "stop", 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ForceRows(Rows):
-    """Possible forces between parts, one per row, as arrays; world frame, assembly's length unit.
+class RowArrays:
+    """Arrays of possible forces between parts, a row each; world frame, assembly's length unit.
 
     Attributes
     ----------
@@ -111,6 +112,11 @@ class ForceRows(Rows):
     tied: Mask = columns()
     shear: Array = columns()
     capacity: Array = columns()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ForceRows(RowArrays, Rows):
+    """Possible forces between parts, without the parts."""
 
     @property
     def certain(self) -> Mask:

@@ -114,7 +114,7 @@ class MarginSteps(LimitSteps):
         if any({"friction", "stiffness"} & set(joint.guide) for joint in assembly.joints):
             self.warnings.append("no bond margin: friction and springs of joints are no bonds")
             return None
-        return self.limit("bond", find_bond_factor, self.program, self.verdict.contacts)
+        return self.limit("bond", find_bond_factor, self.program, self.verdict.contact_set)
 
     @property
     def edges(self) -> tuple[RoundEdge, ...]:

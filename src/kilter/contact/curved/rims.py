@@ -119,12 +119,7 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
     Circles about the same axis, with radii r and s, a height h apart, have the distance hypot(r -
     s, h).
 
-    Parameters
-    ----------
-    vertex : ndarray of int, shape (n, 2, 2)
-        Both ends of the chord of part a, and of the chord of part b; twice the corner for a corner.
-    tolerance : ndarray, shape (n,)
-        Largest gap of touching rims [length unit].
+    `tolerance`, shape (n,): largest gap of touching rims [length unit].
     """
     s = geometry.surfaces
     if not len(s) or not len(vertex):

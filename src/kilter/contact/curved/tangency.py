@@ -57,23 +57,8 @@ def find_candidates(
 ) -> tuple[Candidates, Mask]:
     """Candidate contacts of pairs of surfaces, and a mask of pairs without a contact formula.
 
-    Parameters
-    ----------
-    s : Surfaces
-    i, j : ndarray of int, shape (n,)
-        Rows of the surfaces of each pair.
-    limits : FormLimits
-        Limits of each pair; its `share` is set here.
-    held : ndarray of bool, shape (N,)
-        Parts that do not move when a clearance closes. The fit is closed at the position of the
-        other part, so that its weight does not rotate it; if both or neither are held, at the
-        shaft.
-
-    Returns
-    -------
-    candidates : Candidates
-        Normals lead from i to j.
-    unknown : ndarray of bool, shape (n,)
+    `i`, `j`, shape (n,): rows of the surfaces of each pair. `limits`: limits of each pair; its
+    `share` is set here. Returns `candidates`: normals lead from i to j.
     """
     swap = (s.kind[i] > s.kind[j]) | ((s.kind[i] == s.kind[j]) & s.hollow[i])
     # kernels expect the surfaces in order of kind, and of two equal kinds the solid first

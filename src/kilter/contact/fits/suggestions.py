@@ -103,10 +103,7 @@ def coincident(contacts: ContactSet) -> list[Overlap]:
 def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
     """Raise an InputError if parts lie on each other because all contacts are wrong.
 
-    Raises
-    ------
-    InputError
-        With the pairs, the likely cause, and a remedy.
+    Raises `InputError` with the pairs, the likely cause, and a remedy.
 
     Examples
     --------
