@@ -288,7 +288,7 @@ OTHER_DEFAULTS = {
 }
 """Defaults that differ from the table; the docstring of the verb states the reason."""
 OTHER_MEANINGS = {("check_many", "progress")}  # it receives numbers of assemblies
-BY_HAND = {"load", "reading_of"}
+BY_HAND = {"load"}
 """Functions that declare four or more of the shared keywords: options of reading a file."""
 
 

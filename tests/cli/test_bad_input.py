@@ -251,3 +251,22 @@ def test_a_command_started_with_the_signal_ignored_is_interrupted_all_the_same(n
         assert signal.getsignal(number) is signal.SIG_IGN
     finally:
         signal.signal(number, inherited)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda assembly: kilter.save(assembly, "x.kilter.json"),
+        lambda assembly: kilter.place(assembly, None),
+        lambda assembly: kilter.place(assembly, "box"),
+        lambda assembly: kilter.check(assembly, contacts="file"),
+        lambda assembly: kilter.check(assembly, effort="much"),
+        lambda assembly: kilter.margin(assembly, time_limit=-1),
+    ],
+    ids=["save", "place None", "place str", "contacts", "effort", "time_limit"],
+)
+def test_values_of_wrong_types_get_a_sentence(call) -> None:
+    with pytest.raises(kilter.InputError) as caught:
+        call(kilter.example("tower"))
+    assert "\n" not in str(caught.value)
+    assert caught.value.hint

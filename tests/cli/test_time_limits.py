@@ -193,3 +193,32 @@ def test_every_command_ends_in_time_with_an_answer(words, name, tmp_path):
     assert ended.stdout or "answer." in ended.stderr
     if os.getloadavg()[0] < 1.5:  # another program on the machine takes time from this one
         assert seconds < LATEST
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("place tower.kilter.json --box 1x1x1 --mass 5 --time-limit {}", {"0": 4, "60": 0}),
+        ("check-plan plan.csv --time-limit {}", {"0": 0, "60": 0}),
+        ("contacts tower.kilter.json --time-limit {}", {"0": 0, "60": 0}),
+    ],
+)
+def test_the_last_commands_have_a_time_limit(
+    line: str, code: dict[str, int], tmp_path: Path, capsys, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene("tower"), "tower.kilter.json")
+    rows = "a,1,1,1,2,0,0,0\nb,1,1,1,2,0,0,1\n"
+    Path("plan.csv").write_text(f"name,length,width,height,mass,x,y,z\n{rows}", encoding="utf-8")
+    for limit, expected in code.items():
+        assert main(line.format(limit).split()) == expected
+        cut = capsys.readouterr().out.startswith("Undecided: the time limit")
+        assert cut is (expected == 4)
+
+
+def test_place_takes_a_time_limit_and_a_direction_of_gravity() -> None:
+    box = kilter.box_to_place([1, 1, 1], 5.0)
+    with pytest.raises(TimeLimitReached):
+        kilter.place(scene("tower"), box, time_limit=0.0)
+    turned = scene("tower").with_down([1, 0, 0])
+    assert kilter.place(turned, box, down=[0, 0, -1], time_limit=60.0).stands

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.analysis.decision.ordinary_contacts import (
     trial_words,
 )
@@ -239,7 +239,8 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     if decision.verdict == "undecided":
         if decision.question is None:
             return f"Undecided: {'; '.join(decision.reasons)}."
-        pairs = open_pairs_answer(assembly, contacts, decision.question)
+        listed = answered_pairs(assembly, contacts, decision.question)
+        pairs = [pair.to_dict() for pair in listed]
         return undecided_sentence(pairs, assembly.units, more=decision.reasons)
     friction = decision.friction
     coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)
