@@ -323,6 +323,7 @@ def test_every_verb_has_the_keywords_of_the_table(verb: str) -> None:
         assert set(parameters) >= set(SHARED)
 
 
+@pytest.mark.slow
 def test_the_shared_keywords_are_declared_in_one_place() -> None:
     declaring = set()
     for path in Path(kilter.__file__).parent.rglob("*.py"):

@@ -203,9 +203,7 @@ def test_every_command_ends_in_time_with_an_answer(words, name, tmp_path):
         ("contacts tower.kilter.json --time-limit {}", {"0": 0, "60": 0}),
     ],
 )
-def test_the_last_commands_have_a_time_limit(
-    line: str, code: dict[str, int], tmp_path: Path, capsys, monkeypatch
-) -> None:
+def test_the_last_commands_have_a_time_limit(line, code, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     kilter.dump(scene("tower"), "tower.kilter.json")
     rows = "a,1,1,1,2,0,0,0\nb,1,1,1,2,0,0,1\n"
@@ -216,7 +214,7 @@ def test_the_last_commands_have_a_time_limit(
         assert cut is (expected == 4)
 
 
-def test_place_takes_a_time_limit_and_a_direction_of_gravity() -> None:
+def test_place_takes_a_time_limit_and_a_direction_of_gravity():
     box = kilter.box_to_place([1, 1, 1], 5.0)
     with pytest.raises(TimeLimitReached):
         kilter.place(scene("tower"), box, time_limit=0.0)
