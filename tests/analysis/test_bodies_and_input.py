@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 from judged import judged
-from transformations import scaled
 
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
@@ -13,8 +12,7 @@ from kilter.contact import contacts
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes import stacks
-from kilter.scenes.pieces import block, cells, floor, prism, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, cells, floor, turn
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
 from kilter.tell.numbers import plain
 
@@ -271,12 +269,6 @@ def test_nothing_held_is_refused_and_the_lowest_part_named():
 def test_joint_without_its_point_is_refused_in_words():
     with pytest.raises(InputError, match="revolute"):
         Assembly(stacks.tower(1).parts, joints=[Joint(("base", "cube-1"), "revolute")])
-
-
-def test_scaled_and_moved_prism_keeps_its_centre():
-    part = prism("p", [[0, 0], [3, 0], [0, 6]], 2.0, grounded=True)
-    assembly = moved(scaled(Assembly([part]), 10.0), turn([0, 0, 1], 90), [1, 0, 0])
-    assert np.allclose(assembly.geometry.center[0], [1, 10, 20], atol=1e-12)
 
 
 def test_a_name_that_an_answer_shortened_is_accepted_as_typed() -> None:

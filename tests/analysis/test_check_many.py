@@ -122,15 +122,6 @@ def require_proved(found: kilter.Verdicts) -> None:
 
 
 @pytest.mark.slow
-def test_every_way_of_asking_gives_the_verdict_of_check() -> None:
-    given = mixed()
-    found = kilter.check_many(given, proofs=True)
-    assert found.verdict.tolist() == [alone(one) for one in given]
-    assert len(found.counts) >= 3
-    require_proved(found)
-
-
-@pytest.mark.slow
 def test_hundreds_of_piles_get_the_verdicts_of_check_from_assemblies_and_from_arrays() -> None:
     given = piles(range(1000, 1250))
     words = [alone(one) for one in given]

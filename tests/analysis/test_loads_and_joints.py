@@ -5,15 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 from judged import judged, program_of
-from transformations import scaled
 
 from kilter import InputError
 from kilter.analysis.decision.judge import judge
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load
 from kilter.mechanics.certificate import check_motion
 from kilter.scenes import stacks, traps
-from kilter.scenes.pieces import block, floor, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, floor
 
 G = 9.81
 FLOOR = floor([-5, -5], [5, 5])
@@ -99,15 +97,6 @@ def test_loads_on_one_part_add_up():
     free = Assembly([FLOOR, BOX], loads=[Load("box", [1, 2, 3])])
     at = Assembly([FLOOR, BOX], loads=[Load("box", [1, 2, 3], point=[0, 0, 0.5])])
     assert np.allclose(program_of(free).load, program_of(at).load)
-
-
-@pytest.mark.slow
-def test_loads_scale_and_turn_with_their_assembly():
-    for share in SIDES:
-        push = share * G * 0.5 / 0.5
-        assembly = Assembly([FLOOR, BOX], loads=[Load("box", [0, 0, -push], point=[1, 0, 1])])
-        for changed in (scaled(assembly, 1e-2), moved(assembly, turn([1, 2, 3], 50), [4, 5, 6])):
-            assert judged(changed).verdict == word(share)
 
 
 def test_load_on_a_held_part_is_refused_by_name():

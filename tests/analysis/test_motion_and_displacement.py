@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from independent import baraff, dense_rows, kinetic, z_by_duality
 from judged import judged, program_of
-from transformations import scaled, tilted
+from transformations import tilted
 
 from kilter.analysis.decision.motion import find_motion
 from kilter.analysis.verdict.displacement import find_displacement
@@ -108,19 +108,6 @@ def test_least_displacement_is_no_longer_than_any_other_optimum(name):
         # 0 is projected on a convex set: the angle to every other optimum is not obtuse
         shift = program.full(other) - found.displacement
         assert float((found.displacement * shift).sum()) >= -1e-6
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("name", ["pile-2", "wedges-1", "figure-8", "short-base"])
-@pytest.mark.parametrize("factor", [1e-3, 0.25, 1e3])
-def test_kappa_has_no_units_and_accelerations_scale(name, factor):
-    assembly = ASSEMBLIES[name]
-    one, other = judged(assembly).motion, judged(scaled(assembly, factor)).motion
-    assert other.instability == pytest.approx(one.instability, abs=1e-9)
-    assert np.allclose(other.acceleration[:, :3], one.acceleration[:, :3], atol=1e-8 * G)
-    assert np.allclose(
-        other.acceleration[:, 3:] * factor, one.acceleration[:, 3:], rtol=1e-6, atol=1e-7
-    )
 
 
 def test_z_counts_loads_over_the_size_of_gravity():

@@ -146,19 +146,6 @@ def test_no_contact_set_between_contradicts_a_verdict(seed: int) -> None:
     assert census().asked(seed)[1] == []  # type: ignore[attr-defined]
 
 
-@REAL
-@pytest.mark.slow
-def test_a_vault_as_published_names_the_pairs_that_decide() -> None:
-    verdict = check(
-        load(DATA / "compas_assembly" / "crossvault.json").with_friction(0.84), effort=0
-    )
-    assert verdict.verdict == "undecided"
-    joined = verdict.to_dict()["if_joined"]
-    assert joined["verdict"] in ("stable", "settles", "potentially-stable")
-    kinds = {pair["kind"] for pair in verdict.to_dict()["open_pairs"] if pair["decides"]}
-    assert kinds <= {"overlap", "near"}
-
-
 @pytest.mark.slow
 @REAL
 def test_curved_joints_that_are_cut_differently_are_not_called_unstable() -> None:

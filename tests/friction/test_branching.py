@@ -41,44 +41,10 @@ def test_the_best_open_case_closes_in_on_the_greatest_value():
     assert len(one) > 1
 
 
-def test_each_open_case_is_yielded_once_and_the_most_promising_is_divided_next():
-    seen = []
-    one = tree(seen)
-    cases = []
-    for case in one.explore((LOW, HIGH), most=40):
-        cases.append(case)
-        assert one.best is not None
-    assert [case[0] for case in cases] == seen
-    assert one.nodes == len(seen) == 40
-
-
-def test_all_closed_leaves_nothing():
-    """No value reaches 2: every case closes in the end."""
-    one = tree([], closed=2.0)
-    list(one.explore((LOW, HIGH)))
-    assert one.best is None
-    assert len(one) == 0
-    assert one.nodes > 10
-    open_one = tree([], closed=1.8)  # a value of 1.82 exists: that case never closes
-    list(open_one.explore((LOW, HIGH), enough=lambda case: case[0][1] - case[0][0] < 1e-5))
-    assert open_one.best is not None
-
-
 def test_a_case_that_is_not_worth_dividing_is_dropped():
     one = CaseTree(lambda q, _: q, lambda case: [], lambda case: 1.0)
     assert list(one.explore("root")) == ["root"]
     assert one.best is None
-
-
-def test_equal_promise_keeps_the_order():
-    order = []
-
-    def divide(case):
-        order.append(case)
-        return [case + letter for letter in "ab"] if len(case) < 3 else []
-
-    list(CaseTree(lambda q, _: q, divide, lambda case: 0.0).explore("r"))
-    assert order == ["r", "ra", "rb", "raa", "rab", "rba", "rbb"]
 
 
 def test_modes_differ():

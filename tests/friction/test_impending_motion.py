@@ -67,15 +67,3 @@ def test_where_no_motion_is_found_the_answer_says_so_and_shows_that_of_the_proof
     out = capsys.readouterr().out
     assert GAINS in out
     assert NO_ACCELERATION in out
-
-
-@pytest.mark.slow
-def test_where_no_motion_is_found_picture_and_film_show_that_of_the_proof(unfound):
-    verdict = kilter.check(unfound)
-    picture = kilter.draw(verdict, "slope.svg")
-    assert picture is not None
-    drawn = Path("slope.svg").read_text(encoding="utf-8")
-    assert GAINS in drawn
-    assert "acceleration" not in drawn
-    kilter.animate(verdict, "slope.glb")
-    assert Path("slope.glb").stat().st_size > 0

@@ -130,14 +130,3 @@ def test_both_sides_of_a_limit_have_their_levels(name):
 def test_i3_a_trough_passes_through_three_levels(tilt, level):
     """It slips at tan = mu / cos beta; forces exist up to tan = mu / (cos^2 - mu^2 sin^2)^1/2."""
     assert judged(friction.trough(30.0, tilt=tilt, friction=0.84)).level == level
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("count", "thickness"),
-    [(12, 0.5), *(pytest.param(*more, marks=pytest.mark.slow) for more in (
-        (12, 1.0), (12, 2.0), (20, 0.5), (20, 2.0), (6, 2.0)))],
-)  # fmt: skip
-def test_w6_arches_settle(count, thickness):
-    held = arches.arch_with_held_ends(count, thickness=thickness, friction=0.7)
-    assert judged(held).level in ("settles", "proved")

@@ -8,7 +8,6 @@ from held_or_not import cylinders, program, slope, thin_bracket
 from random_friction import random_assembly
 
 from kilter import check
-from kilter.cli import main
 from kilter.friction.elastic_forces import _DilatingSprings, elastic_forces
 from kilter.friction.law import coulomb_law
 from kilter.friction.settling import find_settling
@@ -132,27 +131,6 @@ def test_the_newton_step_solves_the_system_written_out(wide, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "require", "code"),
-    [
-        ("tower", "proved", 0),
-        ("trough", "settles", 0),
-        ("trough", "proved", 3),
-        ("squeezed-block", "settles", 3),
-        ("squeezed-block", "equilibrium", 0),
-        ("hanging-brick", "equilibrium", 1),
-        ("trough", "strict", 3),
-        ("tower", "sure", 2),
-    ],
-)
-def test_the_exit_code_is_that_of_the_level_asked_for(name, require, code, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(["example", name]) == 0
-    file = f"{name}.kilter.json"
-    assert main(["check", file, "--quiet", "--effort", "0", "--require", require]) == code
-
-
-@pytest.mark.slow
 def test_a_time_limit_says_so_and_exits_by_the_level():
     trough = friction.trough(30, tilt=35.0, friction=0.84)
     late = check(trough, time_limit=0.0)
@@ -264,13 +242,6 @@ def test_slopes_are_the_derivatives_of_the_forces(kind):
     ahead -= springs.forces(state.opening - small * change)
     slopes = springs.slope_matrices(state, exact=True)[:-1]
     assert np.einsum("kij,kj->ki", slopes, change) == pytest.approx(-ahead / (2 * small), abs=1e-5)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("planar", [False, True])
-def test_an_arch_of_a_thousand_voussoirs_settles_at_the_default_effort(planar):
-    verdict = check(arches.arch(1000, friction=0.6, planar=planar))
-    assert (verdict.level, verdict.tries.passed) == ("settles", 8)
 
 
 @pytest.mark.slow

@@ -12,7 +12,6 @@ from held_or_not import (
     worst_by_hand,
 )
 from modes_oracle import greatest_power
-from transformations import scaled
 
 from kilter.analysis.decision.motion import find_motion
 from kilter.friction.motion_search import find_coulomb_motion
@@ -183,21 +182,6 @@ def test_a_witness_perturbed_or_flipped_is_refused():
         forces = witness.forces.copy()
         forces[k, axis] *= -1
         assert not check_law(built, witness.acceleration, forces).holds
-
-
-def test_radians_and_metres_whatever_the_unit_of_the_file():
-    metres = friction.ladder(45.0, planar=False)
-    small = scaled(metres, 1000.0)._replace(units="mm")
-    _, one = found_and_checked(metres)
-    built = program(small)
-    other = find_coulomb_motion(built, work=3)
-    assert other.exact
-    assert np.abs(one.acceleration[:, 3:]).max() > 0.1
-    assert other.acceleration == pytest.approx(one.acceleration, abs=1e-7)
-    ratio = small.geometry.mass[-1] / metres.geometry.mass[-1]
-    assert np.linalg.norm(other.forces.sum(axis=0)) / ratio == pytest.approx(
-        np.linalg.norm(one.forces.sum(axis=0))
-    )
 
 
 @pytest.mark.slow

@@ -11,9 +11,7 @@ from kilter.analysis import load_limit
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.limit_sides import limit_sides
 from kilter.analysis.load_limit import (
-    EXACT,
     Limit,
-    SharedCones,
     find_limit,
     gravity_wrench,
     with_more,
@@ -22,11 +20,8 @@ from kilter.analysis.margins.tilt import across_gravity
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
-from kilter.scenes import stacks, walls
-from kilter.threads import on_one_thread
+from kilter.scenes import stacks
 
-limit_of = on_one_thread(find_limit)
-"""As `margin` asks: threads that wait for one another take ten times as long."""
 CASES = [("arch", 1), ("arch", 2), ("pile", 6), ("pile", 12), ("wedge", 3), ("round", 5)]
 
 
@@ -103,36 +98,3 @@ def test_a_share_that_is_held_whole_takes_no_linear_program(monkeypatch):
 
 def unasked(*_: object, **__: object) -> None:
     raise AssertionError("another solver was asked")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mu", [0.25, 0.7])
-def test_limits_of_one_program_share_their_start(monkeypatch, mu):
-    """As from the middle of the cones, in fewer steps; and alike where the wall mirrors itself."""
-    monkeypatch.setattr(load_limit, "_in_cones", unasked)
-    program = program_of(walls.wall_of(50, friction=mu))
-    assert len(program.part_a) > EXACT
-    taken: list[int] = []
-    steps = load_limit.iterates
-
-    def counted(*given):
-        for step in steps(*given):
-            taken.append(step.number)
-            yield step
-
-    monkeypatch.setattr(load_limit, "iterates", counted)
-    shared, numbers, values = SharedCones(program), [], []
-    for aside in ([0.6, 0.8, 0.0], [0.6, -0.8, 0.0], [-0.6, 0.8, 0.0]):
-        wrench = gravity_wrench(program, np.array(aside))
-        taken.clear()
-        alone, cold = limit_of(program, wrench, most=10.0), len(taken)
-        taken.clear()
-        found = limit_of(program, wrench, most=10.0, shared=shared)
-        numbers.append(len(taken))
-        values.append(found.value)
-        assert found.value == pytest.approx(alone.value, abs=2e-9)
-        assert found.forces.holds
-        assert found.motion.holds
-        assert len(taken) < cold
-    assert len(set(numbers)) == 1
-    assert values == pytest.approx([values[0]] * 3, abs=1e-9)

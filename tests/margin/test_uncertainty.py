@@ -12,6 +12,7 @@ import kilter
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.margins import following_forces, uncertainty
+from kilter.analysis.load_limit import NoLimit, gravity_wrench
 from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
 from kilter.arrays import cross
@@ -164,13 +165,3 @@ def test_a_failure_is_not_taken_for_what_is_not_held(monkeypatch, corners):
     assert (worst.held, worst.tilt_deg, worst.load_factor) == (False, None, None)
     said = dict(facts(answer.to_dict()))
     assert said["worst case"] == "not known: the solver failed"
-
-
-@pytest.mark.slow
-def test_without_intervals_the_worst_case_is_the_margin():
-    program = program_of(small_assembly(1))
-    worst = find_uncertainty(program, Ranges(), push=X)
-    found = find_tilt_margin(program)
-    assert worst.tilt_deg == pytest.approx(float(np.degrees(found.angle)), abs=1e-8)
-    limit = find_limit(program, gravity_wrench(program, X))
-    assert worst.load_factor[1] == pytest.approx(limit.value, abs=1e-8)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from transformations import scaled as resized
 from turning import UNSTABLE, directions, program_of, slot_and_float
 
 from kilter.analysis.turning.least_instability import least_instability
@@ -51,13 +50,6 @@ def test_a_slider_and_a_floater_of_twice_its_mass(planar):
     assert best.value == pytest.approx(np.sqrt(2 / 3), abs=1e-3)
     assert best.bound == pytest.approx(np.sqrt(2 / 3), abs=1e-3)
     assert abs(best.direction[0]) < 0.06
-
-
-@pytest.mark.parametrize("planar", [False, True])
-def test_the_size_changes_nothing(planar):
-    small = least_instability(program_of(resized(slot_and_float(planar), 0.001)))
-    large = least_instability(program_of(resized(slot_and_float(planar), 1000.0)))
-    assert small.value == pytest.approx(large.value, abs=1e-6)
 
 
 def test_where_a_direction_is_stable_it_is_0():

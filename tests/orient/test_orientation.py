@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from free_form import free_form_on_a_floor
 from transformations import as_single
-from turning import ALL, angle_from_down, slot_and_float
+from turning import ALL, slot_and_float
 
 import kilter
 from kilter import InputError, Load, check
@@ -33,35 +33,6 @@ def proved(assembly, answer):
     if assembly.planar:
         assert answer.rotation[[1, 3]] == pytest.approx([0.0, 0.0], abs=1e-15)
     return answer
-
-
-@pytest.mark.slow
-@PLANAR
-@pytest.mark.parametrize(
-    ("chamfer", "mass_b", "expected"),
-    [(45, 1, 45.0), (60, 1, 60.0), (45, 2, 63.43494882), (60, 2, 73.89788625)],
-)
-def test_two_blocks_in_an_l(planar, chamfer, mass_b, expected):
-    assembly = paper.two_blocks_in_an_l(chamfer, mass_b=mass_b, planar=planar)
-    answer = proved(assembly, orient(assembly))
-    assert angle_from_down(answer.down) == pytest.approx(expected, abs=1e-6)
-    assert answer.tilt_margin_deg == 0.0
-    assert answer.warnings
-
-
-def test_figure_10_planar_has_a_margin():
-    assembly = paper.figure_10(planar=True)
-    answer = proved(assembly, orient(assembly))
-    assert angle_from_down(answer.down) == pytest.approx(45.0, abs=1e-6)
-    assert answer.tilt_margin_deg == pytest.approx(45.0, abs=1e-6)
-
-
-@pytest.mark.quick(1)
-@PLANAR
-def test_figure_1_b_is_found(planar):
-    assembly = paper.figure_1(planar=planar)
-    answer = proved(assembly, orient(assembly))
-    assert angle_from_down(answer.down) == pytest.approx(45.0, abs=1e-6)
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from planks import bridge, overhang
+from planks import overhang
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
@@ -74,14 +74,6 @@ def test_the_heaviest_load_at_a_place(x: float, heaviest: float) -> None:
     assert at.heaviest == pytest.approx(heaviest, rel=1e-6)
 
 
-@pytest.mark.parametrize(("weight", "half", "load"), [(2, 0.1, 1), (2, 0.1, 8), (3, 0.15, 2.5)])
-def test_a_load_on_a_seesaw(weight: float, half: float, load: float) -> None:
-    limit = half * (1 + weight / load)
-    places = place(seesaw(weight, half), box_to_place(SMALL, load), accuracy=1e-3)
-    low, _, high, _ = on_top(places, 0.1).bounds
-    assert (low, high) == pytest.approx((-limit, limit), abs=1e-9)
-
-
 def test_order_decides_on_the_seesaw() -> None:
     """Two equal loads balance anywhere, but the first must stand alone."""
     alone, first = seesaw(2, 0.1), box_to_place([0.2, 0.2, 0.2], 8, name="first")
@@ -96,26 +88,6 @@ def test_order_decides_on_the_seesaw() -> None:
         inner.worst.assembly, box_to_place([0.2, 0.2, 0.2], 1, name="light"), at=[-0.3, 0]
     )
     assert later.stands
-
-
-def test_a_box_that_bridges_two_planks() -> None:
-    """Bridging: x (3 - 1.1 / (.7 - x)) = .05; on one plank: from 1/3 to .4 + 1/15.
-
-    The contacts move with the box, so few programs decide the map.
-    """
-    places = place(bridge(), box_to_place([0.7, 0.5, 0.2], 3))
-    level = places.levels[-1]
-    limit = 0.0373107
-    assert level.stands.covers(shapely.Point(limit - places.accuracy, 0.1))
-    assert level.falls.covers(shapely.Point(limit + places.accuracy, 0.1))
-    assert places.programs < 200
-    for low, high in ((1 / 3, 0.4 + 1 / 15), (-0.4 - 1 / 15, -1 / 3)):
-        strip = shapely.box(low + 1e-9, -0.4, high - 1e-9, 0.4)
-        assert shapely.difference(strip, level.stands).area < 1e-9
-    assert level.open.area < 0.15
-    part = box_to_place([0.7, 0.5, 0.2], 3)
-    for x, verdict in ((limit - 1e-4, True), (limit + 1e-4, False)):
-        assert place(bridge(), part, at=[x, 0], require="equilibrium").stands is verdict
 
 
 def test_the_map_of_a_tower_is_its_top() -> None:

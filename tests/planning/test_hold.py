@@ -343,24 +343,6 @@ def test_wrong_candidates() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("options", "code"),
-    [
-        (["--without", "voussoir-4"], 0),
-        (["--without", "voussoir-4", "--most", "1"], 4),
-        (["--candidates", "hands"], 2),
-        (["--candidates", "missing.json"], 2),
-    ],
-)
-def test_exit_codes_and_proofs(tmp_path: Any, options: list[str], code: int) -> None:
-    path, proof = tmp_path / "arch.kilter.json", tmp_path / "p.json"
-    kilter.dump(arch(9, ratio=0.3, friction=0.6), path)
-    assert main(["hold", str(path), *options, "--proof", str(proof)]) == code
-    if code == 0:
-        assert main(["verify", str(path), str(proof)]) == 0
-
-
-@pytest.mark.slow
 def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
     path, supports = tmp_path / "a.kilter.json", tmp_path / "s.json"
     kilter.dump(hanging(0.0)[0], path)

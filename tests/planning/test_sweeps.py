@@ -6,18 +6,16 @@ import dataclasses
 
 import numpy as np
 import pytest
-from interlocked import hooked
 from moved_solids import deepest, places_along, skin
 from random_turned import random_turned
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Order, Part, Pose
-from kilter.analysis.planning.order.removal import Leg
+from kilter import Assembly, Box, Order, Part, Pose
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.contact.common.distances import PartSolids
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
-from kilter.scenes.pieces import block, floor, tube
+from kilter.scenes.pieces import block, floor
 
 
 def sampled(
@@ -124,37 +122,6 @@ def test_every_place_of_every_way_of_a_plan_is_free(name: str) -> None:
         [step] = order.steps
         cut = dataclasses.replace(step, legs=step.legs[1:])
         assert entered(dataclasses.replace(order, steps=(cut,)), 500) == ["inside into lip"]
-
-
-def clamp() -> Assembly:
-    """An arm on a base, a bolt through both, a nut on the arm."""
-    bolt = Part("bolt", Cylinder(4, 40), Pose([0, 0, 20]))
-    arm, nut = tube("arm", 4, 20, 10, [0, 0, 5]), tube("nut", 4, 7, 6, [0, 0, 13])
-    return Assembly([floor([-30, -30], [30, 30]), bolt, arm, nut])
-
-
-@pytest.mark.slow
-def test_every_place_of_the_way_of_a_nut_is_free() -> None:
-    order = kilter.plan(clamp(), kilter.PlanRules(screws=[("bolt", "nut")]))
-    assert order.found
-    assert order.steps[-1].over == "bolt"
-    assert entered(order, 500) == []
-    down = (Leg((0.0, 0.0, -1.0), np.inf),)  # the other way it would pass through the arm
-    wrong = dataclasses.replace(order.steps[-1], legs=down)
-    swapped = dataclasses.replace(order, steps=(*order.steps[:-1], wrong))
-    assert "nut into arm" in entered(swapped, 500)
-
-
-@pytest.mark.slow
-def test_every_place_of_the_way_of_parts_that_move_as_one_is_free() -> None:
-    stacked = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
-    hooks = kilter.plan(hooked(), kilter.PlanRules(together=True))
-    for order in (stacked, hooks):
-        assert any(len(step.parts) > 1 for step in order.steps)
-        assert entered(order, 500) == []
-    [step] = hooks.steps  # one after the other, the second would pass through the first
-    apart = tuple(dataclasses.replace(step, parts=(name,)) for name in step.parts)
-    assert entered(dataclasses.replace(hooks, steps=apart), 500) == ["B into A"]
 
 
 @pytest.mark.parametrize("gap", [-2e-5, 0.0, 2e-5])

@@ -1,17 +1,12 @@
 """How an assembly rests in the directions of its region, against closed forms."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from balance_cases import CASES
 
 import kilter
 from kilter.assembly import Assembly
-from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files import to_dict
 from kilter.scenes.pieces import block
 
 
@@ -69,23 +64,6 @@ def test_a_ball_in_a_bowl_has_no_width_but_swings_as_a_pendulum_does() -> None:
     (rest,) = kilter.region(bowl, rests=True).rests
     assert (rest.tilt_deg, rest.moving) == (0.0, ())
     assert rest.rate == pytest.approx(np.sqrt(9.81 / 0.6), rel=1e-6)
-
-
-@pytest.mark.slow
-def test_the_command_marks_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "a.json").write_text(json.dumps(to_dict(corner())))
-    monkeypatch.chdir(tmp_path)
-    assert main(["region", "a.json", "--rests", "--quiet"]) == 0
-    told = capsys.readouterr().out
-    assert told.count("a strict minimum of its energy") == 1
-    assert "after any tilt up to 35.26" in told
-    assert told.count("neutral: without friction a push can move cube") == 3
-    assert main(["region", "a.json", "--rests", "--json"]) == 0
-    states = [rest["state"] for rest in json.loads(capsys.readouterr().out)["rests"]]
-    assert states == ["minimum", "free", "free", "free"]
-    assert main(["region", "a.json", "a.json", "--common", "--rests"]) == 2
 
 
 def test_friction_is_refused() -> None:

@@ -5,15 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 
-import numpy as np
 import pytest
 
 import kilter
 from kilter import Assembly, Part, Pose, Prism
-from kilter.mechanics.program import build_program
-from kilter.second_order.answer.second_order_answer import SecondOrder
-from kilter.second_order.gaps.features_of import features_of
-from kilter.second_order.gaps.stationary import problem_of
 from kilter.shape.primitives import Box
 
 Build = Callable[..., list[Part]]
@@ -34,28 +29,6 @@ def leaning(width: float, off: float = 0.0) -> list[Part]:
     return [low, Part("high", lean, Pose([0, 0, 0]))]
 
 
-def answers(parts: list[Part]) -> list[SecondOrder]:
-    """The answers for each order of the parts."""
-    found = []
-    for order in itertools.permutations(parts):
-        assembly = Assembly(order)
-        verdict = kilter.check(assembly)
-        assert verdict.verdict in ("stable", "balanced")
-        assert kilter.verify(assembly, verdict.proof()).holds
-        assert verdict.second_order_answer is not None
-        found.append(verdict.second_order_answer)
-    return found
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("build", [box_over_the_edge, leaning])
-def test_what_is_over_an_edge_falls_whichever_part_is_first(build: Build, width: float) -> None:
-    one, other = answers(build(width))
-    assert (one.state, other.state) == ("balanced", "balanced")
-    assert (one.neutral, one.free) == (other.neutral, other.free)
-
-
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("build", [box_over_the_edge, leaning])
@@ -68,14 +41,3 @@ def test_within_the_edge_it_slides_and_beyond_it_falls(
         assert verdict.stable == (off < 0)
         second = verdict.second_order_answer
         assert off > 0 or (second is not None and second.state == "free")
-
-
-def test_of_no_motions_none_slips() -> None:
-    """So it is for a part without neutral motions of its own."""
-    assembly = Assembly(box_over_the_edge(1.0))
-    contacts = kilter.contacts(assembly)
-    program = build_program(assembly, contacts)
-    problem = problem_of(program, features_of(program, contacts))
-    assert problem.slips is not None
-    assert problem.sliding(np.eye(6)).shape == (2 * len(problem.rows), 6)
-    assert problem.sliding(np.eye(6)[:, :0]).shape == (2 * len(problem.rows), 0)

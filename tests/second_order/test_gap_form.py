@@ -260,23 +260,6 @@ def test_a_point_within_a_line_stays_where_it_is_along_it() -> None:
     assert form[11, 11] == pytest.approx(-(s**2) / (big - r), rel=1e-12)
 
 
-def test_the_form_does_not_depend_on_the_unit_of_length() -> None:
-    """Lengths times c: the form of turns times c, that of shifts over c."""
-    c = 1e6
-    n, t = exact.unit([1.0, 2, 3]), np.cross([0.0, 0, 1], exact.unit([1.0, 2, 3]))
-    t = exact.unit(t)
-    points = np.array([[0.1, 0.2, 0.3], [0.5, -1, 0.2], [1, 2, 0.7]])
-    small = program_of(points[0], n, points[1], points[2])
-    large = replace(small, point=c * small.point, center=c * small.center, radius=c * small.radius)
-    pair = [
-        features(round_face(n, t, 0.3 / f, 2 / f), round_face(n, t, 1 / f, 0.5 / f))
-        for f in (1.0, c)
-    ]
-    units = np.tile(np.repeat([c, 1.0], 3), 2)
-    one, other = gap_forms(small, pair[0])[0], gap_forms(large, pair[1])[0]
-    np.testing.assert_allclose(other * np.outer(units, units) / c, one, rtol=1e-9, atol=1e-12)
-
-
 def test_a_corner_that_has_slipped_off_an_edge_of_both_parts_has_the_other_form() -> None:
     """A corner of b on the face of a, and one of a on the face of b: -2 sigma . v_t apart."""
     random = np.random.default_rng(5)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from transformations import permuted, renamed, scaled
+from transformations import scaled
 
 import kilter
 from kilter import Assembly, Box, Feature, GivenContact, InputError, Part, Pose
@@ -64,26 +64,6 @@ def test_a_feature_is_read_to_its_rows() -> None:
 def test_a_sphere_needs_no_direction() -> None:
     features, _ = found(assembly((Feature("face"), Feature("face", curvature=2))))
     np.testing.assert_allclose(features.curvature_b[0], np.diag([2.0, 2, 0]))
-
-
-def test_turned_and_renamed_parts_have_the_same_forms() -> None:
-    pair = (CYLINDER, Feature("face", [1, 2, 0], (3, 1)))
-    given = assembly(pair)
-    _, forms = found(given)
-    pose = Pose([3, -4, 5], turn([1, 2, 3], 50))
-    _, turned = found(moved(given, pose.rotation, pose.position))
-    blocks = np.kron(np.eye(4), pose.matrix)
-    np.testing.assert_allclose(blocks.T @ turned @ blocks, forms, atol=1e-12)
-    other = permuted(renamed(given, lambda name: name + "!"), [1, 0])
-    np.testing.assert_array_equal(found(other)[1], forms)
-
-
-def test_scaled_parts_have_scaled_forms() -> None:
-    pair = (CYLINDER, Feature("face", [1, 2, 0], (3, 1)))
-    _, forms = found(assembly(pair))
-    _, large = found(scaled(assembly(pair), 10.0))
-    units = np.tile(np.repeat([10.0, 1.0], 3), 2)
-    np.testing.assert_allclose(large * np.outer(units, units) / 10, forms, rtol=1e-9, atol=1e-12)
 
 
 def around(axis: Array, radius: float, up: float, tube: float = np.inf) -> Feature:

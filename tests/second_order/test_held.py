@@ -126,14 +126,6 @@ def test_what_is_held_beside_others_has_its_proof() -> None:
         assert not kilter.verify(row, other).holds, key
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0])
-def test_forces_that_are_none_are_refused(bad: float) -> None:
-    program = program_of(coupling(RADIAL))
-    forces = np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5)))
-    forces[2] = bad
-    assert judge_held(program, Held(forces))
-
-
 def over_the_edge(foot: float, off: float, *, size: float = 1.0, count: int = 1) -> Assembly:
     """Blocks on four points, pinned at their centre, which is `off` inside of their edge."""
     feet = [([x, y, 0.0], Z) for x in (off, off - foot) for y in (-0.4, 0.4)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from kilter.scenes.paper import figure_9
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
 from kilter.second_order.gaps.stationary import Stationary, stationary
-from kilter.second_order.proofs.locked import Faces, LockedTurns, faces_of, judge_locked, shifts
+from kilter.second_order.proofs.locked import Faces, LockedTurns, faces_of, shifts
 from kilter.second_order.searches.critical import find_critical
 from kilter.second_order.searches.locking_stress import find_locked
 from kilter.work import Work
@@ -97,23 +96,6 @@ def test_the_locked_turn_closes_gaps_in_sum(angle: float) -> None:
     total = float(stress @ gaps) / (problem.length * size**2)
     assert total == pytest.approx(expected, rel=1e-3)
     assert total < -1e-3
-
-
-def test_what_does_not_lock_is_refused() -> None:
-    _, problem, faces = asked()
-    proof = proved(problem, faces)
-    assert judge_locked(problem, faces, proof) == ""
-    hollow = dataclasses.replace(problem, forms=-problem.forms)
-    assert "exclude every turn" in judge_locked(hollow, faces, proof)
-    some = proof.stress.copy()
-    some[0] = 0.0
-    assert "press" in judge_locked(problem, faces, LockedTurns(proof.forces, some))
-    pulled = proof.stress * np.linspace(1.0, 1.1, len(some))
-    assert "balance" in judge_locked(problem, faces, LockedTurns(proof.forces, pulled))
-    on_lines = dataclasses.replace(faces, point=faces.point * [1.0, 0.0, 1.0])
-    assert "faces" in judge_locked(problem, on_lines, proof)
-    edges = dataclasses.replace(faces, flat=faces.patch != faces.patch[0])
-    assert "faces" in judge_locked(problem, edges, proof)
 
 
 def test_in_the_plane_no_proof_is_of_what_is_locked() -> None:

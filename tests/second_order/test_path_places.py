@@ -13,7 +13,7 @@ import kilter
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array
 from kilter.scenes import scene
-from kilter.second_order.answer.path_places import ALLOWED, PathPlaces, find_path_places
+from kilter.second_order.answer.path_places import PathPlaces, find_path_places
 from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.work import Work
 
@@ -104,15 +104,6 @@ def test_blocks_of_the_figures_twist_and_sink(name: str) -> None:
     assert path.motions[-1, program.free, 2].sum() < -1.0
 
 
-@pytest.mark.slow
-def test_less_work_is_a_shorter_path_that_begins_the_same() -> None:
-    _, whole = path_of(balls(), Work(ALLOWED))
-    _, part = path_of(balls(), Work(ALLOWED / 100))
-    count = len(part.motions)
-    assert 2 < count < len(whole.motions)
-    np.testing.assert_array_equal(part.motions, whole.motions[:count])
-
-
 def test_there_is_none_of_what_is_at_rest_or_of_given_contacts() -> None:
     verdict = kilter.check(case_of("02").build(0.0))
     assert verdict.second_order_answer is not None
@@ -152,25 +143,6 @@ def test_balls_between_walls_fall_along_them() -> None:
     assert high[-1, 2] < 0.9
     energy = 9.81 * (path.motions[:, 3, 2] + path.motions[:, 4, 2])
     np.testing.assert_allclose(path.energies, energy, rtol=1e-9, atol=1e-12)
-
-
-@pytest.mark.slow
-def test_clusters_fall_at_once_each_as_it_does_alone() -> None:
-    far = np.array([20.0, 0, 0])
-    two = [
-        Part("other base", Sphere(1.0), Pose(far), grounded=True),
-        Part("other", Sphere(0.5), Pose([20, 0, 1.5]), mass=2.0),
-    ]
-    together = Assembly([*balls().parts, *two])
-    found, path = path_of(together)
-    assert len(found.clusters) == 2
-    _, alone = path_of(balls())
-    drop = path.motions[:, [1, 3], 2]
-    assert drop[-1].max() < -0.2
-    np.testing.assert_allclose(path.energies, drop.sum(axis=1) * 2.0 * 9.81, rtol=1e-6, atol=1e-9)
-    centres = path.motions[:, [1, 3], :3] + np.array([0, 0, 1.5])
-    np.testing.assert_allclose(np.linalg.norm(centres, axis=2), 1.5, atol=1e-4)
-    np.testing.assert_allclose(drop[-1], alone.motions[-1, 1, 2], atol=0.1)
 
 
 def followed(seed: int) -> float | None:

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from random_grids import elsewhere, random_grid
-from random_rests import KINDS, random_rest
+from random_rests import random_rest
 from rest_energy import LOWER, contradicts, least_beside
 
 import kilter
 from kilter import Assembly, Box, Part, Pose, Sphere
-
-
-def test_every_kind_is_made_alike_by_its_seed() -> None:
-    kinds = [random_rest(seed)[0] for seed in range(len(KINDS))]
-    assert len(set(kinds)) == len(KINDS)
-    one, other = (random_rest(3)[1] for _ in range(2))
-    for a, b in zip(one.parts, other.parts, strict=True):
-        np.testing.assert_array_equal(a.pose.position, b.pose.position)
 
 
 @pytest.mark.slow

@@ -251,21 +251,6 @@ def over_an_edge(*, beside: bool = True) -> list[Part]:
     return [FLOOR, post, board, *([other] if beside else [])]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("turned", [False, True])
-def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
-    """It falls as it does alone; its path separates it from the post at its edge."""
-    parts = over_an_edge()
-    assembly = Assembly(parts[::-1] if turned else parts)
-    assert any(one.kind == "degenerate" for one in kilter.contacts(assembly).open_pairs)
-    found = kilter.check(assembly)
-    alone = kilter.check(Assembly(over_an_edge(beside=False))).second_order_answer
-    assert found.second_order_answer is not None
-    assert alone is not None
-    assert (found.second_order_answer.state, alone.state) == ("balanced", "balanced")
-    assert kilter.verify(assembly, found.proof()).holds
-
-
 @pytest.mark.parametrize("opens_at_once", [True, False])
 def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
     """The board tips, while the other post moves along, or separates only to second order."""

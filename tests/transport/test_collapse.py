@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -113,28 +112,3 @@ def test_the_confidence_factor_divides_the_spectral_acceleration(
     assert "at least 1" in capsys.readouterr().err
     assert main(["transport", str(file), "--collapse", "--code", "gdv"]) == 2
     assert "without another question" in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_the_film_shows_the_mechanism_that_starts_first(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A narrow block on a wide plinth: the block alone is animated."""
-    file, film = tmp_path / "block.kilter.json", tmp_path / "fall.glb"
-    kilter.dump(stack_on_deck([[4, 4, 1], [0.2, 1, 1]], 0.9), file)
-    words = ["transport", str(file), "--collapse", "--film", str(film)]
-    assert main(words) == 0
-    assert "film         written to" in capsys.readouterr().out
-    data = film.read_bytes()
-    assert data[:4] == b"glTF"
-    length = int.from_bytes(data[12:16], "little")
-    scene = json.loads(data[20 : 20 + length])
-    [motion] = scene["animations"]
-    nodes = {scene["nodes"][channel["target"]["node"]]["name"] for channel in motion["channels"]}
-    assert nodes == {"box-1"}
-    assert main([*words[:-1], str(tmp_path / "fall.svg")]) == 2
-    assert "not a file name for a film" in capsys.readouterr().err
-    kilter.dump(stack_on_deck([[1, 1, 1]], 1e4), file)
-    answer = kilter.transport(file, turn=CarrierMotion([0, 0, 1.0]))
-    with pytest.raises(kilter.InputError, match="no part is known to move"):
-        kilter.animate(answer)

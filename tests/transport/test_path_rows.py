@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +14,6 @@ from kilter.analysis.transport.carrier_path import path_from_poses, read_path
 from kilter.errors import InputError
 
 G, MU = 9.81, 0.4
-ROOT = Path(__file__).parents[2]
 TIME = np.linspace(0.0, 1.0, 5)
 
 
@@ -97,15 +94,3 @@ def test_constraints_need_velocities(tmp_path: Path) -> None:
     file.write_text("\n".join(["time,x,y,z,vx,vy,vz", *rows]))
     with pytest.raises(InputError, match="come without ax"):
         read_path(file)
-
-
-@pytest.mark.slow
-def test_the_example_runs_with_the_planners_that_are_installed() -> None:
-    pytest.importorskip("toppra")
-    done = subprocess.run(
-        [sys.executable, ROOT / "examples" / "fastest_carrying.py"],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    seconds = [float(line.split()[1]) for line in done.stdout.splitlines() if line[:6] == "toppra"]
-    inner, outer = seconds
-    assert outer <= inner <= 1.01 * outer
