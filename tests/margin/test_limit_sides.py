@@ -7,7 +7,6 @@ import pytest
 from margins import program_of
 from random_turned import random_turned, springer_arch
 
-from kilter.analysis import load_limit
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.limit_sides import limit_sides
 from kilter.analysis.load_limit import (

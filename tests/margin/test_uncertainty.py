@@ -10,9 +10,8 @@ from margins import program_of, small_assembly
 
 import kilter
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
-from kilter.analysis.margins import following_forces, uncertainty
 from kilter.analysis.load_limit import NoLimit, gravity_wrench
+from kilter.analysis.margins import following_forces, uncertainty
 from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
 from kilter.arrays import cross
