@@ -16,7 +16,7 @@ from kilter.analysis.decision.deciding_pairs import MOST
 from kilter.assembly import Assembly, FrictionPair, Joint
 from kilter.contact import Tolerance
 from kilter.contact.contact_tolerances import GAP
-from kilter.files import load
+from kilter.loading import load
 from kilter.scenes.pieces import block, floor
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
