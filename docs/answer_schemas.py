@@ -25,7 +25,7 @@ from typing_extensions import TypedDict
 
 from kilter.analysis.many.batch import Batch
 from kilter.analysis.margins.improve import Improvement
-from kilter.analysis.margins.margin import Margin
+from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.placing.check_plan import CheckedPlan
 from kilter.analysis.placing.place import Places
 from kilter.analysis.planning.hold.fixture import Fixture
@@ -79,7 +79,7 @@ def build_answer_schema(verb: str) -> dict[str, Any]:
 
     The keys "answer" and "schema" are optional: `to_json` writes them, ``--json`` does not.
     """
-    model = _model(ANSWERS[verb]) if issubclass(ANSWERS[verb], Record) else ANSWERS[verb]
+    model = _model(ANSWERS[verb])
     # a list, since pydantic accepts no settings for a typed dictionary itself
     several: Any = GenericAlias(list, (model,))
     adapter = TypeAdapter(several, config=ConfigDict(extra="forbid"))

@@ -1,8 +1,9 @@
-"""Values that are pleasant to hold: one line each, no truth value, read-only, told apart."""
+"""Values: their representation and arguments; tolerances of files and shapes."""
 
 import dataclasses
 import pickle
 from collections.abc import Iterator
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,8 +12,12 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, InputError, Joint, Load, Mesh, Part, Pose
+from kilter.assembly import assembly_tolerances as a
+from kilter.files import file_tolerances as f
 from kilter.scenes import scene
+from kilter.shape import shape_tolerances as t
 from kilter.shape.primitives import surface
+from literals import unnamed
 
 CUBE = Part("cube", Box([1, 1, 1]))
 
@@ -259,3 +264,67 @@ def test_a_copy_with_the_same_parts_shares_the_geometry():
     assert tower.with_friction(0.5).geometry is geometry
     assert tower.with_grounded("cube-1").geometry.grounded.sum() == geometry.grounded.sum() + 1
     assert dataclasses.replace(tower, units="mm").geometry is not geometry
+
+
+CHAINS = [
+    (a, ("SAME_SURFACE", "COPLANAR", "SMOOTH")),
+    (f, ("INTEGRAL", "RIGID", "SAME_FACE", "VOLUME", "RECOGNISED", "DEFLECTION", "TURN")),
+]
+
+
+@pytest.mark.parametrize(("where", "chain"), CHAINS, ids=["assembly", "files"])
+def test_tolerances_are_ordered(where, chain):
+    values = [getattr(where, name) for name in chain]
+    assert all(low < high for low, high in pairwise(values))
+
+
+def test_what_the_docstrings_call_equal_is_equal():
+    assert a.SAME_SURFACE == a.PLANAR_AXIS == a.FLAT_PART == a.INSIDE_OUT
+    assert f.RECOGNISED == f.SAME_ANGLE
+
+
+def test_the_fifth_power_of_the_largest_size_is_a_number():
+    assert a.LARGEST**5 < 1e300
+
+
+@pytest.mark.slow
+def test_no_small_number_goes_without_a_name():
+    # masses of bricks [kg]
+    found = unnamed("assembly", but="assembly_tolerances.py")
+    assert {place.split(":")[0] for place in found} == {"assembly/bricks/brick_library.py"}
+    # units: a micron in millimetres (3MF); prefixes and inches (STEP); and
+    # the least values that MuJoCo accepts
+    found = unnamed("files", but="file_tolerances.py")
+    places = {place.split(":")[0] for place in found}
+    assert places == {
+        "files/mjcf.py",
+        "files/stated_accuracy.py",
+        "files/step_densities.py",
+        "files/threemf.py",
+    }
+
+
+ORDERS = [
+    ("NO_AREA", "PLANE_FLATNESS", "WELD"),
+    ("LEAST_TURN", "FACET_NORMAL", "STEEPEST_EDGE"),
+    ("PLANE_ROUNDINGS", "EVIDENCE", "GROWING"),
+    ("STEP_RANK", "FIT_RANK", "BEHIND_APEX", "NARROWEST_CONE", "WIDEST_CONE"),
+]
+
+
+@pytest.mark.parametrize("chain", ORDERS, ids=lambda chain: " < ".join(chain))
+def test_tolerances_of_shapes_are_ordered(chain):
+    values = [getattr(t, name) for name in chain]
+    assert all(low < high for low, high in pairwise(values))
+
+
+def test_prism_of_twelve_sides_is_round_and_one_of_eleven_is_not():
+    assert 2 * np.pi / 12 < t.STEEPEST_EDGE < 2 * np.pi / 11
+
+
+def test_what_is_welded_fits_a_surface():
+    assert t.WELD == t.SURFACE_FIT
+
+
+def test_no_small_number_of_the_shapes_goes_without_a_name():
+    assert unnamed("shape", but="shape_tolerances.py") == []

@@ -11,7 +11,7 @@ from typing import Literal
 from kilter.analysis.many.batch import Batch as Batch
 from kilter.analysis.many.verdicts import Verdicts as Verdicts
 from kilter.analysis.margins.improve import Improvement as Improvement
-from kilter.analysis.margins.margin import Margin as Margin
+from kilter.analysis.margins.margin_answer import Margin as Margin
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.placing.check_plan import CheckedPlan as CheckedPlan
 from kilter.analysis.placing.piles.pile import Pile as Pile
@@ -1490,9 +1490,9 @@ def transport(
     --------
     >>> from kilter.scenes import stacks
     >>> answer = transport(stacks.block_on_slope(0.0, friction=0.4), polar=False)
-    >>> round(answer.least.value, 6)
+    >>> round(answer.least.g, 6)
     0.4
     >>> question = transport(stacks.block_on_slope(0.0, friction=0.4), accelerate=[3.0, 0, 0])
-    >>> question.carried, round(question.cases[0].factor.value, 4)
+    >>> question.carried, round(question.cases[0].factor, 4)
     (True, 1.308)
     """

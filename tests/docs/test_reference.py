@@ -13,7 +13,6 @@ import pytest
 from answer_schemas import texts_of
 
 import kilter
-from kilter.tell.record import Record
 
 PAGES = sorted((Path(__file__).resolve().parents[2] / "docs" / "reference").glob("*.md"))
 SCHEMAS = Path(kilter.__file__).parent / "files/schemas"
@@ -34,7 +33,9 @@ def found(name: str) -> Any:
 def unexplained(value: Any) -> list[str]:
     """Fields of a class without a text in its docstring or under them, and members without one."""
     listed = r"^ *(?:\w+, )*\b%s\b(?:, \w+)* *(?::|$)"
-    under = (name for base in value.__mro__ if issubclass(base, Record) for name in texts_of(base))
+    under = (
+        name for base in value.__mro__ if dataclasses.is_dataclass(base) for name in texts_of(base)
+    )
     text = "\n".join([inspect.getdoc(value) or "", *under])
     fields = dataclasses.fields(value) if dataclasses.is_dataclass(value) else ()
     names = [field.name for field in fields if not field.name.startswith("_")]

@@ -8,7 +8,7 @@ verdict of the assembly with the parts of these pairs joined.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kilter.assembly import Assembly, Joint
 from kilter.contact import ContactSet
@@ -27,7 +27,6 @@ __all__ = [
     "answered_pairs",
     "ask_open",
     "open_pair_names",
-    "open_pairs_answer",
 ]
 
 
@@ -121,10 +120,3 @@ def answered_pairs(
         for pair in still_open(contacts.open_pairs, assembly)
     ]
     return tuple(sorted(entries, key=lambda entry: not entry.decides))
-
-
-def open_pairs_answer(
-    assembly: Assembly, contacts: ContactSet, question: OpenQuestion | None = None
-) -> list[Any]:
-    """The same as data for words."""
-    return [pair.to_dict() for pair in answered_pairs(assembly, contacts, question)]

@@ -110,6 +110,12 @@ class CheckedPlan(Answer):
 
     answer: ClassVar[str] = "check-plan"
 
+    order: str | None
+    """Name of the order of the file."""
+    units: UnitWord
+    """Length unit."""
+    friction: float
+    """Friction coefficient of all contacts [-]."""
     require: str
     """Level from which an item stands."""
     items: tuple[CheckedItem, ...]
@@ -138,24 +144,6 @@ class CheckedPlan(Answer):
     def sentence(self) -> str:
         """The answer in a sentence."""
         return packing_sentence(self.data_without("sentence"))
-
-    @property
-    @key
-    def order(self) -> str | None:
-        """Name of the order of the file."""
-        return self.plan.order or None
-
-    @property
-    @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.plan.units
-
-    @property
-    @key
-    def friction(self) -> float:
-        """Friction coefficient of all contacts [-]."""
-        return self.assembly.friction
 
     @property
     @key
@@ -272,6 +260,9 @@ def _checked(
     assume = first is not None and unwalled is not None
     return CheckedPlan(
         **found,
+        order=plan.order or None,
+        units=plan.units,
+        friction=whole.friction,
         require=asked.require,
         walls=_walled(asked, plan, *unwalled) if assume and unwalled is not None else None,
         carried=_carried(whole, contacts) if carried and first is None else (),

@@ -100,6 +100,8 @@ class Places(Answer):
 
     answer: ClassVar[str] = "place"
 
+    units: UnitWord
+    """Length unit."""
     levels: tuple[LevelPlaces, ...] = ()
     """Places by height, the lowest first; empty if a place was given."""
     best: BestPlace | None = None
@@ -134,12 +136,6 @@ class Places(Answer):
     def sentence(self) -> str:
         """The answer in a sentence."""
         return place_sentence(self.data_without("sentence"))
-
-    @property
-    @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.assembly.units
 
     @property
     @key
@@ -335,6 +331,7 @@ def _places(
         found = _map(assembly, part, contacts, tops, limits, center_within, clear, accuracy)
     return Places(
         **found,
+        units=assembly.units,
         mass=limits,
         center_within=float(center_within),
         require=asked.require,

@@ -117,6 +117,10 @@ def scene(
     return SceneReport(
         objects=objects,
         require=require,
+        clusters=len(survey.verdicts),
+        gravity=assembly.gravity,
+        friction=assembly.friction,
+        units=assembly.units,
         warnings=(*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
         seconds=time.perf_counter() - started,
         assembly=assembly,

@@ -80,12 +80,29 @@ class Settled(Answer):
     """Gap that counts as closed [length unit]."""
     dropped: float
     """Largest distance of a fall before the search [length unit]."""
+    units: UnitWord
+    """Length unit."""
+    before: str | None
+    """Verdict on the drawn pose."""
     parts: tuple[str, ...]
     """Parts that fall, that do not fit, or that are out of reach."""
     depth: float
     """Depth of the overlap that no small motion opens [length unit]; 0 if all open."""
     why: str
     """Cause of a failure as a clause; empty at rest."""
+    after: str | None = None
+    """Verdict on the pose at rest; null in other states."""
+    after_asked: str | None = None
+    """Level up to which the verdict on the pose at rest was asked.
+
+        It is "equilibrium" if the closed points alone reach the required level.
+        """
+    closed_level: str | None = None
+    """Level of forces at closed points alone."""
+    widest_gap: float | None = None
+    """Widest gap of a closed point [length unit]; null without a pose at rest."""
+    deepest_overlap: float | None = None
+    """Deepest overlap of two parts [length unit]; null without a pose at rest."""
     require: str
     """Level from which the parts count as at rest."""
     warnings: tuple[str, ...]
@@ -133,12 +150,6 @@ class Settled(Answer):
 
     @property
     @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.drawn.units
-
-    @property
-    @key
     def moved(self) -> list[Moved]:
         """Moved parts, the farthest first."""
         names, distance, angle = self.drawn.names, self.distance, self.angle
@@ -150,51 +161,12 @@ class Settled(Answer):
 
     @property
     @key
-    def widest_gap(self) -> float | None:
-        """Widest gap of a closed point [length unit]; null without a pose at rest."""
-        return None if self.closed is None else self.closed.widest_gap
-
-    @property
-    @key
-    def deepest_overlap(self) -> float | None:
-        """Deepest overlap of two parts [length unit]; null without a pose at rest."""
-        return None if self.closed is None else self.closed.deepest_overlap
-
-    @property
-    @key
     def carries(self) -> list[list[str]]:
         """Names of the pairs of parts that touch at closed points."""
         if self.closed is None:
             return []
         pairs = np.unique(np.sort(self.closed.contacts.patch_parts, axis=1), axis=0)
         return [[self.drawn.names[a], self.drawn.names[b]] for a, b in pairs.tolist()]
-
-    @property
-    @key
-    def before(self) -> str | None:
-        """Verdict on the drawn pose."""
-        return self.drawn_verdict.verdict
-
-    @property
-    @key
-    def after(self) -> str | None:
-        """Verdict on the pose at rest; null in other states."""
-        return None if self.settled_verdict is None else self.settled_verdict.verdict
-
-    @property
-    @key
-    def after_asked(self) -> str | None:
-        """Level up to which the verdict on the pose at rest was asked.
-
-        It is "equilibrium" if the closed points alone reach the required level.
-        """
-        return None if self.settled_verdict is None else self.settled_verdict.require
-
-    @property
-    @key
-    def closed_level(self) -> str | None:
-        """Level of forces at closed points alone."""
-        return None if self.closed_verdict is None else self.closed_verdict.level
 
     @property
     @key
@@ -316,6 +288,8 @@ def _settle(asked: Question, reach: float | None, keep: str | Iterable[str], dro
         reach=used,
         tolerance=closed_gap(settled),
         dropped=dropped,
+        units=assembly.units,
+        before=before.verdict,
         parts=found.parts,
         depth=found.depth,
         why=found.why,
@@ -361,13 +335,20 @@ def _verified(
     assert found.points is not None
     closed = closed_contacts(settled, found.points, progress=asked.progress)
     alone = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
-    verdicts: dict[str, Any] = {"closed": closed, "closed_verdict": alone}
+    verdicts: dict[str, Any] = {
+        "closed": closed,
+        "widest_gap": closed.widest_gap,
+        "deepest_overlap": closed.deepest_overlap,
+        "closed_verdict": alone,
+        "closed_level": alone.level,
+    }
     why = _unproved(closed, alone)
     if why:
         return replace(found, state="not-found", why=why), verdicts
     again = roughly if holds(alone.level, asked.require) else asked
-    verdicts["settled_verdict"] = check(again.but(assembly=settled, contacts=None))
-    return found, verdicts
+    after = check(again.but(assembly=settled, contacts=None))
+    more = {"settled_verdict": after, "after": after.verdict, "after_asked": after.require}
+    return found, verdicts | more
 
 
 def _search(

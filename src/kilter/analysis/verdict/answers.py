@@ -1,15 +1,13 @@
-"""Joints, open pairs and unsupported contacts, which several answers share."""
+"""Units, joints and open pairs, which several answers share."""
 
 from __future__ import annotations
 
-from typing import Any
-
 from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
-from kilter.assembly import Assembly, JointEntry
+from kilter.assembly import Assembly, ListedJoint
 from kilter.contact import ContactSet
 from kilter.tell.record import Answer, InPython, UnitWord, Vector, key
 
-__all__ = ["OfAssembly", "joints_answer"]
+__all__ = ["OfAssembly"]
 
 
 class OfAssembly(Answer):
@@ -34,7 +32,7 @@ class OfAssembly(Answer):
 
     @property
     @key
-    def joints(self) -> tuple[JointEntry, ...]:
+    def joints(self) -> tuple[ListedJoint, ...]:
         """Joints, with those that fastening added."""
         return self.assembly.joints_data()
 
@@ -43,8 +41,3 @@ class OfAssembly(Answer):
     def open_pairs(self) -> tuple[AnsweredPair, ...]:
         """Pairs of parts whose contact the geometry does not determine."""
         return answered_pairs(self.assembly, self.contacts)
-
-
-def joints_answer(assembly: Assembly) -> list[Any]:
-    """JSON data of the joints of an assembly, including those added by fastening."""
-    return [joint.to_dict() for joint in assembly.joints_data()]

@@ -20,7 +20,7 @@ from math import inf
 
 from kilter.analysis.decision.cascade import decide, with_second_order
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.fastening import fastened
@@ -392,7 +392,8 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
         yield likely
     if decision.question is not None:
         sunk = _sunk_pairs(assembly, contacts)
-        pairs = open_pairs_answer(assembly, contacts, decision.question)
+        listed = answered_pairs(assembly, contacts, decision.question)
+        pairs = [pair.to_dict() for pair in listed]
         pairs = [pair for pair in pairs if set(pair["parts"]) not in sunk]
         yield _settling_change(open_options(pairs))
         known = {frozenset(pair) for pair in joined}

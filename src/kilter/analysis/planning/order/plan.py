@@ -18,13 +18,14 @@ from typing import Literal
 
 import numpy as np
 
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.analysis.planning.order.carried_accelerations import extreme_accelerations
 from kilter.analysis.planning.order.cheapest import Searched, find_order
 from kilter.analysis.planning.order.closure import find_unreachable
 from kilter.analysis.planning.order.exhaustion import find_refused
 from kilter.analysis.planning.order.given_order import judge_order, sets_of_order
 from kilter.analysis.planning.order.locking import Locked, find_locked
-from kilter.analysis.planning.order.order import Assumes, Fewest, Order, Search
+from kilter.analysis.planning.order.order import Assumes, Fewest, Finished, Order, Search
 from kilter.analysis.planning.order.plan_rules import PlanRules, turns_alone
 from kilter.analysis.planning.order.plan_step import steps_of
 from kilter.analysis.planning.order.pressing import Pressing
@@ -38,6 +39,7 @@ from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.part_sets import members
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States, states
+from kilter.analysis.verdict.remarks import remarks
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
@@ -133,6 +135,10 @@ def _planned(
     least = _least(searched, len(obstacles.falling))
     return Order(
         require=level,
+        units=assembly.units,
+        base=tuple(part.name for part in assembly if part.grounded),
+        finished=Finished(verdict=finished.verdict, level=finished.level),
+        open_pairs=answered_pairs(assembly, part_states.contacts, finished.question),
         steps=tuple(steps),
         precedence=precedence_pairs(assembly, after, screws),
         best=_names(assembly, *longest),
@@ -142,6 +148,7 @@ def _planned(
         assumes=_assumes(part_states, rules, carried, screws, units),
         interrupted=searched.interrupted,
         time_limit=None,
+        warnings=remarks(assembly, part_states.contacts),
         seconds={
             "contacts": round(searching - asked.begun, 6),
             "search": round(ordered - searching, 6),
