@@ -102,7 +102,7 @@ def listed_words(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
     return {row[0]: row[1] for row in rows if row and row[0] in SCENES}
 
 
-@pytest.mark.quick("twins")
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [TWINS, sorted(SCENES)], ids=["twins", "all"])
 def test_the_list_of_examples_has_the_words_of_check(
     names: Sequence[str], capsys: pytest.CaptureFixture[str]
@@ -199,6 +199,7 @@ def test_a_costly_verdict_pays_for_the_required_level(monkeypatch: pytest.Monkey
     assert units <= 2e6
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("ball", [False, True])
 def test_a_remedy_that_holds_without_friction_has_the_verdict_of_check_whatever_its_work(
     monkeypatch: pytest.MonkeyPatch, ball: bool

@@ -315,6 +315,7 @@ def test_a_scene_without_faults_stays_as_it_is() -> None:
     assert report.moved == {}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("ending", [".kilter.json", ".xml", ".glb"])
 def test_the_repaired_scene_is_written(
     ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -329,6 +330,7 @@ def test_the_repaired_scene_is_written(
     assert main(["scene", str(out), *held]) == 0
 
 
+@pytest.mark.slow
 def test_a_repaired_usd_scene_is_a_layer(tmp_path: Path) -> None:
     pytest.importorskip("pxr", reason="usd-core is not installed: pip install 'kilter[usd]'")
     from pxr import Usd, UsdGeom, UsdPhysics
