@@ -168,6 +168,7 @@ def test_another_tolerance_gives_the_contacts_of_a_new_geometry(name, tolerance)
     assert_equal(again, kilter.contacts(fresh(assembly), tolerance=tolerance))
 
 
+@pytest.mark.slow
 def test_equal_conditions_need_no_second_search(monkeypatch):
     """Friction changes no finding; a new tolerance, and a new geometry, need a search."""
     assembly = pegs()
