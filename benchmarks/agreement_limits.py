@@ -35,8 +35,8 @@ def beside_limits(
                 rough = assembly.with_friction(mu)
                 yield f"mu {mu:.6f}", rough, "equilibrium", expected
     ends = margin.load_factor
-    if ends is not None and ends[1] is not None and np.isfinite(ends[1].value):
-        most = float(ends[1].value)
+    if ends is not None and np.isfinite(ends[1]):
+        most = ends[1]
         for factor, expected in ((most * (1 - NEAR), True), (most * (1 + NEAR) + 1e-6, False)):
             if most > NEAR and margin.check.level is not None:
                 gravity = assembly.gravity + factor * np.linalg.norm(assembly.gravity) * push

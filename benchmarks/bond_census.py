@@ -175,7 +175,7 @@ def judged(scene: Bonded) -> tuple[str, list[str]]:
         return "no share is enough", wrong
     if why is not None:
         return "no share", wrong
-    share = margin.bond
+    share = margin.bond_limit.value
     if not least - NEAR * max(1.0, least) <= share <= most + NEAR * max(1.0, most):
         wrong.append(f"share {share}, not {least} to {most}")
     if share and not verified(assembly, margin):

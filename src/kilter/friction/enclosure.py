@@ -50,41 +50,28 @@ AT_REST: TwistCone = np.zeros((0, 0))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Enclosure:
-    """Bounds of all remaining solutions (motions and forces) of the contact law.
-
-    Attributes
-    ----------
-    scale : float
-        |a| <= scale [-], and w.a <= scale^2.
-    un, fn : ndarray, shape (K,)
-        Upper bounds of opening and normal force, which are at least 0.
-    ut : ndarray, shape (G, m)
-        Upper bound of d_k.ut, in space also of |ut|.
-    slip : ndarray, shape (G,)
-        Upper bound of |ut|.
-    rest : ndarray, shape (G, m)
-        Upper bound of g_k = mu N + d_k.ft, in space also of mu N.
-    least, most : ndarray, shape (G,)
-        Bounds of the sum N of the normal forces.
-    tangents : ndarray, shape (q, n)
-        Points c at which tangents bound the ball of accelerations.
-    cones : tuple, one entry per patch
-        None, or the cone that contains the twist.
-    cuts : bool
-        Whether rows may use the bounds of forces.
-    """
+    """Bounds of all remaining solutions (motions and forces) of the contact law."""
 
     scale: float
+    """|a| <= scale [-], and w.a <= scale^2."""
     un: Array
     fn: Array
+    """Upper bounds of opening and normal force, which are at least 0, shape (K,)."""
     ut: Array
+    """Upper bound of d_k, shape (G, m).ut, in space also of |ut|."""
     slip: Array
+    """Upper bound of |ut|, shape (G,)."""
     rest: Array
+    """Upper bound of g_k = mu N + d_k, shape (G, m).ft, in space also of mu N."""
     least: Array
     most: Array
+    """Bounds of the sum N of the normal forces, shape (G,)."""
     tangents: Array
+    """Points c at which tangents bound the ball of accelerations, shape (q, n)."""
     cones: tuple[TwistCone | None, ...]
+    """None, or the cone that contains the twist."""
     cuts: bool
+    """Whether rows may use the bounds of forces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -90,24 +90,16 @@ def with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantities:
-    """Linear functions of the solution (speeds, forces) whose bounds a contraction shrinks.
-
-    Attributes
-    ----------
-    names : list of str
-        Bound of `Enclosure` to which each belongs.
-    places : list of tuple of int
-        Index in that bound.
-    weights : csr_array
-        Rows w such that w.x is maximised.
-    limits : ndarray
-        Known upper bounds of w.x.
-    """
+    """Linear functions of the solution (speeds, forces) whose bounds a contraction shrinks."""
 
     names: list[str]
+    """Bound of `Enclosure` to which each belongs."""
     places: list[tuple[int, ...]]
+    """Index in that bound."""
     weights: csr_array
+    """Rows w such that w.x is maximised."""
     limits: Array
+    """Known upper bounds of w.x."""
 
 
 def quantities(relaxation: Relaxation, b: Enclosure) -> Quantities:

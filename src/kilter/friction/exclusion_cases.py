@@ -48,45 +48,31 @@ MOST_OPEN = 200_000
 
 @dataclass(frozen=True, slots=True)
 class Breach:
-    """The contact point or patch at which a relaxed motion violates the contact law most.
-
-    Attributes
-    ----------
-    point, patch : int
-        Index of the point or of the patch; the other is -1. Both are -1 if unknown.
-    largest : float
-        Power that it gains there, among points and patches that can still be divided.
-    total : float
-        Power that it gains in all.
-    """
+    """The contact point or patch at which a relaxed motion violates the contact law most."""
 
     point: int
     patch: int
+    """Index of the point or of the patch; the other is -1. Both are -1 if unknown."""
     largest: float
+    """Power that it gains there, among points and patches that can still be divided."""
     total: float
+    """Power that it gains in all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CasesLeft:
-    """Result of a division into cases of contact modes: the power that is left, and the tree.
-
-    Attributes
-    ----------
-    power : float
-        Greatest power w.a that is not excluded, over |w|^2; the tolerance if all cases are closed.
-    nodes : int
-        Number of bounded cases.
-    ended : bool
-        True if more time would not help: all cases are closed, a relaxed motion obeys the law, or
-        nothing can be divided.
-    step : CaseStep or None
-        The whole tree, if all cases are closed.
-    """
+    """Result of a division into cases of contact modes: the power that is left, and the tree."""
 
     power: float
+    """Greatest power w.a that is not excluded, over |w|^2; the tolerance if all cases are
+    closed."""
     nodes: int
+    """Number of bounded cases."""
     ended: bool
+    """True if more time would not help: all cases are closed, a relaxed motion obeys the law, or
+    nothing can be divided."""
     step: CaseStep | None = None
+    """The whole tree, if all cases are closed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,21 +25,14 @@ __all__ = ["CaseStep", "ExclusionStep", "PowerStep", "Quantity", "ShrinkStep"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PowerStep:
-    """Row multipliers that bound the power in a linear program, and a point for the next tangent.
-
-    Attributes
-    ----------
-    rows : ndarray of int
-        Rows with nonzero multipliers.
-    values : ndarray
-        Those multipliers.
-    tangent : ndarray, shape (n,), or None
-        Motion at which the ball of motions gets a further tangent.
-    """
+    """Row multipliers that bound the power in a linear program, and the next tangent point."""
 
     rows: Index
+    """Rows with nonzero multipliers."""
     values: Array
+    """Those multipliers."""
     tangent: Array | None
+    """Motion at which the ball of motions gets a further tangent, shape (n,)."""
 
     @classmethod
     def of(cls, multipliers: Array, tangent: Array | None) -> PowerStep:
@@ -79,21 +72,14 @@ class ShrinkStep:
 
 @dataclass(slots=True, eq=False)
 class CaseStep:
-    """A case of contact modes: proofs of its power bound, and subcases if it is divided.
-
-    Attributes
-    ----------
-    powers : list of PowerStep
-    point, patch : int
-        Index of the point or patch at which it is divided; both -1 if it is closed.
-    cases : list of CaseStep
-        The cases that cover it.
-    """
+    """A case of contact modes: proofs of its power bound, and subcases if it is divided."""
 
     powers: list[PowerStep] = field(default_factory=list)
     point: int = -1
     patch: int = -1
+    """Index of the point or patch at which it is divided; both -1 if it is closed."""
     cases: list[CaseStep] = field(default_factory=list)
+    """The cases that cover it."""
 
 
 ExclusionStep = MomentStep | PowerStep | ShrinkStep | CaseStep

@@ -53,42 +53,29 @@ __all__ = ["CoulombLaw", "coulomb_law"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoulombLaw:
-    """Coulomb's contact law of a program, in scaled unknowns.
-
-    Attributes
-    ----------
-    program : Program
-    matrix : csr_array, shape (3 K, n)
-        H; lines 3 k, 3 k + 1, 3 k + 2 along n, u and v of row k. A two-sided row (of a joint) has
-        only the first of them; in the plane v is across it, and its line is 0.
-    load : ndarray, shape (n,)
-        w', of length 1 (0 without load).
-    basis : ndarray, shape (K, 3, 3)
-        Unit vectors n, u, v of each row, world frame.
-    mu : ndarray, shape (K,)
-        Friction coefficients [-].
-    tied : ndarray of bool, shape (K,)
-        Rows that are equations.
-    patch : ndarray of int, shape (K,)
-        Patch number from 0; the points of a contact patch, or the rows of a joint, share it.
-    strength : float
-        |w|, the root of w.M^-1 w.
-    sigma : ndarray, shape (K,)
-        Mobility scale of each row.
-    root : ndarray, shape (F, d, d)
-        L of each free part, in its d freedoms.
-    """
+    """Coulomb's contact law of a program, in scaled unknowns."""
 
     program: Program
     matrix: csr_array
+    """H; lines 3 k, 3 k + 1, 3 k + 2 along n, u and v of row k. A two-sided row (of a joint) has
+    only the first of them; in the plane v is across it, and its line is 0, shape (3 K, n)."""
     load: Array
+    """w', of length 1 (0 without load), shape (n,)."""
     basis: Array
+    """Unit vectors n, u, v of each row, world frame, shape (K, 3, 3)."""
     mu: Array
+    """Friction coefficients [-], shape (K,)."""
     tied: Mask
+    """Rows that are equations, shape (K,)."""
     patch: Index
+    """Patch number from 0, shape (K,); the points of a contact patch, or the rows of a joint,
+    share it."""
     strength: float
+    """|w|, the root of w.M^-1 w."""
     sigma: Array
+    """Mobility scale of each row, shape (K,)."""
     root: Array
+    """L of each free part, in its d freedoms, shape (F, d, d)."""
 
     def acceleration(self, columns: Array) -> Array:
         """Accelerations [m/s^2], [rad/s^2] of all parts, shape (N, 6), from scaled unknowns x."""

@@ -30,47 +30,33 @@ __all__ = ["MomentForms", "bodies_of", "moment_forms", "width_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentForms:
-    """Linear forms (speeds, forces ...) of the contact law in the unknowns z = (1, b, f, s).
-
-    Attributes
-    ----------
-    law : ReducedLaw
-    scale : float
-        e.
-    rows : csr_array, shape (., 1 + n + K + G T + G)
-        The forms; the other members are indices of its rows.
-    one : int
-        Row of the form 1.
-    motion, fn, un, total, slip, zero : ndarray of int
-        Rows of b, shape (n,); fn and un, (K,); mu N and s, (G,); d, (n,).
-    ft, ut : ndarray of int, shape (G, T)
-        Rows of ft and ut.
-    push : ndarray of int, shape (P, n)
-        Rows of Jn^T fn + Jt^T ft of the points of each patch.
-    patch : ndarray of int, shape (K,)
-        Patch of each point; a point without friction has its own patch.
-    bodies : tuple of ndarray of int
-        Freedoms of each body.
-    touching : ndarray of bool, shape (P, bodies)
-        True if a patch acts on a body.
-    """
+    """Linear forms (speeds, forces ...) of the contact law in the unknowns z = (1, b, f, s)."""
 
     law: ReducedLaw
     scale: float
+    """e."""
     rows: csr_array
+    """The forms, shape (., 1 + n + K + G T + G); the other members are indices of its rows."""
     one: int
+    """Row of the form 1."""
     motion: Index
     fn: Index
     un: Index
     total: Index
     slip: Index
     zero: Index
+    """Rows of b, shape (n,); fn and un, (K,); mu N and s, (G,); d, (n,)."""
     ft: Index
     ut: Index
+    """Rows of ft and ut, shape (G, T)."""
     push: Index
+    """Rows of Jn^T fn + Jt^T ft of the points of each patch, shape (P, n)."""
     patch: Index
+    """Patch of each point, shape (K,); a point without friction has its own patch."""
     bodies: tuple[Index, ...]
+    """Freedoms of each body."""
     touching: Mask
+    """True if a patch acts on a body, shape (P, bodies)."""
 
     @property
     def width(self) -> int:

@@ -29,23 +29,16 @@ __all__ = ["ProductRows", "Products", "law_products", "monomials", "over_monomia
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProductRows:
-    """Sums of products of forms: each term adds weight x form x form to its row.
-
-    Attributes
-    ----------
-    count : int
-        Number of rows.
-    row, left, right : ndarray of int
-        Row of each term, and its two forms.
-    weight : ndarray
-        Weight of each term.
-    """
+    """Sums of products of forms: each term adds weight x form x form to its row."""
 
     count: int
+    """Number of rows."""
     row: Index
     left: Index
     right: Index
+    """Row of each term, and its two forms."""
     weight: Array
+    """Weight of each term."""
 
     def weighted(self, multipliers: Array, size: int) -> csr_array:
         """Matrix V such that form.V form is the sum of the rows times their multipliers.

@@ -59,16 +59,10 @@ MOST_ENTRIES = 20_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentProof:
-    """Proof by moment relaxations; each step bounds the motions that the step before leaves.
-
-    Attributes
-    ----------
-    power : float
-        Remaining power w.a over |w|^2.
-    steps : tuple of MomentStep
-    """
+    """Proof by moment relaxations; each step bounds the motions that the step before leaves."""
 
     power: float
+    """Remaining power w.a over |w|^2."""
     steps: tuple[MomentStep, ...]
 
 

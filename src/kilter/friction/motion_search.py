@@ -289,23 +289,15 @@ def _iterate(search: _MotionSearch, candidate: TrialMotion, method: str) -> None
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeSaxcePrograms:
-    """Convex programs of De Saxce's iteration, which differ in the shift of the opening speeds.
-
-    Attributes
-    ----------
-    law : CoulombLaw
-    tied, smooth, rough : ndarray of int
-        Rows of joints, without friction, with friction.
-    lines : csc_array
-        Rows of H in the order of the program: joints, smooth, (n, u, v) of each rough row.
-    identity : csc_array
-    """
+    """Convex programs of De Saxce's iteration, which differ in the shift of the opening speeds."""
 
     law: CoulombLaw
     tied: Index
     smooth: Index
     rough: Index
+    """Rows of joints, without friction, with friction."""
     lines: csc_array
+    """Rows of H in the order of the program: joints, smooth, (n, u, v) of each rough row."""
     identity: csc_array
 
     def program(self, shift: Array, lubricated: Mask) -> ConicProgram:

@@ -41,45 +41,30 @@ __all__ = ["ReducedLaw", "reduced_law", "refusal"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReducedLaw:
-    """Coulomb's law in fewer unknowns: joints eliminated, equally sliding points in groups.
-
-    Attributes
-    ----------
-    law : CoulombLaw
-        The law with all rows.
-    allowed : csr_array, shape (freedoms of the law, n)
-        Z.
-    load : ndarray, shape (n,)
-        w, of length 1 (or 0 without load).
-    rows : ndarray of int, shape (K,)
-        Row of the program for each point.
-    normal : csr_array, shape (K, n)
-        Jn.
-    group : ndarray of int, shape (K,)
-        Group of each point; -1 without friction.
-    mu : ndarray, shape (G,)
-        Friction coefficients [-].
-    tangent : csr_array, shape (G * T, n)
-        Jt.
-    patch : ndarray of int, shape (G,)
-        Patch of each group.
-    twist : tuple of csr_array, shape (d, n)
-        Rows of the twist t of each patch.
-    lever : ndarray, shape (G, T, 3)
-        L: ut = L t of the patch of the group; columns from d on are 0.
-    """
+    """Coulomb's law in fewer unknowns: joints eliminated, equally sliding points in groups."""
 
     law: CoulombLaw
+    """The law with all rows."""
     allowed: csr_array
+    """Z, shape (freedoms of the law, n)."""
     load: Array
+    """w, of length 1 (or 0 without load), shape (n,)."""
     rows: Index
+    """Row of the program for each point, shape (K,)."""
     normal: csr_array
+    """Jn, shape (K, n)."""
     group: Index
+    """Group of each point, shape (K,); -1 without friction."""
     mu: Array
+    """Friction coefficients [-], shape (G,)."""
     tangent: csr_array
+    """Jt, shape (G * T, n)."""
     patch: Index
+    """Patch of each group, shape (G,)."""
     twist: tuple[csr_array, ...]
+    """Rows of the twist t of each patch, shape (d, n)."""
     lever: Array
+    """L: ut = L t of the patch of the group; columns from d on are 0, shape (G, T, 3)."""
 
     @property
     def directions(self) -> int:

@@ -70,20 +70,14 @@ MOST = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rest:
-    """End of the path of the parts in pseudo-time: in balance, run away, or failed.
-
-    Attributes
-    ----------
-    state : SpringState
-    end : {"balance", "runs-away", "not-found"}
-        In balance; run away, while r stayed constant; failed, or out of work.
-    steps : int
-        Number of Newton steps.
-    """
+    """End of the path of the parts in pseudo-time: in balance, run away, or failed."""
 
     state: SpringState
     end: Literal["balance", "runs-away", "not-found"]
+    """One of "balance", "runs-away", "not-found". In balance; run away, while r stayed constant;
+    failed, or out of work."""
     steps: int
+    """Number of Newton steps."""
 
 
 def relaxed(

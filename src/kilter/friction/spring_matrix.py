@@ -31,34 +31,24 @@ SYMMETRIC = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpringMatrix:
-    """Sparse matrix pattern of springs between P pairs of parts, in n unknowns.
-
-    Attributes
-    ----------
-    order : ndarray of int, shape (n,)
-        Position of each unknown in the order of elimination.
-    band : int
-        Half width of the band.
-    place : ndarray of int, shape (P x 2 d x 2 d,)
-        Position of each entry of a pair: in the band, or among the stored entries.
-    row, start : ndarray of int
-        Row indices and column starts of a sparse system, as in a csc_array; empty for a band.
-    lower : ndarray of int, shape (P x 2 d x 2 d,)
-        Position of each entry of a pair in the lower half of the band.
-    pairs : ndarray of int, shape (P, 2)
-        Free parts of each pair in ascending order; -1 for a held part.
-    dissection : BlockCholesky or None
-        Factorisation by nested dissection; None for a narrow band.
-    """
+    """Sparse matrix pattern of springs between P pairs of parts, in n unknowns."""
 
     order: Index
+    """Position of each unknown in the order of elimination, shape (n,)."""
     band: int
+    """Half width of the band."""
     place: Index
+    """Position of each entry of a pair, shape (P x 2 d x 2 d,): in the band, or among the stored
+    entries."""
     row: Index
     start: Index
+    """Row indices and column starts of a sparse system, as in a csc_array; empty for a band."""
     lower: Index
+    """Position of each entry of a pair in the lower half of the band, shape (P x 2 d x 2 d,)."""
     pairs: Index
+    """Free parts of each pair in ascending order, shape (P, 2); -1 for a held part."""
     dissection: BlockCholesky | None
+    """Factorisation by nested dissection; None for a narrow band."""
 
     @property
     def symmetric_pays(self) -> bool:

@@ -52,13 +52,6 @@ class Slopes:
 
         -df_n/du_n = normal,      -df_t/du_t = across I - sliding e e^T,
         -df_t/du_n = coupling e,  -df_n/du_t = dilation e^T
-
-    Attributes
-    ----------
-    normal, across, sliding, coupling, dilation : ndarray, shape (K,)
-        `dilation` is 0 for Coulomb's law.
-    direction : ndarray, shape (2, K)
-        e; 0 for points that do not slide.
     """
 
     normal: Array
@@ -66,38 +59,29 @@ class Slopes:
     sliding: Array
     coupling: Array
     dilation: Array
+    """`dilation` is 0 for Coulomb's law, shape (K,)."""
     direction: Array
+    """e; 0 for points that do not slide, shape (2, K)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpringSystem:
-    """Data of the spring equations that do not depend on stiffness, gap or displacement.
-
-    Attributes
-    ----------
-    law : CoulombLaw
-    transposed : csr_array
-        H^T.
-    lever : ndarray, shape (C, M, 3, 2 d)
-        H of the points by their two parts, of d freedoms, in runs of at most M points of a pair;
-        0 for the missing points of a run.
-    points : ndarray of int, shape (C, M)
-        The rows of the points of each run; K for a missing point.
-    begins : ndarray of int, shape (P,)
-        First run of each pair.
-    matrix : SpringMatrix
-        Positions of the entries of the pairs.
-    weight : ndarray
-        Weights of the free parts, in the scale of r.
-    """
+    """Data of the spring equations that do not depend on stiffness, gap or displacement."""
 
     law: CoulombLaw
     transposed: csr_array
+    """H^T."""
     lever: Array
+    """H of the points by their two parts, of d freedoms, in runs of at most M points of a pair,
+    shape (C, M, 3, 2 d); 0 for the missing points of a run."""
     points: Index
+    """The rows of the points of each run, shape (C, M); K for a missing point."""
     begins: Index
+    """First run of each pair, shape (P,)."""
     matrix: SpringMatrix
+    """Positions of the entries of the pairs."""
     weight: Array
+    """Weights of the free parts, in the scale of r."""
 
     def pair_blocks(self, slope: Array) -> Array:
         """Stiffness matrix of each pair of parts, shape (P, 2 d, 2 d), from slopes of the points.

@@ -22,28 +22,21 @@ BATCH = 500_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FaceCover:
-    """Triangles of a face, prepared for repeated decisions about points of a surface.
-
-    Attributes
-    ----------
-    corners : ndarray, shape (3, m, 3)
-        First, second and third corners of the m triangles [length unit].
-    upright : ndarray, shape (m, 3)
-        Unit normals of the triangles.
-    inward : ndarray, shape (3, m, 3)
-        Unit directions in each triangle's plane, across each of its sides and into the triangle.
-    low, high : ndarray, shape (m, 3)
-        Lower and upper corners of the boxes of the triangles [length unit].
-    pointed : ndarray, shape (m,)
-        Distance by which the tips of a triangle move outwards per distance of its sides [-].
-    """
+    """Triangles of a face, prepared for repeated decisions about points of a surface."""
 
     corners: Array
+    """First, second and third corners of the m triangles [length unit], shape (3, m, 3)."""
     upright: Array
+    """Unit normals of the triangles, shape (m, 3)."""
     inward: Array
+    """Unit directions in each triangle's plane, across each of its sides and into the triangle,
+    shape (3, m, 3)."""
     low: Array
     high: Array
+    """Lower and upper corners of the boxes of the triangles [length unit], shape (m, 3)."""
     pointed: Array
+    """Distance by which the tips of a triangle move outwards per distance of its sides [-],
+    shape (m,)."""
 
     @classmethod
     def of(cls, triangles: Array) -> FaceCover:

@@ -68,17 +68,11 @@ class _Starts(Rows):
 
 @dataclass(slots=True, eq=False)
 class FirstFits:
-    """The starts from which a surface may grow, by seed facet; computed on request.
-
-    Attributes
-    ----------
-    mesh : FacetMesh
-    is_known : ndarray of bool, shape (F,)
-        Whether the starts of each facet are computed.
-    """
+    """The starts from which a surface may grow, by seed facet; computed on request."""
 
     mesh: FacetMesh
     is_known: Mask = field(init=False)
+    """Whether the starts of each facet are computed, shape (F,)."""
     _middles: Array = field(init=False)
     _starts: dict[int, list[tuple[str, Index]]] = field(init=False, default_factory=dict)
 
@@ -169,29 +163,22 @@ _State = tuple[Array, Array, Array]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Corners(Rows):
-    """Distinct corners of the first facets of n starts; entries of zero weight fill the arrays.
-
-    Attributes
-    ----------
-    p : ndarray, shape (n, P, 3)
-        Corners relative to their mean [sizes]; zero where there is none.
-    real : ndarray, shape (n, P)
-        1 for a corner, 0 for a filling entry.
-    middle, size : ndarray, shape (n, 3), (n,)
-        Mean of the corners, and their largest coordinate relative to it [length unit].
-    within : ndarray, shape (n,)
-        Largest distance at which a corner counts as on a surface [length unit].
-    normals, weights : ndarray, shape (n, 4, 3), (n, 4)
-        Unit normals of the first facets, and their areas; zero where there is none.
-    """
+    """Distinct corners of the first facets of n starts; entries of zero weight fill the arrays."""
 
     p: Array
+    """Corners relative to their mean [sizes], shape (n, P, 3); zero where there is none."""
     real: Array
+    """1 for a corner, 0 for a filling entry, shape (n, P)."""
     middle: Array
     size: Array
+    """Mean of the corners, and their largest coordinate relative to it [length unit], shape (n,
+    3)."""
     within: Array
+    """Largest distance at which a corner counts as on a surface [length unit], shape (n,)."""
     normals: Array
     weights: Array
+    """Unit normals of the first facets, and their areas, shape (n, 4, 3); zero where there is
+    none."""
 
 
 def _may_grow(mesh: FacetMesh, middles: Array, tried: _Starts, free: Mask) -> Mask:
@@ -399,24 +386,15 @@ def _residuals(p: Array, real: Array, state: _State, kind: int) -> tuple[Array, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Grown:
-    """Surfaces of a kind that were fitted to the first facets of starts.
-
-    Attributes
-    ----------
-    mesh : FacetMesh
-    middles : ndarray, shape (F, 3)
-        Mean of the middles of the triangles of each facet.
-    kind : int
-    state : tuple of ndarray
-    within : ndarray, shape (n,)
-        Largest distance of a corner of a first facet [length unit].
-    """
+    """Surfaces of a kind that were fitted to the first facets of starts."""
 
     mesh: FacetMesh
     middles: Array
+    """Mean of the middles of the triangles of each facet, shape (F, 3)."""
     kind: int
     state: _State
     within: Array
+    """Largest distance of a corner of a first facet [length unit], shape (n,)."""
 
     def contain_first(self, rows: Index, facets: Index) -> Mask:
         """Mask of the surfaces `rows` that contain their first facets, shape (m, 4)."""

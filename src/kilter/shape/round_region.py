@@ -65,37 +65,28 @@ only further corners are evidence."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetGraph:
-    """Facets of a mesh (connected coplanar triangles) with their neighbours and regions.
-
-    Attributes
-    ----------
-    facet : ndarray of int, shape (T,)
-        Facet of each triangle.
-    triangles_of : ndarray of int, shape (T,)
-        Triangles sorted by facet; those of facet f are rows ``start[f]`` to ``start[f + 1]``.
-    start : ndarray of int, shape (F + 1,)
-    normal : ndarray, shape (F, 3)
-        Outward unit normals.
-    area : ndarray, shape (F,)
-        Areas [length unit^2].
-    neighbours : ndarray of int, shape (E,)
-        Facets across shallow edges; those of facet f are rows ``first[f]`` to ``first[f + 1]``.
-    first : ndarray of int, shape (F + 1,)
-    region : ndarray of int, shape (F,)
-        Region of each facet: facets that shallow edges connect.
-    tolerance : float
-        Largest distance of a corner from its plane or surface [length unit].
-    """
+    """Facets of a mesh (connected coplanar triangles) with their neighbours and regions."""
 
     facet: Index
+    """Facet of each triangle, shape (T,)."""
     triangles_of: Index
+    """Triangles sorted by facet, shape (T,); those of facet f are rows ``start[f]`` to ``start[f
+    + 1]``."""
     start: Index
+    """Shape (F + 1,)."""
     normal: Array
+    """Outward unit normals, shape (F, 3)."""
     area: Array
+    """Areas [length unit^2], shape (F,)."""
     neighbours: Index
+    """Facets across shallow edges, shape (E,); those of facet f are rows ``first[f]`` to
+    ``first[f + 1]``."""
     first: Index
+    """Shape (F + 1,)."""
     region: Index
+    """Region of each facet, shape (F,): facets that shallow edges connect."""
     tolerance: float
+    """Largest distance of a corner from its plane or surface [length unit]."""
 
 
 def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGraph:

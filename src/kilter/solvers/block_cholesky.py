@@ -39,29 +39,21 @@ class NotPositive(ArithmeticError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Plan:
-    """Layout of a front (blocks that are eliminated together) in the arrays of the factorisation.
-
-    Attributes
-    ----------
-    start, size : int
-        First unknown of the front, and their number.
-    border : ndarray of int
-        Unknowns of its border.
-    source, row, column : ndarray of int
-        Blocks of the matrix in the front: index among the diagonal blocks, links, and transposed
-        links, and position in the front, in blocks.
-    kids : tuple of (int, tuple of (int, int, int))
-        Each child, and the runs of its border that are consecutive in this front: start and end in
-        the border, and start in the front.
-    """
+    """Layout of a front (blocks eliminated together) in the arrays of the factorisation."""
 
     start: int
     size: int
+    """First unknown of the front, and their number."""
     border: Index
+    """Unknowns of its border."""
     source: Index
     row: Index
     column: Index
+    """Blocks of the matrix in the front: index among the diagonal blocks, links, and transposed
+    links, and position in the front, in blocks."""
     kids: tuple[tuple[int, Runs], ...]
+    """Each child, and the runs of its border that are consecutive in this front: start and end
+    in the border, and start in the front."""
 
 
 class BlockCholesky:

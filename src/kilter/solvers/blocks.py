@@ -25,25 +25,17 @@ __all__ = ["BlockAnswers", "Blocks", "solve_blocks"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
-    """Independent equilibria A f = b, with the diagonal blocks of a matrix A.
-
-    Attributes
-    ----------
-    matrix : csc_array, shape (m, n)
-        Block-diagonal A.
-    right : ndarray, shape (m,)
-        b.
-    two_sided : ndarray of bool, shape (n,)
-        Columns whose force may have either sign.
-    row_start, column_start : ndarray of int, shape (M + 1,)
-        First row and column of each block.
-    """
+    """Independent equilibria A f = b, with the diagonal blocks of a matrix A."""
 
     matrix: csc_array
+    """Block-diagonal A, shape (m, n)."""
     right: Array
+    """b, shape (m,)."""
     two_sided: Mask
+    """Columns whose force may have either sign, shape (n,)."""
     row_start: Index
     column_start: Index
+    """First row and column of each block, shape (M + 1,)."""
 
     def __len__(self) -> int:
         return len(self.row_start) - 1
@@ -51,21 +43,14 @@ class Blocks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockAnswers:
-    """Load factor, forces and multipliers of each block, as the solver returned them.
-
-    Attributes
-    ----------
-    factor : ndarray, shape (M,)
-        Load factor lambda; NaN if the solver failed or the block was not solved.
-    forces : ndarray, shape (n,)
-        f for the whole load if lambda is 1, else 0.
-    multipliers : ndarray, shape (m,)
-        y with A^T y <= 0 and b.y > 0 if lambda is 0: no f balances b.
-    """
+    """Load factor, forces and multipliers of each block, as the solver returned them."""
 
     factor: Array
+    """Load factor lambda, shape (M,); NaN if the solver failed or the block was not solved."""
     forces: Array
+    """f for the whole load if lambda is 1, else 0, shape (n,)."""
     multipliers: Array
+    """y with A^T y <= 0 and b, shape (m,).y > 0 if lambda is 0: no f balances b."""
 
 
 def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:

@@ -61,41 +61,28 @@ LEAST_CENTRE = 1e-8
 
 @dataclass(slots=True, eq=False)
 class Iterate:
-    """State of the interior-point method after a step; each step overwrites it.
-
-    Attributes
-    ----------
-    problem : LinkedCones
-    x, s : ndarray, shape (d, K)
-        Unknowns and dual slacks, in the cones.
-    y : ndarray, shape (N, n)
-        Multipliers of the balance.
-    ends, slacks : ndarray, shape (2,)
-        t and most - t, and their dual slacks.
-    end : float
-        Multiplier of the equation t + (most - t) = most.
-    scaling : Scaling
-        Scaling of the step.
-    number : int
-        Number of the step, from 1.
-    mean : float
-        Mean product of x and s: 0 at the optimum.
-    x_rest, y_rest : float
-        Largest entries of A x - right - t along, and of A^T y + s.
-    """
+    """State of the interior-point method after a step; each step overwrites it."""
 
     problem: LinkedCones
     x: Array
     s: Array
+    """Unknowns and dual slacks, in the cones, shape (d, K)."""
     y: Array
+    """Multipliers of the balance, shape (N, n)."""
     ends: Array
     slacks: Array
+    """t and most - t, and their dual slacks, shape (2,)."""
     end: float
+    """Multiplier of the equation t + (most - t) = most."""
     scaling: Scaling
+    """Scaling of the step."""
     number: int = 0
+    """Number of the step, from 1."""
     mean: float = np.inf
+    """Mean product of x and s: 0 at the optimum."""
     x_rest: float = np.inf
     y_rest: float = np.inf
+    """Largest entries of A x - right - t along, and of A^T y + s."""
 
     @property
     def share(self) -> float:

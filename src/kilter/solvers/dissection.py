@@ -30,24 +30,16 @@ LEAF = 72
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Front:
-    """Blocks of a matrix that are eliminated together, and the later blocks that they affect.
-
-    Attributes
-    ----------
-    own : ndarray of int
-        Indices of the blocks, in the order of elimination.
-    border : ndarray of int
-        Later blocks that are linked to them, in the order of elimination.
-    links : ndarray of int
-        Links whose earlier end is among `own`.
-    children : tuple of int
-        Earlier fronts whose borders begin in this front.
-    """
+    """Blocks of a matrix that are eliminated together, and the later blocks that they affect."""
 
     own: Index
+    """Indices of the blocks, in the order of elimination."""
     border: Index
+    """Later blocks that are linked to them, in the order of elimination."""
     links: Index
+    """Links whose earlier end is among `own`."""
     children: tuple[int, ...]
+    """Earlier fronts whose borders begin in this front."""
 
 
 def fronts(place: Array, first: Index, second: Index, width: int, leaf: int = LEAF) -> list[Front]:

@@ -26,39 +26,27 @@ __all__ = ["LinkedCones"]
 
 @dataclass(frozen=True, eq=False)
 class LinkedCones:
-    """Data of a balance problem: force columns, links between blocks, and load.
-
-    Attributes
-    ----------
-    columns : ndarray, shape (n, d, K)
-        Columns of A in the rows of the first block of their link; K cones in d dimensions, sorted
-        by link. A half line among cones has zero columns after its first.
-    start : ndarray of int, shape (L,)
-        First cone of each link.
-    first, second : ndarray of int, shape (L,)
-        Blocks of each link; the second may be -1. No two links join the same blocks.
-    carried : ndarray, shape (L, n, n)
-        Transfer matrix from rows of the first block to those of the second.
-    free : ndarray of bool, shape (K,)
-        Half lines that are whole lines instead.
-    place : ndarray, shape (N, 3)
-        Position of each block in space, for the order of elimination.
-    right, along : ndarray, shape (N, n)
-        Load at t = 0, and its change per unit of t.
-    most : float
-        Upper bound of t.
-    """
+    """Data of a balance problem: force columns, links between blocks, and load."""
 
     columns: Array
+    """Columns of A in the rows of the first block of their link, shape (n, d, K); K cones in d
+    dimensions, sorted by link. A half line among cones has zero columns after its first."""
     start: Index
+    """First cone of each link, shape (L,)."""
     first: Index
     second: Index
+    """Blocks of each link, shape (L,); the second may be -1. No two links join the same blocks."""
     carried: Array
+    """Transfer matrix from rows of the first block to those of the second, shape (L, n, n)."""
     free: Mask
+    """Half lines that are whole lines instead, shape (K,)."""
     place: Array
+    """Position of each block in space, for the order of elimination, shape (N, 3)."""
     right: Array
     along: Array
+    """Load at t = 0, and its change per unit of t, shape (N, n)."""
     most: float
+    """Upper bound of t."""
 
     def with_more(self, along: Array, most: float) -> LinkedCones:
         """Copy of the problem with another load `along`, whose multiple t may be at most `most`."""

@@ -101,13 +101,6 @@ def reaches(x: Array, step: Array) -> Array:
 class Scaling:
     """Nesterov-Todd scaling W of pairs of points inside second-order cones: W s = W^-1 x.
 
-    Attributes
-    ----------
-    w : ndarray, shape (d, K)
-        Unit hyperbolic vector of each cone.
-    eta : ndarray, shape (K,)
-        Scale of each cone.
-
     Examples
     --------
     >>> x, s = np.array([[3.0], [1.0], [2.0]]), np.array([[2.0], [-1.0], [1.0]])
@@ -119,7 +112,9 @@ class Scaling:
     """
 
     w: Array
+    """Unit hyperbolic vector of each cone, shape (d, K)."""
     eta: Array
+    """Scale of each cone, shape (K,)."""
 
     @classmethod
     def of(cls, x: Array, s: Array) -> Scaling:

@@ -68,25 +68,17 @@ class SharePoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Share:
-    """Largest share of a load: forces that balance a share, and multipliers that bound it.
-
-    Attributes
-    ----------
-    share, bound : float
-        Balanced share t, and its upper bound [-].
-    x : ndarray, shape (d, K)
-        Unknowns in the cones that balance the share.
-    y : ndarray, shape (N, n)
-        Multipliers with along.y = 1 and -A^T y in the dual cones.
-    middle : SharePoint
-        Point half-way, from which the search for a similar load may begin.
-    """
+    """Largest share of a load: forces that balance a share, and multipliers that bound it."""
 
     share: float
     bound: float
+    """Balanced share t, and its upper bound [-]."""
     x: Array
+    """Unknowns in the cones that balance the share, shape (d, K)."""
     y: Array
+    """Multipliers with along, shape (N, n).y = 1 and -A^T y in the dual cones."""
     middle: SharePoint
+    """Point half-way, from which the search for a similar load may begin."""
 
 
 @dataclass(slots=True, eq=False)

@@ -60,23 +60,17 @@ def with_columns(matrix: csc_array, columns: Sequence[Array]) -> csc_array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearProgram:
-    """Linear program: min cost.x with row_lower <= matrix x <= row_upper, lower <= x <= upper.
-
-    Attributes
-    ----------
-    cost, lower, upper : ndarray, shape (n,)
-        Cost and bounds of the columns.
-    matrix : csc_array, shape (m, n)
-    row_lower, row_upper : ndarray, shape (m,)
-        Sides of the rows.
-    """
+    """Linear program: min cost.x with row_lower <= matrix x <= row_upper, lower <= x <= upper."""
 
     cost: Array
     matrix: csc_array
+    """Shape (m, n)."""
     row_lower: Array
     row_upper: Array
+    """Sides of the rows, shape (m,)."""
     lower: Array
     upper: Array
+    """Cost and bounds of the columns, shape (n,)."""
 
     def objective(self, x: Array) -> float:
         """Cost of a point x of a linear program."""
@@ -213,26 +207,21 @@ class ConicProgram:
 
     The first `equal` rows have s = 0, the next `positive` rows s >= 0. A second-order cone
     |s_1..| <= s_0 of each dimension in `cones` follows.
-
-    Attributes
-    ----------
-    quadratic : csc_array, shape (n, n)
-    cost : ndarray, shape (n,)
-    matrix : csc_array, shape (m, n)
-    bound : ndarray, shape (m,)
-    equal, positive : int
-        Numbers of equations and of inequalities.
-    cones : ndarray of int
-        Dimension of each second-order cone.
     """
 
     quadratic: csc_array
+    """Shape (n, n)."""
     cost: Array
+    """Shape (n,)."""
     matrix: csc_array
+    """Shape (m, n)."""
     bound: Array
+    """Shape (m,)."""
     equal: int
     positive: int
+    """Numbers of equations and of inequalities."""
     cones: Index
+    """Dimension of each second-order cone."""
 
     def objective(self, x: Array) -> float:
         """Cost of a point x of a conic program."""
@@ -323,30 +312,21 @@ def quadratic_program(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProjection:
-    """Projection of a load on the polyhedral cone {b : rows b >= 0}: min 1/2 |b|^2 - load.b.
-
-    Attributes
-    ----------
-    rows : csr_array, shape (m, n)
-        Rows of unit length.
-    load : ndarray, shape (n,)
-        The projected vector.
-    equal : int
-        Number of equations.
-    block : int
-        Number of unknowns per block; a block is eliminated as a unit.
-    unit : ndarray, shape (m,)
-        Physical size of a unit slack of each row, by which the rows are weighted.
-    place : ndarray, shape (n / block, 3)
-        Position of each block in space, for the order of elimination; a row touches at most two.
-    """
+    """Projection of a load on the polyhedral cone {b : rows b >= 0}: min 1/2 |b|^2 - load.b."""
 
     rows: csr_array
+    """Rows of unit length, shape (m, n)."""
     load: Array
+    """The projected vector, shape (n,)."""
     equal: int
+    """Number of equations."""
     block: int
+    """Number of unknowns per block; a block is eliminated as a unit."""
     unit: Array
+    """Physical size of a unit slack of each row, by which the rows are weighted, shape (m,)."""
     place: Array
+    """Position of each block in space, for the order of elimination, shape (n / block, 3); a row
+    touches at most two."""
 
     @property
     def conic(self) -> ConicProgram:

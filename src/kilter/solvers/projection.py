@@ -98,22 +98,15 @@ class ProjectionSolution:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Data:
-    """The projection problem, divided by the largest load.
-
-    Attributes
-    ----------
-    linked : LinkedRows
-    load : ndarray, shape (n,)
-    two_sided : ndarray of bool, shape (m,)
-        Equations.
-    weight : ndarray, shape (m,)
-        Weight of the product of slack and force of each row [-].
-    """
+    """The projection problem, divided by the largest load."""
 
     linked: LinkedRows
     load: Array
+    """Shape (n,)."""
     two_sided: Mask
+    """Equations, shape (m,)."""
     weight: Array
+    """Weight of the product of slack and force of each row [-], shape (m,)."""
 
     def opening(self, b: Array) -> Array:
         """Slack R b of each row for unknowns b."""

@@ -28,25 +28,20 @@ __all__ = ["Multipliers", "SemidefiniteProgram"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SemidefiniteProgram:
-    """Semidefinite program: max gain.x with x[0] = 1, linear rows, cones and positive matrices.
-
-    Attributes
-    ----------
-    gain : ndarray, shape (n,)
-    equal, positive, cones : csr_array, shape (., n)
-        Rows of equations, of nonnegative numbers, and of consecutive second-order cones.
-    dimension : int
-        Dimension of every second-order cone.
-    squares : tuple of csr_array, shape (k (k + 1) / 2, n)
-        Upper triangles of matrices, column by column; off-diagonal entries times sqrt(2).
-    """
+    """Semidefinite program: max gain.x with x[0] = 1, linear rows, cones and positive matrices."""
 
     gain: Array
+    """Shape (n,)."""
     equal: csr_array
     positive: csr_array
     cones: csr_array
+    """Rows of equations, of nonnegative numbers, and of consecutive second-order cones, shape
+    (., n)."""
     dimension: int
+    """Dimension of every second-order cone."""
     squares: tuple[csr_array, ...]
+    """Upper triangles of matrices, column by column, shape (k (k + 1); off-diagonal entries
+    times sqrt(2)."""
 
     @property
     def entries(self) -> int:

@@ -34,23 +34,6 @@ Outcome = Literal["optimal", "infeasible", "unbounded", "failed"]
 class Solution:
     """Result of a solver for a problem: status, point x and multipliers; unverified.
 
-    Attributes
-    ----------
-    problem : LinearProgram or ConicProgram
-        The problem as it was when solved.
-    outcome : {"optimal", "infeasible", "unbounded", "failed"}
-        Outcome as reported by the solver.
-    x : ndarray, shape (n,)
-        The solver's point; empty without a finite point.
-    multipliers : ndarray, shape (m,)
-        Multipliers of the rows, with the signs that the problem's class states. For the outcome
-        "infeasible", a dual ray as evidence. Empty without multipliers.
-    solver : str
-        Name of the solver.
-    iterations : int
-    basis : object, optional
-        Simplex basis, as a start for a program of the same shape.
-
     Examples
     --------
     >>> from scipy.sparse import csc_array
@@ -65,12 +48,19 @@ class Solution:
     """
 
     problem: LinearProgram | ConicProgram
+    """The problem as it was when solved."""
     outcome: Outcome
+    """One of "optimal", "infeasible", "unbounded", "failed". Outcome as reported by the solver."""
     x: Array
+    """The solver's point, shape (n,); empty without a finite point."""
     multipliers: Array
+    """Multipliers of the rows, with the signs that the problem's class states, shape (m,). For
+    the outcome "infeasible", a dual ray as evidence. Empty without multipliers."""
     solver: str
+    """Name of the solver."""
     iterations: int
     basis: Any = None
+    """Simplex basis, as a start for a program of the same shape."""
 
     @property
     def found(self) -> bool:

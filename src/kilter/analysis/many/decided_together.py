@@ -32,25 +32,18 @@ __all__ = ["Together", "decide_together"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Together:
-    """Proofs for M assemblies that were decided in a single computation.
-
-    Attributes
-    ----------
-    stable, unstable : ndarray of bool, shape (M,)
-        Whether an assembly is proved stable, and not only balanced, or unstable; if neither,
-        `check` must decide.
-    certain, outer : pair of ProgramBlocks and BlockProofs
-        Programs and proofs with the certain contacts, and with all possible contacts; `outer` is
-        None if it was not necessary.
-    in_outer : ndarray of bool, shape (M,)
-        Whether the proof of an assembly is in `outer`.
-    """
+    """Proofs for M assemblies that were decided in a single computation."""
 
     stable: Mask
     unstable: Mask
+    """Whether an assembly is proved stable, and not only balanced, or unstable, shape (M,); if
+    neither, `check` must decide."""
     certain: tuple[ProgramBlocks, BlockProofs]
     outer: tuple[ProgramBlocks, BlockProofs] | None
+    """Programs and proofs with the certain contacts, and with all possible contacts; `outer` is
+    None if it was not necessary."""
     in_outer: Mask
+    """Whether the proof of an assembly is in `outer`, shape (M,)."""
 
     def decides(self, k: int) -> bool:
         """Whether the batch computation proves assembly k stable or unstable."""

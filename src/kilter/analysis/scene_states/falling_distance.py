@@ -34,21 +34,14 @@ EXACT = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class StraightFall:
-    """A straight fall until the first contact.
-
-    Attributes
-    ----------
-    distance : float
-        Length of the fall [length unit].
-    part : int
-        The falling part that meets another part first.
-    other : int
-        The part that it meets.
-    """
+    """A straight fall until the first contact."""
 
     distance: float
+    """Length of the fall [length unit]."""
     part: int
+    """The falling part that meets another part first."""
     other: int
+    """The part that it meets."""
 
 
 def falling_distance(

@@ -24,22 +24,15 @@ __all__ = ["SceneGraph"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneGraph:
-    """Pairs of touching and of near parts of a scene; the ground has the number of parts.
-
-    Attributes
-    ----------
-    count : int
-        Number of parts.
-    free : ndarray of bool, shape (count + 1,)
-        Whether each part is free; the last entry, the ground, is not.
-    touching, near : ndarray of int, shape (n, 2)
-        Pairs of parts.
-    """
+    """Pairs of touching and of near parts of a scene; the ground has the number of parts."""
 
     count: int
+    """Number of parts."""
     free: Mask
+    """Whether each part is free, shape (count + 1,); the last entry, the ground, is not."""
     touching: Index
     near: Index
+    """Pairs of parts, shape (n, 2)."""
 
     @classmethod
     def of(cls, assembly: Assembly, contacts: ContactSet) -> SceneGraph:

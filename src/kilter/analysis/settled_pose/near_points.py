@@ -58,29 +58,21 @@ OBLIQUE = 0.6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearPoints(Rows):
-    """Candidate contact points; world frame.
-
-    Attributes
-    ----------
-    part_a, part_b : ndarray of int, shape (K,)
-        Parts of each point.
-    point, normal : ndarray, shape (K, 3)
-        Position [length unit] and unit normal from a to b.
-    gap : ndarray, shape (K,)
-        Distance of the surfaces along the normal [length unit]; negative: penetration.
-    mu : ndarray, shape (K,)
-        Friction coefficient [-].
-    bears : ndarray of bool, shape (K,)
-        False for points that only prevent penetration and carry no force.
-    """
+    """Candidate contact points; world frame."""
 
     part_a: Index
     part_b: Index
+    """Parts of each point, shape (K,)."""
     point: Array = columns(3)
     normal: Array = columns(3)
+    """Position [length unit] and unit normal from a to b, shape (K, 3)."""
     gap: Array = columns()
+    """Distance of the surfaces along the normal [length unit], shape (K,); negative:
+    penetration."""
     mu: Array = columns()
+    """Friction coefficient [-], shape (K,)."""
     bears: Mask = columns()
+    """False for points that only prevent penetration and carry no force, shape (K,)."""
 
 
 def find_near_points(assembly: Assembly, reach: float, fine_reach: float) -> NearPoints:

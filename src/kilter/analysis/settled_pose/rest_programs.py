@@ -44,45 +44,32 @@ OVERLAP_WEIGHT = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RestPrograms:
-    """Rates of gaps, slips and joints, and the load, of bodies near contact.
-
-    Attributes
-    ----------
-    normal, slips : csr_array
-        Rates of the gaps, shape (K, 6 F), and of the slips along two tangents, first all along the
-        first, shape (2 K, 6 F), for unit motions of the F free bodies.
-    joint : csr_array
-        Rates of the constraints of joints, shape (L, 6 F).
-    drift : ndarray, shape (L,)
-        Error of each constraint in the current pose.
-    load : ndarray, shape (6 F,)
-        Forces and torques on the free bodies.
-    gap : ndarray, shape (K,)
-        Gaps; negative: penetration.
-    mu : ndarray, shape (K,)
-    bears : ndarray of bool, shape (K,)
-    columns : ndarray of int
-        Columns of the bodies that may move.
-    balanced : ndarray of int
-        Columns in which forces must balance; a planar assembly has three for each body.
-    weights : ndarray
-        Diagonal of M for `columns`.
-    length : float
-        Unit of length [length unit].
-    """
+    """Rates of gaps, slips and joints, and the load, of bodies near contact."""
 
     normal: csr_array
     slips: csr_array
+    """Rates of the gaps, shape (K, 6 F), and of the slips along two tangents, first all along
+    the first, shape (2 K, 6 F), for unit motions of the F free bodies."""
     joint: csr_array
+    """Rates of the constraints of joints, shape (L, 6 F)."""
     drift: Array
+    """Error of each constraint in the current pose, shape (L,)."""
     load: Array
+    """Forces and torques on the free bodies, shape (6 F,)."""
     gap: Array
+    """Gaps, shape (K,); negative: penetration."""
     mu: Array
+    """Shape (K,)."""
     bears: Mask
+    """Shape (K,)."""
     columns: Index
+    """Columns of the bodies that may move."""
     balanced: Index
+    """Columns in which forces must balance; a planar assembly has three for each body."""
     weights: Array
+    """Diagonal of M for `columns`."""
     length: float
+    """Unit of length [length unit]."""
 
     @staticmethod
     def of(bodies: RigidBodies, points: NearPoints, length: float, weight: float) -> RestPrograms:

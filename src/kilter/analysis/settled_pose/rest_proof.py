@@ -40,27 +40,19 @@ FIT = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosedContacts:
-    """The contacts of a pose at points that are closed.
-
-    Attributes
-    ----------
-    assembly : Assembly
-        The assembly in this pose, with the closed points as its only contacts.
-    contacts : ContactSet
-        These contacts.
-    widest_gap : float
-        Widest gap of a closed point [length unit].
-    deepest_overlap : float
-        Deepest overlap of two parts [length unit]; 0 without overlaps.
-    fault : str
-        Reason why the pose is not at rest whatever the forces, as a clause; empty if none is known.
-    """
+    """The contacts of a pose at points that are closed."""
 
     assembly: Assembly
+    """The assembly in this pose, with the closed points as its only contacts."""
     contacts: ContactSet
+    """These contacts."""
     widest_gap: float
+    """Widest gap of a closed point [length unit]."""
     deepest_overlap: float
+    """Deepest overlap of two parts [length unit]; 0 without overlaps."""
     fault: str
+    """Reason why the pose is not at rest whatever the forces, as a clause; empty if none is
+    known."""
 
 
 def closed_gap(assembly: Assembly) -> float:

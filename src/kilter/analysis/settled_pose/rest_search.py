@@ -68,31 +68,20 @@ FINER = 10.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SearchResult:
-    """Result of the search.
-
-    Attributes
-    ----------
-    state : RestState
-    bodies : RigidBodies
-        The bodies in their last poses.
-    rounds : int
-    parts : tuple of str
-        Parts out of balance, or parts that do not fit.
-    depth : float
-        Depth of the overlap that cannot be opened [length unit].
-    why : str
-        Cause of a failure as a clause.
-    points : NearPoints or None
-        Points of the last pose that the search regards as closed, those within bodies included.
-    """
+    """Result of the search."""
 
     state: RestState
     bodies: RigidBodies
+    """The bodies in their last poses."""
     rounds: int
     parts: tuple[str, ...] = ()
+    """Parts out of balance, or parts that do not fit."""
     depth: float = 0.0
+    """Depth of the overlap that cannot be opened [length unit]."""
     why: str = ""
+    """Cause of a failure as a clause."""
     points: NearPoints | None = None
+    """Points of the last pose that the search regards as closed, those within bodies included."""
 
 
 @dataclass(slots=True)

@@ -20,34 +20,23 @@ __all__ = ["RigidBodies", "rigid_bodies"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidBodies:
-    """The bodies of an assembly in their current poses; body 0 is the ground with all held parts.
-
-    Attributes
-    ----------
-    drawn : Assembly
-        The assembly in the drawn pose.
-    of_part : ndarray of int, shape (N,)
-        Body of each part.
-    moves : ndarray of bool, shape (B,)
-        Whether each body may move.
-    mass : ndarray, shape (B,)
-        Masses [kg].
-    size : ndarray, shape (B,)
-        Diameter of each body about its centre of mass [length unit].
-    drawn_center, center : ndarray, shape (B, 3)
-        Centres of mass in the drawn and in the current pose [length unit].
-    rotation : ndarray, shape (B, 3, 3)
-        Rotation from the drawn to the current pose.
-    """
+    """The bodies of an assembly in their current poses; body 0 is the ground with held parts."""
 
     drawn: Assembly
+    """The assembly in the drawn pose."""
     of_part: Index
+    """Body of each part, shape (N,)."""
     moves: Mask
+    """Whether each body may move, shape (B,)."""
     mass: Array
+    """Masses [kg], shape (B,)."""
     size: Array
+    """Diameter of each body about its centre of mass [length unit], shape (B,)."""
     drawn_center: Array
     center: Array
+    """Centres of mass in the drawn and in the current pose [length unit], shape (B, 3)."""
     rotation: Array
+    """Rotation from the drawn to the current pose, shape (B, 3, 3)."""
 
     @property
     def free(self) -> Mask:

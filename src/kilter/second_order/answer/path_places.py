@@ -68,24 +68,19 @@ ALLOWED = 4 * PER_EFFORT
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathPlaces:
-    """Configurations of the parts along a fall: the start, and k configurations below it.
-
-    Attributes
-    ----------
-    motions : ndarray, shape (k + 1, N, 6)
-        Shift of each centre of mass [length unit] and rotation vector [rad], from the start.
-    energies : ndarray, shape (k + 1,)
-        Energy of the loads, relative to the start [N x length unit].
-    lengths : ndarray, shape (k + 1,)
-        Sum of the steps so far, each measured by the part that moves most [length unit].
-    apart : ndarray, shape (k,)
-        Least separation of two parts in each configuration after the start [length unit].
-    """
+    """Configurations of the parts along a fall: the start, and k configurations below it."""
 
     motions: Array
+    """Shift of each centre of mass [length unit] and rotation vector [rad], from the start,
+    shape (k + 1, N, 6)."""
     energies: Array
+    """Energy of the loads, relative to the start [N x length unit], shape (k + 1,)."""
     lengths: Array
+    """Sum of the steps so far, each measured by the part that moves most [length unit], shape (k
+    + 1,)."""
     apart: Array
+    """Least separation of two parts in each configuration after the start [length unit], shape
+    (k,)."""
 
     @property
     def half_way(self) -> int:

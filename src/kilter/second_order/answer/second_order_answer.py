@@ -39,63 +39,46 @@ NAMED = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SecondOrder:
-    """Second-order answer (minimum, free, balanced or open) for a cluster or an assembly.
-
-    Attributes
-    ----------
-    state : {"minimum", "free", "balanced", "open"}
-    neutral, free, blocked, undecided : int
-        Dimension of the motions that cost no energy to first order, and of their parts: motions
-        proved free, motions that cost or gain energy, and motions for which neither is known.
-    rate : float or None
-        For a minimum the least proved angular frequency of small oscillations; for a balanced
-        assembly the rate of growth along its path [1/s].
-    motion : ndarray or None, shape (N, 6)
-        Motion of the fall, or a free motion; the part that moves most moves by 1 length unit.
-    moving : ndarray of int
-        Parts that this motion moves.
-    why : str
-        Reason for an open answer.
-    decision : EnergyDecision or None
-        Decision with its proof.
-    problem : Stationary or None
-        Problem that the proof is about.
-    configuration : Configuration or None
-        Exact configuration on the path of a balanced assembly, if its bodies are known exactly.
-    program : Program or None
-        Program of `problem` and `decision`; its free parts are those of the cluster.
-    idle : ndarray of int
-        Contacts of the cluster that carry no force and were left out of `program`. The result
-        without them implies the result with them.
-    rolling : Rolling or None
-        For a balanced answer with friction, whether friction holds the parts.
-    bending : ndarray of int
-        Round or jointed parts that may roll, rock or swing, about which nothing is proved.
-    alone : bool
-        Whether the parts of `program` fall alone, while the other parts of the cluster are held.
-    clusters : tuple of SecondOrder
-        Answers of the clusters, if there are several. Then `moving` and the counts are those of all
-        clusters; decision and configuration are those of the cluster that decides.
-    """
+    """Second-order answer (minimum, free, balanced or open) for a cluster or an assembly."""
 
     state: State
+    """One of "minimum", "free", "balanced", "open"."""
     neutral: int
     free: int
     blocked: int
     undecided: int
+    """Dimension of the motions that cost no energy to first order, and of their parts: motions
+    proved free, motions that cost or gain energy, and motions for which neither is known."""
     rate: float | None
+    """For a minimum the least proved angular frequency of small oscillations; for a balanced
+    assembly the rate of growth along its path [1/s]."""
     motion: Array | None
+    """Motion of the fall, or a free motion, shape (N, 6); the part that moves most moves by 1
+    length unit."""
     moving: Index
+    """Parts that this motion moves."""
     why: str
+    """Reason for an open answer."""
     decision: EnergyDecision | None = None
+    """Decision with its proof."""
     problem: Stationary | None = None
+    """Problem that the proof is about."""
     configuration: Configuration | None = None
+    """Exact configuration on the path of a balanced assembly, if its bodies are known exactly."""
     program: Program | None = None
+    """Program of `problem` and `decision`; its free parts are those of the cluster."""
     idle: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Contacts of the cluster that carry no force and were left out of `program`. The result
+    without them implies the result with them."""
     rolling: Rolling | None = None
+    """For a balanced answer with friction, whether friction holds the parts."""
     bending: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Round or jointed parts that may roll, rock or swing, about which nothing is proved."""
     alone: bool = False
+    """Whether the parts of `program` fall alone, while the other parts of the cluster are held."""
     clusters: tuple[SecondOrder, ...] = ()
+    """Answers of the clusters, if there are several. Then `moving` and the counts are those of
+    all clusters; decision and configuration are those of the cluster that decides."""
 
     @property
     def proof(self) -> SecondOrderProof | None:

@@ -30,24 +30,18 @@ __all__ = ["Fits", "body_pairs", "find_fits", "stressed", "wrenches"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fits:
-    """Contact rows of bodies that enclose each other, and their common surfaces.
-
-    Attributes
-    ----------
-    enclosed : ndarray of bool, shape (K,)
-    kind : ndarray of int, shape (K,)
-        LINE for a surface of revolution and POINT for a sphere; UNKNOWN for any other surface.
-    point, direction : ndarray, shape (K, 3)
-        Point of the axis, or centre; direction of the axis.
-    curvature : ndarray, shape (K, 3, 3)
-        Curvature of the surface of part a; that of part b is the opposite.
-    """
+    """Contact rows of bodies that enclose each other, and their common surfaces."""
 
     enclosed: Mask
+    """Shape (K,)."""
     kind: Index
+    """LINE for a surface of revolution and POINT for a sphere, shape (K,); UNKNOWN for any other
+    surface."""
     point: Array
     direction: Array
+    """Point of the axis, or centre, shape (K, 3); direction of the axis."""
     curvature: Array
+    """Curvature of the surface of part a, shape (K, 3, 3); that of part b is the opposite."""
 
     def __post_init__(self) -> None:
         read_only(self)

@@ -26,22 +26,16 @@ __all__ = ["Swings", "swings_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Swings:
-    """Loads on N parts, with rigid groups as their first parts.
-
-    Attributes
-    ----------
-    forms : ndarray, shape (N, 3, 3)
-        S for the turns of each part [N x length unit].
-    arms : ndarray, shape (N, 3, 3)
-        Sum of the squares of the cross products with the arms of the loads on each part.
-    inclined, torques : ndarray of bool, shape (N,)
-        Parts with a load that is not vertical, and with a torque.
-    """
+    """Loads on N parts, with rigid groups as their first parts."""
 
     forms: Array
+    """S for the turns of each part [N x length unit], shape (N, 3, 3)."""
     arms: Array
+    """Sum of the squares of the cross products with the arms of the loads on each part, shape
+    (N, 3, 3)."""
     inclined: Mask
     torques: Mask
+    """Parts with a load that is not vertical, and with a torque, shape (N,)."""
 
     def __post_init__(self) -> None:
         read_only(self)

@@ -32,49 +32,34 @@ __all__ = ["Stationary", "problem_of", "stationary"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stationary:
-    """Contact gaps and load to second order, for n scaled unknowns and K contact rows.
-
-    Attributes
-    ----------
-    rows : ndarray, shape (K, n)
-        First derivatives J of the gaps.
-    load : ndarray, shape (n,)
-        The load w.
-    forms : ndarray, shape (K, 12, 12)
-        Second derivatives H_k of the gaps, in the unknowns of both parts.
-    columns : ndarray of int, shape (K, 12)
-        Indices of these among the n unknowns; -1 for held parts.
-    blur : float
-        Numbers below this fraction of the largest are rounding of the data.
-    length, weight : float
-        L [length unit] and W [N].
-    scale : ndarray, shape (n,)
-        Displacement for a unit of each unknown [length unit, rad].
-    on_plane : ndarray of bool, shape (K,), optional
-        Rows in which at least one part touches with a plane, which is exact to all orders.
-    slips : ndarray, shape (K, 4, 12), optional
-        Turn and slip at flush corners (`corner_slips`); 0 for other rows.
-    joined : ndarray of bool, shape (K,), optional
-        Two-sided rows, which belong to joints; None if there are none.
-    limits : ndarray, shape (K,), optional
-        Largest force of each row, over the weight [-]: that of joint friction.
-    springs : ndarray, shape (n, n), optional
-        Second derivative S of the energy of springs.
-    """
+    """Contact gaps and load to second order, for n scaled unknowns and K contact rows."""
 
     rows: Array
+    """First derivatives J of the gaps, shape (K, n)."""
     load: Array
+    """The load w, shape (n,)."""
     forms: Array
+    """Second derivatives H_k of the gaps, in the unknowns of both parts, shape (K, 12, 12)."""
     columns: Index
+    """Indices of these among the n unknowns, shape (K, 12); -1 for held parts."""
     blur: float = 1e-9
+    """Numbers below this fraction of the largest are rounding of the data."""
     length: float = 1.0
     weight: float = 1.0
+    """L [length unit] and W [N]."""
     scale: Array | None = None
+    """Displacement for a unit of each unknown [length unit, rad], shape (n,)."""
     on_plane: Mask | None = None
+    """Rows in which at least one part touches with a plane, which is exact to all orders, shape
+    (K,)."""
     slips: Array | None = None
+    """Turn and slip at flush corners (`corner_slips`); 0 for other rows, shape (K, 4, 12)."""
     joined: Mask | None = None
+    """Two-sided rows, which belong to joints, shape (K,); None if there are none."""
     limits: Array | None = None
+    """Largest force of each row, over the weight [-], shape (K,): that of joint friction."""
     springs: Array | None = None
+    """Second derivative S of the energy of springs, shape (n, n)."""
 
     def __post_init__(self) -> None:
         read_only(self)

@@ -81,29 +81,20 @@ ORDER: tuple[Rolls, ...] = ("falls", "open", "holds")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rolling:
-    """Result about rolling without slip (holds, falls or open), with its proof.
-
-    Attributes
-    ----------
-    state : {"holds", "falls", "open"}
-    dimension : int
-        Dimension of the rollings.
-    curvature : float
-        Least E'' over weight and length, for rollings of length 1 [-]; 0 if there are none.
-    why : str
-        Reason for an open result.
-    forces : ndarray, shape (K, 3)
-        Forces on part b [N].
-    motion : ndarray, shape (N, 6)
-        Rolling with the least E'', of length 1; 0 if there is none.
-    """
+    """Result about rolling without slip (holds, falls or open), with its proof."""
 
     state: Rolls
+    """One of "holds", "falls", "open"."""
     dimension: int
+    """Dimension of the rollings."""
     curvature: float
+    """Least E'' over weight and length, for rollings of length 1 [-]; 0 if there are none."""
     why: str
+    """Reason for an open result."""
     forces: Array
+    """Forces on part b [N], shape (K, 3)."""
     motion: Array
+    """Rolling with the least E'', of length 1, shape (N, 6); 0 if there is none."""
 
     def __post_init__(self) -> None:
         read_only(self)

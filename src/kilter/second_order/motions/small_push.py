@@ -44,23 +44,17 @@ ABOVE_EDGE = "the weight acts exactly above an edge, or a single point, of conta
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmallPush:
-    """Result of a small push on round and jointed parts.
-
-    Attributes
-    ----------
-    state : {"holds", "falls", "open"}
-    parts : ndarray of bool, shape (N,)
-        Parts that fall, or about which nothing is proved; rigid groups count as their first part.
-    rolling : Rolling or None
-        Rolling of the first cluster with this state; None if no part may fall.
-    rough : bool
-        Whether the parts touch with friction.
-    """
+    """Result of a small push on round and jointed parts."""
 
     state: Rolls
+    """One of "holds", "falls", "open"."""
     parts: Mask
+    """Parts that fall, or about which nothing is proved, shape (N,); rigid groups count as their
+    first part."""
     rolling: Rolling | None
+    """Rolling of the first cluster with this state; None if no part may fall."""
     rough: bool = False
+    """Whether the parts touch with friction."""
 
     def __post_init__(self) -> None:
         read_only(self)

@@ -25,21 +25,15 @@ __all__ = ["RigidGroups"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidGroups:
-    """Rigid bodies formed by parts that fixed joints connect; a lone part is a group, too.
-
-    Attributes
-    ----------
-    first : ndarray of int, shape (N,)
-        First part of the group of each part.
-    arms : ndarray, shape (N, 3)
-        Vector from the centre of mass of the group to that of the part [length unit].
-    held : ndarray of bool, shape (N,)
-        Whether the group of each part is held.
-    """
+    """Rigid bodies formed by parts that fixed joints connect; a lone part is a group, too."""
 
     first: Index
+    """First part of the group of each part, shape (N,)."""
     arms: Array
+    """Vector from the centre of mass of the group to that of the part [length unit], shape (N,
+    3)."""
     held: Mask
+    """Whether the group of each part is held, shape (N,)."""
 
     def __post_init__(self) -> None:
         read_only(self)

@@ -48,22 +48,15 @@ BENT = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
-    """Exact configuration on a falling path, with lower energy and without penetration.
-
-    Attributes
-    ----------
-    motion : ndarray, shape (N, 6)
-        Shift of each centre of mass [length unit] and rotation vector [rad]; a rigid group moves as
-        its first part.
-    apart : float
-        Least separation of two parts that have not only shifted along a plane [length unit].
-    energy : float
-        Energy of the loads, relative to the start [N x length unit].
-    """
+    """Exact configuration on a falling path, with lower energy and without penetration."""
 
     motion: Array
+    """Shift of each centre of mass [length unit] and rotation vector [rad], shape (N, 6); a
+    rigid group moves as its first part."""
     apart: float
+    """Least separation of two parts that have not only shifted along a plane [length unit]."""
     energy: float
+    """Energy of the loads, relative to the start [N x length unit]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

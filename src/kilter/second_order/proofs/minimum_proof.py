@@ -64,21 +64,7 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MinimumProof:
-    """Proof of a strict energy minimum for the motions orthogonal to the free motions.
-
-    Attributes
-    ----------
-    basis : ndarray, shape (n, d)
-        Orthonormal basis Z of the neutral motions across the free ones.
-    sides : ndarray, shape (m, d)
-        Contact rows that bound the critical motions: sides y >= 0.
-    free : ndarray, shape (n, f)
-        Orthonormal basis of the free motions that are divided out.
-    splits : tuple of (int, int) or None
-        The tree in depth-first order: a pair of rays that is split, or None for a leaf. If empty,
-        the whole space is a single leaf.
-    leaves : tuple of Leaf
-    """
+    """Proof of a strict energy minimum for the motions orthogonal to the free motions."""
 
     FORM: ClassVar[Form] = keys(
         basis=list_of(named(SIX)),
@@ -90,9 +76,14 @@ class MinimumProof:
     )
     SURFACES: ClassVar[str] = "known"
     basis: Array
+    """Orthonormal basis Z of the neutral motions across the free ones, shape (n, d)."""
     sides: Array
+    """Contact rows that bound the critical motions, shape (m, d): sides y >= 0."""
     free: Array
+    """Orthonormal basis of the free motions that are divided out, shape (n, f)."""
     splits: tuple[tuple[int, int] | None, ...]
+    """The tree in depth-first order: a pair of rays that is split, or None for a leaf. If empty,
+    the whole space is a single leaf."""
     leaves: tuple[Leaf, ...]
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:

@@ -43,38 +43,26 @@ FARTHEST = REACHES[-1] * (1 + ACROSS)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """A path of the parts in scaled unknowns, with figures that decide whether it falls.
-
-    Attributes
-    ----------
-    first, second : ndarray, shape (n,)
-        dp, of length 1, and d2.
-    opens : float
-        Least second derivative of a gap that stays closed to first order.
-    power : float
-        w.d2 - dp.S dp.
-    slips : float
-        Largest of -J dp and |w.dp|.
-    lasts : float
-        Least t at which a gap that opens to first order closes again.
-    rounding, slack : float
-        Rounding of the data in `opens` and `power`, and in `slips`.
-    one_form : bool
-        Whether no flush corner slips off its edge.
-    parts_joints : float
-        Largest second derivative of the error of a joint.
-    """
+    """A path of the parts in scaled unknowns, with figures that decide whether it falls."""
 
     first: Array
     second: Array
+    """dp, of length 1, and d2, shape (n,)."""
     opens: float
+    """Least second derivative of a gap that stays closed to first order."""
     power: float
+    """w.d2 - dp.S dp."""
     slips: float
+    """Largest of -J dp and |w.dp|."""
     lasts: float
+    """Least t at which a gap that opens to first order closes again."""
     rounding: float
     slack: float
+    """Rounding of the data in `opens` and `power`, and in `slips`."""
     one_form: bool
+    """Whether no flush corner slips off its edge."""
     parts_joints: float = 0.0
+    """Largest second derivative of the error of a joint."""
 
     @property
     def falls(self) -> bool:

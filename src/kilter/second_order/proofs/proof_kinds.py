@@ -22,19 +22,13 @@ __all__ = ["KINDS", "SecondOrderProof"]
 
 
 class SecondOrderProof(Protocol):
-    """Common methods of the second-order proofs: write, read and verify.
-
-    Attributes
-    ----------
-    FORM : Form
-        Form of its data in a proof file.
-    SURFACES : {"none", "known", "exact", "all"}
-        The forms of gaps that the proof uses: none; those that are known; those without any
-        doubt; those of all contacts that have a unique normal.
-    """
+    """Common methods of the second-order proofs: write, read and verify."""
 
     FORM: ClassVar[Form]
+    """Form of its data in a proof file."""
     SURFACES: ClassVar[str]
+    """One of "none", "known", "exact", "all". The forms of gaps that the proof uses: none; those
+    that are known; those without any doubt; those of all contacts that have a unique normal."""
 
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
         """JSON data of this proof, for a proof file."""

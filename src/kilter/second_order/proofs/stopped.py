@@ -111,43 +111,29 @@ class Stopped:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StopForms:
-    """Matrices of the energy and of the stops that a proof by stops combines.
-
-    Attributes
-    ----------
-    carried : bool
-        Whether the forces are positive beyond rounding.
-    one_form : bool
-        Whether no carrying flush corner may slip off its edge.
-    neutral : int
-        Dimension of the neutral motions.
-    level : ndarray, shape (n, f)
-        Basis of F across the symmetries.
-    tilts : ndarray, shape (n, d)
-        Basis of Y.
-    stops_level, stops_tilts : ndarray, shape (s, f) and (s, d)
-        Rows R_i on F and on Y.
-    rises : ndarray, shape (m, d)
-        Rows R_j on Y.
-    coupling : ndarray, shape (f, d)
-        Twice K between F and Y.
-    curvature : ndarray, shape (d, d)
-        K on Y.
-    uneven : float
-        Largest entry of K that has to be 0.
-    """
+    """Matrices of the energy and of the stops that a proof by stops combines."""
 
     carried: bool
+    """Whether the forces are positive beyond rounding."""
     one_form: bool
+    """Whether no carrying flush corner may slip off its edge."""
     neutral: int
+    """Dimension of the neutral motions."""
     level: Array
+    """Basis of F across the symmetries, shape (n, f)."""
     tilts: Array
+    """Basis of Y, shape (n, d)."""
     stops_level: Array
     stops_tilts: Array
+    """Rows R_i on F and on Y, shape (s, f)."""
     rises: Array
+    """Rows R_j on Y, shape (m, d)."""
     coupling: Array
+    """Twice K between F and Y, shape (f, d)."""
     curvature: Array
+    """K on Y, shape (d, d)."""
     uneven: float
+    """Largest entry of K that has to be 0."""
 
     @property
     def size(self) -> float:

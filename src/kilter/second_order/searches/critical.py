@@ -31,24 +31,17 @@ WITHIN = 0.999
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Critical:
-    """Cone of the critical motions, as a basis with inequalities, and the forces that prove it.
-
-    Attributes
-    ----------
-    forces : ndarray, shape (K,)
-        Forces of equilibrium, over the weight [-], positive on every row that can carry.
-    carries : ndarray of bool, shape (K,)
-        Rows that carry.
-    basis : ndarray, shape (n, d)
-        Orthonormal basis of the null space of these rows.
-    sides : ndarray, shape (m, d)
-        Unit rows; empty if C is a linear space.
-    """
+    """Cone of the critical motions, as a basis with inequalities, and the forces that prove it."""
 
     forces: Array
+    """Forces of equilibrium, over the weight [-], positive on every row that can carry, shape
+    (K,)."""
     carries: Mask
+    """Rows that carry, shape (K,)."""
     basis: Array
+    """Orthonormal basis of the null space of these rows, shape (n, d)."""
     sides: Array
+    """Unit rows, shape (m, d); empty if C is a linear space."""
 
 
 def find_critical(problem: Stationary, *, work: Work | None = None) -> Critical | None:

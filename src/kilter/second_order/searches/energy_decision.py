@@ -19,30 +19,20 @@ __all__ = ["EnergyDecision"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EnergyDecision:
-    """Decision about an equilibrium (minimum, balanced or open), with its proof.
-
-    Attributes
-    ----------
-    state : {"minimum", "balanced", "open"}
-        A minimum is a minimum across the free motions.
-    neutral, free, blocked, undecided : int
-        Dimension of the span of the critical motions, and of its parts: motions proved free,
-        motions that cost or gain energy, and motions for which neither is known.
-    proof : MinimumProof or Path or LevelRest or LockedTurns or Stopped or Held or None
-    why : str
-        Reason for an open decision.
-    others : tuple of Path
-        Further paths that lead down, less steeply.
-    opening : ndarray, shape (n,), optional
-        Free motion that opens the contacts that were left out, in scaled unknowns.
-    """
+    """Decision about an equilibrium (minimum, balanced or open), with its proof."""
 
     state: Literal["minimum", "balanced", "open"]
+    """One of "minimum", "balanced", "open". A minimum is a minimum across the free motions."""
     neutral: int
     free: int
     blocked: int
     undecided: int
+    """Dimension of the span of the critical motions, and of its parts: motions proved free,
+    motions that cost or gain energy, and motions for which neither is known."""
     proof: MinimumProof | Path | LevelRest | LockedTurns | Stopped | Held | None = None
     why: str = ""
+    """Reason for an open decision."""
     others: tuple[Path, ...] = ()
+    """Further paths that lead down, less steeply."""
     opening: Array | None = None
+    """Free motion that opens the contacts that were left out, in scaled unknowns, shape (n,)."""
