@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import kilter
-from kilter import files, loading
+from kilter import files
 
 __all__ = ["EXTRAS", "NEEDED", "Health", "Look", "doctor"]
 
@@ -331,6 +331,8 @@ def _try_extra(name: str, module: str, package: str) -> str:
 
 def _read_ball() -> None:
     """Check the volume of a ball of radius 1 read from a STEP file."""
+    from kilter import loading
+
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "ball.step").write_text(BALL, encoding="ascii")
         [volume] = loading.load(str(Path(folder) / "ball.step")).geometry.volume.tolist()
