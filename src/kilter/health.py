@@ -15,12 +15,12 @@ import platform
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import kilter
-from kilter import files, loading
-from kilter.tell.record import Record, key
+from kilter import files
 
 __all__ = ["EXTRAS", "NEEDED", "Health", "Look", "doctor"]
 
@@ -101,34 +101,35 @@ END-ISO-10303-21;
 """A solid of one face: the sphere of radius 1 m."""
 
 
-class Look(Record, kw_only=False):
-    """Result of one check."""
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Result of one check: its name, state and finding, and the remedy for a problem."""
 
     name: str
-    """Name of the check."""
     state: State
-    """State of the component."""
     found: str
-    """The finding."""
     remedy: str = ""
-    """Remedy for a problem."""
 
 
-class Health(Record, kw_only=False):
-    """Result of `doctor`: all checks of the installation."""
+@dataclass(frozen=True, slots=True)
+class Health:
+    """Result of `doctor`: all checks of the installation.
 
-    kilter: str
-    """Version."""
+    It is no record, since records need the packages that are checked.
+    """
+
     looks: tuple[Look, ...]
     """Results of the single checks."""
-    kind: str = "doctor"
-    """Always this word."""
 
     @property
-    @key
     def works(self) -> bool:
         """Whether no installed component is broken."""
         return all(look.state != "broken" for look in self.looks)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The results of all checks as JSON data."""
+        return {"kind": "doctor", "kilter": kilter.__version__, "works": self.works,
+                "looks": [asdict(look) for look in self.looks]}  # fmt: skip
 
 
 class _WrongAnswer(Exception):
@@ -156,7 +157,7 @@ def doctor() -> Health:
     looks = [_look("kilter", _versions), _look("packages", _packages)]
     looks += [_look(name, check) for name, check in _CHECKS.items()]
     looks += [_extra(name) for name in EXTRAS]
-    return Health(kilter.__version__, (*looks, _look("terminal", _terminal)))
+    return Health((*looks, _look("terminal", _terminal)))
 
 
 def _look(name: str, check: Callable[[], str], remedy: str = "") -> Look:
@@ -330,6 +331,8 @@ def _try_extra(name: str, module: str, package: str) -> str:
 
 def _read_ball() -> None:
     """Check the volume of a ball of radius 1 read from a STEP file."""
+    from kilter import loading
+
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "ball.step").write_text(BALL, encoding="ascii")
         [volume] = loading.load(str(Path(folder) / "ball.step")).geometry.volume.tolist()
