@@ -1,6 +1,4 @@
-"""Contacts of flat faces.
-
-Areas between the round edges of flat facets and their chords.
+"""Contacts of flat faces: overlaps of opposed facets, merged to patches with exact areas.
 
 The corners of a facet are on its round edges, so its polygon lacks a segment at each chord (or has
 one too many, at the edge of a hole). A chord of length c, whose edge has the height h over it,
@@ -10,8 +8,6 @@ lacks the segment of a circle
 
 A patch that covers a facet as a whole has the exact area of the facet. A part of a facet has the
 area of its polygon.
-
-Merge touching polygons to contact patches, one for each pair of parts and plane.
 
 Pieces of a pair lie in the same plane if their normals agree within the merging angle and their
 offsets within twice the gap tolerance. An area thinner than twice the gap tolerance is not an area

@@ -1,6 +1,4 @@
-"""Friction coefficients of contacts.
-
-Friction of the pieces of parts: a patch has that of the two pieces that touch in it.
+"""Friction coefficients of contacts: of pairs of parts, and of the pieces of parts.
 
 The search keeps flat patches of different pieces apart. Of other patches, the points show the
 pieces. Where several pieces meet, the pieces of a contact may be uncertain. The patch then has the

@@ -1,13 +1,9 @@
-"""Contacts of some of the parts, or of parts in new positions, without a new search.
-
-Contacts of an assembly whose bodies stay in place while other properties change.
+"""Contacts of an assembly that changes while its bodies stay in place, without a new search.
 
 The contact search depends on shapes, poses, tolerances, and on the pairs that are searched. It does
 not depend on friction, joints, masses, loads and gravity. `KeptContacts` searches once, with free
 parts wherever a part may be released later, and then gives the contacts of each changed assembly,
 equal to those of a new search.
-
-The contacts among a subset of the parts, such as those of a half-built assembly.
 
 A contact between two parts does not depend on other parts. So the contacts of an assembly without
 some parts are those between the remaining parts.

@@ -1,14 +1,8 @@
-"""Parts that overlap, and the reasons for which an overlap is no error.
+"""Overlaps: parts that share volume, with depth, volume, and share of the smaller part.
 
-Depth of the corners of a part inside another part, by the winding number of its surface.
-
-For triangles that bound no body: an edge with one face, or with four.
-
-References
-----------
-A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
-
-Intersection of two overlapping parts as a mesh, by the library manifold3d.
+Two convex parts share no volume if the plane of a facet of one has the other in front of it (within
+tolerance). If no facet's plane separates them, the largest ball inside both decides; it also
+recognises parts that only an edge against an edge separates.
 
 The surface of the intersection of A and B consists of the part of the surface of A inside B and the
 part of the surface of B inside A. The depth of the overlap follows from it:
@@ -21,15 +15,13 @@ first, and the rest only until the bound falls below the largest distance.
 
 Curved faces count as their inscribed polyhedra, refined as requested.
 
-Overlaps: parts that share volume, with depth, volume, and share of the smaller part.
+The library manifold3d intersects the triangles of other parts. Triangles that bound no body (an
+edge with one face, or with four) have no volume; for these the winding number shows which corners
+lie inside the other part.
 
-Two convex parts share no volume if the plane of a facet of one has the other in front of it (within
-tolerance). If no facet's plane separates them, the largest ball inside both decides; it also
-recognises parts that only an edge against an edge separates.
-
-The triangles of other parts are intersected (`kilter.contact.overlap`). Triangles that
-bound no body have no volume; for these the winding number shows which corners lie inside the other
-part.
+References
+----------
+A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
 """
 
 from __future__ import annotations

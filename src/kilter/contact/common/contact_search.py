@@ -1,12 +1,8 @@
-"""Input that all stages of a contact search share: parts, facets, boxes and near pairs.
-
-Values of recent contact searches of one geometry, for its next search.
+"""Input that all families of contacts share: parts, facets, boxes and near pairs.
 
 A check searches the same bodies again when it tries an option. With another tolerance the facets,
 boxes, solids, smooth faces and curves of the bodies stay the same. With other friction all findings
 stay the same. So these values are kept, until bodies of another geometry are searched.
-
-Pairs of parts that are the same body twice: a part and a copy of it in the same place.
 
 All corners, edges and faces of such a pair touch, but none of them carries a force: the pair is an
 overlap. So its contacts are not searched.

@@ -1,16 +1,8 @@
-"""Distances of points, segments, triangles and parts.
-
-Distances of points and of triangles from triangles, row by row.
+"""Distances of points, segments, triangles and parts; the nearest part of a lone part.
 
 The nearest point of a triangle to x lies inside it, below x, or on its boundary. Two triangles
 cross if a side of one pierces the other. Otherwise their nearest points are a corner of one, or lie
 on a side of each.
-
-References
-----------
-C. Ericson, Real-Time Collision Detection, 2005, chapter 5.1.
-
-The nearest other part of each part that touches nothing, and the gap between them.
 
     gap(A, B) = min |x - y|,    x on a triangle of A, y on a triangle of B.
 
@@ -20,6 +12,10 @@ visited in the order of the distances between their boxes, until that distance r
 Curved faces count as their triangles, so the error of a gap is at most the sagittas of both parts
 plus the accuracy of their coordinates: `Neighbour.accuracy`. If the triangles of a part bound no
 body, only the corners of both parts are compared, and the true gap is at most the reported gap.
+
+References
+----------
+C. Ericson, Real-Time Collision Detection, 2005, chapter 5.1.
 """
 
 from __future__ import annotations

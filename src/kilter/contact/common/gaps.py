@@ -1,6 +1,4 @@
-"""Gap limits, and the records of near pairs that do not count as touching.
-
-Gap tolerances: the limits of each pair, the test for contact, and warnings about gaps.
+"""Gap tolerances: the limits of each pair, the test for contact, and warnings about gaps.
 
 Two opposed faces of a pair touch if the range [low, high] of the gap between them, over the area in
 which they overlap, meets
@@ -15,13 +13,9 @@ at least the rounding error of the coordinates.
 A gap tolerance inside a cluster of gaps separates faces that belong together: then there are
 patches in its upper third, and near pairs within three times the tolerance.
 
-Pairs of parts that may touch where the surface of a part is unknown.
-
 A stand-in (a box or hull in place of a solid that could not be read) may touch every part that
 comes near its box; an open mesh every part that comes near the box of a hole. The kind of contact
 is unknown: such a pair is listed among the rejected pairs, with a gap of 0, and is open.
-
-Stops of joints: the limits at which a joint stands, within the tolerance of gaps.
 
 The position of a joint is 0 in the drawn pose. A limit counts as reached if its distance from 0,
 times the radius of the larger free part for a turn, is at most the tolerance of gaps of the smaller

@@ -1,17 +1,11 @@
-"""Contact patches, and the records of contacts that are not modelled.
-
-Records of contacts that have no patch: overlaps, unmodelled contacts, possible forces.
+"""Patches: the common record of contacts, and records of contacts that have no patch.
 
 A pair with such a record is open (`kilter.contact.open_pairs`): the geometry does not determine the
 forces between its parts.
 
-Patches: the common record of contacts between flat, curved, sharp and given features.
-
 Each stage of the contact search returns `Patches`; the search joins them to a `ContactSet`, with
 friction and the unmodelled contacts. Every point of a patch has a normal; on a flat patch it is
 that of the patch.
-
-Selection of pairs of parts, and new numbers for the records of a contact search.
 
 A contact between two parts does not depend on other parts. So the contacts of an assembly without
 some parts, or with other held parts, are those of the remaining pairs.

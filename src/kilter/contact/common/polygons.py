@@ -1,11 +1,7 @@
-"""Polygons of contacts: convex hulls, clipping, and overlays of facets.
-
-Polygons in the plane: batch clipping, convex hulls, widths, and overlaps of complex outlines.
+"""Polygons in the plane, and the overlaps of opposing facets with the gap at their corners.
 
 `clip_convex` is Sutherland-Hodgman clipping on padded arrays: polygon k of a batch has `count[k]`
 corners, anticlockwise, in ``points[k, :count[k]]``. Entries after the count have no meaning.
-
-Overlaps of opposing facets, as convex polygons with the gap at their corners.
 
 For facets i of part a and j of part b with outward normals n_i and n_j, the normal of the contact
 is n = (n_i - n_j) / |n_i - n_j|, from a to b. In a frame at the centroid of the smaller facet the

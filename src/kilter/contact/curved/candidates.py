@@ -1,7 +1,5 @@
 """Candidate contacts of curved faces, and those of faces with planes and with tori.
 
-Candidate line contacts of cylinders and cones that touch along a common generator.
-
 A cone j with the axis a and the half angle alpha has the generators g = a cos(alpha) + w
 sin(alpha) with the normals N = w cos(alpha) - a sin(alpha), w any direction across a. Surface i
 touches it along a whole generator if it has a generator along the line of g, and the outward normal
@@ -12,13 +10,9 @@ along g (s = 1) or against g (s = -1), then lies in the plane of a and w, at the
 
 Two equal cones with parallel axes have this angle 0; then w leads to the axis of i.
 
-Candidate contacts of solid curved surfaces with planes.
-
 With n the outward normal of the plane and o a point of it: a sphere touches at c - r n, a cylinder
 whose axis lies in the plane along a line, a cone with n.axis = sin(half_angle) along a generator, a
 torus around a circle if its axis is upright, else in its lowest point.
-
-Candidate contacts of tori, and of cylinders and cones in hollow tori.
 
 A torus is the envelope of spheres of the radius `tube` with centres on its circle; a cylinder or
 cone is the envelope of spheres with centres on its axis, of the radius r, or t sin(half_angle) at

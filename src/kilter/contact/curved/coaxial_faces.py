@@ -1,17 +1,11 @@
-"""Faces about a common axis, and shafts in holes.
-
-The region over which two faces about the same axis lie on each other.
+"""Faces about a common axis: the region that two of them share, and shafts in holes.
 
 Cylinders and cones are unrolled about the axis of the first: an angle and a height give the
 position of a point. Faces on the same axis have no common region, whatever their radii, if they lie
 beside each other around it or above each other along it.
 
-Find misplaced parts: copies that overlap others although identical parts do not.
-
 Parts of the same volume, radius and inertia (by its trace) count as copies. Bolts that all overlap
 their nuts are modelled so; if only one of two feet overlaps, it is misplaced.
-
-Coaxial fits: a shaft of a part in a hole of another part, from their exact cylinders.
 
 A shaft and its hole share an axis; their radii determine the fit. The shaft is thicker
 (interference: a press fit, or a thread drawn as a cylinder), equally thick within the gap tolerance

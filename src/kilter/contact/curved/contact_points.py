@@ -1,13 +1,9 @@
-"""Regions of curved faces in which a candidate lies, and its contact points.
-
-Parts of a line or of a circle that a face covers.
+"""Parts of a line or circle that a face covers, and contact points of curved contacts.
 
 The triangles of a face represent it. A line of a surface with normal n lies on the face if the
 plane through the line and n cuts the triangles; a point lies on it if the line along n meets a
 triangle (`kilter.shape.covering`). Neighbouring triangles meet without gaps that way, and the ends
 of a face across its generators are as exact as the corners of its triangles.
-
-Contact points that represent curved contacts, and the direction of the resulting error.
 
 A frictionless contact transmits the cone of the wrenches of its points. With n(t) the unit
 direction at angle t across an axis:

@@ -1,11 +1,7 @@
-"""Contacts of curved faces.
-
-Contacts of coaxial cylinders or cones that fit into each other, by unrolled faces.
+"""Contacts between exact curved faces: candidates, the extent of their faces, and patches.
 
 A clearance closes a shaft that is thinner than its hole: both are then treated as a single surface
 of their mean radius, about the axis of the shaft, or of the hole if the shaft is held.
-
-Contacts between exact curved faces: candidates, the extent of their faces, and patches.
 
 The boxes of surfaces decide which surfaces come near. Formulas give the candidates for contact
 (`kilter.contact.curved.tangency`), the triangles of the faces decide whether the faces extend

@@ -1,17 +1,11 @@
-"""Rims of curved faces in contact with other faces.
-
-Round rims of flat faces, which triangles replace by inscribed polygons.
+"""Rims and tips: forces at round rims of flat faces, and candidates at the ends of faces.
 
 The forces of the circumscribed polygon bound the answer from the other side.
-
-Candidate contacts of balls with the round rims of narrower holes.
 
 The end of a hollow cylinder at the height t of its axis a is a circle of radius r about the point
 c = p + t a. A ball of radius R > r about the axis, with its centre at the height h over c, outside
 of the hole, touches the whole rim if r^2 + h^2 = R^2. The normals of the contact are those of the
 ball: from its centre to the rim, (r u - h a) / R for the direction u away from the axis.
-
-Candidate contacts of the rims and tips of solid cylinders and cones with planes.
 
 The end of a cylinder or cone at the height h of its axis a is a circle of radius rho about c + h a.
 With n the outward normal of the plane, its nearest point to the plane is the farthest along -n, c +
@@ -20,7 +14,7 @@ from outside if -n lies between the normal of the side and that of the end, whic
 tip of a cone touches a plane that has the whole side in front of it: n . a >= sin(half_angle).
 
 If -n is along the axis, the end lies flat; if -n is a normal of the side, the part lies on a
-generator. Both are other contacts (`planar`, `kilter.contact.curved.candidates`).
+generator. Both are other contacts (`flat_contacts`, `kilter.contact.curved.candidates`).
 """
 
 from __future__ import annotations

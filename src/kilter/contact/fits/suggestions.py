@@ -1,6 +1,4 @@
-"""Joints that the parts suggest.
-
-Parts that lie in the same place, and so cannot be as drawn: their likely cause and a remedy.
+"""Parts that lie in the same place, and pairs that look fastened, with suggested joints.
 
 Two parts coincide if they share more than half of the volume of the smaller part, and are neither
 both held nor fixed to each other. A screw in a nut that is drawn without its hole shares less. The
@@ -12,8 +10,6 @@ causes:
         the answer has a warning, and joining the parts is tried as a remedy
     files in frames of their own, a table above the lowest part
         the assembly is rejected, since all of its contacts are wrong
-
-Pairs that look fastened, with a suggested joint for each.
 
 Parts that share volume cannot both be positioned as drawn: a thread that is modelled as a cylinder,
 a press fit, an insert in its hole, or an inaccurate model. A part whose cylinder fills a hole of

@@ -1,6 +1,4 @@
-"""Edges and corners near curved faces without a contact formula.
-
-Contacts of curved faces without a contact formula, and bounds on their forces.
+"""Contacts of curved faces without a contact formula, and bounds on their forces.
 
 Free forms, a torus in a groove of the same size, and edges and corners on curved faces of meshes
 have no formula. Edges and corners of exact solids (`kilter.contact.sharp.edges_with_faces`,

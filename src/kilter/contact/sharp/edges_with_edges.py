@@ -1,6 +1,4 @@
-"""Contacts of exact edges with edges, and the results of their search.
-
-Contacts of exact edges and corners with edges and corners, at curved faces.
+"""Contacts of exact edges and corners with edges and corners, at curved faces.
 
 Two curves that cross have the normal of both tangents; the material of each must lie on its side of
 the plane with this normal. A corner on an edge or corner, the tip of a cone there, and edges that

@@ -1,6 +1,4 @@
-"""Near pairs of edges, corners and faces.
-
-Points at which corners and edges of a part come near features of another part.
+"""Points at which corners and edges of a part come near features of another part.
 
 The corners of an area of contact are corners of one part on the other, and crossings of edges; for
 rigid parts no other point is needed (the paper, section 2.1). A corner within tolerance of a corner
@@ -10,8 +8,6 @@ inside both of its edges: each point is found once.
 An edge within tolerance of a facet that is tilted by less than the angle that counts as flat lies
 on the facet with its whole length there, as a face on a face does: both ends of that length are
 returned, although their gap is larger.
-
-Near pairs whose corners or edges almost touch, without any recorded contact.
 
 Near faces are recorded when facets are intersected; a corner over a face, or an edge beside an
 edge, is not. Only pairs without a contact and without near faces are searched, within `LOOSE_GAP`

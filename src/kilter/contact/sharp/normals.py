@@ -1,6 +1,4 @@
-"""Normals that two features allow.
-
-Decide which normals a contact point has, from the material of both parts around it.
+"""Normals that a contact point of edges and corners has: unique, or several possible.
 
 K_A, K_B: the local cones of parts a and b at p (`local_cones`), whose interiors are disjoint. To
 first order a velocity v of b relative to a at p makes the parts penetrate iff v is in
@@ -18,11 +16,9 @@ them: a clause. Clauses that the accepted constraints at p do not imply make p d
 velocity exists that meets all constraints and penetrates, and the allowed motions form a union
 (Palmer; the paper, section 1.1).
 
-Normals of the points at which edges and corners meet: unique, or several possible.
-
 A corner on a facet has the normal of the facet; two edges that cross have the normal of both. All
 other points follow from the local cones of both parts (`local_cones`) and the spanning rule
-(`spanning`). A normal close to that of a facet at the point is replaced by the facet's normal.
+above. A normal close to that of a facet at the point is replaced by the facet's normal.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Contacts at edges and corners, and bounds on contacts that are not modelled.
 
 Corners and edges of two parts meet at points (`feature_pairs`). For each point the spanning rule
-(`spanning`) either gives normals, and the point is a contact, or it finds that the allowed motions
+(`normals`) either gives normals, and the point is a contact, or it finds that the allowed motions
 form a union: then the point is degenerate. A degenerate point is listed as unsupported and bounded
 from both sides: without it, and with a force along every extreme normal that separates the parts
 there.

@@ -1,6 +1,4 @@
-"""Smooth faces: surfaces of meshes that stand for curved faces, and the pairs of them.
-
-Smooth faces: connected triangles with small bends, and the surface that they approximate.
+"""Smooth faces: connected triangles with small bends, and the surface that they approximate.
 
 In a mesh these are all triangles on no known surface, in an exact solid its free forms. The corners
 of a tessellated face lie on the face itself. At each corner a cubic
@@ -15,17 +13,15 @@ quadratic patch with the normals at the corners,
 
 and the distance of the triangle from it is at most |(v_k - v_m).(n_k - n_m)| / 6.
 
-References
-----------
-Fits of jets: F. Cazals, M. Pouget, Estimating differential quantities using polynomial fitting
-of osculating jets, 2005. The quadratic patch: T. Boubekeur, M. Alexa, Phong tessellation, 2008.
-
-Contact points of two smooth faces on their true surfaces, which the triangles approximate.
-
 A corner x of one face, with its normal n, is matched with the triangle of the other face that the
 line x + t n meets nearest to x. The contact lies on the surface, not on the triangle: see
 `kilter.contact.smooth.smooth_faces`. At a crossing of the rims of both faces the area of contact
 has a corner; the normals there are interpolated between the ends of the two edges.
+
+References
+----------
+Fits of jets: F. Cazals, M. Pouget, Estimating differential quantities using polynomial fitting
+of osculating jets, 2005. The quadratic patch: T. Boubekeur, M. Alexa, Phong tessellation, 2008.
 """
 
 from __future__ import annotations
