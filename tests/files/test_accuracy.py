@@ -350,6 +350,7 @@ def test_a_heavy_rim_does_not_turn_with_its_carrier(kind, tmp_path, capsys):
     assert case["factor"] <= 0.35
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", FORMATS)
 @pytest.mark.parametrize(
     ("size", "beyond", "mass", "inertia", "expected"),
