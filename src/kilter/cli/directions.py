@@ -216,18 +216,7 @@ def margin(asked: Asked, options: MarginOptions) -> int:
             **asked.shared(find, contacts, progress),
         )
     data = answer.to_dict()
-    typed = as_typed(
-        push=options.push,
-        about=options.about,
-        part=options.part,
-        loads=options.loads,
-        bracket=options.bracket,
-        mass_range=options.mass_range,
-        com_range=options.com_range,
-        mu_range=options.mu_range,
-        normal_tilt=options.normal_tilt,
-        require=None if options.require == "equilibrium" else options.require,
-    )
+    typed = as_typed(options)
     asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
     verdict = answer.check
     lowest = verdict.require if options.require == "equilibrium" else options.require

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.output import tell_warnings, tell_written, write_whole
@@ -64,26 +64,18 @@ def _report(asked: Asked, words: str) -> bool:
     return True
 
 
-def as_typed(**given: Any) -> list[str]:
-    """Convert option values to the words of a command line; None and False are left out.
-
-    Examples
-    --------
-    >>> as_typed(hold=1, before=None, never_hold=["a", "b"])
-    ['--hold', '1', '--never-hold', 'a', '--never-hold', 'b']
-    >>> as_typed(push=(1.0, 0.0, 0.5))
-    ['--push', '1', '0', '0.5']
-    """
+def as_typed(options: Any, *names: str) -> list[str]:
+    """Words of a command line for a record of options, or for some of them, without defaults."""
     words: list[str] = []
-    for name, value in given.items():
-        option = f"--{name.replace('_', '-')}"
+    for entry in fields(options):
+        value = getattr(options, entry.name)
+        if (names and entry.name not in names) or value == entry.default:
+            continue
+        name = entry.metadata["option"].names[-1]
         if value is True:
-            words.append(option)
-        elif value is not None and value is not False:
-            for entry in value if isinstance(value, list) else [value]:
-                values = entry if isinstance(entry, tuple) else (entry,)
-                words += [
-                    option,
-                    *(f"{v:.12g}" if isinstance(v, float) else str(v) for v in values),
-                ]
+            words.append(name)
+            continue
+        for each in value if isinstance(value, list) else [value]:
+            values = each if isinstance(each, tuple) else (each,)
+            words += [name, *(f"{v:.12g}" if isinstance(v, float) else str(v) for v in values)]
     return words

@@ -112,9 +112,7 @@ def place(asked: Asked, options: PlaceOptions) -> int:
         publish.draw(best, options.figure)
     data = best.to_dict()
     after = asked.keep_proof(None if best.undecided else best.proof, data)
-    typed = as_typed(
-        **{name: getattr(options, name) for name in ("box", "mass", "centre_within", "part")}
-    )
+    typed = as_typed(options, "box", "mass", "centre_within", "part")
     if len(turns) == 1 and turns[0]:
         typed += ["--turn", f"{turns[0]:g}"]
     after += f"\nfigure       written to {options.figure}" if options.figure else ""

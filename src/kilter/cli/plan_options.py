@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kilter.cli.options import FORM
-from kilter.cli.order_files import as_typed
 from kilter.errors import InputError
 from kilter.values.declaration import option
 
@@ -96,24 +95,6 @@ class PlanOptions:
         FORM,
         default="equilibrium",
     )
-
-    def typed(self) -> list[str]:
-        """The options of `plan` as words of a command line, without default values."""
-        return as_typed(
-            hold=self.hold,
-            directions=self.directions,
-            before=self.before,
-            never_hold=self.never_hold,
-            screws=self.screws,
-            group=self.group,
-            together=self.together,
-            fewest=None if self.fewest == "holds" else self.fewest,
-            sequence=self.sequence,
-            press=self.press or None,
-            carried=self.carried,
-            turn=self.turn or None,
-            require=None if self.require == "equilibrium" else self.require,
-        )
 
     def rules(self, gravity: Sequence[float]) -> PlanRules:
         """The options about the order as rules of `kilter.plan`.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import HOLDS, INTERRUPTED, LOWER, PLAN
 from kilter.cli.options import asks
-from kilter.cli.order_files import written
+from kilter.cli.order_files import as_typed, written
 from kilter.cli.output import Progress
 from kilter.cli.plan_options import PlanOptions
 
@@ -29,7 +29,7 @@ def plan(asked: Asked, options: PlanOptions) -> int:
     """
     from kilter.analysis.planning.order.plan import plan as find
 
-    typed = options.typed()
+    typed = as_typed(options)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         order = find(
