@@ -286,8 +286,6 @@ OTHER_DEFAULTS = {
 }
 """Defaults that differ from the table; the docstring of the verb states the reason."""
 OTHER_MEANINGS = {("check_many", "progress")}  # it receives numbers of assemblies
-BY_HAND = {"load"}
-"""Functions that declare four or more of the shared keywords: options of reading a file."""
 
 
 def documented(function: Callable[..., Any]) -> dict[str, str]:
@@ -329,7 +327,7 @@ def test_the_shared_keywords_are_declared_in_one_place():
             if isinstance(node, ast.FunctionDef):
                 names = {each.arg for each in [*node.args.args, *node.args.kwonlyargs]}
                 declaring |= {node.name} if len(names & set(SHARED)) >= 4 else set()
-    assert declaring == BY_HAND
+    assert not declaring
 
 
 def test_no_other_function_takes_the_keywords():

@@ -11,9 +11,9 @@ import kilter
 from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files import load
 from kilter.files.accuracy import text_accuracy
 from kilter.files.bodies import split_bodies
+from kilter.loading import load
 from kilter.shape import sound
 from kilter.shape.closed import open_edges, weld
 from kilter.shape.primitives import Box, Cylinder, Mesh, surface

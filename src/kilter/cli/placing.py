@@ -189,7 +189,7 @@ def _part_of(
         If not exactly one part is described.
     """
     from kilter.analysis.placing.place import box_to_place
-    from kilter.files import load
+    from kilter.loading import load
 
     if (box is None) == (path is None):
         raise InputError(
