@@ -100,9 +100,12 @@ def test_another_format_of_several_proofs_is_refused(bundle):
             require_bundle_form(asked)
 
 
-def test_no_proof_at_all_is_no_file_of_proofs():
+def test_no_proof_at_all_is_no_file_of_proofs() -> None:
+    none = {**json.loads(region()), "proofs": []}
     with pytest.raises(InputError, match="it has no proofs"):
-        require_bundle_form({**json.loads(region()), "proofs": []})
+        require_bundle_form(none)
+    with pytest.raises(InputError, match="it has no proofs"):
+        kilter.verify(example("tower"), none)
 
 
 @pytest.mark.parametrize("proof", [[], "x", None, {}, {"kilter_proof": 2}])
