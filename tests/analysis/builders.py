@@ -1,7 +1,5 @@
 """Small assemblies with loads, joints and given contacts that several tests start from."""
 
-from __future__ import annotations
-
 from kilter.assembly import Assembly, GivenContact, Joint, Load
 from kilter.scenes import stacks
 from kilter.scenes.pieces import block, floor

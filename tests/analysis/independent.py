@@ -6,8 +6,6 @@
 The rows are built here from the labelled arrays of the program, point by point.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import linprog, lsq_linear
 

@@ -4,8 +4,6 @@ The proof is written, read back as JSON, and verified on a copy of the assembly 
 file: nothing of the answer but the proof itself is used.
 """
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

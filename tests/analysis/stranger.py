@@ -6,8 +6,6 @@
 Torques are divided by the largest arm of the part, so that one relative number tells all.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,7 +5,6 @@ assemblies of others, and are skipped without them.
 """
 
 import json
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -51,7 +50,7 @@ def sunk() -> Assembly:
     return Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.45]))], friction=0.84)
 
 
-def test_a_limit_states_its_level(run) -> None:
+def test_a_limit_states_its_level(run):
     _, margin = run("margin", scene("squeezed-block"))
     assert (margin["level"], margin["verdict"]) == ("equilibrium", "potentially-stable")
     assert "forces that hold it exist" in text_of(margin)
@@ -60,7 +59,7 @@ def test_a_limit_states_its_level(run) -> None:
     assert "forces that hold it exist" in text_of(region)
 
 
-def test_the_region_of_an_assembly_with_open_pairs_names_them(run) -> None:
+def test_the_region_of_an_assembly_with_open_pairs_names_them(run):
     assert run("check", sunk())[0] == 4
     code, region = run("region", sunk())
     assert (code, region["kind"], region["pairs_decide"]) == (4, "none", True)
@@ -69,7 +68,7 @@ def test_the_region_of_an_assembly_with_open_pairs_names_them(run) -> None:
     assert "table" in text_of(region)
 
 
-def test_the_margin_of_an_assembly_with_open_pairs_is_that_of_the_drawing(run) -> None:
+def test_the_margin_of_an_assembly_with_open_pairs_is_that_of_the_drawing(run):
     _, margin = run("margin", sunk())
     text = text_of(margin)
     assert "no friction coefficient is enough to hold it if its open pairs carry no force" in text
@@ -77,7 +76,7 @@ def test_the_margin_of_an_assembly_with_open_pairs_is_that_of_the_drawing(run) -
 
 
 @pytest.mark.slow
-def test_a_limit_beyond_which_an_open_pair_decides_has_the_verdict_of_check_outside() -> None:
+def test_a_limit_beyond_which_an_open_pair_decides_has_the_verdict_of_check_outside():
     """A cube that a held pin enters: what happens beyond the friction angle depends on the pin."""
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     pin = Part("pin", Box([0.2, 0.2, 0.4]), Pose([0.5, 0.5, 0.2]), grounded=True)
@@ -104,9 +103,7 @@ def listed_words(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("names", [TWINS, sorted(SCENES)], ids=["twins", "all"])
-def test_the_list_of_examples_has_the_words_of_check(
-    names: Sequence[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_list_of_examples_has_the_words_of_check(names, capsys):
     words = listed_words(capsys)
     assert {name: words[name] for name in names} == {
         name: kilter.check(scene(name)).verdict for name in names
@@ -114,7 +111,7 @@ def test_the_list_of_examples_has_the_words_of_check(
     assert [words[name] for name in TWINS] == ["stable", "balanced"] * (len(TWINS) // 2)
 
 
-def test_a_ball_on_a_ball_is_balanced_in_every_command(run) -> None:
+def test_a_ball_on_a_ball_is_balanced_in_every_command(run):
     balls = Assembly(
         [
             Part("low", Sphere(1.0), grounded=True),
@@ -133,7 +130,7 @@ def test_a_ball_on_a_ball_is_balanced_in_every_command(run) -> None:
     assert (code, "balanced" in oriented["sentence"]) == (0, True)
 
 
-def test_bonds_report_the_share_that_is_needed_not_that_of_one_equilibrium() -> None:
+def test_bonds_report_the_share_that_is_needed_not_that_of_one_equilibrium():
     top = Part("top", Box([1, 1, 1]), Pose([0, 0, 1]), grounded=True)
     hung = Assembly([top, Part("low", Box([1, 1, 1]))], bonds=[Bond(("low", "top"), pull=9810)])
     answer = kilter.check(hung).to_dict()
@@ -142,7 +139,7 @@ def test_bonds_report_the_share_that_is_needed_not_that_of_one_equilibrium() -> 
     assert "0.25 times their strength is needed" in text_of(answer)
 
 
-def test_without_friction_the_sentence_states_it_and_mu_is_a_remedy() -> None:
+def test_without_friction_the_sentence_states_it_and_mu_is_a_remedy():
     slope = scene("slope")
     verdict = kilter.check(slope)
     assert verdict.sentence.startswith("Unstable: without friction")
@@ -183,16 +180,14 @@ def tried(
 
 
 @pytest.mark.parametrize(("charge", "tries"), [(10.0, 3), (30e3, 2), (80e3, 1)])
-def test_a_cheap_verdict_pays_only_for_equilibrium_forces(
-    monkeypatch: pytest.MonkeyPatch, charge: float, tries: int
-) -> None:
+def test_a_cheap_verdict_pays_only_for_equilibrium_forces(monkeypatch, charge, tries):
     levels, found, units = tried(monkeypatch, charge, 1e3, "settles")
     assert levels == ["equilibrium"] * tries
     assert found == [(None, "equilibrium")] * tries
     assert units <= remedies.LEAST_WORK
 
 
-def test_a_costly_verdict_pays_for_the_required_level(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_costly_verdict_pays_for_the_required_level(monkeypatch):
     levels, found, units = tried(monkeypatch, 0.0, 2e6, "settles")
     assert levels == [*["equilibrium"] * 3, "settles"]
     assert found == [("stable", "proved")]  # a larger change is not offered
@@ -202,8 +197,8 @@ def test_a_costly_verdict_pays_for_the_required_level(monkeypatch: pytest.Monkey
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("ball", [False, True])
 def test_a_remedy_that_holds_without_friction_has_the_verdict_of_check_whatever_its_work(
-    monkeypatch: pytest.MonkeyPatch, ball: bool
-) -> None:
+    monkeypatch, ball
+):
     """A box on a held box is stable, a ball on a held ball balanced; each floats by 1e-3."""
     shapes = (Sphere(1.0), Sphere(0.5)) if ball else (Box(2, 2, 2), Box(1, 1, 1))
     parts = [Part("base", shapes[0], grounded=True), Part("top", shapes[1], [0, 0, 1.501])]
@@ -229,9 +224,7 @@ def test_a_remedy_that_holds_without_friction_has_the_verdict_of_check_whatever_
 
 @needs_shared
 @pytest.mark.slow
-def test_the_remedy_of_a_flange_has_the_verdict_of_its_own_check(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_remedy_of_a_flange_has_the_verdict_of_its_own_check(capsys):
     pytest.importorskip("OCP")
     command = ["check", str(SHARED / "cad/flange_coupling.step"), "--floor", "--up", "y", "--json"]
     main(command)
@@ -247,7 +240,7 @@ def test_the_remedy_of_a_flange_has_the_verdict_of_its_own_check(
     assert f"--floor {remedy['option']} --up y --friction 0.3\n" in text
 
 
-def test_a_guarantee_that_lacks_work_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_guarantee_that_lacks_work_is_not_reported(monkeypatch):
     levels, found, _ = tried(monkeypatch, 0.3e6, 1.8e6, "settles")
     assert levels == [*["equilibrium"] * 3, *["settles"] * 3]
     assert found == [(None, "equilibrium")] * 3
@@ -255,9 +248,7 @@ def test_a_guarantee_that_lacks_work_is_not_reported(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.quick("slot")
 @pytest.mark.parametrize("name", ["slot", "paper-figure-4", "wall-with-opening", "hanging-brick"])
-def test_the_remedies_of_a_scene_cost_no_more_work_than_its_verdict_or_the_least(
-    monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
+def test_the_remedies_of_a_scene_cost_no_more_work_than_its_verdict_or_the_least(monkeypatch, name):
     decide, totals = remedies.decide, []
 
     def counted(*arguments, work: Work, **options) -> Decision:

@@ -288,7 +288,7 @@ def test_joint_without_its_point_is_refused_in_words():
         Assembly(stacks.tower(1).parts, joints=[Joint(("base", "cube-1"), "revolute")])
 
 
-def test_a_name_that_an_answer_shortened_is_accepted_as_typed() -> None:
+def test_a_name_that_an_answer_shortened_is_accepted_as_typed():
     paths = [f"bracket-assembly_{k}/nut-bolt-assembly_{j}/nut" for k in (1, 2) for j in (1, 2)]
     parts = [Part(path, Box([1, 1, 1]), [2 * k, 0, 0]) for k, path in enumerate(paths)]
     assembly = Assembly(parts)

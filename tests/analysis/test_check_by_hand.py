@@ -1,7 +1,5 @@
 """Numbers of the answer of `kilter.check`, in millimetres, against statics and dynamics by hand."""
 
-from __future__ import annotations
-
 import json
 import math
 
@@ -20,7 +18,7 @@ PAST = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
 SHELF = block("shelf", [-2000, -500, 0], [-1000, 500, 1000], density=1500.0)
 
 
-def test_a_cube_past_the_edge_turns_about_it() -> None:
+def test_a_cube_past_the_edge_turns_about_it():
     assembly = Assembly([TABLE, PAST, SHELF], units="mm")
     verdict = kilter.check(assembly)
     answer = verdict.to_dict()
@@ -55,7 +53,7 @@ def test_a_cube_past_the_edge_turns_about_it() -> None:
 
 
 @pytest.mark.parametrize("at", [-300, 300])
-def test_a_beam_on_two_ridges_presses_on_each_by_its_lever(at: float) -> None:
+def test_a_beam_on_two_ridges_presses_on_each_by_its_lever(at):
     """Ridges at x = -1000 and 2000; a beam of 100 kg with its centre at `at`."""
     ridge = [[-100, -100], [100, -100], [0, 0]]
     left, right = (
@@ -82,7 +80,7 @@ def test_a_beam_on_two_ridges_presses_on_each_by_its_lever(at: float) -> None:
 
 
 @pytest.mark.slow
-def test_a_block_that_only_a_squeeze_holds_falls_freely() -> None:
+def test_a_block_that_only_a_squeeze_holds_falls_freely():
     """Between vertical walls nothing presses it against them: its motion has all of the power."""
     friction = kilter.check(kilter.example("squeezed-block"), require="proved").to_dict()[
         "friction"
@@ -98,7 +96,7 @@ def test_a_block_that_only_a_squeeze_holds_falls_freely() -> None:
 
 
 @pytest.mark.slow
-def test_the_motion_of_a_balanced_ball_is_a_fall_along_the_ball_below() -> None:
+def test_the_motion_of_a_balanced_ball_is_a_fall_along_the_ball_below():
     """A pendulum upside down: u^2 / (R + r) is what the centre sinks by to second order."""
     below = Part("below", kilter.Sphere(300.0), Pose([0, 0, 0]), grounded=True)
     above = Part("above", kilter.Sphere(100.0), Pose([0, 0, 400]))
@@ -129,9 +127,7 @@ MOMENT = 1.2 * G * 300
         ),
     ],
 )
-def test_a_beam_on_a_hinge_is_held_by_its_stop_its_friction_or_its_spring(
-    more: dict, held: bool, known: dict
-) -> None:
+def test_a_beam_on_a_hinge_is_held_by_its_stop_its_friction_or_its_spring(more, held, known):
     """It turns downwards about +y; the torques are those on the beam, the first part."""
     beam = Part("beam", Box([600, 100, 40]), [300, 0, 0], density=500.0)
     hinge = Joint(("beam", "ground"), "revolute", point=[0, 0, 0], axis=[0, 1, 0], **more)

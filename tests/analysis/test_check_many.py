@@ -1,7 +1,5 @@
 """Lists of assemblies, threads and clusters have the verdicts of `check`."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import json
@@ -138,7 +136,7 @@ def require_proved(found: kilter.Verdicts) -> None:
 
 
 @pytest.mark.slow
-def test_hundreds_of_piles_get_the_verdicts_of_check_from_assemblies_and_from_arrays() -> None:
+def test_hundreds_of_piles_get_the_verdicts_of_check_from_assemblies_and_from_arrays():
     given = piles(range(1000, 1250))
     words = [alone(one) for one in given]
     for many in (given, arrays_of(given)):
@@ -152,7 +150,7 @@ def test_hundreds_of_piles_get_the_verdicts_of_check_from_assemblies_and_from_ar
 
 
 @pytest.mark.slow
-def test_limits_have_both_sides_whatever_stands_beside() -> None:
+def test_limits_have_both_sides_whatever_stands_beside():
     shares = np.repeat([1 - 1e-6, 1 + 1e-6], 8)
     sizes, gravities = np.tile([1e-3, 1.0, 40.0, 1e4], 4), np.tile([1e-3, 9.81, 1e4, 2.0, 80.0], 4)
     given = [
@@ -166,7 +164,7 @@ def test_limits_have_both_sides_whatever_stands_beside() -> None:
         assert kilter.check_many(many).verdict.tolist() == expected
 
 
-def test_a_list_of_verdicts_needs_no_further_check(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_list_of_verdicts_needs_no_further_check(monkeypatch):
     found = kilter.check_many(arrays_of([overhanging(0.9), overhanging(1.1)]))
     monkeypatch.setattr("kilter.analysis.many.deferred_verdict.check", None)  # a call of it fails
     listed = list(found)
@@ -180,7 +178,7 @@ def test_a_list_of_verdicts_needs_no_further_check(monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.slow
-def test_every_field_of_a_listed_verdict_is_that_of_check() -> None:
+def test_every_field_of_a_listed_verdict_is_that_of_check():
     assemblies = piles(range(3))
     for listed, assembly in zip(kilter.check_many(assemblies), assemblies, strict=True):
         single = kilter.check(assembly)
@@ -192,7 +190,7 @@ def test_every_field_of_a_listed_verdict_is_that_of_check() -> None:
         assert (again.effort, again.sentence) == (2.0, single.sentence)
 
 
-def test_proofs_are_of_their_own_assembly() -> None:
+def test_proofs_are_of_their_own_assembly():
     found = kilter.check_many([overhanging(0.5), overhanging(0.5, gravity=1.0)], proofs=True)
     program, proof = found.certificate(0) or (None, None)
     other, _ = found.certificate(1) or (None, None)
@@ -203,7 +201,7 @@ def test_proofs_are_of_their_own_assembly() -> None:
 
 
 @pytest.mark.slow
-def test_refusals_are_rows_with_their_reason() -> None:
+def test_refusals_are_rows_with_their_reason():
     cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     sheet = Part("sheet", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     inside = dataclasses.replace(cube, name="inside", pose=Pose([0.1, 0, 0.5]))
@@ -223,7 +221,7 @@ def test_refusals_are_rows_with_their_reason() -> None:
 
 
 @pytest.mark.slow
-def test_meshes_that_are_not_plain_are_read_one_by_one() -> None:
+def test_meshes_that_are_not_plain_are_read_one_by_one():
     arrays = arrays_of([overhanging(0.5)] * 5)
     faces, vertices = arrays.faces.copy(), arrays.vertices.copy()
     faces[12:24] = faces[12:24, ::-1]  # inwards: turned, as a file's is
@@ -251,12 +249,12 @@ def test_meshes_that_are_not_plain_are_read_one_by_one() -> None:
         ({"units": "yd"}, "yd"),
     ],
 )
-def test_arrays_that_do_not_fit_are_refused(change: dict[str, object], said: str) -> None:
+def test_arrays_that_do_not_fit_are_refused(change, said):
     with pytest.raises(InputError, match=said.split(" (")[0]):
         arrays_of([overhanging(0.5)], **change)
 
 
-def test_what_is_no_assembly_is_refused() -> None:
+def test_what_is_no_assembly_is_refused():
     with pytest.raises(InputError, match="tower: no such file"):
         kilter.check_many([scene("tower"), "tower"])
     with pytest.raises(InputError, match="assembly 1 is of type int"):
@@ -267,13 +265,13 @@ def test_what_is_no_assembly_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_progress_is_reported_after_each_run() -> None:
+def test_progress_is_reported_after_each_run():
     steps: list[tuple[int, int]] = []
     kilter.check_many([overhanging(0.5)] * 301, progress=lambda done, of: steps.append((done, of)))
     assert steps == [(300, 301), (301, 301)]
 
 
-def test_the_frames_of_runs_are_those_of_each() -> None:
+def test_the_frames_of_runs_are_those_of_each():
     random = np.random.default_rng(4)
     turns = [Pose((0, 0, 0), random.normal(size=4)).matrix for _ in range(5)]
     normals = np.concatenate([np.vstack([turn.T, -turn.T]) for turn in turns])
@@ -284,7 +282,7 @@ def test_the_frames_of_runs_are_those_of_each() -> None:
         np.testing.assert_allclose(frame, common_frame(normals[own], areas[own]), atol=1e-9)
 
 
-def test_boxes_are_told_from_other_solids_of_eight_corners() -> None:
+def test_boxes_are_told_from_other_solids_of_eight_corners():
     random = np.random.default_rng(5)
     turn = Pose((1, 2, 3), random.normal(size=4))
     mixed = random.permutation(8)
@@ -302,7 +300,7 @@ def test_boxes_are_told_from_other_solids_of_eight_corners() -> None:
     assert np.linalg.det(edges) == pytest.approx(6.0)
 
 
-def test_geometry_in_arrays_is_that_of_the_meshes() -> None:
+def test_geometry_in_arrays_is_that_of_the_meshes():
     corners = [[0, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 3]]
     faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
     wedge = Part("wedge", Mesh(corners, faces), Pose([1, 2, 0]))
@@ -372,7 +370,7 @@ def alone_runs(asked: Asked) -> dict[tuple[str, str], str]:
 
 @pytest.mark.slow
 @FEW_OR_ALL
-def test_threads_that_share_assemblies(asked: Asked) -> None:
+def test_threads_that_share_assemblies(asked):
     """All begin at once: what an assembly keeps once it is asked for is asked for by all."""
     shared = {name: build() for name, build in SCENES.items()}
     together = threading.Barrier(THREADS)
@@ -404,7 +402,7 @@ def test_threads_that_share_assemblies(asked: Asked) -> None:
     ],
 )
 @pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork")
-def test_processes(asked: Asked, method: str) -> None:
+def test_processes(asked, method):
     """Forked, too, after solvers and linear algebra have run here."""
     right = alone_runs(asked)
     context = multiprocessing.get_context(method)
@@ -439,7 +437,7 @@ def parted(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
     return monkeypatch
 
 
-def test_groups_divide_the_free_parts_and_the_rows(parted: pytest.MonkeyPatch) -> None:
+def test_groups_divide_the_free_parts_and_the_rows(parted):
     program = program_of(towers(7))
     divided = groups.cluster_groups(program)
     assert [int(group.program.free.sum()) for group in divided] == [6, 6, 6, 3]
@@ -455,9 +453,7 @@ def test_groups_divide_the_free_parts_and_the_rows(parted: pytest.MonkeyPatch) -
 
 @pytest.mark.parametrize("hanging", [None, 0, 6])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
-def test_the_judgement_of_groups_is_that_of_the_whole(
-    hanging: int | None, mu: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_judgement_of_groups_is_that_of_the_whole(hanging, mu, monkeypatch):
     program = program_of(towers(7, hanging=hanging).with_friction(mu))
     whole = judge(program)
     monkeypatch.setattr(groups, "PARTED", 0)
@@ -476,9 +472,7 @@ def test_the_judgement_of_groups_is_that_of_the_whole(
 
 
 @pytest.mark.parametrize("hanging", [None, 2])
-def test_the_displacement_program_adds_up(
-    hanging: int | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_displacement_program_adds_up(hanging, monkeypatch):
     program = program_of(towers(6, hanging=hanging))
     whole = find_displacement(program)
     monkeypatch.setattr(groups, "PARTED", 0)
@@ -490,7 +484,7 @@ def test_the_displacement_program_adds_up(
     np.testing.assert_allclose(parts.displacement, whole.displacement, atol=1e-5)
 
 
-def test_a_capacity_shared_by_clusters_is_not_divided(parted: pytest.MonkeyPatch) -> None:
+def test_a_capacity_shared_by_clusters_is_not_divided(parted):
     program = program_of(towers(3))
     capacity = np.full(len(program.part_a), np.inf)
     capacity[0] = 1.0
@@ -498,7 +492,7 @@ def test_a_capacity_shared_by_clusters_is_not_divided(parted: pytest.MonkeyPatch
     assert len(groups.cluster_groups(program.with_rows(capacity=capacity))) == 1
 
 
-def test_one_tower_of_many_falls() -> None:
+def test_one_tower_of_many_falls():
     assembly = towers(LIMIT // 3 + 1, hanging=40)
     verdict = judged(assembly)
     assert verdict.verdict == "unstable"
@@ -521,7 +515,7 @@ def frames(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("linked", [False, True], ids=["apart", "linked"])
-def test_bolted_frames_need_their_nuts(linked: bool, frames: Any, tmp_path: Path) -> None:
+def test_bolted_frames_need_their_nuts(linked, frames, tmp_path):
     file = frames.write_frames(300, 1, tmp_path / "frames.step", linked=linked)
     assembly = kilter.load(file, ground="base")
     assert len(assembly.parts) == 309 + 4 * linked

@@ -1,7 +1,5 @@
 """The form of proofs, files of several, and what proofs say."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math
@@ -52,7 +50,7 @@ def region() -> str:
     return json.dumps(kilter.region(example("tower")).proof())
 
 
-def test_whole_ones_are_taken() -> None:
+def test_whole_ones_are_taken():
     for one in (forces(), motion()):
         require_form(one)
     require_bundle_form(json.loads(region()))
@@ -70,17 +68,17 @@ def test_whole_ones_are_taken() -> None:
         ({"units": True}, "units is True"),
     ],
 )
-def test_the_place_is_named(change: dict[str, Any], place: str) -> None:
+def test_the_place_is_named(change, place):
     with pytest.raises(InputError, match=place):
         require_form({**motion(), **change})
 
 
-def test_a_number_may_be_as_large_as_numbers_may() -> None:
+def test_a_number_may_be_as_large_as_numbers_may():
     require_form({**motion(), "gravity": [0.0, 0.0, -LARGEST]})
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, {1}])
-def test_a_key_that_nobody_reads_is_json_too(value: Any) -> None:
+def test_a_key_that_nobody_reads_is_json_too(value):
     with pytest.raises(InputError, match="it is no JSON"):
         require_form({**forces(), "note": value})
     with pytest.raises(InputError, match="it is no JSON"):
@@ -88,7 +86,7 @@ def test_a_key_that_nobody_reads_is_json_too(value: Any) -> None:
     require_form({**forces(), "note": "x"})
 
 
-def test_what_friction_says_has_a_form_too() -> None:
+def test_what_friction_says_has_a_form_too():
     for damaged in ({}, {"guarantee": 1}):
         with pytest.raises(InputError, match=r"friction\.guarantee is"):
             require_form({**forces(), "friction": damaged})
@@ -96,7 +94,7 @@ def test_what_friction_says_has_a_form_too() -> None:
 
 
 @pytest.mark.parametrize("bundle", [[], "x", None, {}, {"kilter_proofs": 2}])
-def test_another_format_of_several_proofs_is_refused(bundle: Any) -> None:
+def test_another_format_of_several_proofs_is_refused(bundle):
     for asked in (bundle, {**json.loads(region()), "kilter_proofs": 2}):
         with pytest.raises(InputError, match="no file of kilter proofs of format 1"):
             require_bundle_form(asked)
@@ -111,7 +109,7 @@ def test_no_proof_at_all_is_no_file_of_proofs() -> None:
 
 
 @pytest.mark.parametrize("proof", [[], "x", None, {}, {"kilter_proof": 2}])
-def test_another_format_is_refused(proof: Any) -> None:
+def test_another_format_is_refused(proof):
     for asked in (proof, {**forces(), "kilter_proof": 2}):
         with pytest.raises(InputError, match="no kilter proof of format 1"):
             require_form(asked)
@@ -176,7 +174,7 @@ def wrong(assembly: Any, contacts: Any, proof: Any) -> str:
 @pytest.mark.quick("25-plan", "25-hold")
 @pytest.mark.parametrize("kind", MAKERS)
 @pytest.mark.parametrize("tried", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
-def test_whatever_is_exchanged_it_is_no_fault(kind: str, tried: int) -> None:
+def test_whatever_is_exchanged_it_is_no_fault(kind, tried):
     assembly, contacts, proof = made(kind)
     every = list(places(proof))
     random = np.random.default_rng(11)
@@ -205,13 +203,11 @@ MOTION = MotionProof(np.zeros((1, 6)), 1.0, 0.0, 1e9, True)
         (FORCES, Evidence("refuted", settles=True), "potentially-stable"),
     ],
 )
-def test_the_verdict_is_that_of_the_evidence(
-    certificate: Any, evidence: Evidence | None, verdict: str
-) -> None:
+def test_the_verdict_is_that_of_the_evidence(certificate, evidence, verdict):
     assert _verdict_word(certificate, evidence) == verdict
 
 
-def test_what_is_undecided_has_none() -> None:
+def test_what_is_undecided_has_none():
     assembly = example("tower")
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts)
@@ -227,7 +223,7 @@ def cube(name: str, z: float, *, grounded: bool = False) -> Part:
     ("shear", "said"),
     [(None, {"tied": True}), ("mu", {}), (7.0, {"shear": 7.0}), (0.0, {"shear": 0.0})],
 )
-def test_a_bond_is_said_at_each_of_its_points(shear: Any, said: dict[str, Any]) -> None:
+def test_a_bond_is_said_at_each_of_its_points(shear, said):
     bond = Bond(("low", "top"), pull=9e3, shear=shear)
     assembly = Assembly([cube("top", 1.0, grounded=True), cube("low", 0.0)], bonds=[bond])
     proof = kilter.check(assembly).proof()
@@ -237,7 +233,7 @@ def test_a_bond_is_said_at_each_of_its_points(shear: Any, said: dict[str, Any]) 
     assert not {"pull", "tied", "shear"} & set(plain["points"][0])
 
 
-def test_a_joint_of_held_parts_carries_nothing() -> None:
+def test_a_joint_of_held_parts_carries_nothing():
     parts = [cube("a", 0.0, grounded=True), cube("b", 1.0, grounded=True), cube("c", 2.0)]
     assembly = Assembly(parts, joints=[Joint(("a", "b"))])
     proof = json.loads(json.dumps(kilter.check(assembly).proof()))
@@ -260,7 +256,7 @@ def proof_of_bundles(assembly: Assembly) -> dict[str, Any]:
     return dict(kilter.check(assembly).proof())
 
 
-def test_a_file_says_once_what_all_its_proofs_say() -> None:
+def test_a_file_says_once_what_all_its_proofs_say():
     proof = proof_of_bundles(pile())
     other = copy.deepcopy(proof)
     other["units"] = "mm" if proof["units"] != "mm" else "m"
@@ -275,13 +271,13 @@ def test_a_file_says_once_what_all_its_proofs_say() -> None:
         make_bundle("hold", [])
 
 
-def test_what_is_a_file_of_several_proofs() -> None:
+def test_what_is_a_file_of_several_proofs():
     assert is_bundle({"kilter_proofs": 1})
     assert not is_bundle({"kilter_proof": 1})
     assert not is_bundle(["kilter_proofs"])
 
 
-def test_each_proof_of_a_file_is_the_one_that_was_put_in() -> None:
+def test_each_proof_of_a_file_is_the_one_that_was_put_in():
     tower = kilter.scenes.example("tower")
     found = kilter.margin(tower, push=[1, 0, 0]).proof()
     every = list(split_bundle(found))
@@ -299,7 +295,7 @@ def test_each_proof_of_a_file_is_the_one_that_was_put_in() -> None:
         list(split_bundle(broken))
 
 
-def test_nothing_changed_is_the_same() -> None:
+def test_nothing_changed_is_the_same():
     made = pile()
     contacts = kilter.contacts(made)
     assert apply_change(made, contacts, {}) == (made, contacts)
@@ -307,7 +303,7 @@ def test_nothing_changed_is_the_same() -> None:
     assert apply_change(made, contacts, {**nothing, "without": [], "held": []}) == (made, contacts)
 
 
-def test_each_change_changes_its_own() -> None:
+def test_each_change_changes_its_own():
     made = pile()
     contacts = kilter.contacts(made)
     turned, _ = apply_change(made, contacts, {"down": [1, 0, 0]})
@@ -324,7 +320,7 @@ def test_each_change_changes_its_own() -> None:
     assert np.array_equal([own.force, own.torque], [[0, 1, 0], [0, 0, 2]])
 
 
-def test_a_share_of_their_strength_is_that_of_every_bond_and_of_the_contacts() -> None:
+def test_a_share_of_their_strength_is_that_of_every_bond_and_of_the_contacts():
     made = pile()
     contacts = kilter.contacts(made)
     weak, among = apply_change(made, contacts, {"strength": 0.5})
@@ -335,7 +331,7 @@ def test_a_share_of_their_strength_is_that_of_every_bond_and_of_the_contacts() -
     assert [bond.pull for bond in none.bonds] == [0.0]
 
 
-def test_parts_are_left_out_or_held() -> None:
+def test_parts_are_left_out_or_held():
     made = pile()
     contacts = kilter.contacts(made)
     alone, among = apply_change(made, contacts, {"without": ["high"]})
@@ -349,7 +345,7 @@ def test_parts_are_left_out_or_held() -> None:
     assert len(among.patch_parts) == 1
 
 
-def test_supports_stand_for_the_outside() -> None:
+def test_supports_stand_for_the_outside():
     made = pile()
     contacts = kilter.contacts(made)
     prop = Support("prop", "high", [0.5, 0.5, 1]).to_dict()
@@ -365,9 +361,7 @@ def part(name: str, mass: float, *, grounded: bool = False) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("subject", "sign"), [("ray", -1), ("line", -1), ("line", 1)])
-def test_forces_are_along_the_ray_or_along_the_line_of_either_sense(
-    subject: str, sign: int
-) -> None:
+def test_forces_are_along_the_ray_or_along_the_line_of_either_sense(subject, sign):
     about = {"about": subject, "vector": [0, 0, sign]}
     assert subject_mismatch(about, {"forces": [], "down": DOWN}) == ""
     for off, why in ((0.9, ""), (1.0, ""), (1.1, "its forces are for another direction")):
@@ -385,7 +379,7 @@ def falling(*steps: tuple[float, float, float]) -> dict[str, Any]:
     return {"parts": [part("f", 5.0, grounded=True), part("a", 1), part("b", 3)], "motion": motion}
 
 
-def test_a_motion_gains_power_beyond_its_own_facet() -> None:
+def test_a_motion_gains_power_beyond_its_own_facet():
     facet = {"about": "facet", "vector": [0, 0, 1]}
     another = "its motion gains power beyond another facet"
     assert subject_mismatch(facet, falling((3, 0, -3), (-1, 0, -1))) == ""
@@ -402,7 +396,7 @@ def test_a_motion_gains_power_beyond_its_own_facet() -> None:
     )
 
 
-def test_a_motion_is_one_of_every_free_part() -> None:
+def test_a_motion_is_one_of_every_free_part():
     for about in ("facet", "tilt"):
         why = subject_mismatch({"about": about, "vector": [0, 0, 1]}, falling((0, 0, -1)))
         assert why == "its motion leaves 'b' out"

@@ -1,7 +1,5 @@
 """Loads, joints, and the limits, friction and springs of joints."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import math
@@ -372,7 +370,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_joint_holds_exactly_within_its_limits_friction_and_spring(name: str) -> None:
+def test_a_joint_holds_exactly_within_its_limits_friction_and_spring(name):
     assembly, word = CASES[name]
     verdict = judged_guides(assembly)
     assert verdict.verdict == word
@@ -380,9 +378,7 @@ def test_a_joint_holds_exactly_within_its_limits_friction_and_spring(name: str) 
 
 
 @pytest.mark.parametrize("degrees", [25.0, 100.0])
-def test_a_leaning_rod_on_a_spring_is_a_minimum_if_the_stiffness_exceeds_that_of_gravity(
-    degrees: float,
-) -> None:
+def test_a_leaning_rod_on_a_spring_is_a_minimum_if_the_stiffness_exceeds_that_of_gravity(degrees):
     """V = k (q - rest)^2 / 2 + M cos(lean): V'' = k - M cos(lean)."""
     needed = MOMENT * math.cos(math.radians(degrees))
     for share, word in ((1.01, "stable"), (0.99, "balanced")):
@@ -391,7 +387,7 @@ def test_a_leaning_rod_on_a_spring_is_a_minimum_if_the_stiffness_exceeds_that_of
         assert judged_guides(rod(degrees, **spring)).verdict == (word if needed > 0 else "stable")
 
 
-def test_two_links_on_springs_are_a_minimum_exactly_if_their_stiffness_matrix_is_positive() -> None:
+def test_two_links_on_springs_are_a_minimum_exactly_if_their_stiffness_matrix_is_positive():
     """Two upright rods of weight W and length l: K = [[k1 - 2 W l, ...]] in absolute angles.
 
     V = k1 a^2 / 2 + k2 (b - a)^2 / 2 + W l (3 cos a + cos b) / 2, so K = [[k1 + k2 - 3 W l / 2,
@@ -413,7 +409,7 @@ def test_two_links_on_springs_are_a_minimum_exactly_if_their_stiffness_matrix_is
         assert judged_guides(assembly).verdict == ("stable" if least > 0 else "balanced")
 
 
-def test_the_answer_states_the_forces_of_stop_friction_and_spring() -> None:
+def test_the_answer_states_the_forces_of_stop_friction_and_spring():
     guide = {"limits": [-0.3, 0], "friction": 0.5, "stiffness": 50.0, "rest": 0.01}
     answer = judged_guides(drawer(**guide)).to_dict()
     (joint,) = answer["forces"]["joints"]
@@ -436,9 +432,7 @@ def test_the_answer_states_the_forces_of_stop_friction_and_spring() -> None:
         ({"stiffness": 50.0, "rest": -DOWNHILL / 50}, 1.0),
     ],
 )
-def test_a_proof_with_a_force_beyond_the_joint_is_refused(
-    guide: dict[str, Any], shift: float
-) -> None:
+def test_a_proof_with_a_force_beyond_the_joint_is_refused(guide, shift):
     assembly = drawer(**guide)
     proof = copy.deepcopy(kilter.check(assembly).proof())
     axis = assembly.joints[0].axis
@@ -451,7 +445,7 @@ def test_a_proof_with_a_force_beyond_the_joint_is_refused(
 
 
 @pytest.mark.parametrize("key", ["limits", "friction", "stiffness", "rest"])
-def test_a_proof_of_a_joint_with_other_numbers_is_refused(key: str) -> None:
+def test_a_proof_of_a_joint_with_other_numbers_is_refused(key):
     guide = {"limits": (-0.3, 0.0), "friction": 0.5, "stiffness": 50.0, "rest": 0.01}
     assembly = drawer(**guide)
     proof = kilter.check(assembly).proof()
@@ -461,7 +455,7 @@ def test_a_proof_of_a_joint_with_other_numbers_is_refused(key: str) -> None:
     assert "its joints differ from those of the file" in kilter.verify(changed, proof).reasons
 
 
-def test_second_order_does_not_count_friction_at_its_limit() -> None:
+def test_second_order_does_not_count_friction_at_its_limit():
     """At the limit a small push makes the drawer slide on, so the level is below proved."""
     verdict = judged_guides(drawer(friction=DOWNHILL))
     assert verdict.verdict in ("potentially-stable", "undecided")
@@ -474,9 +468,7 @@ def test_second_order_does_not_count_friction_at_its_limit() -> None:
         (rod(100, limits=[-1.7, -1e-3]), "0.001 rad"),
     ],
 )
-def test_a_joint_beyond_its_limits_has_no_stop_and_a_note(
-    assembly: Assembly, distance: str
-) -> None:
+def test_a_joint_beyond_its_limits_has_no_stop_and_a_note(assembly, distance):
     """The gap of the note is the least, to its digits, that counts the stop."""
     verdict = judged_guides(assembly)
     assert verdict.verdict == "unstable"
@@ -487,7 +479,7 @@ def test_a_joint_beyond_its_limits_has_no_stop_and_a_note(
         assert again.verdict == word
 
 
-def test_the_stop_counts_within_the_tolerance_of_gaps() -> None:
+def test_the_stop_counts_within_the_tolerance_of_gaps():
     """A turn counts by the radius of the rod."""
     box, lean = drawer(), rod(100)
     slack = Tolerance().relative_gap * box.geometry.size[0]
@@ -508,7 +500,7 @@ def test_the_stop_counts_within_the_tolerance_of_gaps() -> None:
         ({"rest": "low"}, "rest of the prismatic joint"),
     ],
 )
-def test_wrong_limits_friction_and_springs_are_refused(given: dict[str, Any], words: str) -> None:
+def test_wrong_limits_friction_and_springs_are_refused(given, words):
     with pytest.raises(InputError, match=words):
         drawer(**given)
     with pytest.raises(InputError, match="the spherical joint of 'a' and 'b' has friction"):
@@ -525,7 +517,7 @@ def forged(assembly: Assembly, other: Assembly, **second: Any) -> str:
     return "; ".join(kilter.verify(assembly, proof).reasons)
 
 
-def test_a_forged_second_order_of_springs_and_friction_is_refused() -> None:
+def test_a_forged_second_order_of_springs_and_friction_is_refused():
     soft, stiff = (rod(0, stiffness=share * MOMENT) for share in (0.99, 1.01))
     assert forged(stiff, stiff) == ""
     assert "the energy does not curve upward" in forged(soft, stiff)

@@ -1,7 +1,5 @@
 """Starting motions and displacements: their mechanics, their digits and their words."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import replace
 
@@ -320,7 +318,7 @@ def test_summary_names_the_fastest_first():
 
 
 @pytest.mark.slow
-def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monkeypatch) -> None:
+def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monkeypatch):
     program = program_of(scene("hanging-brick"))
     expected = find_motion(program)
     asked = []
@@ -337,7 +335,7 @@ def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monk
     assert np.allclose(found.acceleration, expected.acceleration, atol=1e-6)
 
 
-def test_a_motion_of_few_parts_survives_a_conic_solver_that_fails(monkeypatch) -> None:
+def test_a_motion_of_few_parts_survives_a_conic_solver_that_fails(monkeypatch):
     program = program_of(scene("paper-figure-8"))
     expected = find_motion(program)
     real = clarabel.solve_conic
@@ -380,7 +378,7 @@ ROUND = {
 
 @pytest.mark.parametrize("name", ["ball", "roller"])
 @pytest.mark.quick(1)
-def test_a_round_part_on_a_rough_slope_rolls(name: str) -> None:
+def test_a_round_part_on_a_rough_slope_rolls(name):
     """The centre accelerates by 5/7 of g sin for a ball, 2/3 for a cylinder."""
     part, share = ROUND[name]
     steep = np.arctan(1 / 3)
@@ -394,7 +392,7 @@ def test_a_round_part_on_a_rough_slope_rolls(name: str) -> None:
     assert smooth == f"{name} slides down +x at {np.sin(steep):.4g} g"
 
 
-def test_a_load_whose_strap_gives_way_slides_level() -> None:
+def test_a_load_whose_strap_gives_way_slides_level():
     """The motion of the proof opens the sliding contact by mu times the slip; the words do not."""
     load = block("load", [0, 0, 0], [1, 1, 1])
     strap = Strap([("table", [0.5, 3, 0]), ("load", [0.5, 1, 1])], capacity=100.0)
@@ -410,7 +408,7 @@ def test_a_load_whose_strap_gives_way_slides_level() -> None:
 
 
 @pytest.mark.parametrize(("size", "words"), [(0.1, "12395"), (100.0, "12395"), (1e4, "12400")])
-def test_points_of_axes_have_digits_relative_to_the_part(size: float, words: str) -> None:
+def test_points_of_axes_have_digits_relative_to_the_part(size, words):
     """A part of this size tips about its edge, far from the origin."""
     edge, spin = np.array([12395.0, 0.0, 50.0]), np.array([0.0, 6.0, 0.0])
     arm = np.array([size, 0.0, 0.0])
@@ -423,7 +421,7 @@ def test_points_of_axes_have_digits_relative_to_the_part(size: float, words: str
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.2, 0.8])
-def test_z_kappa_and_displacements_ignore_friction(mu: float) -> None:
+def test_z_kappa_and_displacements_ignore_friction(mu):
     """A block on a slope of 30 degrees: kappa is sin 30 without friction, and z is -m sin 30."""
     slope = block_on_slope(30.0, friction=mu)
     answer = kilter.check(slope, measures=True).to_dict()
@@ -449,7 +447,7 @@ def two_groups() -> Assembly:
     )
 
 
-def test_the_parts_of_the_proof_are_listed_first() -> None:
+def test_the_parts_of_the_proof_are_listed_first():
     verdict = kilter.check(two_groups())
     assert verdict.verdict == "unstable"
     proved = [verdict.program.names[k] for k in np.flatnonzero(verdict.moved_by_proof)]
@@ -465,7 +463,7 @@ def test_the_parts_of_the_proof_are_listed_first() -> None:
     assert max(text.index(f"\n  {name}") for name in proved) < text.index("\n  sunk")
 
 
-def test_the_sentence_states_that_no_open_pair_could_stop_it() -> None:
+def test_the_sentence_states_that_no_open_pair_could_stop_it():
     assembly = two_groups()
     verdict = kilter.check(assembly)
     (pair,) = verdict.to_dict()["open_pairs"]
@@ -479,17 +477,17 @@ def test_the_sentence_states_that_no_open_pair_could_stop_it() -> None:
     assert undecided.verdict == "undecided"
 
 
-def test_a_group_that_touches_no_other_part_is_named() -> None:
+def test_a_group_that_touches_no_other_part_is_named():
     verdict = kilter.check(two_groups())
     assert "touch no other part: the group ('upper', 'lower')" in verdict.warnings
 
 
-def test_a_group_with_a_held_part_or_a_joint_to_it_does_not_float() -> None:
+def test_a_group_with_a_held_part_or_a_joint_to_it_does_not_float():
     joined = two_groups().with_joints([kilter.Joint(("base", "lower"))])
     assert not any("touch no other part" in text for text in kilter.check(joined).warnings)
 
 
-def test_without_a_motion_the_proof_moves_no_part() -> None:
+def test_without_a_motion_the_proof_moves_no_part():
     verdict = kilter.check(kilter.example("tower"))
     assert not np.any(verdict.moved_by_proof)
     assert not any(part["moved_by_proof"] for part in verdict.to_dict()["parts"])

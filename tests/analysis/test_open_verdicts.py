@@ -1,7 +1,5 @@
 """Open pairs: those that decide, bad fits, and coefficients that are offered."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import sys
@@ -56,7 +54,7 @@ def resting(gap: float, **options: object) -> Assembly:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerances", [1.5, 50.0, -1.5, -50.0, -5000.0])
-def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float) -> None:
+def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances):
     verdict = judged(resting(tolerances * GAP * 3**0.5))
     assert verdict.verdict == "undecided"
     answer = verdict.to_dict()
@@ -75,7 +73,7 @@ def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("gap", [1e-4, -1e-4, -0.3])
-def test_what_no_open_pair_can_hold_is_unstable_and_its_proof_names_them(gap: float) -> None:
+def test_what_no_open_pair_can_hold_is_unstable_and_its_proof_names_them(gap):
     resting_parts = resting(gap).parts
     assembly = Assembly([*resting_parts, block("loose", [-0.5, -0.5, 3], [0.5, 0.5, 4])])
     verdict = judged(assembly)
@@ -92,7 +90,7 @@ def test_what_no_open_pair_can_hold_is_unstable_and_its_proof_names_them(gap: fl
     assert not any(pair["decides"] for pair in verdict.to_dict()["open_pairs"])
 
 
-def test_the_smallest_set_is_found_among_many_and_the_rest_do_not_decide() -> None:
+def test_the_smallest_set_is_found_among_many_and_the_rest_do_not_decide():
     # a tower of four over a gap between the second and the third; a wall beside all of them
     gap = 1e-4
     heights = [0.0, 1.0, 2.0 + gap, 3.0 + gap]
@@ -109,7 +107,7 @@ def test_the_smallest_set_is_found_among_many_and_the_rest_do_not_decide() -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [MOST, MOST + 1])
-def test_of_many_open_pairs_none_of_the_set_can_be_left_out(count: int) -> None:
+def test_of_many_open_pairs_none_of_the_set_can_be_left_out(count):
     cubes = [block(f"c{k}", [2 * k, 0, 1e-4], [2 * k + 1, 1, 1]) for k in range(count)]
     verdict = check(Assembly([floor([-2, -2], [60, 3]), *cubes]))
     joined = verdict.to_dict()["if_joined"]
@@ -132,7 +130,7 @@ def sloped(gap: float, mu: float) -> Assembly:
 
 
 @pytest.mark.slow
-def test_what_friction_proves_holds_with_the_open_pairs_as_contacts_too() -> None:
+def test_what_friction_proves_holds_with_the_open_pairs_as_contacts_too():
     assert judged(sloped(5e-3, 0.01)).verdict == "stable"  # nothing is open
     touching = judged(sloped(0.0, 0.01))
     assert touching.guarantee == "refuted"
@@ -142,7 +140,7 @@ def test_what_friction_proves_holds_with_the_open_pairs_as_contacts_too() -> Non
         assert any("'smooth' and 'cube'" in text for text in verdict.warnings)
 
 
-def test_a_widened_tolerance_says_what_it_rests_on() -> None:
+def test_a_widened_tolerance_says_what_it_rests_on():
     wide = check(resting(5e-4), tolerance=Tolerance(gap=1e-3))
     assert wide.verdict == "stable"
     assert wide.to_dict()["counted_gap"] == pytest.approx(5e-4)
@@ -166,13 +164,13 @@ def census() -> object:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 5, 7, 8, 11])
-def test_no_contact_set_between_contradicts_a_verdict(seed: int) -> None:
+def test_no_contact_set_between_contradicts_a_verdict(seed):
     assert census().asked(seed)[1] == []  # type: ignore[attr-defined]
 
 
 @pytest.mark.slow
 @REAL
-def test_curved_joints_that_are_cut_differently_are_not_called_unstable() -> None:
+def test_curved_joints_that_are_cut_differently_are_not_called_unstable():
     blocks = load(DATA / "compas_cra" / "curve-3-blocks.json", ground=["0"]).with_friction(0.84)
     assert check(blocks, effort=0).verdict != "unstable"
 
@@ -239,9 +237,7 @@ def asked(seed: int, most: int) -> None:
 @pytest.mark.parametrize("most", [0, 12])
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("block", range(6))
-def test_random_sets_decide_and_agree_with_all_subsets(
-    block: int, most: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_random_sets_decide_and_agree_with_all_subsets(block, most, monkeypatch):
     monkeypatch.setattr(deciding_pairs, "MOST", most)
     for seed in range(10 * block, 10 * block + 10):
         asked(seed, 7)
@@ -249,9 +245,7 @@ def test_random_sets_decide_and_agree_with_all_subsets(
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("rows", [1, 2000, 10**6])
-def test_a_search_that_stops_reports_a_set_that_holds(
-    rows: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_search_that_stops_reports_a_set_that_holds(rows, monkeypatch):
     assembly = staggered_dome(1, rings=5, per_ring=10)
     touching = contacts(assembly)
     assert {pair.kind for pair in touching.open_pairs} == {"overlap"}
@@ -266,7 +260,7 @@ def test_a_search_that_stops_reports_a_set_that_holds(
     assert not answer.smallest
 
 
-def test_the_least_wrench_of_a_single_pair_is_the_weight_and_its_torque() -> None:
+def test_the_least_wrench_of_a_single_pair_is_the_weight_and_its_torque():
     assembly = staggered_dome(2, rings=2, per_ring=8)
     group = rigid_groups(assembly)
     program = build_program(assembly, contacts(assembly)).taking(np.empty(0, np.int64))
@@ -286,7 +280,7 @@ def test_the_least_wrench_of_a_single_pair_is_the_weight_and_its_torque() -> Non
 
 
 @pytest.mark.slow
-def test_a_dome_of_a_thousand_pairs_is_searched_within_its_work() -> None:
+def test_a_dome_of_a_thousand_pairs_is_searched_within_its_work():
     assembly = staggered_dome(0)
     touching = contacts(assembly)
     assert len(touching.open_pairs) == 1008
@@ -298,7 +292,7 @@ def test_a_dome_of_a_thousand_pairs_is_searched_within_its_work() -> None:
 
 
 @pytest.mark.parametrize(("play", "first"), [(0.01, "plate"), (0.5, "nut")])
-def test_a_clearance_too_wide_for_a_fit_is_the_last_to_be_asked_about(play, first) -> None:
+def test_a_clearance_too_wide_for_a_fit_is_the_last_to_be_asked_about(play, first):
     """A screw that hangs between a plate with a hole and a nut of free-form threads, both held."""
     parts = [block(name, [3 * k, 0, 0], [3 * k + 1, 1, 1]) for k, name in enumerate("abc")]
     names = ("plate", "nut", "screw")
@@ -338,7 +332,7 @@ def proves_by_matrix(program: Program, judgement: Judgement) -> bool:
 
 
 @pytest.mark.parametrize("start", sampled(1, range(0, SEEDS, BLOCK)))
-def test_each_assembly_with_a_bad_fit_is_proved(start: int) -> None:
+def test_each_assembly_with_a_bad_fit_is_proved(start):
     for seed in range(start, start + BLOCK):
         program = random_fit(seed)
         judgement = judge(program)
@@ -347,7 +341,7 @@ def test_each_assembly_with_a_bad_fit_is_proved(start: int) -> None:
 
 
 @pytest.mark.parametrize("seed", sampled(3, 40))
-def test_rounded_rows_alone_prove_the_same(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rounded_rows_alone_prove_the_same(seed, monkeypatch):
     program = random_fit(seed)
     known = judge(program).stable
     monkeypatch.setattr(judging, "_by_load_factor", lambda *_, **__: iter(()))
@@ -370,7 +364,7 @@ def sloping(slope: float) -> Assembly:
 
 
 @pytest.mark.parametrize(("slope", "option"), [(1e-4, "--friction 0.01"), (0.1, "--friction 0.3")])
-def test_the_least_of_two_coefficients_is_offered(slope: float, option: str) -> None:
+def test_the_least_of_two_coefficients_is_offered(slope, option):
     answer = check(sloping(slope))
     assert answer.verdict == "unstable"
     assert [remedy.option for remedy in answer.remedies] == [option]

@@ -1,7 +1,5 @@
 """Changed proofs are refused, up to the tolerance of each number."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Callable
@@ -235,9 +233,7 @@ def door(kind: Any, axis: list[float], aside: float) -> Assembly:
 
 @pytest.mark.parametrize(("off", "refused"), [(0.9, False), (1.1, True)])
 @pytest.mark.parametrize("kind", ["revolute", "spherical"])
-def test_a_joint_that_bears_nothing_bears_the_rounding_of_a_weights_rounding(
-    kind: Any, off: float, refused: bool
-) -> None:
+def test_a_joint_that_bears_nothing_bears_the_rounding_of_a_weights_rounding(kind, off, refused):
     """Two blocks stand on a floor, a heavy and a light one: nothing goes through their joint."""
     parts = [
         Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True),
@@ -265,8 +261,8 @@ def test_a_joint_that_bears_nothing_bears_the_rounding_of_a_weights_rounding(
     ("kind", "axis", "place"), [("revolute", [0, 0, 1], 5), ("prismatic", [0, 1, 0], 1)]
 )
 def test_what_a_joint_cannot_carry_it_carries_to_rounding_only(
-    kind: str, axis: list[float], place: int, aside: float, off: float, refused: bool
-) -> None:
+    kind, axis, place, aside, off, refused
+):
     assembly = door(kind, axis, aside)
     proof = proof_of(assembly)
     wrench = np.array(proof["joints"][0]["wrench"])
@@ -288,7 +284,7 @@ def test_what_a_joint_cannot_carry_it_carries_to_rounding_only(
 @pytest.mark.parametrize(
     ("factor", "refused"), [(0.5, True), (1 + 0.5 * AGREES, False), (1 + 1.5 * AGREES, True)]
 )
-def test_the_fastest_part_of_a_motion_moves_by_one(factor: float, refused: bool) -> None:
+def test_the_fastest_part_of_a_motion_moves_by_one(factor, refused):
     assembly = paper.figure_8()
 
     def change(proof: Proof) -> None:
@@ -300,9 +296,7 @@ def test_the_fastest_part_of_a_motion_moves_by_one(factor: float, refused: bool)
 
 
 @pytest.mark.parametrize(("off", "refused"), [(0.5, False), (2.0, True)])
-def test_near_a_limit_the_power_agrees_to_the_rounding_of_its_terms(
-    off: float, refused: bool
-) -> None:
+def test_near_a_limit_the_power_agrees_to_the_rounding_of_its_terms(off, refused):
     """A rod on its hinge, its centre a millionth beside it, with gravity along no axis."""
     rod = Part("rod", Box([0.1, 0.1, 1.0]), Pose([1e-6, 0, 0.5]))
     frame = Part("frame", Box([0.1, 0.1, 0.1]), Pose([0, 5, 0]), grounded=True)
@@ -337,7 +331,7 @@ def mixed(degrees: float) -> Assembly:
     return Assembly(parts, friction=0.5, gravity=gravity, bonds=[glue])
 
 
-def test_a_pull_beyond_a_bond_beside_contacts_without_one() -> None:
+def test_a_pull_beyond_a_bond_beside_contacts_without_one():
     def change(proof: Proof) -> None:
         for force in proof["forces"]:
             force[2] = 200.0 * np.sign(force[2]) * -1.0
@@ -346,7 +340,7 @@ def test_a_pull_beyond_a_bond_beside_contacts_without_one() -> None:
     assert "a force pulls more than its bond" in reasons(assembly, proof_of(assembly), change)
 
 
-def test_friction_beyond_its_cone_beside_a_bond() -> None:
+def test_friction_beyond_its_cone_beside_a_bond():
     def change(proof: Proof) -> None:
         for force in proof["forces"]:
             force[1] += 1e3
@@ -356,7 +350,7 @@ def test_friction_beyond_its_cone_beside_a_bond() -> None:
     assert "a force leaves its cone: its friction exceeds mu times its normal force" in found
 
 
-def test_a_motion_that_an_open_pair_may_hold_proves_nothing() -> None:
+def test_a_motion_that_an_open_pair_may_hold_proves_nothing():
     """A beam tips over the edge of one pillar, a hair above another."""
     parts = [
         Part("pillar", Box([1, 1, 1]), Pose([-0.5, 0, -0.5]), grounded=True),

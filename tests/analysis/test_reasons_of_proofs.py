@@ -1,7 +1,5 @@
 """Reasons against a changed proof: exactly the expected reason, also near its limit."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Callable
@@ -83,11 +81,11 @@ def put(*path: Any, value: Any) -> Callable[[Proof], None]:
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_what_is_not_changed_holds(name: str) -> None:
+def test_what_is_not_changed_holds(name):
     assert said(name, lambda proof: None) == ()
 
 
-def test_the_digest_alone() -> None:
+def test_the_digest_alone():
     [reason] = said("forces", in_place("parts", 0, "mass", times=1 + 1e-12), sign=False)
     assert "digest" in reason
 
@@ -120,7 +118,7 @@ LIMITS: dict[str, tuple[str, tuple[Any, ...], Callable[[Assembly], float], str]]
 
 @pytest.mark.parametrize("kind", LIMITS)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_number_agrees_up_to_its_limit(kind: str, sign: float) -> None:
+def test_a_number_agrees_up_to_its_limit(kind, sign):
     name, path, size, word = LIMITS[kind]
     most = AGREES * size(made(name)[0])
     assert said(name, in_place(*path, add=0.99 * sign * most)) == ()
@@ -128,7 +126,7 @@ def test_a_number_agrees_up_to_its_limit(kind: str, sign: float) -> None:
     assert word in reason
 
 
-def test_a_centre_and_a_point_agree_up_to_the_size_of_their_part() -> None:
+def test_a_centre_and_a_point_agree_up_to_the_size_of_their_part():
     from kilter.mechanics.program import build_program
 
     assembly, contacts, _ = made("forces")
@@ -143,7 +141,7 @@ def test_a_centre_and_a_point_agree_up_to_the_size_of_their_part() -> None:
     assert "contact points are at other places" in reason
 
 
-def test_the_power_of_a_motion_agrees_up_to_its_limit() -> None:
+def test_the_power_of_a_motion_agrees_up_to_its_limit():
     for by in (0.99, -0.99):
         assert said("motion", in_place("certificate", "power", times=1 + by * AGREES)) == ()
     for by in (1.02, -1.02):
@@ -209,13 +207,13 @@ ONE_REASON: dict[str, tuple[str, Callable[[Proof], object], str]] = {
 
 
 @pytest.mark.parametrize("kind", ONE_REASON)
-def test_one_change_has_its_one_reason(kind: str) -> None:
+def test_one_change_has_its_one_reason(kind):
     name, change, word = ONE_REASON[kind]
     [reason] = said(name, change)
     assert word in reason
 
 
-def test_no_more_than_ten_parts_are_named() -> None:
+def test_no_more_than_ten_parts_are_named():
     assembly = kilter.example("wall")
     proof = kilter.check(assembly).proof()
     for part in proof["parts"]:
@@ -226,7 +224,7 @@ def test_no_more_than_ten_parts_are_named() -> None:
     assert all("another mass" in one for one in reasons)
 
 
-def test_forces_that_do_not_balance_and_what_else_is_wrong_with_them() -> None:
+def test_forces_that_do_not_balance_and_what_else_is_wrong_with_them():
     residual = "its stated residual differs from that of its forces"
     [first, second] = said("forces", lambda p: p.update(forces=[[0.0] * 3 for _ in p["forces"]]))
     assert first == residual
@@ -250,7 +248,7 @@ def test_forces_that_do_not_balance_and_what_else_is_wrong_with_them() -> None:
     assert "a force leaves its cone: its friction exceeds mu times its normal force" in rubbing
 
 
-def test_a_joint_that_carries_another_wrench() -> None:
+def test_a_joint_that_carries_another_wrench():
     def other(proof: Proof) -> None:
         proof["joints"][1]["wrench"][2] *= 1.001
 
@@ -259,7 +257,7 @@ def test_a_joint_that_carries_another_wrench() -> None:
     assert "unbalanced" in unbalanced
 
 
-def test_a_motion_backwards_gains_nothing() -> None:
+def test_a_motion_backwards_gains_nothing():
     def backwards(proof: Proof) -> None:
         proof["motion"] = {name: [-x for x in six] for name, six in proof["motion"].items()}
 
@@ -272,7 +270,7 @@ def test_a_motion_backwards_gains_nothing() -> None:
     assert faster == ("its fastest part does not move by 1",)
 
 
-def test_a_motion_that_breaks_the_law_of_friction() -> None:
+def test_a_motion_that_breaks_the_law_of_friction():
     def pushed(proof: Proof) -> None:
         six = next(iter(proof["friction"]["witness"]["acceleration"].values()))
         six[0] += 1.0
@@ -289,7 +287,7 @@ def test_a_motion_that_breaks_the_law_of_friction() -> None:
         ("squeezed", "equilibrium", "0 of 8 tries come to rest when repeated"),
     ],
 )
-def test_a_claim_that_it_settles_is_repeated(name: str, level: str, note: str) -> None:
+def test_a_claim_that_it_settles_is_repeated(name, level, note):
     """A claim without a motion or an exclusion, for assemblies that settle or do not settle."""
     made_of = {
         "settles": lambda: stacks.tower(2, tilt=10.0, friction=0.5),
@@ -310,7 +308,7 @@ def test_a_claim_that_it_settles_is_repeated(name: str, level: str, note: str) -
     assert lower.level == "equilibrium"
 
 
-def test_a_lower_level_is_not_the_required_level() -> None:
+def test_a_lower_level_is_not_the_required_level():
     assembly, contacts, proof = made("refuted")
     found = verify_proof(assembly, contacts, proof, require="settles")
     assert (found.holds, found.level, found.reasons) == (False, "equilibrium", ())
@@ -323,7 +321,7 @@ def test_a_lower_level_is_not_the_required_level() -> None:
         kilter.verify(assembly, proof, require="sure")
 
 
-def test_a_verification_says_all_and_is_neither_true_nor_false() -> None:
+def test_a_verification_says_all_and_is_neither_true_nor_false():
     assembly, contacts, proof = made("motion")
     found = verify_proof(assembly, contacts, proof)
     assert repr(found) == "<Verification: unstable, holds>"
@@ -363,7 +361,7 @@ def files(tmp_path: Path) -> tuple[Path, Path]:
     return assembly, proof
 
 
-def test_files_are_read_as_they_were_for_the_proof(files: tuple[Path, Path]) -> None:
+def test_files_are_read_as_they_were_for_the_proof(files):
     assembly, proof = files
     stages: list[str] = []
     found = kilter.verify(assembly, proof, progress=stages.append)
@@ -374,7 +372,7 @@ def test_files_are_read_as_they_were_for_the_proof(files: tuple[Path, Path]) -> 
     assert not kilter.verify(example("staircase"), proof).holds
 
 
-def test_a_fault_of_a_proof_names_its_file(files: tuple[Path, Path]) -> None:
+def test_a_fault_of_a_proof_names_its_file(files):
     assembly, proof = files
     proof.write_text('{"kilter_proof": 1}')
     with pytest.raises(InputError, match=r"tower\.proof\.json: the proof cannot be read"):
@@ -386,7 +384,7 @@ def test_a_fault_of_a_proof_names_its_file(files: tuple[Path, Path]) -> None:
         kilter.verify(3, kilter.check(example("tower")).proof())  # type: ignore[arg-type]
 
 
-def test_several_proofs_in_one_file(files: tuple[Path, Path]) -> None:
+def test_several_proofs_in_one_file(files):
     assembly, proof = files
     bundle = kilter.region(example("tower")).proof()
     proof.write_text(json.dumps(bundle), encoding="utf-8")
@@ -415,7 +413,7 @@ def test_several_proofs_in_one_file(files: tuple[Path, Path]) -> None:
     assert found.reasons[0].startswith(f"{about['about']} {about['vector']}: the file was changed")
 
 
-def test_the_worst_of_several_proofs_is_told() -> None:
+def test_the_worst_of_several_proofs_is_told():
     assembly = example("corner-wedges")
     bundle = json.loads(json.dumps(kilter.region(assembly).proof()))
     contacts = detect.contacts(assembly)
@@ -433,7 +431,7 @@ def test_the_worst_of_several_proofs_is_told() -> None:
     assert found.power == min(powers)
 
 
-def test_a_plan_that_is_none_is_refused_in_words() -> None:
+def test_a_plan_that_is_none_is_refused_in_words():
     assembly = example("paper-figure-9")
     bundle = json.loads(json.dumps(kilter.plan(assembly).proof()))
     contacts = detect.contacts(assembly)
@@ -444,7 +442,7 @@ def test_a_plan_that_is_none_is_refused_in_words() -> None:
         verify_bundle(assembly, contacts, bundle)
 
 
-def test_what_is_no_proof_is_refused_whoever_is_asked() -> None:
+def test_what_is_no_proof_is_refused_whoever_is_asked():
     assembly, contacts, proof = made("forces")
     for ask in (proof_tolerance, lambda one: verify_proof(assembly, contacts, one)):
         with pytest.raises(InputError, match="no kilter proof"):
@@ -455,7 +453,7 @@ def test_what_is_no_proof_is_refused_whoever_is_asked() -> None:
             ask({**proof, "tolerance": {**proof["tolerance"], "clearance": [0.1]}})
 
 
-def test_a_proof_is_read_with_the_tolerance_that_it_was_made_with() -> None:
+def test_a_proof_is_read_with_the_tolerance_that_it_was_made_with():
     given = kilter.Tolerance(gap=2e-3, relative_gap=3e-4, angle=4e-3, clearance=5e-3)
     proof = kilter.check(example("tower"), tolerance=given).proof()
     found = proof_tolerance(proof)
@@ -474,7 +472,7 @@ def hinged_door() -> Assembly:
 
 
 @pytest.mark.parametrize(("place", "more"), [(5, 1.0), (2, 0.0)])
-def test_a_hinge_carries_no_torque_about_its_axis(place: int, more: float) -> None:
+def test_a_hinge_carries_no_torque_about_its_axis(place, more):
     assembly = hinged_door()
     proof = json.loads(json.dumps(kilter.check(assembly).proof()))
     assert kilter.verify(assembly, proof).holds
@@ -485,12 +483,12 @@ def test_a_hinge_carries_no_torque_about_its_axis(place: int, more: float) -> No
     assert (beyond in reasons) == (more > 0)
 
 
-def test_a_proof_with_friction_has_one_force_a_contact_point_too() -> None:
+def test_a_proof_with_friction_has_one_force_a_contact_point_too():
     few = said("slope", lambda proof: proof["forces"].pop())
     assert "the proof does not have a force for each contact point" in few
 
 
-def test_a_proof_of_saved_options_is_about_one_version_of_the_file(tmp_path: Path) -> None:
+def test_a_proof_of_saved_options_is_about_one_version_of_the_file(tmp_path):
     path, choices = tmp_path / "tower.kilter.json", tmp_path / "choices.json"
     kilter.dump(example("tower"), path)
     data = {"kilter": 1, "file": path.name, "held": ["base"], "sha256": digest(path)}

@@ -1,7 +1,5 @@
 """Each solver proves the same side, and a failing one is replaced."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from typing import Any
@@ -123,9 +121,7 @@ def failing(solve: Callable[..., Any]) -> Callable[..., Any]:
 
 
 @pytest.mark.parametrize("name", sorted(SCENES))
-def test_a_program_that_counts_as_large_is_decided_alike(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_program_that_counts_as_large_is_decided_alike(name, monkeypatch):
     program = program_of(SCENES[name]())
     known = judge(program).stable
     monkeypatch.setattr(judging, "SIMPLEX_ROWS", 0)
@@ -137,9 +133,7 @@ def test_a_program_that_counts_as_large_is_decided_alike(
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("name", sorted(SCENES))
 @pytest.mark.parametrize("simplex_rows", [0, 1000])
-def test_without_an_answer_of_a_solver_nothing_wrong_is_decided(
-    name: str, simplex_rows: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_an_answer_of_a_solver_nothing_wrong_is_decided(name, simplex_rows, monkeypatch):
     program = program_of(SCENES[name]())
     known = judge(program).stable
     monkeypatch.setattr(judging, "SIMPLEX_ROWS", simplex_rows)
@@ -155,7 +149,7 @@ def test_without_an_answer_of_a_solver_nothing_wrong_is_decided(
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("name", sorted(SCENES))
-def test_no_solver_alone_proves_the_other_side(name: str) -> None:
+def test_no_solver_alone_proves_the_other_side(name):
     program = program_of(SCENES[name]())
     known = judge(program).stable
     assert set(sides(program).values()) <= {known, None}
@@ -163,9 +157,7 @@ def test_no_solver_alone_proves_the_other_side(name: str) -> None:
 
 @pytest.mark.parametrize("solver", [None, "clarabel"])
 @pytest.mark.parametrize("name", ["arch", "falling arch", "block", "strong glue"])
-def test_least_cohesion_decides_without_a_load_factor(
-    name: str, solver: judging.Solver | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_least_cohesion_decides_without_a_load_factor(name, solver, monkeypatch):
     program = program_of(SCENES[name]())
     known = judge(program).stable
     monkeypatch.setattr(judging, "_by_strength", lambda wide, work: judging._Candidate("none"))
@@ -175,9 +167,7 @@ def test_least_cohesion_decides_without_a_load_factor(
     assert judgement.solvers[-1].startswith("least cohesion")
 
 
-def test_glue_without_friction_is_decided_without_its_least_forces(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_glue_without_friction_is_decided_without_its_least_forces(monkeypatch):
     program = program_of(glued(100.0))
     monkeypatch.setattr(judging, "SIMPLEX_ROWS", 0)
     zero = np.zeros(len(program.part_a))
@@ -187,15 +177,13 @@ def test_glue_without_friction_is_decided_without_its_least_forces(
     assert judgement.solvers[1].startswith("total imbalance")
 
 
-def test_a_friction_pyramid_that_is_too_large_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_friction_pyramid_that_is_too_large_is_not_tried(monkeypatch):
     program = program_of(SCENES["arch"]())
     monkeypatch.setattr(judging, "LARGEST_PYRAMID", 0)
     assert judge(program, solver="highs").stable is None
 
 
-def test_if_every_solver_fails_the_answer_states_its_best_figures(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_if_every_solver_fails_the_answer_states_its_best_figures(monkeypatch):
     monkeypatch.setattr(judging, "_candidates", lambda *_: iter(()))
     verdict = kilter.check(SCENES["falling arch"]())
     assert verdict.verdict == "undecided"
@@ -293,7 +281,7 @@ def random_blocks(seed: int, count: int) -> tuple[Blocks, list[np.ndarray]]:
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.quick(1)
-def test_each_block_has_the_answer_of_a_second_solver(seed: int) -> None:
+def test_each_block_has_the_answer_of_a_second_solver(seed):
     """A second solver decides each block; forces and multipliers are verified from the numbers."""
     blocks, matrices = random_blocks(seed, 40)
     which = np.flatnonzero(np.random.default_rng(seed).random(40) < 0.8)

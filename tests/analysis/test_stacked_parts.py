@@ -1,7 +1,5 @@
 """Stacks of boxes are decided from the top down, without a program: proofs, sides, independence."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -62,7 +60,7 @@ def blocks_of(assemblies: list[Assembly]) -> ProgramBlocks:
 
 
 @pytest.mark.parametrize("turn", [False, True])
-def test_the_side_is_that_of_the_program(turn: bool) -> None:
+def test_the_side_is_that_of_the_program(turn):
     given = [stacks(seed) for seed in range(30)]
     given = [turned(one, k) for k, one in enumerate(given)] if turn else given
     blocks = blocks_of(given)
@@ -75,14 +73,14 @@ def test_the_side_is_that_of_the_program(turn: bool) -> None:
     assert stacked.unstable.any()
 
 
-def test_a_beam_on_two_posts_tips_where_its_load_leaves_them() -> None:
+def test_a_beam_on_two_posts_tips_where_its_load_leaves_them():
     given = [bridge(0.0), bridge(1.9), bridge(-2.0, over=1.2), bridge(0.0, over=2.6)]
     stacked = blocks_of(given).stacked(np.ones(4, dtype=bool))
     assert stacked.stable.tolist() == [True, True, False, False]
     assert stacked.unstable.tolist() == [False, False, True, True]
 
 
-def test_the_middle_of_an_edge_is_left_to_the_program() -> None:
+def test_the_middle_of_an_edge_is_left_to_the_program():
     on_edge = Part("b", Box([1, 1, 1]), Pose([0.5, 0, 1.5]))
     given = [Assembly([FLOOR, Part("a", Box([1, 1, 1]), Pose([0, 0, 0.5])), on_edge])]
     stacked = blocks_of(given).stacked(np.ones(1, dtype=bool))
@@ -103,7 +101,7 @@ def proofs_of(given: list[Assembly]) -> list[tuple[str, bytes]]:
     return rows
 
 
-def test_a_proof_depends_on_no_other_assembly() -> None:
+def test_a_proof_depends_on_no_other_assembly():
     given = [stacks(seed) for seed in range(8)] + [bridge(0.3), bridge(1.9)]
     given += [turned(one, k) for k, one in enumerate(given[:3])]
     together = proofs_of(given)
@@ -113,7 +111,7 @@ def test_a_proof_depends_on_no_other_assembly() -> None:
     assert [proofs_of([one])[0] for one in given[:4]] == together[:4]
 
 
-def test_stacks_need_no_program(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stacks_need_no_program(monkeypatch):
     def refused(*_: object) -> None:
         raise AssertionError("a program was solved")
 
@@ -122,7 +120,7 @@ def test_stacks_need_no_program(monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(check_many(given).verdict.tolist()) == {"stable", "unstable"}
 
 
-def test_a_motion_also_overcomes_friction() -> None:
+def test_a_motion_also_overcomes_friction():
     """A box that tips moves no contact point along a face; a box on a slope slides."""
     rough = [stacks(seed).with_friction(0.5) for seed in range(8)]
     smooth = check_many([one.with_friction(0.0) for one in rough]).verdict.tolist()
@@ -152,9 +150,7 @@ def test_a_motion_also_overcomes_friction() -> None:
 
 @pytest.mark.parametrize(("pinch", "holds"), [(0.2e6, True), (0.6e6, False)])
 @pytest.mark.parametrize("heavy", [1.0, 1e6])
-def test_the_criteria_of_forces_are_those_of_single_proofs(
-    pinch: float, holds: bool, heavy: float
-) -> None:
+def test_the_criteria_of_forces_are_those_of_single_proofs(pinch, holds, heavy):
     """Two walls pinch a cube on a floor; the weight of another assembly plays no part."""
     walls = [
         Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True),

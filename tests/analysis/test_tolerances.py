@@ -1,7 +1,5 @@
 """The order of tolerances, and changes that change no verdict."""
 
-from __future__ import annotations
-
 import dataclasses
 from itertools import pairwise
 
@@ -107,18 +105,18 @@ ORDERED = [
 
 
 @pytest.mark.parametrize("names", ORDERED)
-def test_each_lies_below_the_next(names: tuple[str, ...]) -> None:
+def test_each_lies_below_the_next(names):
     values = [getattr(of, name) for name in names]
     assert values == sorted(set(values))
 
 
 @pytest.mark.parametrize("name", ["PULLED_IN", "BEYOND_FACET", "BEYOND_CONE", "BEYOND_LIMIT"])
-def test_steps_go_outwards(name: str) -> None:
+def test_steps_go_outwards(name):
     steps = getattr(of, name)
     assert list(steps) == sorted(set(steps))
 
 
-def test_widths_lie_above_what_the_solvers_leave() -> None:
+def test_widths_lie_above_what_the_solvers_leave():
     assert of.BLUR_OVER_TOLERANCE * TOLERANCE > of.OUTSIDE_HULL
     assert of.CONIC_SHARP <= solvers.CONIC < of.LIMIT_AGREES < of.SIDES_APART
     # the gap that is asked for leaves room for the width of the rays and of the facets

@@ -1,7 +1,5 @@
 """Contacts at edges and corners without a normal, and cases that once had a wrong verdict."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from judged import judged

@@ -1,7 +1,5 @@
 """The word of a proof without friction is derived from its second order: balanced or stable."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 
@@ -28,7 +26,7 @@ def signed_anew(proof: dict[str, Any], **changes: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5])
-def test_a_ball_on_a_ball_is_balanced_with_friction_and_without(friction: float) -> None:
+def test_a_ball_on_a_ball_is_balanced_with_friction_and_without(friction):
     assembly = ball_on_ball(friction)
     verdict = kilter.check(assembly)
     assert (verdict.verdict, verdict.level, verdict.why) == ("balanced", "equilibrium", "balanced")
@@ -43,7 +41,7 @@ def test_a_ball_on_a_ball_is_balanced_with_friction_and_without(friction: float)
     assert "it states 'stable', but its evidence proves 'balanced'" in refused.notes
 
 
-def test_a_proof_without_second_order_is_no_stronger() -> None:
+def test_a_proof_without_second_order_is_no_stronger():
     """Round parts can move, so forces alone prove equilibrium and no more."""
     for friction in (0.0, 0.5):
         assembly = ball_on_ball(friction)
@@ -78,9 +76,7 @@ def checked(friction: float) -> tuple[Assembly, kilter.Verdict]:
     ],
 )
 @pytest.mark.parametrize("word", ["balanced", "stable", "potentially-stable"])
-def test_a_word_is_compared_with_its_evidence(
-    second: dict[str, str] | None, friction: float, fits: str, word: str
-) -> None:
+def test_a_word_is_compared_with_its_evidence(second, friction, fits, word):
     assembly, verdict = checked(friction)
     forces = verdict.judgement.forces
     assert forces is not None
@@ -94,7 +90,7 @@ def test_a_word_is_compared_with_its_evidence(
 
 
 @pytest.mark.parametrize("name", ["tower", "paper-figure-9"])
-def test_a_stable_assembly_is_not_balanced(name: str) -> None:
+def test_a_stable_assembly_is_not_balanced(name):
     assembly = scene(name)
     proof = kilter.check(assembly).proof()
     assert kilter.verify(assembly, proof).verdict == "stable"
@@ -102,7 +98,7 @@ def test_a_stable_assembly_is_not_balanced(name: str) -> None:
     assert refused.reasons == ("it states 'balanced', but its evidence proves 'stable'",)
 
 
-def test_forces_without_second_order_are_stable() -> None:
+def test_forces_without_second_order_are_stable():
     assembly = scene("tower")
     proof = kilter.check(assembly).proof()
     bare = {key: value for key, value in proof.items() if key != "second_order"}
@@ -110,7 +106,7 @@ def test_forces_without_second_order_are_stable() -> None:
     assert not kilter.verify(assembly, signed_anew(bare, verdict="balanced")).holds
 
 
-def test_second_order_belongs_to_forces_without_friction_only() -> None:
+def test_second_order_belongs_to_forces_without_friction_only():
     second = kilter.check(ball_on_ball(0.0)).proof()["second_order"]
     for name in ("paper-figure-8", "squeezed-block"):  # a motion; forces by friction
         assembly = scene(name)
@@ -120,7 +116,7 @@ def test_second_order_belongs_to_forces_without_friction_only() -> None:
         assert refused.reasons[0].startswith("its second")  # its motion has no such part, too
 
 
-def test_a_verified_second_order_is_a_note() -> None:
+def test_a_verified_second_order_is_a_note():
     assembly = ball_on_ball(0.0)
     proof = kilter.check(assembly).proof()
     assert "second order: balanced" in kilter.verify(assembly, proof).notes
@@ -129,7 +125,7 @@ def test_a_verified_second_order_is_a_note() -> None:
     assert not any(note.startswith("second order") for note in damaged.notes)
 
 
-def test_friction_at_other_contacts_does_not_hold_a_slippery_ball() -> None:
+def test_friction_at_other_contacts_does_not_hold_a_slippery_ball():
     """A slippery ball on a ball, beside a rough block that stands."""
     balls = ball_on_ball(0.0).parts
     floor = Part("floor", Box([2, 2, 1]), Pose([5, 0, -0.5]), grounded=True)

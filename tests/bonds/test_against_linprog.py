@@ -1,7 +1,5 @@
 """Bonds against a program written apart, and motions beside them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from random_bonded import random_bonded
@@ -174,7 +172,7 @@ def test_a_very_strong_bond_is_a_fixed_joint(seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [297])
-def test_the_motion_beside_bonds_with_any_shear_is_verified(seed: int) -> None:
+def test_the_motion_beside_bonds_with_any_shear_is_verified(seed):
     assembly = random_bonded(seed).assembly
     verdict = kilter.check(assembly)
     assert verdict.why == "refuted"

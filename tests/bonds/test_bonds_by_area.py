@@ -1,7 +1,5 @@
 """Bonds by area and mortar."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

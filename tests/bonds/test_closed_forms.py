@@ -1,7 +1,5 @@
 """Bonds with closed forms, their needed share, and how they are shown."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 import json

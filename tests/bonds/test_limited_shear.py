@@ -1,7 +1,5 @@
 """Bonds with limited shear: closed forms on both sides, and proofs."""
 
-from __future__ import annotations
-
 import copy
 import json
 

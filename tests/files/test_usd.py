@@ -294,9 +294,10 @@ def test_instances_are_objects(path):
 def settled(assembly: kilter.Assembly) -> kilter.Assembly:
     """The assembly after the falls that its scene report proposes."""
     report = kilter.scene(assembly)
-    return replace(
-        assembly, parts=[replace(p, pose=report[p.name].move or p.pose) for p in assembly]
-    )
+    moves = {p.name: report[p.name].move for p in assembly}
+    poses = {n: kilter.Pose(m.position, m.rotation) for n, m in moves.items() if m is not None}
+    parts = [replace(p, pose=poses.get(p.name, p.pose)) for p in assembly]
+    return replace(assembly, parts=parts)
 
 
 @pytest.mark.parametrize("ending", [".usda", ".usdc", ".usd"])

@@ -1,7 +1,5 @@
 """Programs with known answers, from scenes: near their limits, in the plane and in space."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -10,8 +10,6 @@ The rows are built point by point from the labelled arrays of the program, in sp
 joints. Nothing of `kilter.friction` is used.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import clarabel

@@ -1,7 +1,5 @@
 """Shared by the tests of friction: programs, and an independent check of the contact law."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from kilter.assembly import GivenContact

@@ -4,8 +4,6 @@ In the plane a mode (apart, at rest, sliding either way) makes the law linear: t
 over all 4^K modes decides. The relaxation is not used, and points do not share modes.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The steps that exclude motion, read and repeated; damaged ones are refused."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import json

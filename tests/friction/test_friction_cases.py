@@ -1,7 +1,5 @@
 """Cases with friction: known levels on both sides of limits."""
 
-from __future__ import annotations
-
 import dataclasses
 from functools import partial
 
@@ -335,13 +333,13 @@ def plate(tiles: int, torque: float) -> Assembly:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.35, 0.6])
-def test_a_plate_that_may_spin_about_its_middle_tile_is_not_proved(share: float) -> None:
+def test_a_plate_that_may_spin_about_its_middle_tile_is_not_proved(share):
     """The corners of the middle tile resist a fifth of what the corners of the plate resist."""
     found = kilter.check(plate(5, share * MU * WEIGHT * np.sqrt(2)))
     assert found.level in ("settles", "equilibrium")
 
 
-def test_a_single_tile_is_proved() -> None:
+def test_a_single_tile_is_proved():
     assert kilter.check(plate(1, 0.35 * MU * WEIGHT * np.sqrt(2))).level == "proved"
 
 
@@ -410,7 +408,7 @@ def troughs(tilts: list[float]) -> Assembly:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("which", "over"), [(0, 0.05), (13, 0.05), (5, 1.0)])
-def test_one_prism_that_slips_among_many_limits_the_level(which: int, over: float) -> None:
+def test_one_prism_that_slips_among_many_limits_the_level(which, over):
     """Whether its motion is found or not, the verdict must not exclude it."""
     tilts = [SLIPS_AT - 2.0] * COPIES
     tilts[which] = SLIPS_AT + over
@@ -423,7 +421,7 @@ def test_one_prism_that_slips_among_many_limits_the_level(which: int, over: floa
 
 
 @pytest.mark.slow
-def test_many_prisms_that_cannot_slip_are_not_refuted() -> None:
+def test_many_prisms_that_cannot_slip_are_not_refuted():
     verdict = kilter.check(troughs([SLIPS_AT - 0.05] * COPIES))
     assert len(verdict.program.part_a) > MOST_POINTS
     assert verdict.guarantee != "refuted"

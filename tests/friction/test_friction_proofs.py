@@ -1,7 +1,5 @@
 """Proofs with friction, shares of friction that are needed, and tolerances."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import json
@@ -130,7 +128,7 @@ SIDES = 240
 
 
 @pytest.mark.parametrize("part", [0.3, 0.99])
-def test_a_torque_needs_its_share_of_the_friction_torque(part: float) -> None:
+def test_a_torque_needs_its_share_of_the_friction_torque(part):
     box = stack_on_deck([[0.6, 0.6, 0.4]], 0.5)
     weight = 9.81 * float(box.geometry.mass[1])
     torque = part * 0.5 * weight * 0.3 * 2**0.5
@@ -142,7 +140,7 @@ def test_a_torque_needs_its_share_of_the_friction_torque(part: float) -> None:
     assert f"needs up to {100 * part:g} % of the friction" in words
 
 
-def test_a_force_needs_its_share_of_the_friction_force() -> None:
+def test_a_force_needs_its_share_of_the_friction_force():
     """Also a force beside the centre that turns: the pressures shift, the share stays."""
     box = stack_on_deck([[0.6, 0.6, 0.4]], 0.5)
     weight = 9.81 * float(box.geometry.mass[1])
@@ -193,7 +191,7 @@ def carries(patch: PressedPatch, share: float) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 40, 10))
-def test_no_smaller_share_carries_the_patch(first: int) -> None:
+def test_no_smaller_share_carries_the_patch(first):
     patches = [random_patch(seed) for seed in range(first, first + 10)]
     for patch, share in zip(patches, friction_shares(patches), strict=True):
         assert 0 < share <= 1

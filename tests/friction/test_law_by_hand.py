@@ -1,7 +1,5 @@
 """Coulomb's law for motions: closed forms, and each number by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from builders import given, hanging_pair
@@ -275,7 +273,7 @@ def sides(built: Program, row: int) -> list[tuple[int, float]]:
     return [(int(part), sign) for part, sign in pair if part >= 0]
 
 
-def test_speeds_and_wrenches_are_those_of_levers(built: Program) -> None:
+def test_speeds_and_wrenches_are_those_of_levers(built):
     motion, forces = motion_and_forces(built, 1)
     speeds, wrenches = point_speeds(built, motion), point_wrenches(built, forces)
     total = np.zeros((len(built.names), 6))
@@ -298,7 +296,7 @@ def solid_inverse(built: Program, part: int) -> np.ndarray:
     return whole
 
 
-def test_mobility_is_force_in_acceleration_out(built: Program) -> None:
+def test_mobility_is_force_in_acceleration_out(built):
     found = mobilities(built)
     for row in range(len(built.part_a)):
         arms = [(lever(built, row, part), part) for part, _ in sides(built, row)]
@@ -362,7 +360,7 @@ def of_row(built: Program, row: int, u: np.ndarray, f: np.ndarray, fastest: floa
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_each_number_is_the_sum_by_hand(built: Program, seed: int) -> None:
+def test_each_number_is_the_sum_by_hand(built, seed):
     motion, forces = motion_and_forces(built, seed, 10.0 ** (seed - 2))
     if seed == 3:
         motion[np.flatnonzero(built.free)[:1]] *= 1e-9  # it does not count as moving
@@ -374,7 +372,7 @@ def test_each_number_is_the_sum_by_hand(built: Program, seed: int) -> None:
 
 
 @pytest.mark.parametrize("name", FIELDS)
-def test_the_worst_of_the_six_counts(name: str) -> None:
+def test_the_worst_of_the_six_counts(name):
     none = np.zeros((1, 6))
     values = dict.fromkeys(FIELDS, 0.25) | {name: 0.5}
     assert LawProof(none, none, 1.0, 1.0, **values, holds=True).residual == 0.5
@@ -389,7 +387,7 @@ def fallen(scale: float, sunk: float = 0.0) -> LawProof:
     return check_law(lone, motion, np.zeros((0, 3)))
 
 
-def test_free_fall_obeys_the_law_up_to_its_tolerance() -> None:
+def test_free_fall_obeys_the_law_up_to_its_tolerance():
     exact = fallen(1.0)
     assert exact.holds
     assert (exact.power, exact.size, exact.residual) == pytest.approx((1.0, 1.0, 0.0), abs=1e-14)
@@ -400,7 +398,7 @@ def test_free_fall_obeys_the_law_up_to_its_tolerance() -> None:
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
-def test_what_a_small_motion_may_leave_is_small(share: float) -> None:
+def test_what_a_small_motion_may_leave_is_small(share):
     """A block on a slope just past its friction limit starts with 6e-5 of g."""
     built, a, forces = sliding(float(np.degrees(np.arctan(0.5))) + 3e-3, 0.5)
     exact = check_law(built, a, forces)
@@ -413,7 +411,7 @@ def test_what_a_small_motion_may_leave_is_small(share: float) -> None:
     assert judged.holds == (share < 1)
 
 
-def test_a_motion_without_power_is_none() -> None:
+def test_a_motion_without_power_is_none():
     """Just past the limit of friction: a lawful motion with too little power."""
     for beyond, holds in ((0.9, False), (1.1, True)):
         tilt = np.arctan(0.5) + beyond * WITNESS_POWER / 0.5  # d(power)/d(tilt) is 1/2 there
@@ -424,7 +422,7 @@ def test_a_motion_without_power_is_none() -> None:
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
-def test_a_part_counts_as_moving_above_a_millionth_of_the_fastest(share: float) -> None:
+def test_a_part_counts_as_moving_above_a_millionth_of_the_fastest(share):
     """At any weight: the power is relative to the moving parts."""
     lone = program(hanging_pair()).taking(np.arange(0))
     parts = np.flatnonzero(lone.free)
@@ -439,7 +437,7 @@ def test_a_part_counts_as_moving_above_a_millionth_of_the_fastest(share: float) 
 
 
 @pytest.mark.parametrize("share", [0.8, 1.2])
-def test_a_sliver_of_a_motion_may_leave_a_sliver(share: float) -> None:
+def test_a_sliver_of_a_motion_may_leave_a_sliver(share):
     """A speck falls beside a block at rest: the square of its share of the load counts."""
     side = 10.0 ** (-11 / 3)
     parts = [floor([-2, -2], [2, 2]), block("rock", [0, 0, 0], [1, 1, 1])]
@@ -458,7 +456,7 @@ def test_a_sliver_of_a_motion_may_leave_a_sliver(share: float) -> None:
     assert law.holds == (share < 1)
 
 
-def test_what_does_not_fit_is_no_motion(built: Program) -> None:
+def test_what_does_not_fit_is_no_motion(built):
     motion, forces = motion_and_forces(built, 0)
     for a, f in (
         (motion[1:], forces),
@@ -482,7 +480,7 @@ def resting() -> tuple[Program, np.ndarray]:
     return one, one.weight[k] / 4 * up
 
 
-def test_forces_that_balance_leave_nothing() -> None:
+def test_forces_that_balance_leave_nothing():
     one, forces = resting()
     assert check_balance(one, forces) == pytest.approx(0.0, abs=1e-14)
     assert check_balance(one, 1.25 * forces) == pytest.approx(0.25)
@@ -490,7 +488,7 @@ def test_forces_that_balance_leave_nothing() -> None:
     assert check_balance(one, 0.0 * forces) == pytest.approx(1.0)
 
 
-def test_a_torque_that_is_left_counts_over_the_radius() -> None:
+def test_a_torque_that_is_left_counts_over_the_radius():
     one, forces = resting()
     (k,) = np.flatnonzero(one.free)
     left = one.point[:, 0] < one.center[k, 0]
@@ -499,7 +497,7 @@ def test_a_torque_that_is_left_counts_over_the_radius() -> None:
     assert check_balance(one, moved) == pytest.approx(0.5 * arm / one.radius[k])
 
 
-def test_a_force_outside_its_cone_balances_nothing() -> None:
+def test_a_force_outside_its_cone_balances_nothing():
     one, forces = resting()
     size = float(np.abs(forces[0]).max())
     for share, within in ((0.5 * (1 - 1e-9), True), (0.5 * (1 + 1e-9), False), (-0.6, False)):
@@ -518,7 +516,7 @@ def test_a_force_outside_its_cone_balances_nothing() -> None:
     assert check_balance(smooth, rubs) == np.inf
 
 
-def test_joints_pull_but_carry_nothing_across_their_rows() -> None:
+def test_joints_pull_but_carry_nothing_across_their_rows():
     built = program(hanging_pair())
     tied = built.two_sided
     assert tied.any()

@@ -1,7 +1,5 @@
 """What settles and what is seated, on both sides of limits."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

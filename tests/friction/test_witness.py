@@ -1,7 +1,5 @@
 """Motions that obey Coulomb's law, near it, and beyond a limit."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -5,8 +5,6 @@ that obey Coulomb's law for it; the load is what makes them balance: w = M a - J
 obeys the contact law exactly, and no proof may exclude it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

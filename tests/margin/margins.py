@@ -1,7 +1,5 @@
 """Programs and disturbances that the tests of margins share."""
 
-from __future__ import annotations
-
 import dataclasses
 from itertools import combinations
 

@@ -1,7 +1,5 @@
 """Directions that friction can hold: closed forms, `judge` on both sides, and limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from margins import program_of, small_assembly

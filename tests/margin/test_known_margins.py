@@ -1,7 +1,5 @@
 """Margins with known values, and worked by hand."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math
@@ -386,7 +384,7 @@ def near(limit: dict) -> dict[str, float]:
 
 
 @pytest.mark.slow
-def test_a_box_tips_over_its_lower_edge() -> None:
+def test_a_box_tips_over_its_lower_edge():
     """The edge is 50 mm from the centre of mass, which is 150 mm above it."""
     answer = answered(BOX, push=[1, 0, 0], about=[0, 1, 0])
     limit = answer["tilt_limit"]
@@ -418,7 +416,7 @@ def test_a_box_tips_over_its_lower_edge() -> None:
     assert (answer["friction"], answer["friction_limit"]["lower"]) == (0, 0)
 
 
-def test_a_box_that_lies_over_by_45_degrees_has_its_way_back_as_a_negative_tilt() -> None:
+def test_a_box_that_lies_over_by_45_degrees_has_its_way_back_as_a_negative_tilt():
     answer = answered(BOX, down=[1, 0, -1])
     assert answer["down"] == pytest.approx([math.sqrt(0.5), 0, -math.sqrt(0.5)])
     assert answer["tilt_deg"] == pytest.approx(TIPS - 45, rel=1e-6)
@@ -428,7 +426,7 @@ def test_a_box_that_lies_over_by_45_degrees_has_its_way_back_as_a_negative_tilt(
 
 
 @pytest.mark.slow
-def test_the_worst_case_of_a_box_has_the_least_base_and_the_greatest_height() -> None:
+def test_the_worst_case_of_a_box_has_the_least_base_and_the_greatest_height():
     ranges = Ranges(mass=(0.9, 1.1), center=5.0, mu=(0.5, 1.2))
     answer = answered(BOX, push=[1, 0, 0], pushed=[], ranges=ranges)["uncertainty"]
     least = (50 - 5) / (150 + 5)
@@ -442,7 +440,7 @@ def test_the_worst_case_of_a_box_has_the_least_base_and_the_greatest_height() ->
 
 
 @pytest.mark.slow
-def test_the_worst_case_of_normals_takes_their_angle_from_that_of_friction() -> None:
+def test_the_worst_case_of_normals_takes_their_angle_from_that_of_friction():
     low = Part("low", Box([100, 100, 50]), [0, 0, 25])
     ranges = Ranges(mass=(1.0, 1.0), center=0.0, mu=(0.5, 1.0), normal_deg=2.0)
     answer = answered(low, pushed=[], ranges=ranges)["uncertainty"]
@@ -453,7 +451,7 @@ def test_the_worst_case_of_normals_takes_their_angle_from_that_of_friction() -> 
 
 
 @pytest.mark.slow
-def test_a_slab_that_slides_has_mu_as_its_limit_and_a_bracket_from_zero() -> None:
+def test_a_slab_that_slides_has_mu_as_its_limit_and_a_bracket_from_zero():
     slab = Part("slab", Box([200, 200, 20]), [0, 0, 10])
     answer = answered(slab, push=[1, 0, 0], pushed=[], bracket=True)
     assert answer["load_factor"] == pytest.approx([-MU, MU], rel=1e-6)
@@ -468,7 +466,7 @@ def test_a_slab_that_slides_has_mu_as_its_limit_and_a_bracket_from_zero() -> Non
 
 
 @pytest.mark.slow
-def test_the_load_at_the_end_of_a_plank() -> None:
+def test_the_load_at_the_end_of_a_plank():
     """A plank reaches 200 mm beyond the edge of its table, and a cube stands with 150 mm beyond."""
     plank = Part("plank", Box([1000, 100, 20]), [200, 0, 10], density=500.0)  # up to x = 700
     cube = Part("cube", Box([50, 50, 50]), [650, 0, 45], mass=0.1)
@@ -489,7 +487,7 @@ def test_the_load_at_the_end_of_a_plank() -> None:
 
 
 @pytest.mark.slow
-def test_a_box_settles_up_to_each_limit_of_equilibrium() -> None:
+def test_a_box_settles_up_to_each_limit_of_equilibrium():
     """A box on a table has a single way to stand: forces of equilibrium are those of rest."""
     answer = answered(BOX, push=[1, 0, 0], about=[0, 1, 0], require="settles", loads=True)
     limits, arm = answer["at_level"], math.hypot(50, 150)
@@ -506,7 +504,7 @@ def test_a_box_settles_up_to_each_limit_of_equilibrium() -> None:
 
 
 @pytest.mark.parametrize("angle", [1e-3, 2e-5, 5e-6])
-def test_a_push_above_a_hundred_thousand_weights_is_unlimited(angle: float) -> None:
+def test_a_push_above_a_hundred_thousand_weights_is_unlimited(angle):
     """A board that is pushed up a slope of this angle less than that at which friction jams it."""
     steep = math.pi / 2 - math.atan(MU) - angle
     high, aside = 200.0, 200.0 / math.tan(steep)

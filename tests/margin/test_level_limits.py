@@ -1,13 +1,10 @@
 """Limits of friction and of levels, with both of their sides."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import json
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -157,19 +154,19 @@ def decisions(allowed: float = np.inf) -> LevelDecisions:
 
 
 @pytest.mark.parametrize("limit", [1e-3, 0.2, 0.7, 0.9995])
-def test_bisection_encloses_the_value_at_which_the_level_ends(limit: float) -> None:
+def test_bisection_encloses_the_value_at_which_the_level_ends(limit):
     level_limit = find_level_end(decisions(), lambda value: value <= limit, 1.0)
     assert level_limit.inside <= limit < level_limit.outside
     assert level_limit.outside - level_limit.inside <= 2.0**-12
 
 
-def test_a_gap_below_the_limit_ends_the_level() -> None:
+def test_a_gap_below_the_limit_ends_the_level():
     level_limit = find_level_end(decisions(), lambda value: not 0.4 < value < 0.6, 1.0)
     assert level_limit.inside <= 0.4 < level_limit.outside
     assert level_limit.outside - level_limit.inside <= 2.0**-11
 
 
-def test_without_a_limit_of_equilibrium_values_up_to_a_hundred_sizes_are_decided() -> None:
+def test_without_a_limit_of_equilibrium_values_up_to_a_hundred_sizes_are_decided():
     tried: list[float] = []
 
     def reaches(value: float) -> bool:
@@ -183,7 +180,7 @@ def test_without_a_limit_of_equilibrium_values_up_to_a_hundred_sizes_are_decided
     assert (unlimited.inside, unlimited.outside) == (200.0, np.inf)
 
 
-def test_the_work_ends_the_bisection() -> None:
+def test_the_work_ends_the_bisection():
     budget = decisions(2.5)
     count = []
 
@@ -198,7 +195,7 @@ def test_the_work_ends_the_bisection() -> None:
 
 
 @pytest.mark.slow
-def test_a_wedge_needs_more_friction_to_settle_than_for_equilibrium() -> None:
+def test_a_wedge_needs_more_friction_to_settle_than_for_equilibrium():
     groove = friction.v_block(friction=0.84).with_down([0, 0.3, -1])
     margin = kilter.margin(groove, require="settles", pushed=[])
     assert margin.at_level is not None
@@ -215,9 +212,7 @@ def test_a_wedge_needs_more_friction_to_settle_than_for_equilibrium() -> None:
 
 
 @pytest.mark.slow
-def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     kilter.dump(scene("squeezed-block"), "a.kilter.json")
     assert main(["margin", "a.kilter.json", "--require", "settles", "--json", "--quiet"]) == 3
@@ -228,9 +223,7 @@ def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(
     assert "as drawn it does not settle" in text_of(answer)
 
 
-def test_all_searches_together_take_a_fixed_amount_of_work(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_all_searches_together_take_a_fixed_amount_of_work(monkeypatch):
     spent: list[float] = []
     reach = LevelDecisions.reach
 
@@ -251,7 +244,7 @@ def test_all_searches_together_take_a_fixed_amount_of_work(
     assert whys <= {"effort", "none", None}
 
 
-def test_without_a_required_level_no_level_is_decided() -> None:
+def test_without_a_required_level_no_level_is_decided():
     margin = kilter.margin(stacks.block_on_slope(20.0, friction=0.5), pushed=[])
     assert margin.at_level is None
     assert margin.to_dict()["at_level"] is None
@@ -268,9 +261,7 @@ def test_without_a_required_level_no_level_is_decided() -> None:
     ],
     ids=["proved", "refuted", "unstable"],
 )
-def test_omitted_questions_change_no_answer_about_a_level(
-    assembly: Assembly, level: str, require: str
-) -> None:
+def test_omitted_questions_change_no_answer_about_a_level(assembly, level, require):
     touching = contacts(assembly)
     whole = decide(assembly, touching, second_order=False)
     only = decide(assembly, touching, require=require, second_order=False, level_only=True)
@@ -281,7 +272,7 @@ def test_omitted_questions_change_no_answer_about_a_level(
         assert not only.friction.tries
 
 
-def test_every_question_of_a_decision_is_charged() -> None:
+def test_every_question_of_a_decision_is_charged():
     search = LevelDecisions("settles", units_of(1), Work())
     squeezed = friction.h_block(friction=0.84)
     before = search.work.total
@@ -316,7 +307,7 @@ def verified(kind: str, change: Callable[[Bundle], object]) -> kilter.Verificati
 
 
 @pytest.mark.parametrize("kind", ["margin", "transport"])
-def test_each_limit_is_stated_with_both_sides(kind: str) -> None:
+def test_each_limit_is_stated_with_both_sides(kind):
     found = verified(kind, lambda bundle: None)
     assert found.holds, found.reasons
     limits = [note for note in found.notes if "held at" in note]
@@ -339,14 +330,12 @@ def entries(kind: str) -> list[int]:
     ],
     ids=["far", "near", "flipped"],
 )
-def test_a_value_that_differs_from_the_change_is_refused(
-    kind: str, change: Callable[[Bundle], object]
-) -> None:
+def test_a_value_that_differs_from_the_change_is_refused(kind, change):
     for k in entries(kind):
         assert not verified(kind, lambda bundle, k=k: change(bundle["proofs"][k])).holds
 
 
-def test_a_turn_about_an_axis_and_both_load_factors_are_in_the_proof() -> None:
+def test_a_turn_about_an_axis_and_both_load_factors_are_in_the_proof():
     """A cube slides at mu: at atan .3 about y, and at .3 of its weight along and against x."""
     cube = stack_on_deck([[1, 1, 1]], 0.3)
     answer = kilter.margin(cube, about=[0, 1, 0], push=[1, 0, 0])
@@ -367,7 +356,7 @@ CASES = [("arch", 1), ("arch", 2), ("pile", 6), ("pile", 12), ("wedge", 3), ("ro
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("family", "seed"), CASES)
-def test_both_ways_find_one_limit_and_judge_agrees(family: str, seed: int) -> None:
+def test_both_ways_find_one_limit_and_judge_agrees(family, seed):
     program = program_of(random_turned(family, seed))
     basis = across_gravity(program)
     for angle in (0.3, 2.0):
@@ -387,7 +376,7 @@ def test_both_ways_find_one_limit_and_judge_agrees(family: str, seed: int) -> No
         assert judge(with_more(program, wrench, limit.value + 1e-5 * size)).stable is not True
 
 
-def test_a_plane_is_exact_in_one_round() -> None:
+def test_a_plane_is_exact_in_one_round():
     program = program_of(springer_arch(7, 0.2, planar=True))
     wrench = gravity_wrench(program, np.array([1.0, 0, 0]))
     sides = limit_sides(program, wrench, 10.0)
@@ -395,7 +384,7 @@ def test_a_plane_is_exact_in_one_round() -> None:
     assert sides.start - sides.held < 1e-12
 
 
-def test_it_is_proved_that_no_share_is_held() -> None:
+def test_it_is_proved_that_no_share_is_held():
     program = program_of(stacks.block_on_slope(40.0, friction=0.2))
     across = gravity_wrench(program, np.array([0.0, 1.0, 0.0]))
     sides = limit_sides(program, across, 10.0)
@@ -403,7 +392,7 @@ def test_it_is_proved_that_no_share_is_held() -> None:
     assert sides.forces is None
 
 
-def test_a_share_up_to_the_most_is_unlimited() -> None:
+def test_a_share_up_to_the_most_is_unlimited():
     program = program_of(stacks.block_on_slope(0.0, friction=0.5))
     down = gravity_wrench(program, np.array([0.0, 0.0, -1.0]))
     assert limit_sides(program, down, 1e6).held == pytest.approx(1e6)
@@ -411,7 +400,7 @@ def test_a_share_up_to_the_most_is_unlimited() -> None:
 
 
 @pytest.mark.parametrize(("family", "seed"), [("arch", 1), ("pile", 6), ("wedge", 2)])
-def test_a_mended_motion_is_admissible(family: str, seed: int) -> None:
+def test_a_mended_motion_is_admissible(family, seed):
     program = program_of(random_turned(family, seed))
     opening = Opening(cone_problem(program))
     assert opening.m0 is not None

@@ -1,7 +1,5 @@
 """The command `margin`, and what questions share."""
 
-from __future__ import annotations
-
 import json
 from math import inf
 from pathlib import Path
@@ -155,7 +153,7 @@ def sunk() -> Assembly:
 
 
 @pytest.mark.parametrize("most", [1, 3])
-def test_the_least_friction_of_a_short_search_lies_between_its_proofs(most: int) -> None:
+def test_the_least_friction_of_a_short_search_lies_between_its_proofs(most):
     slope = program_of(stacks.block_on_slope(20.0))
     found = find_least_friction(slope, programs=most)
     assert isinstance(found, LeastFriction)
@@ -167,7 +165,7 @@ def test_the_least_friction_of_a_short_search_lies_between_its_proofs(most: int)
     assert found.programs == 4 + most
 
 
-def test_a_known_coefficient_that_fails_is_where_the_search_begins() -> None:
+def test_a_known_coefficient_that_fails_is_where_the_search_begins():
     slope = program_of(stacks.block_on_slope(20.0))
     whole = find_least_friction(slope)
     assert isinstance(whole, LeastFriction)
@@ -181,9 +179,7 @@ def test_a_known_coefficient_that_fails_is_where_the_search_begins() -> None:
     assert again.value == pytest.approx(TANGENT, rel=1e-7)
 
 
-def test_the_margin_of_a_large_drawing_that_falls_uses_the_motion_of_the_verdict(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_margin_of_a_large_drawing_that_falls_uses_the_motion_of_the_verdict(monkeypatch):
     slope = stacks.block_on_slope(20.0, friction=0.3)
     usual = kilter.margin(slope)
     monkeypatch.setattr(margin_steps, "LARGE", 0)
@@ -200,9 +196,7 @@ def test_the_margin_of_a_large_drawing_that_falls_uses_the_motion_of_the_verdict
     assert large.friction == pytest.approx(TANGENT, rel=1e-7)
 
 
-def test_a_large_region_is_undecided_by_one_joined_direction(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_large_region_is_undecided_by_one_joined_direction(monkeypatch):
     whole = kilter.region(sunk())
     assert whole.if_joined is not None
     assert whole.pairs_decide
@@ -216,9 +210,7 @@ def test_a_large_region_is_undecided_by_one_joined_direction(
     assert "quaternion" in text_of(answer.to_dict())
 
 
-def test_a_large_region_that_joined_pairs_do_not_hold_is_computed_in_full(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_large_region_that_joined_pairs_do_not_hold_is_computed_in_full(monkeypatch):
     """Beside the sunk cube another cube falls freely, whatever is joined."""
     alone = Part("alone", Box([1, 1, 1]), Pose([0, 0, 3.0]))
     assembly = Assembly([*sunk().parts, alone])
@@ -229,7 +221,7 @@ def test_a_large_region_that_joined_pairs_do_not_hold_is_computed_in_full(
     assert not large.pairs_decide
 
 
-def test_a_plan_asks_once_which_pairs_decide(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_plan_asks_once_which_pairs_decide(monkeypatch):
     calls = []
     decide = states_module.decide
 

@@ -1,7 +1,5 @@
 """Uncertain data, loads on parts, and what helps."""
 
-from __future__ import annotations
-
 import dataclasses
 import sys
 from pathlib import Path
@@ -185,7 +183,7 @@ def test_a_failure_is_not_taken_for_what_is_not_held(monkeypatch, corners):
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize(("share", "held"), [(0.3, True), (0.4, True), (0.5, False), (1.0, False)])
-def test_a_block_under_a_side_load_is_held_up_to_its_friction(share: float, held: bool) -> None:
+def test_a_block_under_a_side_load_is_held_up_to_its_friction(share, held):
     """Mu .5, masses down to .9 of the given: held while the load is below .45 of the weight."""
     table = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
     block = Part("block", Box([2, 2, 0.2]), Pose([0, 0, 0.1]), mass=10.0)

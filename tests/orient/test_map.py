@@ -1,7 +1,5 @@
 """The stability map and the least instability of all directions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from turning import ALL, UNSTABLE, directions, on_facets, program_of, slot_and_float

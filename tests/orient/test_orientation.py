@@ -1,7 +1,5 @@
 """Orientations that are found, and worked by hand."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math
@@ -152,7 +150,7 @@ def test_wrong_input_is_refused():
 
 
 @pytest.mark.slow
-def test_the_recommended_direction_has_no_components_from_rounding() -> None:
+def test_the_recommended_direction_has_no_components_from_rounding():
     """A wall of symmetric courses is recommended upright, whichever way it leans as given."""
     for degrees in (3.0, 5.0):
         leaning = walls.tilted_wall(degrees, courses=3, per_course=3)
@@ -173,7 +171,7 @@ def found(*parts: Part, ask=kilter.orient) -> dict:
     return ask(Assembly([*WALLS, *parts], units="mm")).to_dict()
 
 
-def test_a_cube_rests_in_a_corner_with_its_axis_along_gravity() -> None:
+def test_a_cube_rests_in_a_corner_with_its_axis_along_gravity():
     answer = found(CUBE)
     assert answer["down"] == pytest.approx([-1 / math.sqrt(3)] * 3, abs=1e-9)
     assert answer["tilt_margin_deg"] == pytest.approx(HALF, abs=1e-6)
@@ -188,7 +186,7 @@ def test_a_cube_rests_in_a_corner_with_its_axis_along_gravity() -> None:
 
 
 @pytest.mark.slow
-def test_a_cube_that_floats_beside_it_falls_in_every_direction() -> None:
+def test_a_cube_that_floats_beside_it_falls_in_every_direction():
     """Of 2 kg beside 2 kg in the corner: z = -2 |g| by the 1-norm, kappa^2 = 2 / 4."""
     answer = found(CUBE, block("floater", [120, 120, 120], [220, 220, 220], density=2000.0))
     nearest = answer["nearest"]
@@ -219,7 +217,7 @@ def test_a_cube_that_floats_beside_it_falls_in_every_direction() -> None:
     assert answer["z"] == pytest.approx(-2)
 
 
-def test_a_second_cube_at_a_gap_has_the_region_of_the_corner_if_it_is_joined() -> None:
+def test_a_second_cube_at_a_gap_has_the_region_of_the_corner_if_it_is_joined():
     near = block("near", [100.01, 0, 0], [200.01, 100, 100])
     answer = found(CUBE, near, ask=kilter.region)
     (pair,) = answer["open_pairs"]
@@ -231,7 +229,7 @@ def test_a_second_cube_at_a_gap_has_the_region_of_the_corner_if_it_is_joined() -
     assert joined["half_angle_deg"] == pytest.approx(HALF, abs=1e-6)
 
 
-def test_a_second_cube_in_a_channel_has_the_region_of_the_channel_if_it_is_joined() -> None:
+def test_a_second_cube_in_a_channel_has_the_region_of_the_channel_if_it_is_joined():
     """Walls on both sides along x: gravity lies in the plane of x and z, not upward."""
     right = block("right", [100, -100, 0], [200, 300, 200], grounded=True)
     parts = [WALLS[0], WALLS[1], right, CUBE, block("near", [0, 100.01, 0], [100, 200.01, 100])]

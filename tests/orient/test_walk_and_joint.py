@@ -1,7 +1,5 @@
 """Problem 2 on the paper's diamond: the walk, the joint program, the figures."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

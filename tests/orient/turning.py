@@ -1,7 +1,5 @@
 """Scenes and directions that the tests of orientations share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Planks on tables and bases, whose places have closed forms."""
 
-from __future__ import annotations
-
 from kilter import Assembly, Box, Part, Pose
 
 

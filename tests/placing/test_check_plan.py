@@ -1,7 +1,5 @@
 """Packing plans: their states, loads on top, and the environment of learners."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import math
@@ -37,7 +35,7 @@ def plan_of(*boxes: tuple[str, tuple, float, tuple]) -> PackingPlan:
     )
 
 
-def test_a_centre_beside_its_support_falls() -> None:
+def test_a_centre_beside_its_support_falls():
     plan = plan_of(("a", (1, 1, 1), 1, (0, 0, 0)), ("b", (1, 1, 1), 1, (0.6, 0, 1)))
     checked = check_plan(plan)
     assert checked.first == 2
@@ -46,7 +44,7 @@ def test_a_centre_beside_its_support_falls() -> None:
     assert [support.to_dict()["support"] for support in checked.items][1][0]["part"] == "a"
 
 
-def test_an_item_that_tips_the_item_below_it() -> None:
+def test_an_item_that_tips_the_item_below_it():
     plan = plan_of(
         ("base", (1, 1, 1), 1, (0, 0, 0)),
         ("plank", (2, 1, 0.1), 1, (-0.6, 0, 1)),
@@ -57,13 +55,13 @@ def test_an_item_that_tips_the_item_below_it() -> None:
     assert checked.why == "'load' tips 'plank', on which it rests"
 
 
-def test_a_pallet_ends() -> None:
+def test_a_pallet_ends():
     plan = plan_of(("a", (1, 1, 1), 1, (0.6, 0, 0)))
     assert check_plan(plan).first is None
     assert check_plan(plan, pallet=(1.0, 1.0)).first == 1
 
 
-def test_held_parts_are_walls(tmp_path: Path) -> None:
+def test_held_parts_are_walls(tmp_path):
     """A wall under the overhanging half of a box holds it."""
     plan = plan_of(("a", (1, 1, 1), 1, (0, 0, 0)), ("b", (1, 1, 1), 1, (0.6, 0, 1)))
     post = kilter.Part("post", kilter.Box([0.5, 1, 1]), kilter.Pose([1.4, 0.5, 0.5]), grounded=True)
@@ -71,7 +69,7 @@ def test_held_parts_are_walls(tmp_path: Path) -> None:
     assert check_plan(plan, held=held).first is None
 
 
-def test_the_units_of_a_table(tmp_path: Path) -> None:
+def test_the_units_of_a_table(tmp_path):
     text = "length [cm];width [cm];height [cm];weight [kg];x;y;z\n60;40;20;5;0;0;0\n"
     plan = load_plan(written(tmp_path, text))
     assert (plan.units, plan.boxes[0].size, plan.boxes[0].name) == ("cm", (60, 40, 20), "box 1")
@@ -101,9 +99,7 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("text", "said"), FAULTS)
-def test_a_faulty_list_is_a_sentence(
-    text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_faulty_list_is_a_sentence(text, said, tmp_path, capsys):
     assert main(["check-plan", str(written(tmp_path, text))]) == 2
     error = capsys.readouterr().err
     assert said in error
@@ -111,12 +107,12 @@ def test_a_faulty_list_is_a_sentence(
 
 
 @pytest.mark.parametrize("data", [{}, {"a": []}, {"a": [{"item": {}}]}, [], 3])
-def test_other_json_is_no_plan(data: object, tmp_path: Path) -> None:
+def test_other_json_is_no_plan(data, tmp_path):
     with pytest.raises(InputError):
         load_plan(written(tmp_path, json.dumps(data), "plan.json"))
 
 
-def test_exit_codes_and_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_exit_codes_and_json(tmp_path, capsys):
     good = written(tmp_path, HEADER + "a,600,400,200,5,0,0,0,0\n")
     assert main(["check-plan", str(good), "--transport", "--friction", "0.4", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
@@ -128,7 +124,7 @@ def test_exit_codes_and_json(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert "the plan names no walls" in out
 
 
-def test_a_level_below_the_required_level_is_named() -> None:
+def test_a_level_below_the_required_level_is_named():
     """The centre of the upper box lies above the edge of the lower: forces hold it, just."""
     plan = plan_of(("low", (1, 1, 1), 1, (0, 0, 0)), ("high", (1, 1, 1), 1, (0.5, 0, 1)))
     answer = check_plan(plan, require="strict").to_dict()
@@ -141,7 +137,7 @@ LEANING = ("a", (1, 1, 1), 1, (0.05, 0.1, 0)), ("b", (1, 1, 1), 1, (0.65, 0.1, 1
 """A box whose centre lies 0.1 beside the box below it."""
 
 
-def test_given_walls_hold_a_pile_that_leans_on_them() -> None:
+def test_given_walls_hold_a_pile_that_leans_on_them():
     """With friction at a flush wall the upper box stands, without the wall it falls."""
     plan = plan_of(*LEANING)
     assert check_plan(plan, friction=0.5, require="equilibrium").first == 2
@@ -161,9 +157,7 @@ def test_given_walls_hold_a_pile_that_leans_on_them() -> None:
         (("0", "1"), "give an inner length and width above 0"),
     ],
 )
-def test_wrong_walls_are_a_sentence(
-    walls: tuple[str, str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_walls_are_a_sentence(walls, said, tmp_path, capsys):
     text = "name,length,width,height,mass,x,y,z\na,1,1,1,1,0,0,0\nb,1,1,1,1,0.6,0,1\n"
     assert main(["check-plan", str(written(tmp_path, text)), "--walls", *walls]) == 2
     error = capsys.readouterr().err
@@ -172,13 +166,13 @@ def test_wrong_walls_are_a_sentence(
 
 
 @pytest.mark.parametrize("walls", [True, 3.0, (1,), ("a", "b"), (0, 1), (math.inf, 1)])
-def test_walls_of_another_form_are_a_sentence(walls: Any) -> None:
+def test_walls_of_another_form_are_a_sentence(walls):
     plan = PackingPlan((PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1),), "m")
     with pytest.raises(InputError, match="the walls"):
         check_plan(plan, walls=walls)
 
 
-def test_a_box_list_is_planned_from_above(tmp_path: Path) -> None:
+def test_a_box_list_is_planned_from_above(tmp_path):
     """Boxes in the reverse order of their heights, each with its centre over the box below."""
     rows = [f"b{k},1,1,1,1,{0.1 * (k % 2)},0,{k}\n" for k in reversed(range(8))]
     path = written(tmp_path, "name,length,width,height,mass,x,y,z\n" + "".join(rows))
@@ -190,7 +184,7 @@ def test_a_box_list_is_planned_from_above(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_roll_container_stands_between_its_walls() -> None:
+def test_a_roll_container_stands_between_its_walls():
     """Known answers of the roll containers of BED-BPP with walls at their extents."""
     if not DATA.exists():
         pytest.skip("../shared/data is not here")
@@ -275,11 +269,11 @@ def compare(seeds: Iterable[int], monkeypatch: pytest.MonkeyPatch) -> None:
     assert {data["first"] is None for data in by_forces} == {True, False}
 
 
-def test_stacks_and_checks_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stacks_and_checks_agree(monkeypatch):
     compare((1, 8), monkeypatch)
 
 
-def test_a_tipping_box_ends_the_proofs_by_stacks() -> None:
+def test_a_tipping_box_ends_the_proofs_by_stacks():
     """The centre of 'c' lies beside 'a'; the later box 'd' is a counterweight on its other end."""
     base, size = PackedBox("a", (1, 1, 1), 9, (0, 0, 0), 1), (1.0, 1.0, 1.0)
     other = PackedBox("b", size, 1, (3, 0, 0), 2)
@@ -294,7 +288,7 @@ def test_a_tipping_box_ends_the_proofs_by_stacks() -> None:
     ]
 
 
-def test_wrong_forces_of_a_stack_prove_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_forces_of_a_stack_prove_nothing(monkeypatch):
     plan = grid(1, 1, 3)
     assert by_stacks(plan) == [True] * 3
     right = states.resting_forces
@@ -316,7 +310,7 @@ def written_loads(folder: Path, rows: str, limit: object) -> Path:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])
-def test_boxes_in_a_column(tmp_path: Path, friction: float) -> None:
+def test_boxes_in_a_column(tmp_path, friction):
     """All of the weight above rests on the lowest top: 2 + 3 kg."""
     below = check_plan(written_loads(tmp_path, COLUMN, 5 * (1 - NEAR)), friction=friction)
     assert below.overload is not None
@@ -329,7 +323,7 @@ def test_boxes_in_a_column(tmp_path: Path, friction: float) -> None:
     assert above.items[1].top_load is None
 
 
-def test_a_bridge_on_two_wide_boxes(tmp_path: Path) -> None:
+def test_a_bridge_on_two_wide_boxes(tmp_path):
     """The lever rule with the force on 'a' at its outer end, x = 0, and on 'b' at its inner end.
 
     About x = 2: load 2 = 4 (2 - 1.5), so the least load is 1 kg, not half of the weight.
@@ -338,7 +332,7 @@ def test_a_bridge_on_two_wide_boxes(tmp_path: Path) -> None:
     assert check_plan(written_loads(tmp_path, BRIDGE, 1 + NEAR)).overload is None
 
 
-def test_a_loaded_bridge_on_two_narrow_boxes(tmp_path: Path) -> None:
+def test_a_loaded_bridge_on_two_narrow_boxes(tmp_path):
     """Forces at x = 0 and x = 2.98: load 2.98 = 4 (2.98 - 1.5) + 6 (2.98 - 0.75)."""
     load = (4 * 1.48 + 6 * 2.23) / 2.98
     over = check_plan(written_loads(tmp_path, NARROW, load * (1 - NEAR))).overload
@@ -347,7 +341,7 @@ def test_a_loaded_bridge_on_two_narrow_boxes(tmp_path: Path) -> None:
     assert check_plan(written_loads(tmp_path, NARROW, load * (1 + NEAR))).overload is None
 
 
-def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command(tmp_path, capsys):
     path = str(written_loads(tmp_path, COLUMN, 4))
     assert main(["check-plan", path, "--quiet"]) == 1
     words = "Item 3, 'c', overloads 'a': its top must carry 5 kg, and its limit is 4 kg."
@@ -357,7 +351,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert main(["check-plan", str(written_loads(tmp_path, COLUMN, 6)), "--quiet"]) == 0
 
 
-def test_an_invalid_limit(tmp_path: Path) -> None:
+def test_an_invalid_limit(tmp_path):
     with pytest.raises(InputError, match="line 2: max_load is -1"):
         load_plan(written_loads(tmp_path, COLUMN, -1))
     with pytest.raises(InputError, match="line 2: max_load is 'heavy'"):
@@ -381,14 +375,14 @@ def example() -> ModuleType:
     return module
 
 
-def test_the_environment_keeps_the_rules_of_gymnasium() -> None:
+def test_the_environment_keeps_the_rules_of_gymnasium():
     module = example()
     from gymnasium.utils.env_checker import check_env
 
     check_env(module.PackingEnv(), skip_render_check=True)
 
 
-def test_allowed_actions_keep_the_pile_standing() -> None:
+def test_allowed_actions_keep_the_pile_standing():
     env = example().PackingEnv()
     _, info = env.reset(seed=4)
     rng = np.random.default_rng(4)

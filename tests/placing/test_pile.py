@@ -1,10 +1,7 @@
 """Piles that grow box by box, and parts of uncertain mass."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,7 +39,7 @@ def stands_with(pile: Pile, size: tuple, mass: float, x: float, y: float = 0.5) 
 @pytest.mark.parametrize(
     ("length", "weight", "beyond", "load"), [(1, 2, 0.3, 2.5), (1, 2, 0.4, 1), (1.2, 5, 0.5, 2)]
 )
-def test_a_load_beyond_the_edge(length: float, weight: float, beyond: float, load: float) -> None:
+def test_a_load_beyond_the_edge(length, weight, beyond, load):
     """W (L / 2 - e) / w beyond the edge."""
     pile = plank_on_block(length, weight, beyond)
     limit = 1 + weight * (length / 2 - beyond) / load
@@ -52,7 +49,7 @@ def test_a_load_beyond_the_edge(length: float, weight: float, beyond: float, loa
 
 
 @pytest.mark.parametrize(("x", "heaviest"), [(0.1, 4.0), (0.2, 2.0), (0.25, 1.6)])
-def test_the_heaviest_load_beyond_the_edge(x: float, heaviest: float) -> None:
+def test_the_heaviest_load_beyond_the_edge(x, heaviest):
     pile = plank_on_block(1, 2, 0.3)
     small = (1e-3, 1e-3, 0.1)
     assert stands_with(pile, small, heaviest * (1 - NEAR), 1 + x) is True
@@ -60,7 +57,7 @@ def test_the_heaviest_load_beyond_the_edge(x: float, heaviest: float) -> None:
 
 
 @pytest.mark.parametrize(("weight", "half", "load"), [(2, 0.1, 1), (2, 0.1, 8), (3, 0.15, 2.5)])
-def test_a_load_on_a_seesaw(weight: float, half: float, load: float) -> None:
+def test_a_load_on_a_seesaw(weight, half, load):
     """The limit is a (1 + W / w) from the middle; a second load farther out balances the first."""
     pile = Pile((2, 1))
     pile.add((2 * half, 1, 0.5), 5, (1 - half, 0))
@@ -80,7 +77,7 @@ def test_a_load_on_a_seesaw(weight: float, half: float, load: float) -> None:
     assert stands_with(pile, small, load, 1 - farthest - 1e-2) is False
 
 
-def test_a_box_that_bridges_two_planks() -> None:
+def test_a_box_that_bridges_two_planks():
     """The limit: x (3 - 1.1 / (.7 - x)) = .05, for a box of 3 kg over two planks of 1 kg."""
     pile = Pile((2, 1))
     for x in (0.6, 1.4):
@@ -94,7 +91,7 @@ def test_a_box_that_bridges_two_planks() -> None:
         assert stands_with(pile, (0.7, 0.5, 0.2), 3, 1 + side * (limit + 1e-6)) is False
 
 
-def test_a_pile_that_falls_stands_again_under_a_counterweight() -> None:
+def test_a_pile_that_falls_stands_again_under_a_counterweight():
     pile = plank_on_block(1, 2, 0.6)
     assert pile.stands is False
     small = (1e-3, 1e-3, 0.1)
@@ -106,7 +103,7 @@ def test_a_pile_that_falls_stands_again_under_a_counterweight() -> None:
     assert not fit.undecided.any()
 
 
-def test_a_centre_above_an_edge_stands() -> None:
+def test_a_centre_above_an_edge_stands():
     pile = Pile((2, 1))
     pile.add((1, 1, 0.5), 1, (0, 0))
     mask, heights = pile.fits((1, 1, 0.5), 1, 0.25)
@@ -115,7 +112,7 @@ def test_a_centre_above_an_edge_stands() -> None:
     assert np.isnan(heights[5:]).all()
 
 
-def test_tops_within_the_tolerance_carry_together() -> None:
+def test_tops_within_the_tolerance_carry_together():
     """The gap tolerance is 1e-5 of the size of the smaller box, here 1.5e-5."""
     for lower, verdict in ((1e-5, True), (1e-2, False)):
         pile = Pile((3, 1))
@@ -124,7 +121,7 @@ def test_tops_within_the_tolerance_carry_together() -> None:
         assert stands_with(pile, (2, 0.5, 0.5), 1, 1.7) is verdict
 
 
-def test_a_near_top_is_undecided_as_in_check() -> None:
+def test_a_near_top_is_undecided_as_in_check():
     pile = Pile((3, 1))
     pile.add((1, 1, 0.5), 1, (0, 0))
     pile.add((1, 1, 0.5 - 1e-4), 1, (2, 0))
@@ -139,7 +136,7 @@ def test_a_near_top_is_undecided_as_in_check() -> None:
     assert fit.share < 1
 
 
-def test_narrow_overlaps_are_passed() -> None:
+def test_narrow_overlaps_are_passed():
     """A box beside another passes it although rounding makes them overlap."""
     pile = Pile((1, 1))
     pile.add((0.3, 1, 0.2), 1, (0, 0))
@@ -171,7 +168,7 @@ def answers(fit: PileFit, i: int, j: int) -> bool | None:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(12))
-def test_equal_to_check_with_proofs_that_check_accepts(seed: int) -> None:
+def test_equal_to_check_with_proofs_that_check_accepts(seed):
     """Forces and motions are proofs on the contacts that are detected in the assembly."""
     pile, rng = random_pile(seed, 8)
     size, mass = random_box(rng)
@@ -231,7 +228,7 @@ def is_proof(program: Program, motion: np.ndarray | None, plane: np.ndarray) -> 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
-def test_equal_to_check_with_friction(seed: int) -> None:
+def test_equal_to_check_with_friction(seed):
     pile, rng = random_pile(seed, 5, mu=0.4)
     size, mass = random_box(rng)
     fit = pile.fits(size, mass, 0.1)
@@ -244,7 +241,7 @@ def test_equal_to_check_with_friction(seed: int) -> None:
             assert fit.mask[i, j] == (verdict.level is not None)
 
 
-def test_a_neighbour_with_friction_holds_a_box_that_tips() -> None:
+def test_a_neighbour_with_friction_holds_a_box_that_tips():
     """The centre is beside the block below; the tall neighbour holds the upper edge."""
     masks = []
     for mu in (0.0, 0.5):
@@ -265,7 +262,7 @@ def test_a_neighbour_with_friction_holds_a_box_that_tips() -> None:
     assert masks == [False, True]
 
 
-def test_a_copy_is_independent_and_shares_what_is_known() -> None:
+def test_a_copy_is_independent_and_shares_what_is_known():
     pile, _ = random_pile(1, 4)
     before = pile.assembly()
     copy = pile.copy()
@@ -278,7 +275,7 @@ def test_a_copy_is_independent_and_shares_what_is_known() -> None:
     assert repr(pile) == "Pile(4 boxes, mu 0, m)"
 
 
-def test_the_verdict_is_that_of_check() -> None:
+def test_the_verdict_is_that_of_check():
     pile = plank_on_block(1, 2, 0.3)
     verdict, direct = pile.verdict(), kilter.check(pile.assembly(), require="equilibrium")
     assert (verdict.verdict, verdict.level) == (direct.verdict, direct.level)
@@ -288,7 +285,7 @@ def test_the_verdict_is_that_of_check() -> None:
     assert empty.fits((2, 0.5, 0.5), 1, 0.1).mask.sum() == 0
 
 
-def test_surround_names_the_points() -> None:
+def test_surround_names_the_points():
     rng = np.random.default_rng(0)
     points = rng.normal(size=(200, 7, 2)) + rng.normal(size=(200, 1, 2))
     valid = rng.random((200, 7)) < 0.8
@@ -326,7 +323,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("wrong", "said"), WRONG)
-def test_wrong_input_is_a_sentence(wrong, said: str) -> None:
+def test_wrong_input_is_a_sentence(wrong, said):
     with pytest.raises(InputError, match=said) as error:
         wrong()
     assert "\n" not in str(error.value)
@@ -338,9 +335,7 @@ PLANK = overhang(LENGTH, WEIGHT, BEYOND)
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("mass", "share"), [((2, 5), 0.0), ((4, 4), 0.1), ((2, 5), 0.1)])
-def test_the_worst_mass_and_centre_limit_a_load_on_a_plank(
-    mass: tuple[float, float], share: float
-) -> None:
+def test_the_worst_mass_and_centre_limit_a_load_on_a_plank(mass, share):
     """The heaviest load with its centre farthest out: x + share size = W (L/2 - e) / w."""
     size = 0.2
     limit = WEIGHT * (LENGTH / 2 - BEYOND) / max(mass) - share * size
@@ -363,7 +358,7 @@ def test_the_worst_mass_and_centre_limit_a_load_on_a_plank(
         assert at.level == (None if side > 0 else "proved")
 
 
-def test_the_heaviest_mass_has_every_centre() -> None:
+def test_the_heaviest_mass_has_every_centre():
     """With the centre up to .02 beyond x = .1, the heaviest load is W (L/2 - e) / .12."""
     at = place(
         PLANK,
@@ -375,13 +370,13 @@ def test_the_heaviest_mass_has_every_centre() -> None:
     assert at.heaviest == pytest.approx(0.4 / 0.12, rel=1e-6)
 
 
-def test_shifts_follow_the_axes_of_a_turned_box() -> None:
+def test_shifts_follow_the_axes_of_a_turned_box():
     part = box_to_place([4, 2, 1], 5.0, turn=90)
     shifts = [Assembly([case]).geometry.center[0] for case in part_cases(part, (5, 5), 0.1)]
     assert np.ptp(shifts, axis=0) == pytest.approx([0.4, 0.8, 0], abs=1e-12)
 
 
-def test_with_friction_corners_prove_equilibrium_alone() -> None:
+def test_with_friction_corners_prove_equilibrium_alone():
     part = box_to_place([0.2, 0.2, 0.1], 1.0)
     answer = place(
         PLANK.with_friction(0.5),
@@ -396,7 +391,7 @@ def test_with_friction_corners_prove_equilibrium_alone() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
-def test_check_agrees_at_masses_and_centres_inside_the_limits(seed: int) -> None:
+def test_check_agrees_at_masses_and_centres_inside_the_limits(seed):
     rng = np.random.default_rng(seed)
     stack, part, mass, share = bridge(), LOAD, (2.0, 3.5), 0.04
     places = mapped(mass, share)
@@ -426,13 +421,13 @@ def mapped(mass: tuple[float, float], share: float) -> Places:
 
 
 @pytest.mark.parametrize("mass", [0, -1, (5, 2), (0, 1), (1, 2, 3), "heavy", (1, np.inf)])
-def test_a_wrong_mass_is_refused(mass: object) -> None:
+def test_a_wrong_mass_is_refused(mass):
     with pytest.raises(InputError, match="mass"):
         place(PLANK, box_to_place([0.1, 0.1, 0.1], 1), mass=mass)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("share", [-0.1, 0.5, np.nan])
-def test_a_wrong_share_is_refused(share: float) -> None:
+def test_a_wrong_share_is_refused(share):
     with pytest.raises(InputError, match="cent"):
         place(PLANK, box_to_place([0.1, 0.1, 0.1], 1), center_within=share)
 
@@ -446,9 +441,7 @@ def test_a_wrong_share_is_refused(share: float) -> None:
         (["--mass", "5", "--centre-within", "some"], "--centre-within is 'some'"),
     ],
 )
-def test_wrong_limits_are_refused(
-    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_limits_are_refused(words, said, tmp_path, capsys):
     file = tmp_path / "plank.kilter.json"
     kilter.dump(PLANK, file)
     assert main(["place", str(file), "--box", "1x1x1", *words]) == 2
@@ -457,7 +450,7 @@ def test_wrong_limits_are_refused(
     assert error.count("\n") == 1
 
 
-def test_the_answer_names_its_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_answer_names_its_limits(tmp_path, capsys):
     file = tmp_path / "plank.kilter.json"
     kilter.dump(PLANK, file)
     box = ["--box", "0.2x0.2x0.1", "--mass", "5..8", "--centre-within", "10%"]

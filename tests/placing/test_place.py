@@ -1,7 +1,5 @@
 """Places of a part: by hand, by rules and by programs."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import math
@@ -53,9 +51,7 @@ def on_top(places: Places, height: float) -> shapely.Geometry:
 @pytest.mark.parametrize(
     ("length", "weight", "beyond", "load"), [(1, 2, 0.3, 2.5), (1, 2, 0.4, 1), (1.2, 5, 0.5, 2)]
 )
-def test_a_load_on_an_overhanging_plank(
-    length: float, weight: float, beyond: float, load: float
-) -> None:
+def test_a_load_on_an_overhanging_plank(length, weight, beyond, load):
     limit = weight * (length / 2 - beyond) / load
     assembly, part = overhang(length, weight, beyond), box_to_place(SMALL, load)
     places = place(assembly, part, accuracy=1e-3)
@@ -67,7 +63,7 @@ def test_a_load_on_an_overhanging_plank(
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])
-def test_no_place_on_a_held_part_stands_while_another_part_falls(friction: float) -> None:
+def test_no_place_on_a_held_part_stands_while_another_part_falls(friction):
     """A plank falls off the table unless the load on it lies far enough behind the edge."""
     falling = overhang(1, 2, 0.6).with_friction(friction)
     part = box_to_place(SMALL, 1)
@@ -82,13 +78,13 @@ def test_no_place_on_a_held_part_stands_while_another_part_falls(friction: float
 
 
 @pytest.mark.parametrize(("x", "heaviest"), [(0.1, 4.0), (0.2, 2.0), (0.25, 1.6)])
-def test_the_heaviest_load_at_a_place(x: float, heaviest: float) -> None:
+def test_the_heaviest_load_at_a_place(x, heaviest):
     at = place(overhang(1, 2, 0.3), box_to_place(SMALL, 1.0), at=[x, 0]).at
     assert at is not None
     assert at.heaviest == pytest.approx(heaviest, rel=1e-6)
 
 
-def test_order_decides_on_the_seesaw() -> None:
+def test_order_decides_on_the_seesaw():
     """Two equal loads balance anywhere, but the first must stand alone."""
     alone, first = seesaw(2, 0.1), box_to_place([0.2, 0.2, 0.2], 8, name="first")
     assert not place(alone, first, at=[0.8, 0]).stands
@@ -104,7 +100,7 @@ def test_order_decides_on_the_seesaw() -> None:
     assert later.stands
 
 
-def test_the_map_of_a_tower_is_its_top() -> None:
+def test_the_map_of_a_tower_is_its_top():
     places = place(scene("tower"), box_to_place([0.5, 0.5, 0.5], 1.0))
     assert places.stands
     top = shapely.box(-0.5, -0.5, 0.5, 0.5)
@@ -117,7 +113,7 @@ def test_the_map_of_a_tower_is_its_top() -> None:
     assert json.loads(json.dumps(data)) == data
 
 
-def test_a_gripper_needs_room() -> None:
+def test_a_gripper_needs_room():
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     tower = Part("tower", Box([1, 1, 2]), Pose([0, 0, 1]), mass=1)
     part = box_to_place([0.5, 0.5, 0.5], 1)
@@ -128,7 +124,7 @@ def test_a_gripper_needs_room() -> None:
     assert clear.covers(shapely.Point(0.96, 0))
 
 
-def test_a_part_without_a_level_top_is_left_open() -> None:
+def test_a_part_without_a_level_top_is_left_open():
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     ball = Part("ball", kilter.Sphere(0.5), Pose([0, 0, 0.5]), mass=1)
     places = place(Assembly([table, ball]), box_to_place([0.5, 0.5, 0.5], 1))
@@ -139,9 +135,7 @@ def test_a_part_without_a_level_top_is_left_open() -> None:
     assert level.open.area > 0
 
 
-def test_places_that_are_only_open_are_undecided(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_places_that_are_only_open_are_undecided(tmp_path, capsys):
     """The top of a ball is left open; no light box holds a plank that falls."""
     ball = Part("ball", kilter.Sphere(1.0), Pose([0, 0, 1]), grounded=True)
     for assembly, code, said in (
@@ -168,9 +162,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("words", "said"), WRONG)
-def test_a_wrong_question_is_refused(
-    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_question_is_refused(words, said, tmp_path, capsys):
     file = tmp_path / "tower.kilter.json"
     kilter.dump(scene("tower"), file)
     assert main(["place", str(file), *words]) == 2
@@ -179,7 +171,7 @@ def test_a_wrong_question_is_refused(
     assert error.count("\n") == 1
 
 
-def test_exit_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_exit_codes(tmp_path, capsys):
     file = tmp_path / "plank.kilter.json"
     kilter.dump(overhang(1, 2, 0.3), file)
     part = ["--box", "0.01x0.01x0.1", "--mass", "2.5"]
@@ -189,19 +181,19 @@ def test_exit_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "would move" in capsys.readouterr().out
 
 
-def test_gravity_must_act_downwards() -> None:
+def test_gravity_must_act_downwards():
     with pytest.raises(InputError, match="gravity along -z"):
         place(scene("tower").with_down([1, 0, -1]), box_to_place(SMALL, 1))
 
 
-def test_a_turned_box_has_a_turned_footprint() -> None:
+def test_a_turned_box_has_a_turned_footprint():
     part = box_to_place([2.0, 1.0, 0.5], 1.0, turn=90)
     corners = Assembly([part]).geometry.vertices
     assert np.ptp(corners, axis=0) == pytest.approx([1.0, 2.0, 0.5])
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png"])
-def test_the_map_has_a_figure(suffix: str, tmp_path: Path) -> None:
+def test_the_map_has_a_figure(suffix, tmp_path):
     file, figure = tmp_path / "plank.kilter.json", tmp_path / f"map{suffix}"
     kilter.dump(overhang(1, 2, 0.3), file)
     part = ["--box", "0.1x0.1x0.1", "--mass", "2.5"]
@@ -211,7 +203,7 @@ def test_the_map_has_a_figure(suffix: str, tmp_path: Path) -> None:
         kilter.draw(place(overhang(1, 2, 0.3), box_to_place(SMALL, 1), at=[0, 0]))
 
 
-def test_a_given_place_has_no_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_given_place_has_no_figure(tmp_path, capsys):
     file = tmp_path / "plank.kilter.json"
     kilter.dump(overhang(1, 2, 0.3), file)
     words = ["--box", "0.1x0.1x0.1", "--mass", "1", "--at", "0", "0", "--figure", "m.svg"]
@@ -240,14 +232,14 @@ def with_plank(density: float | None, at: float, friction: float) -> Places:
     ],
 )
 def test_the_default_density_is_a_warning_only_if_the_verdict_depends_on_it(
-    at: float, friction: float, warned: bool, verdicts: set[str]
-) -> None:
+    at, friction, warned, verdicts
+):
     assert density_warned(with_plank(None, at, friction)) == warned
     found = {with_plank(density, at, friction).at.verdict for density in (1.0, 1000.0, 1e5)}
     assert found == verdicts
 
 
-def test_a_part_that_falls_at_every_density_has_no_warning() -> None:
+def test_a_part_that_falls_at_every_density_has_no_warning():
     beside = place(scene("tower"), box_to_place([1, 1, 1], 2.0), at=[0.6, 0])
     assert not beside.stands
     assert beside.at.heaviest == 0.0
@@ -255,16 +247,14 @@ def test_a_part_that_falls_at_every_density_has_no_warning() -> None:
     assert not density_warned(beside)
 
 
-def test_a_mixed_file_keeps_its_own_warning_about_density() -> None:
+def test_a_mixed_file_keeps_its_own_warning_about_density():
     base = Part("base", Box([2, 2, 1]), Pose([0, 0, -0.5]), grounded=True)
     light = Part("light", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     assembly = Assembly([base, light, Part("heavy", Box([1, 1, 1]), [0, 0, 1.5], mass=3.0)])
     assert density_warned(place(assembly, box_to_place(SMALL, 1.0), at=[0, 0]))
 
 
-def test_a_page_shows_the_map_and_the_part(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_page_shows_the_map_and_the_part(tmp_path, capsys):
     file, page = tmp_path / "tower.kilter.json", tmp_path / "map.html"
     kilter.dump(scene("tower"), file)
     asked = ["place", str(file), "--box", "0.5x0.5x0.5", "--mass", "1", "-o", str(page)]
@@ -315,7 +305,7 @@ def counts_of_page(benchmark: ModuleType):
     return counts
 
 
-def test_rules_and_program_on_a_counterbalanced_plank(benchmark: ModuleType) -> None:
+def test_rules_and_program_on_a_counterbalanced_plank(benchmark):
     """A load x beyond the edge stands up to W (L / 2 - e) / w = 0.16; LBCP ends at the edge."""
     block, plank = [0, 0, 0, 1, 1, 0.5], [0.3, 0, 0.5, 1, 1, 0.125]
     for beyond, stands, bearing in (
@@ -331,14 +321,14 @@ def test_rules_and_program_on_a_counterbalanced_plank(benchmark: ModuleType) -> 
         assert answer["full support"]
 
 
-def test_the_table_and_picture_of_the_page_are_those_of_the_command(benchmark: ModuleType) -> None:
+def test_the_table_and_picture_of_the_page_are_those_of_the_command(benchmark):
     counts = counts_of_page(benchmark)
     assert counts.stands + counts.falls <= 60 * benchmark.PLACES
     assert benchmark.table(counts) in PAGE.read_text(encoding="utf-8")
     assert benchmark.figure(counts) == PICTURE.read_text(encoding="utf-8")
 
 
-def test_undecided_places_have_a_reason(benchmark: ModuleType) -> None:
+def test_undecided_places_have_a_reason(benchmark):
     counts = benchmark.RuleCounts(undecided=2, gaps=[1.3e-4, 4e-4])
     assert benchmark.undecided_words(counts).startswith("2 places undecided (the pile holds only")
     assert "0.13 to 0.40 mm apart" in benchmark.undecided_words(counts)
@@ -354,7 +344,7 @@ def loads_on_bridge() -> PlacedLoads:
     return PlacedLoads(build_program(assembly, detect.contacts(assembly)), prism, 0.0)
 
 
-def test_shared_columns_are_those_of_the_whole_program() -> None:
+def test_shared_columns_are_those_of_the_whole_program():
     loads = loads_on_bridge()
     program, _ = loads.on_areas(AREAS, 0.1, np.array([0.05, 0.02]))
     whole, extended = scaled_problem(program), scaled_problem(program, loads.alone)
@@ -364,7 +354,7 @@ def test_shared_columns_are_those_of_the_whole_program() -> None:
     assert np.allclose(extended.frame, whole.frame)
 
 
-def test_forces_under_several_loads_are_checked_as_one_by_one() -> None:
+def test_forces_under_several_loads_are_checked_as_one_by_one():
     """The forces of the first load balance it; under the other loads they do not."""
     loads = loads_on_bridge()
     program, wrenches = loads.on_areas(AREAS, 0.1, np.array([0.0, 0.05]))
@@ -381,7 +371,7 @@ def test_forces_under_several_loads_are_checked_as_one_by_one() -> None:
     assert [proof.holds for proof in together] == [True, False, False]
 
 
-def test_places_of_a_first_touch_have_an_edge_of_the_top_in_common() -> None:
+def test_places_of_a_first_touch_have_an_edge_of_the_top_in_common():
     """A part of length 1 begins to touch the top [0, 2] with its centre at -0.5."""
     base = Part("base", Box([2, 2, 1]), Pose([1, 0, -0.5]), grounded=True)
     tops = find_tops(Assembly([base]))
@@ -394,7 +384,7 @@ def test_places_of_a_first_touch_have_an_edge_of_the_top_in_common() -> None:
     assert not landings.areas(tops, low - [0.4, 0], high - [0.2, 0], any_place=True)
 
 
-def test_a_first_touch_of_a_support_is_decided_exactly() -> None:
+def test_a_first_touch_of_a_support_is_decided_exactly():
     """A box over the gap of two tables stands from the first touch of the second table on.
 
     It touches both tables if its centre is within 0.2 of the middle, and its centre is then
@@ -414,7 +404,7 @@ def test_a_first_touch_of_a_support_is_decided_exactly() -> None:
     assert answer.programs < 100
 
 
-def test_a_pair_that_decides_is_the_reason_of_open_places() -> None:
+def test_a_pair_that_decides_is_the_reason_of_open_places():
     """A held part just above the far end of a plank may hold it down, or not touch it."""
     plank = overhang(1, 2, 0.3)
     part = box_to_place([1e-3, 1e-3, 0.1], 2.5)
@@ -443,7 +433,7 @@ def area(polygons: list) -> shapely.Geometry:
     return shapely.union_all([shapely.Polygon(outline, holes) for outline, *holes in polygons])
 
 
-def test_the_places_of_a_load_on_a_base_and_on_a_plank_beyond_its_edge() -> None:
+def test_the_places_of_a_load_on_a_base_and_on_a_plank_beyond_its_edge():
     """On the plank it may stand up to x = 1.2 kg x 100 mm / 1 kg beyond the edge of the base."""
     answer = kilter.place(ASSEMBLY, LOAD, mass=1.0).to_dict()
     assert (answer["mass"], answer["center_within"]) == ([1.0, 1.0], 0.0)
@@ -469,7 +459,7 @@ def test_the_places_of_a_load_on_a_base_and_on_a_plank_beyond_its_edge() -> None
 
 
 @pytest.mark.parametrize("x", [80, 150])
-def test_the_heaviest_load_at_a_place_on_the_plank(x: float) -> None:
+def test_the_heaviest_load_at_a_place_on_the_plank(x):
     answer = kilter.place(ASSEMBLY, LOAD, at=[x, 10]).to_dict()
     at = answer["at"]
     assert (at["x"], at["y"], at["height"]) == (x, 10, 70)
@@ -482,7 +472,7 @@ HEADER = "name,length/mm,width/mm,height/mm,mass/kg,x/mm,y/mm,z/mm,max_load/kg\n
 
 
 @pytest.mark.slow
-def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path: Path) -> None:
+def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path):
     """Boxes of 400 mm: b on three fifths of a, c on a tenth of b and on nothing else."""
     plan = tmp_path / "plan.csv"
     rows = ["a,400,400,400,4,0,0,0,9", "b,400,400,400,3,160,0,400,", "c,400,400,400,2,520,0,800,"]
@@ -502,7 +492,7 @@ def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path: Path)
 
 
 @pytest.mark.slow
-def test_a_pile_of_two_boxes_tips_about_the_foot_of_the_lower_one(tmp_path: Path) -> None:
+def test_a_pile_of_two_boxes_tips_about_the_foot_of_the_lower_one(tmp_path):
     """4 kg at (200, 200) and 3 kg at (250, 600) stand on a foot from x = 0 to 400."""
     plan = tmp_path / "plan.csv"
     plan.write_text(HEADER + "a,400,400,400,4,0,0,0,\nb,400,400,400,3,50,0,400,\n")

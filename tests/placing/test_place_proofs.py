@@ -1,12 +1,9 @@
 """Proofs of places, and contacts that move with the part."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -53,13 +50,13 @@ def findings(data: dict[str, Any]) -> list[dict[str, Any]]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_the_proof_of_a_map_holds_for_its_assembly_alone(friction: float) -> None:
+def test_the_proof_of_a_map_holds_for_its_assembly_alone(friction):
     assert kilter.verify(bridge(friction), proof(friction)).holds
     other = bridge(friction).without(["plank-1"])
     assert not kilter.verify(other, proof(friction)).holds
 
 
-def test_a_changed_file_is_found() -> None:
+def test_a_changed_file_is_found():
     data = proof()
     data["map"]["clear"] = 0.1
     result = kilter.verify(bridge(), data)
@@ -144,14 +141,14 @@ LIES: list[Callable[[dict[str, Any]], None]] = [
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("lie", LIES)
-def test_a_proof_with_a_lie_does_not_hold(lie: Callable[[dict[str, Any]], None]) -> None:
+def test_a_proof_with_a_lie_does_not_hold(lie):
     data = proof()
     lie(data)
     assert not kilter.verify(bridge(), signed(data)).holds
 
 
 @pytest.mark.parametrize("name", ["stands", "falls"])
-def test_a_polygon_is_stated_no_larger_than_proved(name: str) -> None:
+def test_a_polygon_is_stated_no_larger_than_proved(name):
     data = proof()
     wider(data, name)
     result = kilter.verify(bridge(), signed(data))
@@ -161,7 +158,7 @@ def test_a_polygon_is_stated_no_larger_than_proved(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_a_force_or_motion_that_is_needed_is_not_exchanged(seed: int) -> None:
+def test_a_force_or_motion_that_is_needed_is_not_exchanged(seed):
     """Each finding of several tops without one of its places, or with another number in it."""
     rng = np.random.default_rng(seed)
     whole = proof()
@@ -185,14 +182,14 @@ MALFORMED: list[tuple[str, Any]] = [
 
 
 @pytest.mark.parametrize(("key", "value"), MALFORMED)
-def test_data_of_another_form_are_refused(key: str, value: Any) -> None:
+def test_data_of_another_form_are_refused(key, value):
     data = proof()
     data["map"][key] = value
     with pytest.raises(InputError, match=r"form|part"):
         kilter.verify(bridge(), signed(data))
 
 
-def test_an_unknown_top_proves_nothing() -> None:
+def test_an_unknown_top_proves_nothing():
     data = proof()
     for finding in findings(data):
         finding["top"] = finding["top"] and "ladder"
@@ -202,7 +199,7 @@ def test_an_unknown_top_proves_nothing() -> None:
 @pytest.mark.quick(2)
 @pytest.mark.parametrize(("x", "stands"), [(0.02, True), (0.1, False)])
 @pytest.mark.parametrize("unsure", [False, True])
-def test_the_proof_at_a_place_is_that_of_check(x: float, stands: bool, unsure: bool) -> None:
+def test_the_proof_at_a_place_is_that_of_check(x, stands, unsure):
     more: dict[str, Any] = {"mass": (2.9, 3), "center_within": 0.01} if unsure else {}
     at = place(bridge(), BOX, at=[x, 0.1], **more)
     data = json.loads(json.dumps(at.proof()))
@@ -214,7 +211,7 @@ def test_the_proof_at_a_place_is_that_of_check(x: float, stands: bool, unsure: b
 
 
 @pytest.mark.slow
-def test_the_command_writes_a_proof(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_writes_a_proof(tmp_path, capsys):
     file, written = tmp_path / "bridge.kilter.json", tmp_path / "P.json"
     kilter.dump(bridge(), file)
     part = ["--box", "0.7x0.5x0.2", "--mass", "3"]
@@ -224,7 +221,7 @@ def test_the_command_writes_a_proof(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "held by forces" in capsys.readouterr().out
 
 
-def test_an_assembly_that_falls_alone_has_a_proof_of_its_places() -> None:
+def test_an_assembly_that_falls_alone_has_a_proof_of_its_places():
     """A plank falls off a table unless a load lies far enough behind the edge."""
     table = Part("table", Box([4, 1, 1]), Pose([-2, 0, -0.5]), grounded=True)
     plank = Part("plank", Box([1, 1, 0.1]), Pose([0.1, 0, 0.05]), mass=2)
@@ -264,7 +261,7 @@ def load_on_bridge(low: np.ndarray = LOW, high: np.ndarray = HIGH) -> MovingLoad
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_the_least_rate_in_a_contact_is_that_at_a_corner_of_the_overlap(seed: int) -> None:
+def test_the_least_rate_in_a_contact_is_that_at_a_corner_of_the_overlap(seed):
     rng = np.random.default_rng(seed)
     top, part = convex(rng), convex(rng)
     constant, gradient = rng.normal(), rng.normal(size=2)
@@ -278,7 +275,7 @@ def test_the_least_rate_in_a_contact_is_that_at_a_corner_of_the_overlap(seed: in
         assert (rows @ [1, *place_]).max() == pytest.approx(least, abs=1e-9)
 
 
-def test_forces_between_proved_places_press_within_the_contact() -> None:
+def test_forces_between_proved_places_press_within_the_contact():
     load = load_on_bridge()
     found = load.places_of(1e-3, shapely.box(*LOW, *HIGH))
     known = len(load.loads.program.part_a)
@@ -298,7 +295,7 @@ def test_forces_between_proved_places_press_within_the_contact() -> None:
             assert shapely.distance(shapely.Point(center), both(area, under)) < 1e-7
 
 
-def test_forces_that_press_beside_the_contact_are_no_proof() -> None:
+def test_forces_that_press_beside_the_contact_are_no_proof():
     load = load_on_bridge()
     found = load.places_of(1e-3, shapely.box(*LOW, *HIGH))
     at, proof = found.points[0]
@@ -315,9 +312,7 @@ def test_forces_that_press_beside_the_contact_are_no_proof() -> None:
 @pytest.mark.parametrize(
     ("low", "high"), [((0.06, -0.05), (0.1, 0.05)), ((0.07, -0.3), (0.12, 0.3))]
 )
-def test_a_motion_excludes_no_place_that_stands(
-    low: tuple[float, float], high: tuple[float, float]
-) -> None:
+def test_a_motion_excludes_no_place_that_stands(low, high):
     """Each motion excludes some places of the rectangle, and at each of them check finds a fall."""
     least, most = np.array(low), np.array(high)
     load, whole = load_on_bridge(least, most), shapely.box(*least, *most)
@@ -336,7 +331,7 @@ def test_a_motion_excludes_no_place_that_stands(
             assert at.verdict == "unstable"
 
 
-def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides() -> None:
+def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides():
     places = place(bridge(), pentagon(), accuracy=0.04)
     assert kilter.verify(bridge(), places.proof()).holds
     level = places.levels[-1]
@@ -357,14 +352,14 @@ def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides() -> N
 
 
 @pytest.mark.parametrize("accuracy", [0.05, pytest.param(0.005, marks=pytest.mark.slow)])
-def test_the_open_strip_is_thinner_than_the_accuracy(accuracy: float) -> None:
+def test_the_open_strip_is_thinner_than_the_accuracy(accuracy):
     for level in place(bridge(), pentagon(), accuracy=accuracy).levels:
         for piece in shapely.get_parts(level.open):
             assert piece.buffer(-accuracy / 2).is_empty
 
 
 @pytest.mark.slow
-def test_a_prism_on_a_third_top_of_the_same_height() -> None:
+def test_a_prism_on_a_third_top_of_the_same_height():
     """Three held tables: a prism stands exactly if its centre is in the hull of its contact."""
     centers = ((-0.45, 0.3), (0.45, 0.3), (0.0, -0.5))
     tables = [
@@ -389,7 +384,7 @@ def test_a_prism_on_a_third_top_of_the_same_height() -> None:
     assert seen == {True, False}
 
 
-def test_a_spike_of_an_area_of_places_vanishes() -> None:
+def test_a_spike_of_an_area_of_places_vanishes():
     """A piece of a map in which the difference of areas left two spikes of no width.
 
     GEOS calls it valid, but its intersection with the rectangle lies outside of it.

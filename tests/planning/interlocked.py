@@ -1,7 +1,5 @@
 """Two plates that leave only as one."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from kilter import Assembly, Part

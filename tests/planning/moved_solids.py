@@ -1,7 +1,5 @@
 """Parts moved step by step along a way, their shared volume by manifold3d."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

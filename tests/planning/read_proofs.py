@@ -1,7 +1,5 @@
 """Proofs of plans and fixtures as a reader has them: from their JSON, signed anew, judged again."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

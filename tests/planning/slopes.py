@@ -1,7 +1,5 @@
 """What slides where it is not leaned on."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from kilter import Assembly

@@ -1,11 +1,8 @@
 """Fewest supports, grips and held parts."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 import pytest
@@ -81,9 +78,7 @@ BOTH_FINGERS = [0] * 8 + [1, 2, 2, 2, 2, 2, 3, 4, 5, 6, 7]
         ),
     ],
 )
-def test_props_and_fingers_of_an_arch_of_twenty(
-    kind: str, sides: str, standing: int, least: int
-) -> None:
+def test_props_and_fingers_of_an_arch_of_twenty(kind, sides, standing, least):
     made = part_of_an_arch(20, standing, sides=sides)
     found = kilter.hold(made, candidates=under(made, kind))
     assert (found.verdict, found.least, found.fewest) == ("held", least, True)
@@ -91,7 +86,7 @@ def test_props_and_fingers_of_an_arch_of_twenty(
 
 
 @pytest.mark.slow
-def test_fingers_cannot_hold_more_than_ten_voussoirs_from_one_side() -> None:
+def test_fingers_cannot_hold_more_than_ten_voussoirs_from_one_side():
     ten, eleven = (part_of_an_arch(20, k, sides="left") for k in (10, 11))
     assert kilter.hold(ten, candidates=under(ten, "finger")).least == 4
     none = kilter.hold(eleven, candidates=under(eleven, "finger"))
@@ -123,7 +118,7 @@ def magnets(count: int, capacity: float, mu: float = 0.0) -> list[Support]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("share", "least"), [(1.01, 1), (0.99, 2), (0.251, 4), (0.249, 5)])
-def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
+def test_magnets_carry_a_weight_together(share, least):
     """N magnets of F hold the weight W where n F >= W; six of them are there."""
     made, weight = hanging(0.0)
     found = kilter.hold(made, candidates=magnets(6, share * weight))
@@ -134,7 +129,7 @@ def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
 
 
 @pytest.mark.parametrize(("mu", "verdict"), [(0.33, "held"), (0.32, "impossible")])
-def test_a_vacuum_carries_across_by_its_friction(mu: float, verdict: str) -> None:
+def test_a_vacuum_carries_across_by_its_friction(mu, verdict):
     """F = 2 W, gravity off by 20 degrees: mu (F - W cos 20) = W sin 20 at mu = .3226."""
     made, weight = hanging(0.0)
     angle = np.radians(20)
@@ -147,7 +142,7 @@ def test_a_vacuum_carries_across_by_its_friction(mu: float, verdict: str) -> Non
 
 
 @pytest.mark.parametrize(("friction", "verdict"), [(0.01, "held"), (0.0, "impossible")])
-def test_a_finger_presses_against_a_wall(friction: float, verdict: str) -> None:
+def test_a_finger_presses_against_a_wall(friction, verdict):
     """A finger without friction: what presses hard enough holds if the wall has any."""
     smooth = Support("finger", "cube", [1, 0, 0], [-1, 0, 0])
     found = kilter.hold(hanging(friction)[0], candidates=[smooth])
@@ -157,7 +152,7 @@ def test_a_finger_presses_against_a_wall(friction: float, verdict: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("mu", "held"), [(0.35, False), (0.37, True)])
-def test_a_finger_holds_within_its_cone(mu: float, held: bool) -> None:
+def test_a_finger_holds_within_its_cone(mu, held):
     """One finger under a sphere's centre, off the vertical by 20 degrees: tan 20 = .364."""
     ball = kilter.Part("ball", kilter.Sphere(1), kilter.Pose([0, 0, 5]), mass=1.0)
     made = Assembly([floor([-3, -3], [3, 3]), ball])
@@ -171,7 +166,7 @@ def test_a_finger_holds_within_its_cone(mu: float, held: bool) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("weight", "least"), [(1.9, 1), (2.1, 2)])
-def test_a_prop_on_a_part_loads_that_part(weight: float, least: int) -> None:
+def test_a_prop_on_a_part_loads_that_part(weight, least):
     """A plank over an edge, tipped by a cube propped on its end: weight w at 1 against 2 at 1."""
     parts = [
         block("table", [-2, 0, -1], [0, 1, 0], grounded=True),
@@ -189,7 +184,7 @@ def test_a_prop_on_a_part_loads_that_part(weight: float, least: int) -> None:
     assert rechecked(found) == ""
 
 
-def test_props_are_found_where_there_is_room() -> None:
+def test_props_are_found_where_there_is_room():
     """Two cubes one above the other with room between, and one that lies on the lower."""
     made = Assembly(
         [
@@ -208,7 +203,7 @@ def test_props_are_found_where_there_is_room() -> None:
     assert rechecked(found) == ""
 
 
-def test_fingers_are_found_on_faces_that_are_free() -> None:
+def test_fingers_are_found_on_faces_that_are_free():
     made = Assembly([floor([-3, -3], [3, 3]), block("a", [0, 0, 0], [1, 1, 1]),
                      block("b", [1, 0, 0], [2, 1, 1])])  # fmt: skip
     found = kilter.hold(made, candidates="fingers")
@@ -279,11 +274,11 @@ def agree(seeds: range) -> list[tuple[str, int]]:
 
 
 @pytest.mark.slow
-def test_fewest_supports_are_those_of_enumeration() -> None:
+def test_fewest_supports_are_those_of_enumeration():
     assert len({verdict for verdict, _ in agree(range(8))}) == 2
 
 
-def test_out_of_effort_a_bound_is_told() -> None:
+def test_out_of_effort_a_bound_is_told():
     made = part_of_an_arch(20, 14, sides="left")
     found = kilter.hold(made, candidates=under(made, "prop"), effort=0.0001)
     assert (found.verdict, found.exhausted, found.fewest) == ("undecided", False, False)
@@ -293,7 +288,7 @@ def test_out_of_effort_a_bound_is_told() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_least_covers_by_brute_force(seed: int) -> None:
+def test_least_covers_by_brute_force(seed):
     random = np.random.default_rng(seed)
     motions = [
         {int(k): float(random.choice([0.3, 0.5, 1.0])) for k in
@@ -336,13 +331,13 @@ CUBE = {"kind": "finger", "part": "cube-1", "point": [0, 0, 1], "direction": [0,
         ({**CUBE, "point": [0, 0, 900]}, "is not on the part"),
     ],
 )
-def test_supports_that_make_no_sense_are_one_sentence(data: dict[str, Any], why: str) -> None:
+def test_supports_that_make_no_sense_are_one_sentence(data, why):
     with pytest.raises(InputError, match=why) as caught:
         kilter.hold(scene("tower"), candidates=[Support.from_dict(data)])
     assert "\n" not in str(caught.value)
 
 
-def test_wrong_candidates() -> None:
+def test_wrong_candidates():
     with pytest.raises(InputError, match="a candidate is 'hands'"):
         kilter.hold(scene("tower"), candidates=["hands"])
     with pytest.raises(InputError, match="no candidates for supports"):
@@ -352,7 +347,7 @@ def test_wrong_candidates() -> None:
 
 
 @pytest.mark.slow
-def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_of_supports(tmp_path, capsys):
     path, supports = tmp_path / "a.kilter.json", tmp_path / "s.json"
     kilter.dump(hanging(0.0)[0], path)
     supports.write_text(json.dumps([one.to_dict() for one in magnets(3, 6.0)]))
@@ -369,7 +364,7 @@ def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -
     assert main(["hold", str(path), "--candidates", str(supports)]) == 2
 
 
-def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
+def test_the_supports_raise_the_assembly_to_the_required_level():
     block = scene("squeezed-block")
     forces = kilter.hold(block, require="equilibrium")
     assert (forces.supports, forces.level, forces.holds) == ((), "equilibrium", True)
@@ -382,7 +377,7 @@ def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
 
 
 @pytest.mark.slow
-def test_a_balanced_assembly_needs_a_grip_as_check_states() -> None:
+def test_a_balanced_assembly_needs_a_grip_as_check_states():
     """Without supports, the decision sees no part for the outside, which would cover all places."""
     assembly = scene("paper-figure-11-in-space")
     assert kilter.check(assembly).verdict == "balanced"
@@ -465,12 +460,12 @@ def agree_holds(count: int, *, verify: bool) -> list[int]:
 
 
 @pytest.mark.slow
-def test_fewest_holds_are_those_of_enumeration() -> None:
+def test_fewest_holds_are_those_of_enumeration():
     assert len(set(agree_holds(8, verify=True))) > 1
 
 
 @pytest.mark.parametrize(("friction", "sides", "most"), [(0.6, "one", 1), (0.6, "both", 2)])
-def test_an_arch_built_from_one_side_or_both(friction: float, sides: str, most: int) -> None:
+def test_an_arch_built_from_one_side_or_both(friction, sides, most):
     """Most holds over the orders of `plan`'s known answers: 1 from one side, 2 from both."""
     count = 9
     found = kilter.states(arch(count, ratio=0.3, friction=friction))
@@ -485,7 +480,7 @@ def test_an_arch_built_from_one_side_or_both(friction: float, sides: str, most: 
     assert needed[-1] == 0
 
 
-def test_parts_that_may_not_be_held() -> None:
+def test_parts_that_may_not_be_held():
     found = kilter.states(arch(9, ratio=0.3, friction=0.6))
     gap = [name for name in found.assembly.names if name != "voussoir-4"]
     free = found.fewest_holds(gap)
@@ -500,7 +495,7 @@ def test_parts_that_may_not_be_held() -> None:
 
 @pytest.mark.quick(24)
 @pytest.mark.parametrize("seed", range(30))
-def test_least_hitting_sets_by_brute_force(seed: int) -> None:
+def test_least_hitting_sets_by_brute_force(seed):
     random = np.random.default_rng(seed)
     sets = [int(random.integers(1, 2**8)) for _ in range(int(random.integers(1, 9)))]
     best = min((k for k in range(2**8) if all(k & one for one in sets)), key=int.bit_count)
@@ -512,9 +507,7 @@ def test_least_hitting_sets_by_brute_force(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_the_fewest_grips_of_an_arch_are_the_same_with_known_grips(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_fewest_grips_of_an_arch_are_the_same_with_known_grips(monkeypatch):
     half = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
     usual = kilter.hold(half)
     monkeypatch.setattr(least_supports, "LARGE", 0)
@@ -525,7 +518,7 @@ def test_the_fewest_grips_of_an_arch_are_the_same_with_known_grips(
     assert (large.level, large.least) == (usual.level, usual.least)
 
 
-def test_no_known_grip_can_be_left_out_and_open_pairs_do_not_hide_them() -> None:
+def test_no_known_grip_can_be_left_out_and_open_pairs_do_not_hide_them():
     dome = staggered_dome(2, rings=3, per_ring=8)
     touching = contacts(dome)
     given = Supported(dome, touching, candidates_of(dome, touching, ["grips"]))
@@ -537,7 +530,7 @@ def test_no_known_grip_can_be_left_out_and_open_pairs_do_not_hide_them() -> None
         assert given.judge(grips - {grip}, Work()).stable is not True
 
 
-def test_without_work_the_grips_still_hold() -> None:
+def test_without_work_the_grips_still_hold():
     dome = staggered_dome(2, rings=3, per_ring=8)
     touching = contacts(dome)
     given = Supported(dome, touching, candidates_of(dome, touching, ["grips"]))
@@ -548,7 +541,7 @@ def test_without_work_the_grips_still_hold() -> None:
     assert given.judge(many, Work()).stable
 
 
-def test_without_grips_among_the_candidates_none_are_known() -> None:
+def test_without_grips_among_the_candidates_none_are_known():
     half = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
     touching = contacts(half)
     given = Supported(half, touching, candidates_of(half, touching, ["props"]))
@@ -556,7 +549,7 @@ def test_without_grips_among_the_candidates_none_are_known() -> None:
 
 
 @pytest.mark.slow
-def test_hold_of_a_dome_of_open_pairs_answers_with_grips() -> None:
+def test_hold_of_a_dome_of_open_pairs_answers_with_grips():
     fixture = kilter.hold(staggered_dome(1, rings=6, per_ring=14))
     assert fixture.supports
     held = staggered_dome(1, rings=6, per_ring=14).with_grips([s.part for s in fixture.supports])

@@ -1,7 +1,5 @@
 """Proofs of fixtures, one thing in them wrong: what `wrong_hold` says of each."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -55,7 +53,7 @@ def said(
     return list(wrong_hold(given.assembly, given.contacts, proof, verdicts))
 
 
-def test_a_motion_of_a_part_that_does_not_exist_proves_nothing() -> None:
+def test_a_motion_of_a_part_that_does_not_exist_proves_nothing():
     """The name was looked up in the assembly: a fault of kilter instead of a reason."""
 
     def misnamed(proof: Proof) -> None:
@@ -70,13 +68,13 @@ LEAST = {"arch": 2, "strong": 2, "weak": 5, "prop": 1}
 
 
 @pytest.mark.parametrize("kind", LEAST)
-def test_what_is_proved_is_not_doubted(kind: str) -> None:
+def test_what_is_proved_is_not_doubted(kind):
     assert said(kind) == []
     assert made(kind).verdict == ("impossible" if kind == "weak" else "held")
 
 
 @pytest.mark.parametrize("kind", LEAST)
-def test_without_its_motions_fewer_may_be_enough(kind: str) -> None:
+def test_without_its_motions_fewer_may_be_enough(kind):
     def bare(proof: Proof) -> None:
         proof["proofs"] = [one for one in proof["proofs"] if one["about"] == "held"]
 
@@ -84,7 +82,7 @@ def test_without_its_motions_fewer_may_be_enough(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["arch", "strong", "prop"])
-def test_no_other_count_is_proved(kind: str) -> None:
+def test_no_other_count_is_proved(kind):
     least = LEAST[kind]
     many = said(kind, lambda p: p["rules"].update(least=least + 1))
     assert many == [
@@ -95,7 +93,7 @@ def test_no_other_count_is_proved(kind: str) -> None:
     assert said(kind, lambda p: p["rules"].update(least=least - 1)) == []
 
 
-def test_it_holds_once() -> None:
+def test_it_holds_once():
     def twice(proof: Proof) -> None:
         proof["proofs"].insert(0, copy.deepcopy(proof["proofs"][0]))
 
@@ -103,7 +101,7 @@ def test_it_holds_once() -> None:
     assert said("arch", twice, words) == ["it has no proof that the fewest supports hold it"]
 
 
-def test_what_is_said_is_what_is_proved() -> None:
+def test_what_is_said_is_what_is_proved():
     supports = "{}: its supports differ from the candidates that it names"
     falls = said("prop", words=["unstable", "unstable"])
     assert falls[0] == "it states 'held', but its proof gives the verdict unstable"
@@ -118,7 +116,7 @@ def test_what_is_said_is_what_is_proved() -> None:
     assert other[1:] == ["fewer than 1 supports may be enough"]
 
 
-def test_grips_hold_and_all_others_are_supports() -> None:
+def test_grips_hold_and_all_others_are_supports():
     supports = "it names"
     first = proof_of(made("strong"))["proofs"]
     kinds = {(bool(one["change"]["held"]), bool(one["change"]["supports"])) for one in first}
@@ -137,11 +135,11 @@ def test_grips_hold_and_all_others_are_supports() -> None:
         ({"point": [0, 0, 9]}, "not on the part"),
     ],
 )
-def test_candidates_are_of_the_assembly(other: dict[str, Any], why: str) -> None:
+def test_candidates_are_of_the_assembly(other, why):
     with pytest.raises(InputError, match=why):
         said("prop", lambda p: p["rules"]["candidates"][0].update(other))
 
 
-def test_every_proof_has_a_verdict() -> None:
+def test_every_proof_has_a_verdict():
     with pytest.raises(ValueError, match="shorter"):
         said("prop", words=["stable"])

@@ -1,13 +1,10 @@
 """Proofs of plans, and why a part is held."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -72,13 +69,13 @@ def exchange(proof: Proof, first: int, second: int) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["arch", "no order", "tower", "screw", "row"])
-def test_what_was_not_changed_holds(name: str) -> None:
+def test_what_was_not_changed_holds(name):
     assert judged(name, lambda proof: None) == ""
 
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["arch", "tower", "screw", "row"])
-def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
+def test_steps_exchanged_with_their_states_are_refused(name):
     """Whole entries exchanged: the states no longer follow one another."""
 
     def change(proof: Proof) -> None:
@@ -98,7 +95,7 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
         ("row", (0, 2), "'b0' is inserted before 'b2'"),
     ],
 )
-def test_parts_exchanged_are_refused(name: str, steps: tuple[int, int], why: str) -> None:
+def test_parts_exchanged_are_refused(name, steps, why):
     found = judged(name, lambda proof: exchange(proof, *steps))
     assert why in found
     assert "its state differs from the parts that stand before the step" in found
@@ -200,11 +197,11 @@ CHANGES: list[tuple[str, str, Change]] = [
 @pytest.mark.parametrize(
     ("name", "why", "change"), CHANGES, ids=[f"{one[0]}: {one[1]}" for one in CHANGES]
 )
-def test_a_change_is_refused(name: str, why: str, change: Change) -> None:
+def test_a_change_is_refused(name, why, change):
     assert why in judged(name, change)
 
 
-def test_a_number_that_is_changed_without_a_signature_is_refused() -> None:
+def test_a_number_that_is_changed_without_a_signature_is_refused():
     """A leg that is another, and free as well: only the digest knows."""
 
     def change(proof: Proof) -> None:
@@ -214,7 +211,7 @@ def test_a_number_that_is_changed_without_a_signature_is_refused() -> None:
     assert "digest does not match" in judged("tower", change, anew=False)
 
 
-def test_neither_an_order_nor_an_impossibility_proves_nothing() -> None:
+def test_neither_an_order_nor_an_impossibility_proves_nothing():
     def change(proof: Proof) -> None:
         proof["proofs"] = entries(proof, "whole")
 
@@ -222,13 +219,13 @@ def test_neither_an_order_nor_an_impossibility_proves_nothing() -> None:
 
 
 @pytest.mark.parametrize("key", ["parts", "legs", "change"])
-def test_an_entry_without_its_form_is_wrong_input(key: str) -> None:
+def test_an_entry_without_its_form_is_wrong_input(key):
     with pytest.raises(InputError):
         judged("tower", lambda proof: entries(proof, "step")[0].pop(key))
 
 
 @pytest.mark.slow
-def test_no_solver_is_loaded(tmp_path: Path) -> None:
+def test_no_solver_is_loaded(tmp_path):
     """The arch's file and proof, where neither solver can be imported."""
     order, proof, file = planned("arch"), tmp_path / "p.json", tmp_path / "arch.kilter.json"
     proof.write_text(json.dumps(order.proof()))
@@ -250,7 +247,7 @@ def built() -> Any:
 
 
 @pytest.mark.slow
-def test_hands_and_ground_carry_the_weight_of_what_stands(built: Any) -> None:
+def test_hands_and_ground_carry_the_weight_of_what_stands(built):
     order, found = built
     assembly = order.states.assembly
     grounded, mass = assembly.geometry.grounded, assembly.geometry.mass
@@ -264,7 +261,7 @@ def test_hands_and_ground_carry_the_weight_of_what_stands(built: Any) -> None:
         assert np.linalg.norm(weight + ground + hands) < 1e-6 * np.linalg.norm(weight) + 1e-9
 
 
-def test_a_hand_is_there_because_something_falls_without_it(built: Any) -> None:
+def test_a_hand_is_there_because_something_falls_without_it(built):
     order, found = built
     assert sum(len(support.hands) for support in found.supports) == order.held_steps > 0
     for step, support in zip(order.steps, found.supports, strict=True):
@@ -276,7 +273,7 @@ def test_a_hand_is_there_because_something_falls_without_it(built: Any) -> None:
             assert hand.falls == tuple(without.moving) != ()
 
 
-def test_a_plank_that_would_tip_is_carried_whole_by_its_hand() -> None:
+def test_a_plank_that_would_tip_is_carried_whole_by_its_hand():
     # it reaches out so far that it tips, until a weight stands on its other end
     table = Part("table", Box([4, 2, 1]), Pose([-2, 0, -0.5]), grounded=True)
     plank = Part("plank", Box([4, 2, 1]), Pose([1, 0, 0.5]))
@@ -291,7 +288,7 @@ def test_a_plank_that_would_tip_is_carried_whole_by_its_hand() -> None:
     assert np.allclose(hand.torque, 0, atol=1e-6)
 
 
-def test_a_tower_is_put_up_from_below_and_nothing_else_is_asked() -> None:
+def test_a_tower_is_put_up_from_below_and_nothing_else_is_asked():
     found = explain(kilter.plan(scene("tower")))
     pairs = {(one.before, one.after, one.why) for one in found.needs}
     cubes = [f"cube-{k}" for k in range(1, 6)]
@@ -299,13 +296,13 @@ def test_a_tower_is_put_up_from_below_and_nothing_else_is_asked() -> None:
 
 
 @pytest.mark.slow
-def test_what_was_asked_for_is_among_the_needs() -> None:
+def test_what_was_asked_for_is_among_the_needs():
     order = kilter.plan(scene("wall"), kilter.PlanRules(before=[("brick-0-3", "brick-0-2")]))
     [asked] = [one for one in explain(order).needs if one.why == "asked"]
     assert (asked.before, asked.after) == ("brick-0-3", "brick-0-2")
 
 
-def test_parts_that_move_as_one_stop_as_one() -> None:
+def test_parts_that_move_as_one_stop_as_one():
     made = [block("plate", [0, 0, 0], [3, 2, 1]), block("knob", [1, 0.5, 1], [2, 1.5, 2])]
     lid = block("lid", [0, 0, 2], [3, 2, 3])
     whole = Assembly([floor([-1, -1], [4, 3]), *made, lid])

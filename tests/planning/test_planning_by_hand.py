@@ -1,7 +1,5 @@
 """Numbers of the answers of `kilter.plan` and `kilter.hold`, in millimetres, by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -15,7 +13,7 @@ G = 9.81
 
 
 @pytest.mark.parametrize("at", [200, 350])
-def test_a_prop_carries_a_plank_by_its_lever(at: float) -> None:
+def test_a_prop_carries_a_plank_by_its_lever(at):
     """A plank of 1.2 kg with its centre at x = 100 lies on a ridge at -100 and on the prop."""
     triangle = [[-100, -100], [100, -100], [0, 0]]
     ridge = Part("ridge", Prism(triangle, 400.0), Pose([-100, 0, 0]), grounded=True)
@@ -29,7 +27,7 @@ def test_a_prop_carries_a_plank_by_its_lever(at: float) -> None:
     assert (answer["candidates"], answer["most"], answer["least"]) == (1, 3, 1)
 
 
-def test_a_magnet_pulls_with_the_weight_along_its_direction() -> None:
+def test_a_magnet_pulls_with_the_weight_along_its_direction():
     table = block("table", [-500, -500, -10], [500, 500, 0], grounded=True)
     hung = Part("hung", Box([100, 100, 100]), [0, 0, 300], mass=0.7)
     magnet = Support("magnet", "hung", [0, 0, 350], [0, 0, -1], mu=0.2, capacity=9.0)
@@ -41,7 +39,7 @@ def test_a_magnet_pulls_with_the_weight_along_its_direction() -> None:
 
 
 @pytest.mark.parametrize("up", [250, 400])
-def test_a_strap_pulls_against_a_load_by_its_slope(up: float) -> None:
+def test_a_strap_pulls_against_a_load_by_its_slope(up):
     """Without friction the level part of the pull is the load, whatever the strap lifts."""
     table = block("table", [-2000, -2000, -10], [2000, 2000, 0], grounded=True)
     cube = Part("cube", Box([500, 500, 500]), [0, 0, 250], mass=100)
@@ -54,7 +52,7 @@ def test_a_strap_pulls_against_a_load_by_its_slope(up: float) -> None:
     assert (found["candidate"], found["capacity"], found["tension"]) == (1, 700, None)
 
 
-def test_no_order_exists_for_a_cube_that_turns_about_an_edge() -> None:
+def test_no_order_exists_for_a_cube_that_turns_about_an_edge():
     """The stated motion is a turn about the edge at x = 0, the centre being 100 past it."""
     table = block("table", [-3000, -1000, -1000], [0, 1000, 0], grounded=True)
     past = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
@@ -76,7 +74,7 @@ COUNTERWEIGHT = Assembly(
 """A plank of 1.2 kg with its centre 100 mm past the edge, held down by 2 kg 150 mm behind it."""
 
 
-def test_a_plank_is_held_until_its_counterweight_lies_on_it() -> None:
+def test_a_plank_is_held_until_its_counterweight_lies_on_it():
     plan = kilter.plan(COUNTERWEIGHT).to_dict()
     assert [step["parts"] for step in plan["steps"]] == [["plank"], ["weight"]]
     # while the weight is put down; the part that moves is carried in any case

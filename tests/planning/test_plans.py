@@ -1,7 +1,5 @@
 """Plans: known answers, given sequences, and proofs that there is none."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -9,7 +7,6 @@ import math
 from collections.abc import Callable
 from functools import cache
 from itertools import pairwise, permutations
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -54,22 +51,20 @@ def rechecked(order: Order) -> dict[str, Any]:
         pytest.param("laden-slab", 0, marks=pytest.mark.slow),
     ],
 )
-def test_most_parts_held_at_once(name: str, held: int) -> None:
+def test_most_parts_held_at_once(name, held):
     order = kilter.plan(scene(name))
     assert (order.verdict, order.holds_max) == ("found", held)
     assert order.held_steps <= 1
     rechecked(order)
 
 
-def test_the_wedge_that_leaves_first_is_the_only_one_that_can() -> None:
+def test_the_wedge_that_leaves_first_is_the_only_one_that_can():
     assert kilter.plan(scene("pit-wedges")).steps[-1].part == "wedge-3"
 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("count", "ratio", "reached"), [(9, 0.3, 4), (20, 0.2, 8)])
-def test_an_arch_needs_one_part_held_and_that_is_proved(
-    count: int, ratio: float, reached: int
-) -> None:
+def test_an_arch_needs_one_part_held_and_that_is_proved(count, ratio, reached):
     made = arch(count, ratio=ratio, friction=0.6)
     none = kilter.plan(made, kilter.PlanRules(hold=0))
     assert (none.verdict, none.found) == ("impossible", False)
@@ -85,7 +80,7 @@ def test_an_arch_needs_one_part_held_and_that_is_proved(
 
 
 @pytest.mark.slow
-def test_fewest_held_steps_are_those_of_all_orders() -> None:
+def test_fewest_held_steps_are_those_of_all_orders():
     """Against every order of seven voussoirs, set by set."""
     made = arch(7, ratio=0.3, friction=0.6)
     order = kilter.plan(made, kilter.PlanRules(fewest="held-steps", hold=1))
@@ -119,7 +114,7 @@ def test_fewest_held_steps_are_those_of_all_orders() -> None:
 
 
 @pytest.mark.slow
-def test_an_arch_that_falls_when_it_is_finished_has_no_order() -> None:
+def test_an_arch_that_falls_when_it_is_finished_has_no_order():
     falling = arch(20, ratio=0.2, friction=0.3)
     order = kilter.plan(falling)
     answer = order.to_dict()
@@ -135,7 +130,7 @@ def test_an_arch_that_falls_when_it_is_finished_has_no_order() -> None:
 @pytest.mark.parametrize(
     ("name", "require"), [("squeezed-block", "settles"), ("squeezed-block", "proved")]
 )
-def test_the_finished_assembly_is_a_state_of_its_plan(name: str, require: str) -> None:
+def test_the_finished_assembly_is_a_state_of_its_plan(name, require):
     order = kilter.plan(scene(name), require=require)
     verdict = kilter.check(scene(name), require=require)
     assert order.found
@@ -143,7 +138,7 @@ def test_the_finished_assembly_is_a_state_of_its_plan(name: str, require: str) -
     assert (order.level, order.holds) == ("equilibrium", False)
 
 
-def test_a_way_of_two_pieces() -> None:
+def test_a_way_of_two_pieces():
     """Under a lip: along x, then up."""
     parts = [
         floor([-3, -3], [5, 5]),
@@ -162,7 +157,7 @@ def test_a_way_of_two_pieces() -> None:
     rechecked(order)
 
 
-def test_precedence_is_kept_to() -> None:
+def test_precedence_is_kept_to():
     with pytest.raises(InputError, match="the precedence has a cycle"):
         kilter.plan(
             scene("tower"), kilter.PlanRules(before=[("cube-1", "cube-2"), ("cube-2", "cube-1")])
@@ -175,7 +170,7 @@ def test_precedence_is_kept_to() -> None:
 
 
 @pytest.mark.slow
-def test_none_found_is_no_proof() -> None:
+def test_none_found_is_no_proof():
     """A peg in a closed round hole turns, so nothing locks it; nor does it leave."""
     held = [
         floor([-2, -2], [2, 2]),
@@ -193,7 +188,7 @@ def test_none_found_is_no_proof() -> None:
 
 
 @pytest.mark.slow
-def test_parts_that_may_not_be_held() -> None:
+def test_parts_that_may_not_be_held():
     made = arch(9, ratio=0.3, friction=0.6)
     none = kilter.plan(made, kilter.PlanRules(never_hold="voussoir-*"))
     assert none.verdict == "impossible"
@@ -204,7 +199,7 @@ def test_parts_that_may_not_be_held() -> None:
 
 
 @pytest.mark.slow
-def test_out_of_effort_says_what_can_come_last() -> None:
+def test_out_of_effort_says_what_can_come_last():
     # less effort ends before the search with held parts, and more finds an order
     order = kilter.plan(arch(20, ratio=0.2, friction=0.6), effort=0.07)
     assert order.verdict == "none-found"
@@ -214,7 +209,7 @@ def test_out_of_effort_says_what_can_come_last() -> None:
 
 
 @pytest.mark.slow
-def test_an_interruption_gives_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interruption_gives_the_best_so_far(monkeypatch):
     from kilter.analysis.planning.order.removal import Removal
 
     asked = 0
@@ -234,7 +229,7 @@ def test_an_interruption_gives_the_best_so_far(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
-def test_the_table_of_steps_is_read_as_csv() -> None:
+def test_the_table_of_steps_is_read_as_csv():
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
     rows = list(csv.DictReader(io.StringIO(order.table())))
     assert [row["part"] for row in rows] == [step.part for step in order.steps]
@@ -247,7 +242,7 @@ def test_the_table_of_steps_is_read_as_csv() -> None:
     ] * 9  # fmt: skip
 
 
-def test_a_plan_of_held_parts_needs_no_step() -> None:
+def test_a_plan_of_held_parts_needs_no_step():
     held = scene("tower").with_grounded("*")
     order = kilter.plan(held)
     answer = order.to_dict()
@@ -265,7 +260,7 @@ def test_a_plan_of_held_parts_needs_no_step() -> None:
     assert kilter.report(order).verdict == "found"
 
 
-def test_wrong_input() -> None:
+def test_wrong_input():
     tower = scene("tower")
     with pytest.raises(InputError, match="no part is named"):
         kilter.plan(tower, kilter.PlanRules(before=[("cube-1", "nobody")]))
@@ -286,9 +281,7 @@ def arch_states() -> States:
     return states(arch(9, ratio=0.3, friction=0.6))
 
 
-def test_an_exhausted_budget_ends_the_growth_of_reachable_parts_without_a_proof(
-    given: States,
-) -> None:
+def test_an_exhausted_budget_ends_the_growth_of_reachable_parts_without_a_proof(given):
     work = Work()
     _, falling = find_unreachable(given, work)
     assert len(falling) == 5
@@ -308,7 +301,7 @@ def searched(given: States, work: Work) -> OrderSearch:
     return search
 
 
-def test_a_search_ends_within_the_removals_of_a_set_where_its_budget_ends(given: States) -> None:
+def test_a_search_ends_within_the_removals_of_a_set_where_its_budget_ends(given):
     whole = searched(given, Work())
     assert whole.exhausted
     cut = searched(states(given.assembly), Work(1.0))
@@ -336,7 +329,7 @@ def from_both_sides(hold: int) -> Order:
 
 
 @pytest.mark.slow
-def test_an_arch_from_both_sides_needs_two() -> None:
+def test_an_arch_from_both_sides_needs_two():
     one = from_both_sides(1)
     assert (one.verdict, one.to_dict()["impossible"]["kind"]) == ("impossible", "exhaustion")
     assert not wrong(one)
@@ -345,13 +338,13 @@ def test_an_arch_from_both_sides_needs_two() -> None:
 
 
 @pytest.mark.parametrize(("degrees", "verdict"), [(29.9, "found"), (30.1, "impossible")])
-def test_what_comes_first_slides_above_the_angle_of_friction(degrees: float, verdict: str) -> None:
+def test_what_comes_first_slides_above_the_angle_of_friction(degrees, verdict):
     order = kilter.plan(leaning(degrees, SLIDES), kilter.PlanRules(before=[("A", "B")], hold=0))
     assert order.verdict == verdict
     assert not wrong(order)
 
 
-def test_of_too_many_sets_nothing_is_said() -> None:
+def test_of_too_many_sets_nothing_is_said():
     most = MOST_SETS.bit_length() - 1
     assert leads_nowhere((1 << most) - 1, 0, lambda _, rest: rest != 0)
     assert not leads_nowhere((2 << most) - 1, 0, lambda _, rest: rest != 0)
@@ -359,7 +352,7 @@ def test_of_too_many_sets_nothing_is_said() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_chains_by_all_permutations(seed: int) -> None:
+def test_chains_by_all_permutations(seed):
     count, whole = 5, 0b11111
     random = np.random.default_rng(seed)
     may = random.random(1 << count) < random.uniform(0.2, 0.7)
@@ -373,7 +366,7 @@ def test_chains_by_all_permutations(seed: int) -> None:
 
 @pytest.mark.quick("precedence", "free", "turn")
 @pytest.mark.parametrize("change", ["left out", "free", "held more", "precedence", "turn"])
-def test_a_proof_that_is_changed_is_refused(change: str) -> None:
+def test_a_proof_that_is_changed_is_refused(change):
     def changed(proof: Proof) -> None:
         if change == "left out":
             proof["proofs"].pop()
@@ -397,7 +390,7 @@ CUBES = [f"cube-{k}" for k in range(1, 6)]
 
 
 @pytest.mark.slow
-def test_the_order_of_a_plan_is_confirmed() -> None:
+def test_the_order_of_a_plan_is_confirmed():
     made = arch(9, ratio=0.3, friction=0.6)
     plan = kilter.plan(made)
     order = kilter.plan(made, kilter.PlanRules(sequence=[step.parts for step in plan.steps]))
@@ -407,7 +400,7 @@ def test_the_order_of_a_plan_is_confirmed() -> None:
     assert not reasons(order, proof_of(order))
 
 
-def test_an_order_the_other_way_round_fails_at_each_step() -> None:
+def test_an_order_the_other_way_round_fails_at_each_step():
     """Cubes from the top: nothing to stand on, until the lowest is put under the others."""
     order = kilter.plan(scene("tower"), kilter.PlanRules(sequence=CUBES[::-1], hold=0))
     assert order.verdict == "fails"
@@ -424,7 +417,7 @@ def test_an_order_the_other_way_round_fails_at_each_step() -> None:
 
 
 @pytest.mark.slow
-def test_holds_that_are_needed_are_told() -> None:
+def test_holds_that_are_needed_are_told():
     made = arch(9, ratio=0.3, friction=0.6)
     one_side = [f"voussoir-{k}" for k in range(9)]
     order = kilter.plan(made, kilter.PlanRules(sequence=one_side))
@@ -432,7 +425,7 @@ def test_holds_that_are_needed_are_told() -> None:
     assert kilter.plan(made, kilter.PlanRules(sequence=one_side, hold=0)).verdict == "fails"
 
 
-def test_a_step_without_a_way_proves_nothing() -> None:
+def test_a_step_without_a_way_proves_nothing():
     """A lid over a box before what comes into it."""
     walls = [
         block("west", [-1, -1, 0], [0, 2, 1]), block("east", [1, -1, 0], [2, 2, 1]),
@@ -456,7 +449,7 @@ def test_a_step_without_a_way_proves_nothing() -> None:
     assert "was not confirmed" in order.to_dict()["sentence"]
 
 
-def test_parts_that_come_too_early() -> None:
+def test_parts_that_come_too_early():
     order = kilter.plan(
         scene("tower"), kilter.PlanRules(sequence=CUBES, before=[("cube-5", "cube-2")])
     )
@@ -464,7 +457,7 @@ def test_parts_that_come_too_early() -> None:
     assert order.steps[-1].fails == ("it must come before 'cube-2'",)
 
 
-def test_sequences_from_files(tmp_path: Path) -> None:
+def test_sequences_from_files(tmp_path):
     order = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
     wanted = [["cube-1"], ["cube-2", "cube-3"], ["cube-4"], ["cube-5"]]
     texts = {
@@ -488,7 +481,7 @@ def test_sequences_from_files(tmp_path: Path) -> None:
         ("c.json", "[", "not JSON"),
     ],
 )
-def test_files_that_are_no_sequence(tmp_path: Path, name: str, text: str, why: str) -> None:
+def test_files_that_are_no_sequence(tmp_path, name, text, why):
     (tmp_path / name).write_text(text)
     with pytest.raises(InputError, match=why):
         read_sequence(tmp_path / name)
@@ -505,6 +498,6 @@ def test_files_that_are_no_sequence(tmp_path: Path, name: str, text: str, why: s
         ([[]], "a step of the sequence names no part"),
     ],
 )
-def test_sequences_that_make_no_sense(sequence: list[str], why: str) -> None:
+def test_sequences_that_make_no_sense(sequence, why):
     with pytest.raises(InputError, match=why):
         kilter.plan(scene("tower"), kilter.PlanRules(sequence=sequence))

@@ -1,9 +1,6 @@
 """States of an assembly: as `check`, open ones, pressed and carried ones."""
 
-from __future__ import annotations
-
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -70,7 +67,7 @@ def agree(seed: int, count: int) -> list[bool | None]:
 
 
 @pytest.mark.slow
-def test_states_agree_with_check_on_both_sides() -> None:
+def test_states_agree_with_check_on_both_sides():
     verdicts = [one for seed in range(4) for one in agree(seed, 3)]
     assert {True, False} <= set(verdicts)
 
@@ -102,15 +99,13 @@ def agree_under(seed: int, count: int) -> list[bool | None]:
 
 
 @pytest.mark.slow
-def test_states_under_other_gravity_and_friction_agree_with_check() -> None:
+def test_states_under_other_gravity_and_friction_agree_with_check():
     verdicts = [one for seed in range(4) for one in agree_under(seed, 4)]
     assert {True, False} <= set(verdicts)
 
 
 @pytest.mark.parametrize(("degrees", "stable"), [(21.7, True), (21.9, False)])
-def test_a_direction_and_a_coefficient_are_asked_of_contacts_that_were_found_once(
-    degrees: float, stable: bool
-) -> None:
+def test_a_direction_and_a_coefficient_are_asked_of_contacts_that_were_found_once(degrees, stable):
     """A block on a plane: tan 21.80 = .4."""
     found, angle = kilter.states(block_on_slope(0.0)), np.radians(degrees)
     down = [np.sin(angle), 0, -np.cos(angle)]
@@ -124,7 +119,7 @@ def test_a_direction_and_a_coefficient_are_asked_of_contacts_that_were_found_onc
 
 
 @pytest.mark.slow
-def test_known_proofs_answer_for_other_states_and_hold_there() -> None:
+def test_known_proofs_answer_for_other_states_and_hold_there():
     """Every state of an arch that lacks voussoirs at random: most need no program of their own."""
     found, random = kilter.states(arch(9, ratio=0.3, friction=0.6)), np.random.default_rng(0)
     for _ in range(120):
@@ -139,7 +134,7 @@ def test_known_proofs_answer_for_other_states_and_hold_there() -> None:
     assert found.counts["known"] > found.counts["programs"]
 
 
-def test_work_is_counted_for_programs_and_far_less_for_known_proofs() -> None:
+def test_work_is_counted_for_programs_and_far_less_for_known_proofs():
     found = kilter.states(scene("arch"))
     assert found.units == 0
     assert found.of().stable
@@ -150,7 +145,7 @@ def test_work_is_counted_for_programs_and_far_less_for_known_proofs() -> None:
     assert 0 < found.units - program < program / 2
 
 
-def test_evidence_speaks_of_the_rows_of_the_state_alone() -> None:
+def test_evidence_speaks_of_the_rows_of_the_state_alone():
     found = kilter.states(scene("arch"))
     here = [name for name in found.assembly.names if name != "voussoir-10"]
     falls, held = found.of(here), found.of(here, held=["voussoir-9", "voussoir-11"])
@@ -166,7 +161,7 @@ def test_evidence_speaks_of_the_rows_of_the_state_alone() -> None:
 
 
 @pytest.mark.parametrize(("friction", "stable"), [(0.305, False), (0.32, True)])
-def test_exact_cones_decide_what_a_pyramid_does_not(friction: float, stable: bool) -> None:
+def test_exact_cones_decide_what_a_pyramid_does_not(friction, stable):
     """A block on a slope of 17 degrees, tan 17 = .3057, that runs askew to the rays of a pyramid.
 
     Four rays hold cos 45 / cos 22.5 = .77 of mu there: neither coefficient holds it by them.
@@ -180,7 +175,7 @@ def test_exact_cones_decide_what_a_pyramid_does_not(friction: float, stable: boo
 
 
 @pytest.mark.slow
-def test_holding_more_never_hurts_and_a_held_part_may_be_added() -> None:
+def test_holding_more_never_hurts_and_a_held_part_may_be_added():
     """F1 and F2 of planning, on random states of an arch."""
     found, random = kilter.states(arch(9, ratio=0.3, friction=0.6)), np.random.default_rng(1)
     held_more = 0
@@ -205,7 +200,7 @@ def test_holding_more_never_hurts_and_a_held_part_may_be_added() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["tower", "three-cylinders", "box-pile", "bracket"])
-def test_contacts_of_some_parts_are_those_found_of_them_alone(name: str) -> None:
+def test_contacts_of_some_parts_are_those_found_of_them_alone(name):
     whole = scene(name)
     contacts, random = kilter.contacts(whole), np.random.default_rng(2)
     for _ in range(3):
@@ -217,7 +212,7 @@ def test_contacts_of_some_parts_are_those_found_of_them_alone(name: str) -> None
             assert taken[key] == found[key], key
 
 
-def test_wrong_input() -> None:
+def test_wrong_input():
     found = kilter.states(scene("tower"))
     with pytest.raises(InputError, match="no part is named"):
         found.of(["nobody"])
@@ -227,7 +222,7 @@ def test_wrong_input() -> None:
         bool(found.of())
 
 
-def test_what_falls_is_named_where_check_decided() -> None:
+def test_what_falls_is_named_where_check_decided():
     verdict = kilter.check(scene("paper-figure-8"))
     program = verdict.program
     present = np.ones(len(program.names), dtype=bool)
@@ -235,7 +230,7 @@ def test_what_falls_is_named_where_check_decided() -> None:
     assert state.moving == verdict.moving == ["C2", "C3"]
 
 
-def test_large_states_are_judged_in_cones_and_small_ones_by_the_kept_program() -> None:
+def test_large_states_are_judged_in_cones_and_small_ones_by_the_kept_program():
     """A wall with friction: from nothing, then its lowest bricks, which no forces known hold."""
     found = kilter.states(scene("wall").with_friction(0.3))
     whole = np.ones(len(found.assembly), dtype=bool)
@@ -271,7 +266,7 @@ def dome() -> States:
 
 
 @pytest.mark.slow
-def test_a_state_that_hangs_on_edges_is_left_open_without_a_check(dome: States) -> None:
+def test_a_state_that_hangs_on_edges_is_left_open_without_a_check(dome):
     """The upper ring with one stone of six in place, which tips in but for edges beside it."""
     names = [name for name in dome.assembly.names if name[:7] != "stone-2"] + ["stone-2-0"]
     state = dome.of(names)
@@ -284,7 +279,7 @@ def test_a_state_that_hangs_on_edges_is_left_open_without_a_check(dome: States) 
 
 
 @pytest.mark.slow
-def test_verdicts_where_edges_meet_are_those_of_check(dome: States) -> None:
+def test_verdicts_where_edges_meet_are_those_of_check(dome):
     random, verdicts = np.random.default_rng(0), set()
     grounded = dome.assembly.geometry.grounded
     for share in (0.2, 0.4, 0.6, 0.8, 0.9):
@@ -297,7 +292,7 @@ def test_verdicts_where_edges_meet_are_those_of_check(dome: States) -> None:
 
 
 @pytest.mark.slow
-def test_a_search_among_open_states_ends_by_its_work() -> None:
+def test_a_search_among_open_states_ends_by_its_work():
     order = kilter.plan(ringed_dome(6, (0, 24, 46, 66)), effort=0.01)
     assert order.verdict == "none-found"
     assert order.states.counts["open"] > 0
@@ -325,7 +320,7 @@ def tipping() -> float:
 
 
 @pytest.mark.parametrize("share", [0.99, 1.01])
-def test_a_plank_tips_beyond_a_force(share: float) -> None:
+def test_a_plank_tips_beyond_a_force(share):
     order = kilter.plan(
         plank(), kilter.PlanRules(press=share * tipping(), hold=0, directions=[[0, 0, 1]])
     )
@@ -334,7 +329,7 @@ def test_a_plank_tips_beyond_a_force(share: float) -> None:
         assert not reasons(order, proof_of(order))
 
 
-def test_a_hold_takes_what_the_plank_does_not() -> None:
+def test_a_hold_takes_what_the_plank_does_not():
     order = kilter.plan(plank(), kilter.PlanRules(press=1.01 * tipping(), directions=[[0, 0, 1]]))
     assert [step.held for step in order.steps] == [(), ("plank",)]
     proof = proof_of(order)
@@ -345,7 +340,7 @@ def test_a_hold_takes_what_the_plank_does_not() -> None:
 
 
 @pytest.mark.slow
-def test_a_proof_without_its_pressed_states_is_refused() -> None:
+def test_a_proof_without_its_pressed_states_is_refused():
     order = kilter.plan(scene("tower"), kilter.PlanRules(press=5.0))
     proof = proof_of(order)
     assert not reasons(order, proof)
@@ -353,7 +348,7 @@ def test_a_proof_without_its_pressed_states_is_refused() -> None:
     assert "not every step has a proof with the pressing force" in reasons(order, proof)
 
 
-def test_a_sequence_says_where_it_cannot_be_pressed() -> None:
+def test_a_sequence_says_where_it_cannot_be_pressed():
     order = kilter.plan(
         plank(),
         kilter.PlanRules(
@@ -365,7 +360,7 @@ def test_a_sequence_says_where_it_cannot_be_pressed() -> None:
     ]  # fmt: skip
 
 
-def test_no_force_is_none() -> None:
+def test_no_force_is_none():
     assert all(step.pressed is None for step in kilter.plan(scene("tower")).steps)
     with pytest.raises(InputError, match="press"):
         kilter.plan(scene("tower"), kilter.PlanRules(press=-1.0))
@@ -398,7 +393,7 @@ def post_in_a_vice() -> Assembly:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("share", [0.999, 1.001])
-def test_a_tower_carries_its_closed_form_as_a_vector(share: float) -> None:
+def test_a_tower_carries_its_closed_form_as_a_vector(share):
     order = kilter.plan(stack(), PlanRules(carried=[share * G / 3, 0, 0], hold=0))
     assert order.verdict == ("found" if share < 1 else "impossible")
     proof = proof_of(order)
@@ -407,7 +402,7 @@ def test_a_tower_carries_its_closed_form_as_a_vector(share: float) -> None:
         assert "at a required acceleration" in order.to_dict()["sentence"]
 
 
-def test_every_horizontal_direction_is_covered_by_the_corners() -> None:
+def test_every_horizontal_direction_is_covered_by_the_corners():
     corners = extreme_accelerations(stack(), 2.0)
     angle = np.linspace(0, 2 * np.pi, 721)
     circle = 2.0 * np.column_stack([np.cos(angle), np.sin(angle)])
@@ -419,7 +414,7 @@ def test_every_horizontal_direction_is_covered_by_the_corners() -> None:
     assert len(corners) == SIDES
 
 
-def test_a_post_is_held_until_its_blocks_stand() -> None:
+def test_a_post_is_held_until_its_blocks_stand():
     """Between its blocks the post carries 0.3 g, alone only 0.25 g, so it is held before."""
     assembly = post_in_a_vice()
     rules = {"before": [("post", "left"), ("post", "right")], "directions": [[0, 0, 1]]}
@@ -440,9 +435,7 @@ def test_a_post_is_held_until_its_blocks_stand() -> None:
     assert "at an acceleration that the rules do not require" in wrong
 
 
-def test_the_command_states_what_is_carried(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_states_what_is_carried(tmp_path, capsys):
     path, proof = tmp_path / "stack.kilter.json", tmp_path / "p.json"
     kilter.dump(stack(2), path)
     words = ["plan", str(path), "--carried", "0.4g,0,0", "--proof", str(proof)]
@@ -456,11 +449,11 @@ def test_the_command_states_what_is_carried(
     ("value", "message"),
     [(-1.0, "carried"), ([0, 0, -G], "falls freely"), ([0, np.inf, 0], "finite")],
 )
-def test_wrong_accelerations_are_refused(value: object, message: str) -> None:
+def test_wrong_accelerations_are_refused(value, message):
     with pytest.raises(InputError, match=message):
         kilter.plan(stack(), PlanRules(carried=value))  # type: ignore[arg-type]
 
 
-def test_turns_are_not_combined_with_accelerations() -> None:
+def test_turns_are_not_combined_with_accelerations():
     with pytest.raises(InputError, match="turns cannot be combined"):
         PlanRules(carried=1.0, turn=True)

@@ -1,7 +1,5 @@
 """Ways of parts: swept, locked, and of several parts as one."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -84,7 +82,7 @@ def held_against_samples(
 
 
 @pytest.mark.slow
-def test_paths_against_parts_moved_step_by_step() -> None:
+def test_paths_against_parts_moved_step_by_step():
     answers = []
     for k, assembly in enumerate(
         [scene("paper-figure-9"), arch(9, ratio=0.3), random_turned("pile", 1), scene("pit-wedges")]
@@ -117,7 +115,7 @@ def entered(order: Order, count: int) -> list[str]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["tower", "paper-figure-9", "pit-wedges", "arch", "two pieces"])
-def test_every_place_of_every_way_of_a_plan_is_free(name: str) -> None:
+def test_every_place_of_every_way_of_a_plan_is_free(name):
     made = {
         "arch": lambda: arch(9, ratio=0.3, friction=0.6),
         "two pieces": under_a_lip,
@@ -132,7 +130,7 @@ def test_every_place_of_every_way_of_a_plan_is_free(name: str) -> None:
 
 
 @pytest.mark.parametrize("gap", [-2e-5, 0.0, 2e-5])
-def test_sliding_along_a_face_is_free_within_the_tolerance(gap: float) -> None:
+def test_sliding_along_a_face_is_free_within_the_tolerance(gap):
     """Unit cubes side by side: 1e-5 of a size, or twice as deep as they are drawn."""
     beside = Part("b", Box([1, 1, 1]), Pose([1.5 + gap, 0.5, 0.5]))
     pair = Assembly([block("a", [0, 0, 0], [1, 1, 1]), beside])
@@ -144,7 +142,7 @@ def test_sliding_along_a_face_is_free_within_the_tolerance(gap: float) -> None:
 
 
 @pytest.mark.parametrize(("shift", "stops"), [(0.999, True), (0.9999999, False), (1.001, False)])
-def test_an_overlap_counts_where_it_is_wider_than_the_tolerance(shift: float, stops: bool) -> None:
+def test_an_overlap_counts_where_it_is_wider_than_the_tolerance(shift, stops):
     pair = Assembly(
         [block("a", [0, 0, 0], [1, 1, 1]), block("b", [shift, 0, 3], [shift + 1, 1, 4])]
     )
@@ -152,7 +150,7 @@ def test_an_overlap_counts_where_it_is_wider_than_the_tolerance(shift: float, st
 
 
 @pytest.mark.parametrize(("distance", "stops"), [(1.999, False), (2.001, True), (np.inf, True)])
-def test_a_path_ends_where_it_ends(distance: float, stops: bool) -> None:
+def test_a_path_ends_where_it_ends(distance, stops):
     pair = Assembly([block("a", [0, 0, 0], [1, 1, 1]), block("b", [0, 0, 3], [1, 1, 4])])
     sweeps = Sweeps(kilter.contacts(pair))
     assert sweeps.pair_stops(0, 1, (0.0, 0.0, 1.0), distance=distance) == stops
@@ -172,7 +170,7 @@ def boxed(*, above: float = 1.0) -> Assembly:
 
 
 @pytest.mark.parametrize("name", ["closed-frame", "boxed"])
-def test_a_closed_box_locks(name: str) -> None:
+def test_a_closed_box_locks(name):
     made = boxed() if name == "boxed" else scene(name)
     order = kilter.plan(made)
     assert (order.verdict, order.found) == ("impossible", False)
@@ -184,13 +182,13 @@ def test_a_closed_box_locks(name: str) -> None:
     assert not reasons(order, proof_of(order))
 
 
-def test_a_lid_a_little_off_locks_nothing() -> None:
+def test_a_lid_a_little_off_locks_nothing():
     order = kilter.plan(boxed(above=1.01))
     assert (order.verdict, order.locked) == ("none-found", ())
 
 
 @pytest.mark.parametrize("change", ["zero", "fewer", "other"])
-def test_other_multipliers_are_refused(change: str) -> None:
+def test_other_multipliers_are_refused(change):
     order = kilter.plan(boxed())
     proof = proof_of(order)
     [entry] = proof["proofs"]
@@ -203,13 +201,13 @@ def test_other_multipliers_are_refused(change: str) -> None:
     assert "the multipliers do not prove that" in reasons(order, proof)
 
 
-def test_locked_wherever_it_is() -> None:
+def test_locked_wherever_it_is():
     moved = turned_parts(list(boxed()), [0.8, 0.36, -0.48, 0.0])
     assert kilter.plan(Assembly(moved)).verdict == "impossible"
 
 
 @pytest.mark.slow
-def test_multipliers_exist_where_no_motion_opens() -> None:
+def test_multipliers_exist_where_no_motion_opens():
     """Against linear programs that seek a motion, on random rows."""
     random = np.random.default_rng(7)
     seen = set()
@@ -229,7 +227,7 @@ def test_multipliers_exist_where_no_motion_opens() -> None:
     assert seen == {True, False}
 
 
-def test_a_flat_cone_of_normals_locks_within_its_angle() -> None:
+def test_a_flat_cone_of_normals_locks_within_its_angle():
     """Rows that let y slip out but for a lean: they lock while the lean shows, in closed form."""
     axes = np.vstack([np.eye(6)[1:], -np.eye(6)[1:]])
     for lean, locks in ((1e-1, True), (1e-3, True), (1e-5, False), (0.0, False)):
@@ -237,7 +235,7 @@ def test_a_flat_cone_of_normals_locks_within_its_angle() -> None:
         assert (multipliers_of(np.vstack([axes, pair, -pair])) is not None) == locks
 
 
-def test_rows_open_as_a_part_moves_away() -> None:
+def test_rows_open_as_a_part_moves_away():
     made = states(boxed())
     program = made.of().program
     part = len(made.assembly) - 1
@@ -251,7 +249,7 @@ def rechecked(order: Order) -> None:
 
 
 @pytest.mark.slow
-def test_two_that_leave_only_as_one() -> None:
+def test_two_that_leave_only_as_one():
     made = hooked()
     alone = kilter.plan(made)
     assert alone.verdict == "impossible"
@@ -263,13 +261,13 @@ def test_two_that_leave_only_as_one() -> None:
 
 
 @pytest.mark.slow
-def test_with_the_ledges_off_each_leaves_alone() -> None:
+def test_with_the_ledges_off_each_leaves_alone():
     """Then nothing has to move as one, and nothing does."""
     order = kilter.plan(hooked(lid=False), kilter.PlanRules(together=True))
     assert sorted(step.parts for step in order.steps) == [("A",), ("B",)]
 
 
-def test_sets_that_stop_one_another() -> None:
+def test_sets_that_stop_one_another():
     """One least set along +y; upwards the ledges stop all."""
     made = hooked()
     contacts = kilter.contacts(made)
@@ -284,7 +282,7 @@ def test_sets_that_stop_one_another() -> None:
     assert found([0, 0, 1]) == found([0, -1, 0]) == found([1, 0, 0]) == []
 
 
-def test_a_group_goes_in_as_one() -> None:
+def test_a_group_goes_in_as_one():
     order = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
     assert [step.parts for step in order.steps] == [
         ("cube-1",), ("cube-2", "cube-3"), ("cube-4",), ("cube-5",)
@@ -293,7 +291,7 @@ def test_a_group_goes_in_as_one() -> None:
     rechecked(order)
 
 
-def test_a_group_that_spans_a_part_cannot_close_round_it() -> None:
+def test_a_group_that_spans_a_part_cannot_close_round_it():
     """Cubes below and above one that is not of the group: no way for it, none for them."""
     order = kilter.plan(
         scene("tower"), kilter.PlanRules(groups=[["cube-2", "cube-4"]], directions=[[0, 0, 1]])
@@ -301,7 +299,7 @@ def test_a_group_that_spans_a_part_cannot_close_round_it() -> None:
     assert order.verdict == "none-found"
 
 
-def test_groups_that_make_no_sense() -> None:
+def test_groups_that_make_no_sense():
     tower = scene("tower")
     for groups, why in (
         (["nobody*"], "no part is named"),
@@ -331,7 +329,7 @@ def key_at_the_mouth() -> Assembly:
     )
 
 
-def test_the_key_leaves_first_and_upwards() -> None:
+def test_the_key_leaves_first_and_upwards():
     order = kilter.plan(key_at_the_mouth())
     assert [(step.part, step.legs[0].direction) for step in order.steps] == [
         ("slab", (0.0, 1.0, 0.0)),

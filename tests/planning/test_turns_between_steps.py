@@ -1,7 +1,5 @@
 """Orders in which what stands is turned: fewest turns, proved at both ends of each."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from read_proofs import proof_of, reasons
@@ -19,7 +17,7 @@ FIRST = [("A", "B")]
 
 
 @pytest.mark.slow
-def test_turned_once_where_it_would_slide() -> None:
+def test_turned_once_where_it_would_slide():
     """A alone slides off; level it stands, and with B in it is turned back."""
     made = leaning(30.0)
     assert kilter.plan(made, kilter.PlanRules(before=FIRST, hold=0)).verdict == "impossible"
@@ -35,7 +33,7 @@ def test_turned_once_where_it_would_slide() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("share", "turns"), [(1.01, 0), (0.99, 1)])
-def test_no_turn_where_friction_holds(share: float, turns: int) -> None:
+def test_no_turn_where_friction_holds(share, turns):
     made = leaning(30.0, share * np.tan(np.radians(30.0)))
     order = kilter.plan(made, kilter.PlanRules(before=FIRST, turn=True))
     assert (order.turns, order.holds_max) == (turns, 0)
@@ -44,7 +42,7 @@ def test_no_turn_where_friction_holds(share: float, turns: int) -> None:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("change", ["left out", "elsewhere", "forbidden"])
-def test_turns_that_are_not_proved_are_refused(change: str) -> None:
+def test_turns_that_are_not_proved_are_refused(change):
     order = kilter.plan(leaning(30.0), kilter.PlanRules(before=FIRST, turn=True))
     proof = proof_of(order)
     [turned] = [one for one in proof["proofs"] if one["about"] == "turned"]
@@ -60,7 +58,7 @@ def test_turns_that_are_not_proved_are_refused(change: str) -> None:
     assert why in reasons(order, proof)
 
 
-def test_a_common_direction_of_two_slopes() -> None:
+def test_a_common_direction_of_two_slopes():
     """A slides by any lean; the two together by one away from the stop."""
     made = states(leaning(30.0))
     whole = made.of().program
@@ -71,20 +69,20 @@ def test_a_common_direction_of_two_slopes() -> None:
     assert common_down([whole]) is not None
 
 
-def test_what_needs_no_turn_has_none() -> None:
+def test_what_needs_no_turn_has_none():
     order = kilter.plan(scene("tower"), kilter.PlanRules(turn=True))
     assert (order.turns, len(order.steps)) == (0, 5)
 
 
 @pytest.mark.parametrize(("fewest", "turns", "held"), [("holds", 1, 0), ("turns", 0, 1)])
-def test_a_hold_in_place_of_a_turn(fewest: str, turns: int, held: int) -> None:
+def test_a_hold_in_place_of_a_turn(fewest, turns, held):
     order = kilter.plan(leaning(30.0), kilter.PlanRules(before=FIRST, turn=True, fewest=fewest))
     assert (order.turns, order.holds_max, order.fewest.least) == (turns, held, "always")
     assert not reasons(order, proof_of(order))
 
 
 @pytest.mark.parametrize(("degrees", "turns"), [(29.9, 0), (30.1, 1)])
-def test_a_turn_from_the_angle_of_friction_on(degrees: float, turns: int) -> None:
+def test_a_turn_from_the_angle_of_friction_on(degrees, turns):
     """On a slope a block slides where its angle is more than arctan mu."""
     made = leaning(degrees, np.tan(np.radians(30.0)))
     order = kilter.plan(made, kilter.PlanRules(before=FIRST, fewest="turns", hold=0))
@@ -92,7 +90,7 @@ def test_a_turn_from_the_angle_of_friction_on(degrees: float, turns: int) -> Non
 
 
 @pytest.mark.slow
-def test_of_two_turns_it_is_open_whether_they_are_the_fewest() -> None:
+def test_of_two_turns_it_is_open_whether_they_are_the_fewest():
     """A asks for no lean along x; C for one of more than .4, and none along y; the whole for both.
 
     C lies with its middle .2 left of a pillar and leans on a wall up to .5 above its middle.
@@ -122,7 +120,7 @@ def test_of_two_turns_it_is_open_whether_they_are_the_fewest() -> None:
     assert not reasons(order, proof_of(order))
 
 
-def test_what_goes_not_with_turns() -> None:
+def test_what_goes_not_with_turns():
     with pytest.raises(InputError, match="turns cannot be combined with"):
         kilter.plan(scene("tower"), kilter.PlanRules(turn=True, press=1.0))
     with pytest.raises(InputError, match="turns cannot be combined with"):

@@ -1,7 +1,5 @@
 """What the tests of regions share: closed forms, and directions judged one by one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Hulls that enclose a region, and rays to its boundary."""
 
-from __future__ import annotations
-
 from itertools import cycle, islice
 
 import numpy as np
@@ -47,7 +45,7 @@ def points_of(kind: str, dimension: int, seed: int) -> np.ndarray:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_hull_is_that_of_qhull(kind: str, dimension: int) -> None:
+def test_the_hull_is_that_of_qhull(kind, dimension):
     for seed in range(10):
         points = points_of(kind, dimension, seed)
         hull, other = GrowingHull.of(points, 1e-10), ConvexHull(points)
@@ -59,7 +57,7 @@ def test_the_hull_is_that_of_qhull(kind: str, dimension: int) -> None:
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_flat_points_have_no_hull(dimension: int) -> None:
+def test_flat_points_have_no_hull(dimension):
     flat = np.zeros((5, dimension))
     flat[:, : dimension - 1] = np.random.default_rng(0).normal(size=(5, dimension - 1))
     assert GrowingHull.of(flat, 1e-9) is None
@@ -87,7 +85,7 @@ def axes_and_back(dimension: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_the_nearest_boundary_from_both_sides(dimension: int) -> None:
+def test_the_nearest_boundary_from_both_sides(dimension):
     axes = np.array([1.5, 1.0, 4.0])[:dimension]
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(dimension, dimension)))[0]
     inside = ellipsoid(axes)
@@ -105,7 +103,7 @@ def test_the_nearest_boundary_from_both_sides(dimension: int) -> None:
 
 
 @pytest.mark.parametrize("failing", [0, 3, 8])
-def test_a_failed_answer_is_said_and_nothing_breaks(failing: int) -> None:
+def test_a_failed_answer_is_said_and_nothing_breaks(failing):
     oracle = ellipsoid(np.array([1.5, 1.0, 4.0]), failing)
     face = nearest_face(oracle, axes_and_back(3), agree=1e-4, limit=200)
     if failing == 0:
@@ -115,7 +113,7 @@ def test_a_failed_answer_is_said_and_nothing_breaks(failing: int) -> None:
         assert face.inner <= 1.0 + 1e-12 <= face.outer + 2e-12
 
 
-def test_a_set_that_is_flat_has_its_boundary_at_0() -> None:
+def test_a_set_that_is_flat_has_its_boundary_at_0():
     def segment(direction: np.ndarray) -> SupportPoint:
         along = abs(float(direction[0])) > 1 - 1e-12
         if along:
@@ -126,7 +124,7 @@ def test_a_set_that_is_flat_has_its_boundary_at_0() -> None:
     assert (face.inner, face.outer) == (0.0, 0.0)
 
 
-def test_a_difference_that_counts_as_none_ends_it_sooner() -> None:
+def test_a_difference_that_counts_as_none_ends_it_sooner():
     oracle = ellipsoid(np.array([1.5, 1.0, 4.0]))
     near, exact = (
         nearest_face(oracle, axes_and_back(3), agree=1e-6, limit=500, within=within)
@@ -136,7 +134,7 @@ def test_a_difference_that_counts_as_none_ends_it_sooner() -> None:
     assert near.outer - 1e-2 <= near.inner <= 1.0 + 1e-12 <= near.outer + 2e-12
 
 
-def test_every_facet_of_a_polytope_is_settled() -> None:
+def test_every_facet_of_a_polytope_is_settled():
     corners = np.random.default_rng(4).normal(size=(30, 3))
 
     def support(direction: np.ndarray) -> SupportPoint:
@@ -165,7 +163,7 @@ def pulled(program: Program, count: int, seed: int) -> tuple[ConeBalance, list[n
     return balance_in_cones(program, program.load, wrenches[0], 1.0), wrenches
 
 
-def test_arrays_of_several_loads_are_those_of_each() -> None:
+def test_arrays_of_several_loads_are_those_of_each():
     cones = pulled(program_of(12), 1, 0)[0].cones
     random = np.random.default_rng(1)
     x = random.normal(size=(3, 4, cones.columns.shape[2]))
@@ -184,7 +182,7 @@ def test_arrays_of_several_loads_are_those_of_each() -> None:
 @pytest.mark.parametrize(
     ("seed", "failures"), sampled(1, [(12, 0), (17, 1), (10, 0), (3, 0), (28, 5)])
 )
-def test_shares_side_by_side_are_the_limits_of_each_load(seed: int, failures: int) -> None:
+def test_shares_side_by_side_are_the_limits_of_each_load(seed, failures):
     """A search may fail, as its function states; of these assemblies no more than were known."""
     program = program_of(seed)
     if judge(program).stable is not True:
@@ -210,7 +208,7 @@ def test_shares_side_by_side_are_the_limits_of_each_load(seed: int, failures: in
     assert again.count(None) <= failures
 
 
-def test_distances_to_a_hull_are_those_of_nonnegative_sums() -> None:
+def test_distances_to_a_hull_are_those_of_nonnegative_sums():
     random = np.random.default_rng(3)
     for wide in (0.2, 1.0, 3.0):
         rays = unit_rows(np.array([0, 0, 1]) + np.column_stack([wide * random.normal(size=(9, 2)),
@@ -225,13 +223,13 @@ def test_distances_to_a_hull_are_those_of_nonnegative_sums() -> None:
             assert angle == pytest.approx(exact, abs=1e-7) or angle > np.pi / 2 - 1e-7
 
 
-def test_flat_rays_have_no_hull() -> None:
+def test_flat_rays_have_no_hull():
     flat = unit_rows(np.array([[1.0, 0, 1], [0, 0, 1], [-1, 0, 1]]))
     assert inner_hull(flat, np.array([0.0, 0.0, 1.0])) is None
 
 
 @pytest.mark.parametrize("seed", sampled(1, [20, *range(20), *range(21, 30)]))
-def test_directions_on_both_sides_of_a_region_of_cells(seed: int) -> None:
+def test_directions_on_both_sides_of_a_region_of_cells(seed):
     program = program_of(seed)
     found = friction_cone(program)
     assert found.proved
@@ -264,9 +262,7 @@ def stopping(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(("after", "least"), sampled(1, [(0, 5.0), (1, 0.5), (2, 0.1)]))
-def test_a_time_limit_leaves_a_coarse_region_with_its_gap(
-    after: int, least: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_time_limit_leaves_a_coarse_region_with_its_gap(after, least, monkeypatch):
     stopping(after, monkeypatch)
     coarse = kilter.region(stacks.block_on_slope(0.0, friction=0.5))
     half = np.degrees(np.arctan(0.5))
@@ -278,6 +274,6 @@ def test_a_time_limit_leaves_a_coarse_region_with_its_gap(
     assert any("the time limit ended the search" in text for text in coarse.warnings)
 
 
-def test_a_time_limit_of_nothing_tells_the_given_direction() -> None:
+def test_a_time_limit_of_nothing_tells_the_given_direction():
     with pytest.raises(TimeLimitReached, match="With gravity as given"):
         kilter.region(stacks.block_on_slope(0.0, friction=0.5), time_limit=0.0)

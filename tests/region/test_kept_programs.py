@@ -1,7 +1,5 @@
 """Programs that are kept and solved again, and interrupted solvers."""
 
-from __future__ import annotations
-
 import _thread
 import math
 import os
@@ -40,7 +38,7 @@ def random_program(seed: int, rows: int = 15, columns: int = 30) -> LinearProgra
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_new_cost(seed: int) -> None:
+def test_a_new_cost(seed):
     program = random_program(seed)
     kept = KeptProgram(program)
     random = np.random.default_rng(seed)
@@ -55,7 +53,7 @@ def test_a_new_cost(seed: int) -> None:
     assert program.cost is not kept.program.cost
 
 
-def test_new_bounds_and_entries() -> None:
+def test_new_bounds_and_entries():
     kept = KeptProgram(random_program(1))
     kept.solve()
     kept.change_bounds([0, 3], [0.5, 0.25], [0.5, 0.25])
@@ -67,7 +65,7 @@ def test_new_bounds_and_entries() -> None:
     assert found.objective == pytest.approx(solve_linear(kept.program).objective, abs=1e-9)
 
 
-def test_a_wrong_answer_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_answer_is_solved_again(monkeypatch):
     """A warm answer that is not optimal, whatever its status said, is not given out."""
     kept = KeptProgram(random_program(2))
     right = kept.solve()
@@ -86,7 +84,7 @@ def test_a_wrong_answer_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None
     assert again.objective == pytest.approx(right.objective)
 
 
-def test_the_gap_sees_what_is_wrong() -> None:
+def test_the_gap_sees_what_is_wrong():
     kept = KeptProgram(random_program(3))
     found = kept.solve()
     worse = found.x.copy()
@@ -107,7 +105,7 @@ def line(low: float, high: float, *, cost: float = 1.0, end: float = 1.0) -> Lin
     )
 
 
-def test_infeasible_and_unbounded_do_not_hold() -> None:
+def test_infeasible_and_unbounded_do_not_hold():
     none = KeptProgram(line(5, 6)).solve()
     assert not none.holds
     assert none.outcome == "infeasible"
@@ -119,7 +117,7 @@ def test_infeasible_and_unbounded_do_not_hold() -> None:
 
 
 @pytest.mark.parametrize("end", [1.0, np.inf])
-def test_that_there_is_none_is_rechecked_and_one_number_flips_it(end: float) -> None:
+def test_that_there_is_none_is_rechecked_and_one_number_flips_it(end):
     pair = csc_array([[1.0, 1.0], [1.0, 1.0]])
     zero, two = np.zeros(2), np.ones(2)
 
@@ -136,9 +134,7 @@ def test_that_there_is_none_is_rechecked_and_one_number_flips_it(end: float) -> 
     assert not some.proves_none
 
 
-def test_a_solver_that_is_stopped_says_failed_not_that_there_is_none(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_solver_that_is_stopped_says_failed_not_that_there_is_none(monkeypatch):
     from kilter.solvers import highs
 
     program = random_program(4)
@@ -157,9 +153,7 @@ def test_a_solver_that_is_stopped_says_failed_not_that_there_is_none(
     assert not KeptProgram(program).solve().holds
 
 
-def test_where_no_simplex_ends_the_interior_point_takes_over(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_where_no_simplex_ends_the_interior_point_takes_over(monkeypatch):
     from kilter.solvers import highs
 
     program = random_program(4)
@@ -178,7 +172,7 @@ def test_where_no_simplex_ends_the_interior_point_takes_over(
     assert again.holds
 
 
-def test_conic_answers_say_none_endless_or_a_point() -> None:
+def test_conic_answers_say_none_endless_or_a_point():
     def inside(low: float) -> Solution:  # low <= x <= 1, min x^2
         rows = csc_array([[1.0], [-1.0]])
         square = csc_array(2 * np.eye(1))
@@ -203,7 +197,7 @@ def heard() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
-def test_what_it_raises_is_raised() -> None:
+def test_what_it_raises_is_raised():
     def broken() -> None:
         raise ValueError("broken")
 
@@ -211,7 +205,7 @@ def test_what_it_raises_is_raised() -> None:
         run_aside(broken, lambda: None)
 
 
-def test_an_interruption_stops_the_call_and_goes_on() -> None:
+def test_an_interruption_stops_the_call_and_goes_on():
     stopped = threading.Event()
     started = time.perf_counter()
     threading.Timer(0.2, _thread.interrupt_main).start()
@@ -221,7 +215,7 @@ def test_an_interruption_stops_the_call_and_goes_on() -> None:
     assert time.perf_counter() - started < 10
 
 
-def test_it_is_just_called_in_another_thread() -> None:
+def test_it_is_just_called_in_another_thread():
     where: list[threading.Thread] = []
 
     def ask() -> None:
@@ -233,18 +227,18 @@ def test_it_is_just_called_in_another_thread() -> None:
     assert where == [thread]
 
 
-def test_what_is_raised_in_a_process_of_its_own_is_raised() -> None:
+def test_what_is_raised_in_a_process_of_its_own_is_raised():
     with pytest.raises(ValueError, match="domain"):
         call_apart(math.sqrt, -1.0)
 
 
-def test_a_process_that_breaks_down_is_a_solver_that_did() -> None:
+def test_a_process_that_breaks_down_is_a_solver_that_did():
     with pytest.raises(SolverError):
         call_apart(os._exit, 3)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_an_interruption_ends_the_process_and_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interruption_ends_the_process_and_goes_on(monkeypatch):
     made = []
     start = interrupts.start_process
     monkeypatch.setattr(
@@ -274,7 +268,7 @@ def again_and_again(program: LinearProgram) -> None:
 
 
 @pytest.mark.slow
-def test_the_simplex_is_interrupted() -> None:
+def test_the_simplex_is_interrupted():
     program = large_program()
     assert program.matrix.nnz > interrupts.LONG
     threading.Timer(0.5, _thread.interrupt_main).start()
@@ -286,7 +280,7 @@ def test_the_simplex_is_interrupted() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("beside", ["clarabel.LONG", "clarabel.DEAF", "highs.LONG"])
-def test_it_is_the_same_beside(monkeypatch: pytest.MonkeyPatch, beside: str) -> None:
+def test_it_is_the_same_beside(monkeypatch, beside):
     linear = LinearProgram(
         -np.ones(2), csc_array([[1.0, 2.0]]), np.zeros(1), np.ones(1), np.zeros(2), np.ones(2)
     )
@@ -307,7 +301,7 @@ def test_it_is_the_same_beside(monkeypatch: pytest.MonkeyPatch, beside: str) -> 
     assert (after.multipliers == before.multipliers).all()
 
 
-def test_a_solver_whose_process_breaks_down_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solver_whose_process_breaks_down_failed(monkeypatch):
     def broken(*_: object) -> None:
         raise SolverError("a solver's process broke down", status="failed")
 
@@ -321,9 +315,7 @@ def test_a_solver_whose_process_breaks_down_failed(monkeypatch: pytest.MonkeyPat
     assert (answer.outcome, answer.found) == ("failed", False)
 
 
-def test_a_kept_program_asks_for_an_interruption_once_however_often_it_is_solved(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_kept_program_asks_for_an_interruption_once_however_often_it_is_solved(monkeypatch):
     linear = LinearProgram(
         -np.ones(2), csc_array([[1.0, 2.0]]), np.zeros(1), np.ones(1), np.zeros(2), np.ones(2)
     )

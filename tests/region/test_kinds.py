@@ -1,7 +1,5 @@
 """Regions of gravity: their kinds, cones, figures of the paper, and several at once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cones import (
@@ -40,7 +38,7 @@ from sampled import sampled
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", KINDS)
-def test_closed_form(name: str) -> None:
+def test_closed_form(name):
     kind, build, lines, rays = KINDS[name]
     region = kilter.region(build())
     assert region.kind == kind
@@ -50,20 +48,20 @@ def test_closed_form(name: str) -> None:
     assert region.dimension == 3 - len(region.equations)
 
 
-def test_every_kind_is_produced() -> None:
+def test_every_kind_is_produced():
     assert {entry[0] for entry in KINDS.values()} == set(ALL_KINDS.values())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
-def test_directions_one_by_one(name: str) -> None:
+def test_directions_one_by_one(name):
     region = region_of(name)
     assert not disagreements(region, directions(region, 100))
 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
-def test_the_answer_describes_itself(name: str) -> None:
+def test_the_answer_describes_itself(name):
     """Equations, facets, rays and lines of the JSON answer are one and the same cone."""
     answer = region_of(name).to_dict()
     lines, rays, equations, facets = (
@@ -91,7 +89,7 @@ def _center_and_angle(answer: dict, facets: np.ndarray) -> None:
 
 
 @pytest.mark.slow
-def test_planar_kinds() -> None:
+def test_planar_kinds():
     wanted = {"": "none", "-z": "ray", "-x +x": "line", "-x -z": "fan"}
     wanted |= {"-x +x -z": "half-plane", "-x +x -z +z": "plane"}
     for sides, kind in wanted.items():
@@ -140,7 +138,7 @@ def cone_of(rays: Array) -> tuple[Cone, int]:
 
 @pytest.mark.slow
 @given(st.integers(0, 10**6), st.integers(1, 12), st.sampled_from([0.01, 0.3, 1.0, 3.0]))
-def test_a_cone_is_found_from_its_rays(seed: int, count: int, spread: float) -> None:
+def test_a_cone_is_found_from_its_rays(seed, count, spread):
     random = np.random.default_rng(seed)
     axis = random.normal(size=3)
     axis /= np.linalg.norm(axis)
@@ -159,20 +157,20 @@ def test_a_cone_is_found_from_its_rays(seed: int, count: int, spread: float) -> 
 
 
 @pytest.mark.parametrize("tilt", [0.0, 1e-4, 1e-7])
-def test_wide_fans_and_half_planes(tilt: float) -> None:
+def test_wide_fans_and_half_planes(tilt):
     rays = [[1.0, -tilt, 0], [-1.0, -tilt, 0], [0, -1.0, 0]]
     cone, _ = cone_of(rays)
     assert cone.kind == ("fan" if tilt else "half-plane")
     assert cone.half_angle_deg == pytest.approx(90 - np.degrees(tilt), abs=1e-9)
 
 
-def test_rays_within_the_blur_are_one() -> None:
+def test_rays_within_the_blur_are_one():
     cone, _ = cone_of([[0, 0, -1], [1e-10, 0, -1], [0, 1e-10, -1]])
     assert cone.kind == "ray"
 
 
 @given(st.integers(0, 10**6), st.integers(1, 8))
-def test_the_axis_has_the_widest_margin(seed: int, count: int) -> None:
+def test_the_axis_has_the_widest_margin(seed, count):
     random = np.random.default_rng(seed)
     axis = random.normal(size=3)
     facets = random.normal(size=(count, 3))
@@ -184,7 +182,7 @@ def test_the_axis_has_the_widest_margin(seed: int, count: int) -> None:
     assert (facets @ best).min() >= (others @ facets.T).min(axis=1).max() - 1e-12
 
 
-def test_shapes_of_directions() -> None:
+def test_shapes_of_directions():
     cone, _ = cone_of(-np.eye(3))
     assert cone.contains([-1, -1, -1]).shape == ()
     assert cone.contains(np.full((4, 5, 3), -1.0)).shape == (4, 5)
@@ -206,7 +204,7 @@ PAIRS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("one", "other", "kind"), PAIRS)
-def test_intersections(one: str, other: str, kind: str) -> None:
+def test_intersections(one, other, kind):
     both = [rails.railed(one), rails.railed(other, count=2)]
     region = common_region(both)
     assert region.kind == kind
@@ -214,7 +212,7 @@ def test_intersections(one: str, other: str, kind: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_plan_without_a_common_direction() -> None:
+def test_a_plan_without_a_common_direction():
     region = common_region([paper.figure_11(), paper.figure_12()])
     assert region.kind == "none"
     assert "no direction is stable for all assemblies" in region.warnings[-1]
@@ -222,7 +220,7 @@ def test_a_plan_without_a_common_direction() -> None:
 
 
 @pytest.mark.slow
-def test_common_proofs_verify() -> None:
+def test_common_proofs_verify():
     region = common_region([rails.railed("-x +x -z", count=2), rails.railed("-x -y -z")])
     proofs = region.proofs()
     assert region.kind == "fan"
@@ -236,12 +234,12 @@ def test_common_proofs_verify() -> None:
 
 
 @pytest.mark.slow
-def test_one_is_itself() -> None:
+def test_one_is_itself():
     assembly = wedges.corner_wedges()
     assert same_rays(common_region([assembly]).rays, list(kilter.region(assembly).rays))
 
 
-def test_none_given() -> None:
+def test_none_given():
     with pytest.raises(InputError, match="no assembly is given"):
         common_region([])
 
@@ -252,7 +250,7 @@ POSES = [([0.3, -0.5, 0.2, 0.7], [3, -2, 5]), ([0.9, 0.1, -0.4, 0.2], [0, 0, 0])
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("pose", [None, *range(len(POSES))])
 @pytest.mark.parametrize("name", BUILDERS)
-def test_float32_keeps_the_kind(name: str, pose: int | None) -> None:
+def test_float32_keeps_the_kind(name, pose):
     assembly = BUILDERS[name]()
     if pose is not None and not assembly.planar:
         assembly = moved(assembly, *POSES[pose])
@@ -278,9 +276,7 @@ MICRO = np.radians(1e-6)
     ("angle", "mass_a", "mass_b", "from_down"),
     [(45, 1, 1, 45.0), (60, 1, 1, 60.0), (45, 1, 2, 63.43494882), (60, 1, 2, 73.89788625)],
 )
-def test_figures_11_and_12(
-    angle: float, mass_a: float, mass_b: float, from_down: float, planar: bool
-) -> None:
+def test_figures_11_and_12(angle, mass_a, mass_b, from_down, planar):
     assembly = paper.two_blocks_in_an_l(angle, mass_a=mass_a, mass_b=mass_b, planar=planar)
     region = kilter.region(assembly)
     assert region.kind == "ray"
@@ -294,14 +290,14 @@ def test_figures_11_and_12(
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize("stable", [False, True])
-def test_the_l_leans_as_far_as_it_is_turned(stable: bool, planar: bool) -> None:
+def test_the_l_leans_as_far_as_it_is_turned(stable, planar):
     region = kilter.region(paper.two_blocks_in_an_l(60.0, stable=stable, planar=planar))
     wanted = -Z if stable else np.array([-np.sin(np.pi / 3), 0, -0.5])
     assert np.linalg.norm(region.rays[0] - wanted) < MICRO
 
 
 @pytest.mark.parametrize("planar", [False, True])
-def test_figure_10_is_a_fan(planar: bool) -> None:
+def test_figure_10_is_a_fan(planar):
     region = kilter.region(paper.figure_10(planar=planar))
     assert region.kind == "fan"
     assert region.half_angle_deg == pytest.approx(45.0, abs=1e-9)
@@ -311,7 +307,7 @@ def test_figure_10_is_a_fan(planar: bool) -> None:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize(("mass_a", "mass_b"), [(1.0, 1.0), (1.0, 2.0), (2.0, 1.0)])
-def test_the_trapped_wedge(mass_a: float, mass_b: float, planar: bool) -> None:
+def test_the_trapped_wedge(mass_a, mass_b, planar):
     region = kilter.region(paper.trapped_wedge(mass_a=mass_a, mass_b=mass_b, planar=planar))
     most = np.arctan(mass_a / mass_b)
     assert region.kind == "fan"
@@ -319,13 +315,13 @@ def test_the_trapped_wedge(mass_a: float, mass_b: float, planar: bool) -> None:
     assert same_rays(region.rays, [-Z, np.array([-np.sin(most), 0, -np.cos(most)])], MICRO)
 
 
-def test_the_loop_of_figure_9() -> None:
+def test_the_loop_of_figure_9():
     assert kilter.region(paper.figure_9(planar=True)).kind == "plane"
 
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("angle", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
-def test_ever_thinner(angle: float) -> None:
+def test_ever_thinner(angle):
     """A cube on four points whose normals lean by `angle` [rad] and meet in its middle."""
     leans = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]]) * np.sin(angle)
     normals = np.column_stack([leans, np.full(4, np.cos(angle))])
@@ -342,7 +338,7 @@ def test_ever_thinner(angle: float) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
-def test_few_programs(name: str) -> None:
+def test_few_programs(name):
     region = region_of(name)
     assert region.programs <= len(region.rays) + len(region.facets) + 12
 
@@ -366,13 +362,13 @@ def wedge_in_gap(slope: float, friction: float) -> Assembly:
 
 
 @pytest.mark.parametrize("slope", [0.2, 0.7])
-def test_wedge_locks_if_its_slope_is_below_friction(slope: float) -> None:
+def test_wedge_locks_if_its_slope_is_below_friction(slope):
     for factor, free in ((1.001, 0), (0.999, 1)):
         locked = find_locked_parts(program_of(wedge_in_gap(slope, factor * slope)))
         assert int(locked.program.free.sum()) == free
 
 
-def test_a_block_on_a_table_is_not_locked() -> None:
+def test_a_block_on_a_table_is_not_locked():
     program = program_of(stacks.block_on_slope(0.0, friction=0.5))
     assert find_locked_parts(program).program is program
 
@@ -401,7 +397,7 @@ def lifted_holds(locked: LockedParts, down: np.ndarray) -> tuple[bool | None, bo
 
 
 @pytest.mark.parametrize("seed", sampled(2, [22, 20, 1, 5, 8, 9, 13, 14, 16, 18, 19, 23, 26, 28]))
-def test_the_same_directions_are_held_with_proofs_of_the_whole(seed: int) -> None:
+def test_the_same_directions_are_held_with_proofs_of_the_whole(seed):
     program = program_of(random_voronoi(seed, CELLS, ROUGH))
     locked = find_locked_parts(program)
     for down in directions_near(program, np.random.default_rng(seed)):

@@ -1,7 +1,5 @@
 """Proofs of regions, with friction and in one file; tilt limits three ways."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Callable
@@ -31,7 +29,7 @@ from sampled import sampled
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
-def test_proofs_pass_verify(name: str) -> None:
+def test_proofs_pass_verify(name):
     region = region_of(name)
     proofs = region.proofs()
     assert len(proofs) == _count(region)
@@ -54,7 +52,7 @@ def _count(region) -> int:
     return len(region.rays) + 2 * len(region.lines) + len(region.facets) + 2 * equations
 
 
-def test_the_motion_of_a_facet_is_its_normal() -> None:
+def test_the_motion_of_a_facet_is_its_normal():
     region = kilter.region(wedges.corner_wedges())
     for proof in region.found[0].proofs:
         if proof.about != "facet":
@@ -68,7 +66,7 @@ def test_the_motion_of_a_facet_is_its_normal() -> None:
         assert any(step <= beyond < 1.1 * step for step in BEYOND_CONE[:3]), beyond
 
 
-def test_facets_are_not_claimed_where_friction_may_hold() -> None:
+def test_facets_are_not_claimed_where_friction_may_hold():
     assembly = rails.railed("-x -z").with_friction(0.5)
     region = kilter.common_region([assembly])
     assert {proof.about for proof in region.proofs()} == {"ray"}
@@ -77,7 +75,7 @@ def test_facets_are_not_claimed_where_friction_may_hold() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
-def test_proofs_with_friction_are_verified(planar: bool) -> None:
+def test_proofs_with_friction_are_verified(planar):
     assembly = rails.railed("-z", planar=planar).with_friction(0.5)
     region = kilter.region(assembly, gap_deg=3.0)
     proofs = region.proofs()
@@ -103,7 +101,7 @@ def through_json(data):
 
 
 @pytest.mark.slow
-def test_one_number_flipped_is_caught() -> None:
+def test_one_number_flipped_is_caught():
     assembly = CASES["arch"]()
     data = through_json(kilter.region(assembly).proof())
     place = {entry["about"]: k for k, entry in enumerate(data["proofs"])}
@@ -134,7 +132,7 @@ def test_one_number_flipped_is_caught() -> None:
     assert not kilter.verify(other, data).holds
 
 
-def test_what_cannot_be_written_is_said() -> None:
+def test_what_cannot_be_written_is_said():
     one = rails.railed("-x -z")
     with pytest.raises(InputError, match="several files"):
         kilter.common_region([one, one]).proof()
@@ -165,7 +163,7 @@ def verified(name: str, change: Callable[[Bundle], object]) -> kilter.Verificati
 
 @pytest.mark.quick("cone")
 @pytest.mark.parametrize("name", SCENES)
-def test_a_whole_region_holds_and_states_its_gap(name: str) -> None:
+def test_a_whole_region_holds_and_states_its_gap(name):
     found = verified(name, lambda bundle: None)
     assert found.holds, found.reasons
     assert found.notes[0].startswith("a direction without a proof lies at most")
@@ -174,7 +172,7 @@ def test_a_whole_region_holds_and_states_its_gap(name: str) -> None:
 @pytest.mark.quick("ray-ray", "facet-cone", "equation-ray")
 @pytest.mark.parametrize("name", ["ray", "cone", "friction"])
 @pytest.mark.parametrize("subject", ["ray", "facet", "equation"])
-def test_a_region_without_some_of_its_proofs_is_not_closed(name: str, subject: str) -> None:
+def test_a_region_without_some_of_its_proofs_is_not_closed(name, subject):
     left = [entry for entry in proof_of(name)["proofs"] if entry["about"] == subject]
     if not left:
         pytest.skip("this region has none")
@@ -189,7 +187,7 @@ def test_a_region_without_some_of_its_proofs_is_not_closed(name: str, subject: s
     assert any("rays and facets differ by" in reason for reason in found.reasons)
 
 
-def test_a_motion_of_an_unknown_part_is_a_reason() -> None:
+def test_a_motion_of_an_unknown_part_is_a_reason():
     def other(bundle: Bundle) -> None:
         entry = next(entry for entry in bundle["proofs"] if entry["about"] == "facet")
         entry["proof"]["motion"]["nobody"] = [0.0] * 6
@@ -213,7 +211,7 @@ def asked(family: str, seed: int) -> tuple[Assembly, ContactSet, Program, Region
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed"), CASES_FRICTION)
-def test_every_direction_is_judged_as_the_region_says(family: str, seed: int) -> None:
+def test_every_direction_is_judged_as_the_region_says(family, seed):
     assembly, _, program, found = asked(family, seed)
     assert found.proved
     assert (found.gap_deg or 0.0) <= 0.1
@@ -236,7 +234,7 @@ def test_every_direction_is_judged_as_the_region_says(family: str, seed: int) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed"), CASES_FRICTION)
-def test_three_margins_are_one(family: str, seed: int) -> None:
+def test_three_margins_are_one(family, seed):
     assembly, contacts, program, found = asked(family, seed)
     turned = kilter.orient(assembly, contacts=contacts)
     gap = (found.gap_deg or 0.0) + 1e-6
@@ -323,7 +321,7 @@ def found():
 
 
 @pytest.mark.slow
-def test_tilt_limits_at_eight_azimuths_agree(found) -> None:
+def test_tilt_limits_at_eight_azimuths_agree(found):
     _, program, region = found
     assert int(program.free.sum()) == 40
     assert region.kind == "cone"
@@ -341,7 +339,7 @@ def test_tilt_limits_at_eight_azimuths_agree(found) -> None:
 
 
 @pytest.mark.slow
-def test_the_nearest_is_the_margin(found) -> None:
+def test_the_nearest_is_the_margin(found):
     _, program, region = found
     tilt = find_tilt_margin(program)
     nearest = np.degrees(np.arcsin((region.facets @ program.down).min()))

@@ -19,7 +19,7 @@ from kilter.scenes.pieces import block
 from kilter.shape.primitives import Box
 
 
-def test_no_free_part() -> None:
+def test_no_free_part():
     held = block("a", [0, 0, 0], [1, 1, 1], grounded=True)
     region = kilter.region(Assembly([held]))
     assert (region.kind, region.programs) == ("all", 0)
@@ -30,23 +30,23 @@ def test_no_free_part() -> None:
     assert flat.equations.tolist() == [[0.0, 1.0, 0.0]]
 
 
-def test_loads_are_refused() -> None:
+def test_loads_are_refused():
     assembly = dataclasses.replace(stacks.tower(2), loads=[Load("cube-1", force=[0, 0, -1])])
     with pytest.raises(InputError, match="loads are given"):
         kilter.region(assembly)
 
 
-def test_loads_on_held_parts_are_refused() -> None:
+def test_loads_on_held_parts_are_refused():
     with pytest.raises(InputError, match="a load acts on a held part"):
         dataclasses.replace(stacks.tower(2), loads=[Load("base", force=[0, 0, -1])])
 
 
-def test_nothing_held() -> None:
+def test_nothing_held():
     with pytest.raises(InputError, match="nothing is held"):
         kilter.region(Assembly([Part("a", Box([1, 1, 1]))]))
 
 
-def test_a_part_that_touches_nothing() -> None:
+def test_a_part_that_touches_nothing():
     parts = [*stacks.tower(2).parts, Part("lost", Box([1, 1, 1]), Pose([9, 9, 9]))]
     region = kilter.region(Assembly(parts))
     assert region.kind == "none"
@@ -54,7 +54,7 @@ def test_a_part_that_touches_nothing() -> None:
     assert any("touches nothing" in text and "'lost'" in text for text in region.warnings)
 
 
-def test_a_joint_holds_every_direction() -> None:
+def test_a_joint_holds_every_direction():
     base = block("base", [0, 0, 0], [1, 1, 1], grounded=True)
     arm = block("arm", [5, 0, 0], [6, 1, 1])
     region = kilter.region(Assembly([base, arm], joints=[Joint(("base", "arm"))]))
@@ -63,7 +63,7 @@ def test_a_joint_holds_every_direction() -> None:
     assert not any("touches nothing" in text for text in region.warnings)
 
 
-def test_a_joint_and_a_contact() -> None:
+def test_a_joint_and_a_contact():
     """Two cubes joined to one, on a table under the first alone: they tip, unless held."""
     base = block("base", [0, 0, -1], [1, 1, 0], grounded=True)
     cubes = [block("on", [0, 0, 0], [1, 1, 1]), block("off", [1, 0, 0], [1.5, 1, 1])]
@@ -73,7 +73,7 @@ def test_a_joint_and_a_contact() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_left_out_is_said() -> None:
+def test_what_is_left_out_is_said():
     rough = stacks.tower(2, friction=0.5)
     assert any("left out: friction" in text for text in kilter.common_region([rough]).warnings)
     counted = kilter.region(rough)
@@ -86,7 +86,7 @@ def test_what_is_left_out_is_said() -> None:
 
 
 @pytest.mark.slow
-def test_a_knife_edge_says_what_to_hold() -> None:
+def test_a_knife_edge_says_what_to_hold():
     texts = [text for text in kilter.region(stacks.tower(2)).warnings if "knife edge" in text]
     assert len(texts) == 1
     assert "only for one direction" in texts[0]
@@ -96,7 +96,7 @@ def test_a_knife_edge_says_what_to_hold() -> None:
     assert not any("knife edge" in text for text in flat.warnings)
 
 
-def test_masses_far_apart() -> None:
+def test_masses_far_apart():
     """A feather under an anvil: each has its own weight."""
     parts = [
         dataclasses.replace(part, mass=10.0 ** (4 * k))
@@ -108,7 +108,7 @@ def test_masses_far_apart() -> None:
     assert region.cone.half_angle_deg == pytest.approx(35.264389682754654)
 
 
-def test_progress_tells_of_each_program() -> None:
+def test_progress_tells_of_each_program():
     told: list[str] = []
     assembly = rails.railed("-x -z")
     program = build_program(assembly, detect.contacts(assembly))
@@ -117,7 +117,7 @@ def test_progress_tells_of_each_program() -> None:
     assert told[0].startswith("region: directions decided ")
 
 
-def test_progress_of_a_region_with_friction_reports_directions_and_the_gap() -> None:
+def test_progress_of_a_region_with_friction_reports_directions_and_the_gap():
     told: list[str] = []
     block = stacks.block_on_slope(0.0, friction=0.5)
     program = build_program(block, detect.contacts(block))
@@ -128,7 +128,7 @@ def test_progress_of_a_region_with_friction_reports_directions_and_the_gap() -> 
     assert gaps == sorted(gaps, reverse=True)
 
 
-def test_margin_and_answer() -> None:
+def test_margin_and_answer():
     region = kilter.region(rails.railed("-x -y -z"))
     center = region.center
     half = np.radians(region.cone.half_angle_deg)

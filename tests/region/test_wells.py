@@ -69,7 +69,7 @@ def half_cylinder(sides: int = 24) -> Part:
 
 
 @pytest.mark.parametrize(("units", "metres"), [("m", 1.0), ("mm", 1e-3)])
-def test_a_box_tips_over_its_nearest_edge(units: str, metres: float) -> None:
+def test_a_box_tips_over_its_nearest_edge(units, metres):
     well = well_of(block("b", [0, 0, 0], [1.0, 1.4, 3.0], mass=2.0), units)
     assert well is not None
     assert well.over_deg == pytest.approx(np.degrees(np.arctan2(0.5, 1.5)), rel=1e-12)
@@ -77,7 +77,7 @@ def test_a_box_tips_over_its_nearest_edge(units: str, metres: float) -> None:
     assert (well.stiffness, well.axis, well.period) == (None, None, None)
 
 
-def test_a_turned_box_has_the_same_well() -> None:
+def test_a_turned_box_has_the_same_well():
     straight = block("b", [0, 0, 0], [1.0, 1.4, 3.0])
     assembly = on_table(straight)
     expected = find_tipping(assembly.geometry, 1, DOWN)
@@ -91,7 +91,7 @@ def test_a_turned_box_has_the_same_well() -> None:
     assert found.rise == pytest.approx(expected.rise, rel=1e-9)
 
 
-def test_what_rolls_on_to_a_face_it_cannot_rest_on_goes_over_later() -> None:
+def test_what_rolls_on_to_a_face_it_cannot_rest_on_goes_over_later():
     """A chamfer beside its base takes the tilt, and the next edge is what it goes over."""
     chamfer = np.array([[-1, 0], [0.8, 0], [1.1, 0.15], [1.1, 2], [-1, 2]])
     corners = np.vstack([np.insert(chamfer, 1, y, axis=1) for y in (-1.0, 1.0)])
@@ -111,7 +111,7 @@ def test_what_rolls_on_to_a_face_it_cannot_rest_on_goes_over_later() -> None:
 
 
 @pytest.mark.slow
-def test_a_half_ball_rights_itself_by_three_eighths() -> None:
+def test_a_half_ball_rights_itself_by_three_eighths():
     well = well_of(lathed((0, 0), (1, 1, 0, 1), (0, 1), mass=2.0))
     assert well is not None
     assert well.stiffness == pytest.approx(2 * G * 3 / 8, rel=1e-12)
@@ -123,7 +123,7 @@ def test_a_half_ball_rights_itself_by_three_eighths() -> None:
 
 
 @pytest.mark.slow
-def test_a_half_ball_on_its_flat_side() -> None:
+def test_a_half_ball_on_its_flat_side():
     well = well_of(lathed((0, 0), (1, 0), (0, 1, 0, 0), mass=2.0))
     assert well is not None
     assert well.over_deg == pytest.approx(np.degrees(np.arctan(8 / 3)), rel=1e-12)
@@ -131,7 +131,7 @@ def test_a_half_ball_on_its_flat_side() -> None:
 
 
 @pytest.mark.slow
-def test_a_half_cylinder_rights_itself_about_its_length_only() -> None:
+def test_a_half_cylinder_rights_itself_about_its_length_only():
     part = half_cylinder()
     mass = 1000 * 1.5 * np.pi
     well = well_of(part)
@@ -146,7 +146,7 @@ def test_a_half_cylinder_rights_itself_about_its_length_only() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("beside", [-1e-3, 1e-3])
-def test_a_roly_poly_of_one_density_stands_up_to_r_over_root_two(beside: float) -> None:
+def test_a_roly_poly_of_one_density_stands_up_to_r_over_root_two(beside):
     height = 1 / np.sqrt(2) + beside
     well = well_of(roly_poly(height))
     assert (well is not None) == (beside < 0)
@@ -158,7 +158,7 @@ def test_a_roly_poly_of_one_density_stands_up_to_r_over_root_two(beside: float) 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rise", [-1e-4, 1e-4])
-def test_a_weeble_stands_where_its_centre_of_mass_is_low(rise: float) -> None:
+def test_a_weeble_stands_where_its_centre_of_mass_is_low(rise):
     ball = Part("b", Sphere(1.0), Pose([0, 0, 1]), mass=3.0, center_of_mass=[0, 0, rise])
     well = well_of(ball)
     assert (well is not None) == (rise < 0)
@@ -178,9 +178,7 @@ def test_a_weeble_stands_where_its_centre_of_mass_is_low(rise: float) -> None:
     ],
     ids=["coin", "post", "cone", "ring"],
 )
-def test_what_stands_on_a_round_base_tips_over_its_rim(
-    part: Part, base: float, center: float
-) -> None:
+def test_what_stands_on_a_round_base_tips_over_its_rim(part, base, center):
     well = well_of(part)
     assert well is not None
     assert well.over_deg == pytest.approx(np.degrees(np.arctan2(base, center)), rel=1e-9)
@@ -188,7 +186,7 @@ def test_what_stands_on_a_round_base_tips_over_its_rim(
 
 
 @pytest.mark.slow
-def test_what_only_rolls_or_balances_has_no_well() -> None:
+def test_what_only_rolls_or_balances_has_no_well():
     assert well_of(Part("ball", Sphere(1.0), Pose([0, 0, 1]))) is None
     lying = Part("log", Cylinder(1.0, 3.0), Pose([0, 0, 1], turn([1, 0, 0], 90)))
     assert well_of(lying) is None
@@ -210,7 +208,7 @@ def test_what_only_rolls_or_balances_has_no_well() -> None:
     ],
     ids=["half ball", "roly-poly", "bottle", "cup", "box"],
 )
-def test_the_height_of_its_centre_rises_up_to_its_tilt_and_falls_beyond(part: Part) -> None:
+def test_the_height_of_its_centre_rises_up_to_its_tilt_and_falls_beyond(part):
     geometry = Assembly([part]).geometry
     tipping = find_tipping(geometry, 0, DOWN)
     assert tipping is not None
@@ -241,7 +239,7 @@ def corner(mu: float = 0.0) -> Assembly:
 
 
 @pytest.mark.slow
-def test_a_cube_in_a_corner_is_v_shaped_about_its_axis() -> None:
+def test_a_cube_in_a_corner_is_v_shaped_about_its_axis():
     """The nearest wall is arcsin(1 / sqrt 3) away; no curvature is asked for."""
     axis, *edges = kilter.region(corner(), rests=True).rests
     assert axis.down == pytest.approx(-np.ones(3) / np.sqrt(3))
@@ -254,7 +252,7 @@ def test_a_cube_in_a_corner_is_v_shaped_about_its_axis() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("wall", [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
-def test_up_to_its_tilt_it_stays_and_beyond_it_moves(wall: list[int]) -> None:
+def test_up_to_its_tilt_it_stays_and_beyond_it_moves(wall):
     rest = kilter.region(corner(), rests=True).rests[0]
     assert rest.tilt_deg is not None
     across = wall - (wall @ rest.down) * rest.down
@@ -269,7 +267,7 @@ def test_up_to_its_tilt_it_stays_and_beyond_it_moves(wall: list[int]) -> None:
 @pytest.mark.parametrize(
     ("number", "state"), [("01", "free"), ("02", "balanced"), ("03", "minimum"), ("05", "free")]
 )
-def test_what_is_round_rests_as_a_check_says(number: str, state: str) -> None:
+def test_what_is_round_rests_as_a_check_says(number, state):
     assembly = next(case for case in CASES if case.number == number).build(0.0)
     rests = kilter.region(assembly, rests=True).rests
     at = [rest for rest in rests if np.allclose(rest.down, assembly.down, atol=1e-9)]
@@ -278,7 +276,7 @@ def test_what_is_round_rests_as_a_check_says(number: str, state: str) -> None:
     assert straight[0].strict == (state == "minimum")
 
 
-def test_a_ball_in_a_bowl_has_no_width_but_swings_as_a_pendulum_does() -> None:
+def test_a_ball_in_a_bowl_has_no_width_but_swings_as_a_pendulum_does():
     """Of length R - r: the well is curved, and to first order any tilt is too much."""
     bowl = next(case for case in CASES if case.number == "03").build(0.0)
     (rest,) = kilter.region(bowl, rests=True).rests
@@ -286,16 +284,16 @@ def test_a_ball_in_a_bowl_has_no_width_but_swings_as_a_pendulum_does() -> None:
     assert rest.rate == pytest.approx(np.sqrt(9.81 / 0.6), rel=1e-6)
 
 
-def test_friction_is_refused() -> None:
+def test_friction_is_refused():
     with pytest.raises(InputError, match="only without friction"):
         kilter.region(corner(0.3), rests=True)
 
 
-def test_nothing_is_told_that_was_not_asked() -> None:
+def test_nothing_is_told_that_was_not_asked():
     assert kilter.region(corner()).to_dict()["rests"] == []
 
 
-def test_where_no_direction_is_stable_there_is_no_rest() -> None:
+def test_where_no_direction_is_stable_there_is_no_rest():
     floating = [
         block("held", [0, 0, 0], [1, 1, 1], grounded=True),
         block("b", [3, 0, 0], [4, 1, 1]),

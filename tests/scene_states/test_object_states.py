@@ -1,9 +1,6 @@
 """`kilter.scene`: the state of each object, by closed forms and on both sides of each limit."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -34,7 +31,7 @@ def states(*parts: Part, **options: object) -> dict[str, str]:
     return {entry.name: entry.state for entry in report if entry.name != "table"}
 
 
-def test_one_fault_of_each_kind_does_not_hide_the_others() -> None:
+def test_one_fault_of_each_kind_does_not_hide_the_others():
     report = kilter.scene(
         Assembly(
             [
@@ -63,7 +60,7 @@ def test_one_fault_of_each_kind_does_not_hide_the_others() -> None:
 
 @pytest.mark.parametrize("shift", [1e-5, 1e-4, 1e-3, 1e-2, 1e-1])
 @pytest.mark.parametrize("side", [1, -1])
-def test_each_gap_above_the_tolerance_is_a_fault_of_its_size(shift: float, side: int) -> None:
+def test_each_gap_above_the_tolerance_is_a_fault_of_its_size(shift, side):
     size = 2 * np.sqrt(0.75)  # of the unit cube: the smaller part
     factor = 1.2 if shift == 1e-5 else 1.0
     gap = side * factor * shift * size
@@ -74,11 +71,11 @@ def test_each_gap_above_the_tolerance_is_a_fault_of_its_size(shift: float, side:
 
 
 @pytest.mark.parametrize("side", [1, -1])
-def test_a_gap_within_the_tolerance_is_a_contact(side: int) -> None:
+def test_a_gap_within_the_tolerance_is_a_contact(side):
     assert states(cube("a", 0, side * 0.8 * GAP * 1.7))["a"] == "at-rest"
 
 
-def test_the_objects_of_a_floating_stack_have_the_same_height() -> None:
+def test_the_objects_of_a_floating_stack_have_the_same_height():
     report = kilter.scene(
         Assembly([TABLE, cube("a", 0, 0.5), cube("b", 0.2, 1.5), cube("c", -0.1, 2.5)])
     )
@@ -88,20 +85,20 @@ def test_the_objects_of_a_floating_stack_have_the_same_height() -> None:
     assert kilter.check(moved).verdict == "stable"
 
 
-def test_the_height_is_that_above_the_first_part_below() -> None:
+def test_the_height_is_that_above_the_first_part_below():
     report = kilter.scene(Assembly([TABLE, cube("a", 0, 0), cube("b", 0.9, 1.25)]))
     assert (report["b"].gap, report["b"].other) == (0.25, "a")
     beside = kilter.scene(Assembly([TABLE, cube("a", 0, 0), cube("b", 1.1, 1.25)]))
     assert (beside["b"].gap, beside["b"].other) == (1.25, "table")
 
 
-def test_an_object_at_a_wall_that_touches_nothing_below_floats() -> None:
+def test_an_object_at_a_wall_that_touches_nothing_below_floats():
     wall = Part("wall", Box([1, 10, 10]), [-0.5, 0, 5], grounded=True)
     report = kilter.scene(Assembly([TABLE, wall, cube("a", 0.5, 0.125)]))
     assert (report["a"].state, report["a"].gap, report["a"].other) == ("floats", 0.125, "table")
 
 
-def test_nothing_below_is_a_fall() -> None:
+def test_nothing_below_is_a_fall():
     report = kilter.scene(Assembly([TABLE, cube("a", 20, 3)]))
     assert (report["a"].state, report["a"].motion) == ("falls", "nothing is below it")
 
@@ -112,7 +109,7 @@ def test_nothing_below_is_a_fall() -> None:
     ids=["ball", "upright", "lying"],
 )
 @pytest.mark.parametrize("gap", [1e-3, 0.3])
-def test_the_height_of_a_round_object_is_exact(shape: object, low: float, gap: float) -> None:
+def test_the_height_of_a_round_object_is_exact(shape, low, gap):
     lying = low == 0.5 and isinstance(shape, Cylinder)
     turn = rotation_about([0.3, 1.0, 0], np.pi / 2) if lying else np.eye(3)
     pose = Pose.of(turn)
@@ -122,7 +119,7 @@ def test_the_height_of_a_round_object_is_exact(shape: object, low: float, gap: f
     assert report["round"].gap == pytest.approx(gap, abs=1e-11)
 
 
-def test_the_height_of_a_ball_above_a_ball_is_exact() -> None:
+def test_the_height_of_a_ball_above_a_ball_is_exact():
     """Two unit balls, beside each other by 0.6: they touch at a height of 1.6 of the centres."""
     low = Part("low", Sphere(1.0), [0, 0, 1.0], grounded=True)
     high = Part("high", Sphere(1.0), [0.72, 0.96, 1.0 + 1.6 + 0.5])
@@ -131,20 +128,20 @@ def test_the_height_of_a_ball_above_a_ball_is_exact() -> None:
     assert report["high"].gap == pytest.approx(0.5, abs=1e-9)
 
 
-def test_an_overlap_of_free_objects_is_reported_once_for_the_upper_one() -> None:
+def test_an_overlap_of_free_objects_is_reported_once_for_the_upper_one():
     report = kilter.scene(Assembly([TABLE, cube("upper", 0.1, 0.9), cube("lower", 0, 0)]))
     assert (report["upper"].state, report["upper"].other) == ("overlaps", "lower")
     assert report["upper"].gap == pytest.approx(-0.1, rel=1e-12)
     assert report["lower"].state == "at-rest"
 
 
-def test_the_same_body_twice_is_reported_once() -> None:
+def test_the_same_body_twice_is_reported_once():
     found = states(cube("a", 0, 0), cube("b", 0, 0), cube("c", 3, 0))
     assert sorted(found.values()) == ["at-rest", "at-rest", "overlaps"]
     assert found["c"] == "at-rest"
 
 
-def test_an_object_on_a_sunk_object_is_at_rest_if_that_stays() -> None:
+def test_an_object_on_a_sunk_object_is_at_rest_if_that_stays():
     report = kilter.scene(Assembly([TABLE, cube("sunk", 0, -0.01), cube("on it", 0.2, 0.99)]))
     assert report["sunk"].state == "overlaps"
     assert (report["on it"].state, report["on it"].if_held) == ("at-rest", ("sunk",))
@@ -152,12 +149,12 @@ def test_an_object_on_a_sunk_object_is_at_rest_if_that_stays() -> None:
 
 
 @pytest.mark.parametrize(("overhang", "state"), [(0.499, "at-rest"), (0.501, "falls")])
-def test_an_overhang_falls_beyond_a_half(overhang: float, state: str) -> None:
+def test_an_overhang_falls_beyond_a_half(overhang, state):
     assert states(cube("a", 0, 0), cube("b", overhang, 1))["b"] == state
 
 
 @pytest.mark.parametrize(("friction", "state"), [(0.51, "at-rest"), (0.49, "falls")])
-def test_a_box_on_a_slope_of_one_half(friction: float, state: str) -> None:
+def test_a_box_on_a_slope_of_one_half(friction, state):
     slope = rotation_about([0, 1, 0], np.arctan(0.5))
     held = Part("slope", Box([10, 10, 1]), Pose.of(slope), grounded=True)
     box = Part("box", Box([1, 1, 1]), Pose(slope @ [0, 0, 1.0], Pose.of(slope).rotation))
@@ -168,7 +165,7 @@ def test_a_box_on_a_slope_of_one_half(friction: float, state: str) -> None:
 @pytest.mark.parametrize(
     ("gap", "state"), [(0.0, "at-rest"), (1e-3, "open"), (1e-1, "falls")], ids=str
 )
-def test_a_near_support_leaves_only_its_object_open(gap: float, state: str) -> None:
+def test_a_near_support_leaves_only_its_object_open(gap, state):
     """A plate that overhangs its block rests on a post, ends a little above it, or falls."""
     block = Part("block", Box([1, 1, 1]), [0, 0, 0.5], grounded=True)
     post = Part("post", Box([0.1, 1, 1]), [1.5, 0, 0.5 - gap], grounded=True)
@@ -180,7 +177,7 @@ def test_a_near_support_leaves_only_its_object_open(gap: float, state: str) -> N
         assert (report["plate"].other, report["plate"].gap) == ("post", pytest.approx(gap))
 
 
-def test_an_object_on_a_joint_belongs_to_the_cluster_of_its_partner() -> None:
+def test_an_object_on_a_joint_belongs_to_the_cluster_of_its_partner():
     parts = [TABLE, cube("a", 0, 0), cube("b", 0, 2)]
     joint = Joint(("a", "b"))
     report = kilter.scene(Assembly(parts, joints=[joint]))
@@ -192,7 +189,7 @@ def test_an_object_on_a_joint_belongs_to_the_cluster_of_its_partner() -> None:
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(30))
-def test_each_state_at_rest_is_a_verdict_with_forces(seed: int) -> None:
+def test_each_state_at_rest_is_a_verdict_with_forces(seed):
     """Random piles: the states of a scene are the verdicts of `check` on each pile alone."""
     from kilter.scenes.packings import box_pile
 
@@ -224,7 +221,7 @@ def test_each_state_at_rest_is_a_verdict_with_forces(seed: int) -> None:
     assert all(verdict.evidence is not None for verdict in holding)
 
 
-def test_nothing_held_is_one_sentence_and_all_held_is_at_rest() -> None:
+def test_nothing_held_is_one_sentence_and_all_held_is_at_rest():
     with pytest.raises(InputError, match="nothing is held"):
         kilter.scene(Assembly([cube("a", 0, 0)]))
     report = kilter.scene(Assembly([TABLE]))
@@ -232,7 +229,7 @@ def test_nothing_held_is_one_sentence_and_all_held_is_at_rest() -> None:
     assert report.to_dict()["sentence"] == "Every object is held."
 
 
-def test_a_wrong_name_is_an_error_that_names_the_right_one() -> None:
+def test_a_wrong_name_is_an_error_that_names_the_right_one():
     report = kilter.scene(Assembly([TABLE, cube("cup", 0, 0)]))
     with pytest.raises(InputError, match="did you mean 'cup'"):
         report["cupp"]
@@ -263,13 +260,7 @@ NEAR_POST = [
     ],
     ids=["rest", "fault", "lower", "open"],
 )
-def test_the_exit_code_of_the_command(
-    parts: list[Part],
-    options: list[str],
-    code: int,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_exit_code_of_the_command(parts, options, code, tmp_path, capsys):
     kilter.dump(Assembly([TABLE, *parts]), tmp_path / "s.kilter.json")
     assert main(["scene", str(tmp_path / "s.kilter.json"), *options]) == code
     lines = capsys.readouterr().out
@@ -277,7 +268,7 @@ def test_the_exit_code_of_the_command(
     assert "\n  a  " in lines.replace("      ", "  ")
 
 
-def test_every_object_has_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_object_has_a_line(tmp_path, capsys):
     parts = [cube(f"cube {k:02}", 1.2 * (k % 6) - 3, 0, 1.2 * (k // 6) - 3) for k in range(30)]
     kilter.dump(Assembly([TABLE, *parts]), tmp_path / "s.kilter.json")
     main(["scene", str(tmp_path / "s.kilter.json")])
@@ -289,7 +280,7 @@ def test_every_object_has_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[s
 # repair ---------------------------------------------------------------------------------------
 
 
-def test_a_repair_moves_objects_by_their_faults() -> None:
+def test_a_repair_moves_objects_by_their_faults():
     parts = [
         cube("rests", -4, 0),
         cube("floats", -2, 0.25),
@@ -307,7 +298,7 @@ def test_a_repair_moves_objects_by_their_faults() -> None:
     assert kilter.scene(Assembly([TABLE, *parts])).moved == {}
 
 
-def test_a_scene_without_faults_stays_as_it_is() -> None:
+def test_a_scene_without_faults_stays_as_it_is():
     drawn = Assembly([TABLE, cube("a", 0, 0), cube("b", 0.1, 1)])
     report = kilter.scene(drawn, settle=True)
     assert report.at_rest
@@ -317,9 +308,7 @@ def test_a_scene_without_faults_stays_as_it_is() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("ending", [".kilter.json", ".xml", ".glb"])
-def test_the_repaired_scene_is_written(
-    ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_repaired_scene_is_written(ending, tmp_path, capsys):
     file, out = str(tmp_path / "s.kilter.json"), tmp_path / f"out{ending}"
     kilter.dump(Assembly([TABLE, cube("a", 0, 0.5), cube("b", 3, -0.01)]), file)
     assert main(["scene", file, "--settle", "-o", str(out)]) == 0
@@ -331,7 +320,7 @@ def test_the_repaired_scene_is_written(
 
 
 @pytest.mark.slow
-def test_a_repaired_usd_scene_is_a_layer(tmp_path: Path) -> None:
+def test_a_repaired_usd_scene_is_a_layer(tmp_path):
     pytest.importorskip("pxr", reason="usd-core is not installed: pip install 'kilter[usd]'")
     from pxr import Usd, UsdGeom, UsdPhysics
 

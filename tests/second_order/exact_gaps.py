@@ -1,7 +1,5 @@
 """Gaps of pairs of simple bodies at any pose, in closed form, independent of second order."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Random linkages against the energy along exact motions, closed by Newton's method."""
 
-from __future__ import annotations
-
 from random_linkages import random_linkage
 
 import kilter

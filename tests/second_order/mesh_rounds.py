@@ -5,8 +5,6 @@ exact solids is known in closed form, and also computed. That of the meshes may 
 different.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Cases of second order that are turned, moved, scaled, renamed or put side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

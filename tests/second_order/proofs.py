@@ -1,7 +1,5 @@
 """A true proof of each kind, and the judge of its assembly."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache

@@ -4,8 +4,6 @@ A ball, a log, a block or a crystal (the hull of random points with a flat face 
 held ball, log or two, so that its centre of mass is above its support. It may carry another body.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import linprog, nnls
 from scipy.spatial import ConvexHull

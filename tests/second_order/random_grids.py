@@ -4,8 +4,6 @@ Boxes, cans, logs, balls and outlines (L, T, steps, wedges) with sizes in halves
 at places in halves, until their bounding boxes touch the floor or a part below. Some are held.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from transformations import scaled
 

@@ -5,8 +5,6 @@ below the joint, or beside it along the axis of a hinge, so that forces of equil
 Four-bar linkages are symmetric about a vertical line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Parts are real shapes, and kilter detects their contacts: stacks, planks on supp
 grooves, on balls, beside walls and over edges. Then the whole is turned, moved and scaled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

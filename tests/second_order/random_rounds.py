@@ -5,8 +5,6 @@ and rings. All normals meet the z axis, so there are forces of equilibrium, with
 at a height without torque. It may carry a ball on a face, in a bowl, on a ball or in a trough.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import exact_gaps as exact

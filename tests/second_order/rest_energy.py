@@ -6,8 +6,6 @@ there. No place may be lower than a minimum or a free state; the place of a bala
 lower.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import linprog
 

@@ -4,8 +4,6 @@ Spins are divided out. No lower energy may be found at three radii around a mini
 state of `check`, and a lower energy must be found for every balanced state.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from random_rounds import Round, random_round
 from scipy.optimize import minimize

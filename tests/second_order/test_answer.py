@@ -1,7 +1,5 @@
 """Answers of second order for reference cases, of clusters, beside idle contacts, within work."""
 
-from __future__ import annotations
-
 import copy
 from typing import Any
 
@@ -36,7 +34,7 @@ def sides(case: Case, off: float) -> list[tuple[float, str]]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.number)
-def test_a_known_case_has_its_state(case: Case) -> None:
+def test_a_known_case_has_its_state(case):
     for off in (1e-6, 1e-2) if case.limit is not None else (0.0,):
         for parameter, state in sides(case, off):
             assert state_of(case.build(parameter)) == state
@@ -44,7 +42,7 @@ def test_a_known_case_has_its_state(case: Case) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.number)
-def test_free_motions_are_those_of_the_reference(case: Case) -> None:
+def test_free_motions_are_those_of_the_reference(case):
     for parameter, state in sides(case, 0.05):
         verdict = kilter.check(case.build(parameter))
         second = verdict.second_order_answer
@@ -59,14 +57,14 @@ def test_free_motions_are_those_of_the_reference(case: Case) -> None:
 @pytest.mark.parametrize(
     "number", ["02", "03", "05", "07", "14", "19", "21", "24b", "26", "34", "37", "38", "39"]
 )
-def test_turned_moved_scaled_and_renamed_it_is_the_same(number: str) -> None:
+def test_turned_moved_scaled_and_renamed_it_is_the_same(number):
     case = next(case for case in CASES if case.number == number)
     turn = Pose([3.0, -2.0, 5.0], [0.5, 0.3, -0.7, 0.41])
     for parameter, state in sides(case, 0.02):
         assert state_of(moved(case.build(parameter), turn, 37.0)) == state
 
 
-def test_a_balanced_assembly_says_so_at_once() -> None:
+def test_a_balanced_assembly_says_so_at_once():
     verdict = kilter.check(next(case for case in CASES if case.number == "02").build(0.0))
     assert verdict.sentence.startswith("Balanced: ")
     assert "makes b fall, unless friction holds it" in verdict.sentence
@@ -77,7 +75,7 @@ def test_a_balanced_assembly_says_so_at_once() -> None:
     assert set(second["motion"]) == {"b"}
 
 
-def test_a_ball_in_a_bowl_swings_as_a_pendulum_does() -> None:
+def test_a_ball_in_a_bowl_swings_as_a_pendulum_does():
     """Without friction the ball does not roll: a pendulum of length R - r."""
     case = next(case for case in CASES if case.number == "03")
     second = kilter.check(case.build(0.0)).second_order_answer
@@ -85,7 +83,7 @@ def test_a_ball_in_a_bowl_swings_as_a_pendulum_does() -> None:
     assert second.rate == pytest.approx(np.sqrt(9.81 / 0.6), rel=1e-6)
 
 
-def test_a_large_wall_does_not_wait() -> None:
+def test_a_large_wall_does_not_wait():
     wall = kilter.example("wall", size=(6, 5))
     top = float(wall.geometry.part_boxes[1][:, 2].max())
     ball = Part("ball", Sphere(0.05), Pose([0.01, 0, top + 0.05]))
@@ -95,7 +93,7 @@ def test_a_large_wall_does_not_wait() -> None:
     assert "free parts touch each other" in second.why
 
 
-def test_bonds_and_loads_beside_a_centre_leave_it_open() -> None:
+def test_bonds_and_loads_beside_a_centre_leave_it_open():
     ball = next(case for case in CASES if case.number == "03").build(0.0)
 
     def of(**more: object) -> str:
@@ -134,7 +132,7 @@ def drawn(seed: int, count: int = 4) -> tuple[list[Assembly], list[str]]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
-def test_a_row_of_known_cases_has_the_state_of_the_worst(seed: int) -> None:
+def test_a_row_of_known_cases_has_the_state_of_the_worst(seed):
     made, states = drawn(seed)
     alone = [answer(one) for one in made]
     row = side_by_side(made)
@@ -161,7 +159,7 @@ def second_of(assembly: Assembly) -> SecondOrder:
     return second
 
 
-def test_a_ball_beside_a_wall_is_free_away_from_it() -> None:
+def test_a_ball_beside_a_wall_is_free_away_from_it():
     second = second_of(Assembly([FLOOR, WALL, BALL]))
     assert (second.state, second.neutral, second.free, len(second.idle)) == ("free", 5, 5, 1)
     assert second.motion is not None
@@ -176,7 +174,7 @@ def changed(proof: dict[str, Any], **entries: Any) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open() -> None:
+def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open():
     """A ball in a box whose walls all touch it: the walls move along with it."""
     walls = [
         Part(f"wall {k}", Box([0.2, 3, 1] if k < 2 else [1.6, 0.2, 1]), Pose([*at, 0.5]))
@@ -191,7 +189,7 @@ def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open() ->
         assert kilter.verify(assembly, found.proof()).holds
 
 
-def test_contacts_of_unknown_features_are_left_out_too() -> None:
+def test_contacts_of_unknown_features_are_left_out_too():
     """A part on given contacts without features, on a part at rest: both slide together."""
     touch = kilter.GivenContact(("low", "high"), [[0.3, 0, 1]], [1, 0, 0])
     low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]))
@@ -222,7 +220,7 @@ def bowls(count: int) -> Assembly:
     return Assembly(parts, contacts=contacts, detect=False)
 
 
-def test_without_work_it_is_open_and_states_why() -> None:
+def test_without_work_it_is_open_and_states_why():
     verdict = kilter.check(case("03"), effort=0.0)
     second = verdict.second_order_answer
     assert second is not None
@@ -233,7 +231,7 @@ def test_without_work_it_is_open_and_states_why() -> None:
     assert verdict.to_dict()["level"] != "strict"
 
 
-def test_without_time_it_is_open_and_states_why() -> None:
+def test_without_time_it_is_open_and_states_why():
     """The check itself has no time limit: a busy machine would end its first program, too."""
     verdict = kilter.check(case("03"))
     second = find_second_order(
@@ -245,7 +243,7 @@ def test_without_time_it_is_open_and_states_why() -> None:
     assert second.left_open(verdict.program.names) == phrase
 
 
-def test_parts_on_level_faces_are_free_without_any_work() -> None:
+def test_parts_on_level_faces_are_free_without_any_work():
     verdict = kilter.check(kilter.example("tower"), effort=0)
     assert verdict.second_order_answer is not None
     assert verdict.second_order_answer.state == "free"
@@ -253,7 +251,7 @@ def test_parts_on_level_faces_are_free_without_any_work() -> None:
 
 
 @pytest.mark.slow
-def test_many_clusters_share_the_work_and_level_strict_does_more() -> None:
+def test_many_clusters_share_the_work_and_level_strict_does_more():
     balls = bowls(60)
     usual, strict = kilter.check(balls), kilter.check(balls, require="strict")
     assert usual.second_order_answer is not None
@@ -269,9 +267,7 @@ def test_many_clusters_share_the_work_and_level_strict_does_more() -> None:
     assert strict.second_order_answer.state == "minimum"
 
 
-def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(monkeypatch):
     balls = bowls(3)
     monkeypatch.setattr("kilter.second_order.searches.held_search.judge_held", None)
     second = kilter.check(balls).second_order_answer
@@ -280,14 +276,14 @@ def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(
 
 
 @pytest.mark.slow
-def test_near_a_limit_the_usual_work_is_enough() -> None:
+def test_near_a_limit_the_usual_work_is_enough():
     """The hardest known case, as near to its limit as its proof resolves."""
     verdict = kilter.check(case("39", 0.5 - 1e-6))
     assert verdict.second_order_answer is not None
     assert verdict.second_order_answer.state == "minimum"
 
 
-def test_friction_that_is_left_open_is_named() -> None:
+def test_friction_that_is_left_open_is_named():
     verdict = kilter.check(next(one for one in ROLLING if one.number == "R2").build(0.9))
     assert verdict.second_order_answer is not None
     assert verdict.second_order_answer.rolling is not None
@@ -299,7 +295,7 @@ def test_friction_that_is_left_open_is_named() -> None:
     assert left.startswith("whether friction holds ")
 
 
-def test_no_program_is_solved_once_the_work_is_over() -> None:
+def test_no_program_is_solved_once_the_work_is_over():
     work = Work(1.0)
     assert opening_motion(np.eye(2), work) is not None
     assert work.over

@@ -1,7 +1,5 @@
 """Answers of second order against the energy of exact places, and the separation of bodies."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np
@@ -29,7 +27,7 @@ from kilter.second_order.parts.separation import (
 
 
 @pytest.mark.slow
-def test_a_descent_comes_lower_than_what_balances_and_no_lower_than_a_minimum() -> None:
+def test_a_descent_comes_lower_than_what_balances_and_no_lower_than_a_minimum():
     floor = Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
     ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))
     box = Part("box", Box([1, 1, 1]), Pose([0, 0, 1.5]))
@@ -40,7 +38,7 @@ def test_a_descent_comes_lower_than_what_balances_and_no_lower_than_a_minimum() 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(1000, 1021), "grid 0", "grid 7", "grid 11", "grid 13"])
-def test_random_rests_have_no_contradiction(seed: int | str) -> None:
+def test_random_rests_have_no_contradiction(seed):
     grid = isinstance(seed, str)
     number = int(str(seed).split()[-1])
     assembly = random_grid(number) if grid else random_rest(number)[1]
@@ -59,7 +57,7 @@ def test_random_rests_have_no_contradiction(seed: int | str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(3))
-def test_random_rounds_have_no_contradiction(block: int) -> None:
+def test_random_rounds_have_no_contradiction(block):
     states = Counter(compared(seed) for seed in range(100 + 30 * block, 130 + 30 * block))
     assert min(states["minimum"], states["balanced"]) >= 3
     assert states["open"] == 0
@@ -98,13 +96,13 @@ def disjoint(a: Array, b: Array) -> bool:
     return linprog(np.zeros(rows.shape[1]), A_eq=rows, b_eq=[0, 0, 0, 1, 1]).status == 2
 
 
-def test_two_balls_are_as_far_apart_as_their_centres_less_both_radii() -> None:
+def test_two_balls_are_as_far_apart_as_their_centres_less_both_radii():
     a, b = body(Sphere(1.0), (0, 0, 0)), body(Sphere(0.5), (0, 3, 4))
     assert separation(a, b, NO_HINT) == pytest.approx(3.5)
 
 
 @pytest.mark.parametrize("gap", [1e-6, -1e-6])
-def test_a_cylinder_over_a_box_is_apart_iff_it_is_above(gap: float) -> None:
+def test_a_cylinder_over_a_box_is_apart_iff_it_is_above(gap):
     lying = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
     box = body(Box([4, 4, 2]), (0, 0, -1))
     cylinder = body(Cylinder(0.5, 2.0), (0.3, 0.1, 0.5 + gap), lying)
@@ -112,7 +110,7 @@ def test_a_cylinder_over_a_box_is_apart_iff_it_is_above(gap: float) -> None:
 
 
 @pytest.mark.parametrize("gap", [1e-6, -1e-6])
-def test_crossed_cylinders(gap: float) -> None:
+def test_crossed_cylinders(gap):
     along_x = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
     along_y = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
     a = body(Cylinder(1.0, 4.0), (0, 0, -1), along_x)
@@ -121,7 +119,7 @@ def test_crossed_cylinders(gap: float) -> None:
 
 
 @pytest.mark.slow
-def test_polyhedra_are_apart_where_a_linear_program_says_so() -> None:
+def test_polyhedra_are_apart_where_a_linear_program_says_so():
     random = np.random.default_rng(3)
     seen = set()
     for _ in range(60):
@@ -134,7 +132,7 @@ def test_polyhedra_are_apart_where_a_linear_program_says_so() -> None:
     assert seen == {True, False}
 
 
-def test_a_point_is_as_far_from_a_box_as_its_nearest_point() -> None:
+def test_a_point_is_as_far_from_a_box_as_its_nearest_point():
     random = np.random.default_rng(4)
     box = body(Box([2, 4, 6]), (0, 0, 0))
     for point in random.uniform(-5, 5, size=(200, 3)):
@@ -144,7 +142,7 @@ def test_a_point_is_as_far_from_a_box_as_its_nearest_point() -> None:
         assert separation_of_point(box, point) == pytest.approx(known, abs=1e-12)
 
 
-def test_a_block_in_a_notch_that_is_not_convex() -> None:
+def test_a_block_in_a_notch_that_is_not_convex():
     """A U as a mesh: a block inside is apart until it is moved into a wall."""
     profile = np.array([[-2, 0], [2, 0], [2, 3], [1, 3], [1, 1], [-1, 1], [-1, 3], [-2, 3]], float)
     from kilter import Prism
@@ -175,7 +173,7 @@ def assembly_contacts(assembly: Assembly):
     return kilter.contacts(assembly)
 
 
-def test_a_turn_keeps_lengths_and_its_axis() -> None:
+def test_a_turn_keeps_lengths_and_its_axis():
     rotation = np.array([0.3, -1.0, 0.5])
     turn = turn_of(rotation)
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-15)
@@ -199,7 +197,7 @@ def rate_of(assembly: kilter.Assembly) -> float:
     [(1.0, 0.2, 0.0), (0.5, 0.7, 0.0), (0.4, 0.3, 0.1), (2.0, 0.3, 0.25), (0.3, 0.8, -0.2)],
 )
 @pytest.mark.quick(1)
-def test_a_ball_on_a_ball(under: float, upper: float, raised: float) -> None:
+def test_a_ball_on_a_ball(under, upper, raised):
     ball = kilter.Part(
         "ball", kilter.Sphere(upper), [0, 0, under + upper], center_of_mass=[0, 0, raised]
     )
@@ -218,7 +216,7 @@ def test_a_ball_on_a_ball(under: float, upper: float, raised: float) -> None:
 
 @pytest.mark.parametrize("raised", [0.05, 0.3])
 @pytest.mark.quick(1)
-def test_a_curved_foot_turns_in_place(raised: float) -> None:
+def test_a_curved_foot_turns_in_place(raised):
     """Without friction no force moves the centre of mass aside: I q'' = m g e q."""
     roller = kilter.Part(
         "foot",

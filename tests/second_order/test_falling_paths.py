@@ -1,7 +1,5 @@
 """Paths along which the energy falls: their places, and the proof number by number."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -52,7 +50,7 @@ def path_of(assembly: Assembly, work: Work | None = None) -> tuple[SecondOrder, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scale", [1.0, 1e-3, 1e3])
-def test_a_ball_slides_down_a_ball(scale: float) -> None:
+def test_a_ball_slides_down_a_ball(scale):
     """Its centre stays on a sphere about the other centre: E = m g (R + r)(cos a - 1)."""
     _, path = path_of(balls(scale))
     centre = path.motions[:, 1, :3] / scale + np.array([0, 0, 1.5])
@@ -67,7 +65,7 @@ def test_a_ball_slides_down_a_ball(scale: float) -> None:
 
 
 @pytest.mark.slow
-def test_a_log_slides_down_a_log_until_it_leaves_it() -> None:
+def test_a_log_slides_down_a_log_until_it_leaves_it():
     _, path = path_of(logs())
     x, y, z = (path.motions[:, 1, :3] + np.array([0, 0, 1.5])).T
     on = z > 0.3
@@ -89,7 +87,7 @@ def corners(assembly: Assembly, part: int, motion: Array) -> Array:
 @pytest.mark.parametrize(
     "name", [TURNED[0], *(pytest.param(one, marks=pytest.mark.slow) for one in TURNED[1:])]
 )
-def test_blocks_of_the_figures_twist_and_sink(name: str) -> None:
+def test_blocks_of_the_figures_twist_and_sink(name):
     """They are apart from each triangle of the wall and from each other."""
     assembly = scene(name)
     found, path = path_of(assembly)
@@ -109,7 +107,7 @@ def test_blocks_of_the_figures_twist_and_sink(name: str) -> None:
     assert path.motions[-1, program.free, 2].sum() < -1.0
 
 
-def test_there_is_none_of_what_is_at_rest_or_of_given_contacts() -> None:
+def test_there_is_none_of_what_is_at_rest_or_of_given_contacts():
     verdict = kilter.check(case_of("02").build(0.0))
     assert verdict.second_order_answer is not None
     assert verdict.second_order_answer.state == "balanced"
@@ -120,7 +118,7 @@ def test_there_is_none_of_what_is_at_rest_or_of_given_contacts() -> None:
 
 
 @pytest.mark.slow
-def test_a_box_tips_over_the_edge_of_its_table() -> None:
+def test_a_box_tips_over_the_edge_of_its_table():
     table = Part("table", Box([2, 2, 1]), grounded=True)
     assembly = Assembly([table, Part("box", Box([1, 0.8, 0.6]), Pose([1, 0, 0.8]))])
     _, path = path_of(assembly)
@@ -132,7 +130,7 @@ def test_a_box_tips_over_the_edge_of_its_table() -> None:
 
 
 @pytest.mark.slow
-def test_balls_between_walls_fall_along_them() -> None:
+def test_balls_between_walls_fall_along_them():
     """No configuration opens a wall: their centres stay half way between, and they never turn."""
     walls = [Part(f"wall {x}", Box([1, 10, 10]), Pose([x, 0, 5]), grounded=True) for x in (-1, 1)]
     floor = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
@@ -168,7 +166,7 @@ def followed(seed: int) -> float | None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(2))
-def test_random_ones_fall_and_none_overlaps(block: int) -> None:
+def test_random_ones_fall_and_none_overlaps(block):
     far = [followed(seed) for seed in range(10 * block, 10 * block + 10)]
     falls = [one for one in far if one is not None]
     assert len(falls) >= 5
@@ -207,7 +205,7 @@ def path(
     return judge_path(problem, np.array(first, dtype=float), np.array(second, dtype=float))
 
 
-def test_what_is_on_a_ball_falls_and_not_in_a_bowl() -> None:
+def test_what_is_on_a_ball_falls_and_not_in_a_bowl():
     found = path(X, -0.5 * Z)
     assert found.falls
     assert (found.opens, found.power, found.slips) == (0.5, 0.5, 0.0)
@@ -217,16 +215,14 @@ def test_what_is_on_a_ball_falls_and_not_in_a_bowl() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_it_opens_and_falls_by_more_than_rounding(over: float) -> None:
+def test_it_opens_and_falls_by_more_than_rounding(over):
     assert path(X, -(1 - over * DROPS) * Z).falls == (over > 1)
     assert path(X, -over * DROPS * Z).falls == (over > 1)
 
 
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize("sign", [1, -1])
-def test_what_it_enters_or_costs_at_once_is_little_beside_what_it_opens(
-    over: float, sign: int
-) -> None:
+def test_what_it_enters_or_costs_at_once_is_little_beside_what_it_opens(over, sign):
     slip, rough = over * SLIPS * 0.5, 1e-3
     assert not path(X, -0.5 * Z, others=(Y - slip * X,), blur=rough).falls  # y is not opened either
     entered = path(X, -0.5 * Z + Y, others=(Y - slip * X,), blur=rough)
@@ -239,9 +235,7 @@ def test_what_it_enters_or_costs_at_once_is_little_beside_what_it_opens(
 
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize(("blur", "slack"), [(1e-9, ACROSS), (1e-6, 1e-6)])
-def test_what_it_enters_at_once_is_rounding_of_the_data_however_much_it_opens(
-    over: float, blur: float, slack: float
-) -> None:
+def test_what_it_enters_at_once_is_rounding_of_the_data_however_much_it_opens(over, blur, slack):
     """A small ball in a hollow of smaller ones: the gaps curve much, and it stays."""
     slip = over * slack
     assert path(X, -50 * Z, bends=100.0, load=-Z + slip * X, blur=blur).falls == (over < 1)
@@ -251,16 +245,14 @@ def test_what_it_enters_at_once_is_rounding_of_the_data_however_much_it_opens(
 
 @pytest.mark.parametrize("lift", [1.01 * DROPS, 1e-7, 1e-6, 1e-5])
 @pytest.mark.parametrize("drop", [0.1, 1.0, 100.0])
-def test_a_lift_by_next_to_nothing_lets_nothing_fall_in_a_bowl(lift: float, drop: float) -> None:
+def test_a_lift_by_next_to_nothing_lets_nothing_fall_in_a_bowl(lift, drop):
     """The gap opens to first order for a moment, then the second derivative closes it."""
     first = (X + lift * Z) / np.hypot(1, lift)
     assert not path(first, -drop * Z, bends=BOWL).falls
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_what_opens_at_once_stays_open_far_beyond_where_the_path_begins_to_fall(
-    over: float,
-) -> None:
+def test_what_opens_at_once_stays_open_far_beyond_where_the_path_begins_to_fall(over):
     """Another gap opens by a t - t^2 / 2, and the path falls from t = 2 slip / 0.5 on."""
     slip = 1e-8
     opens = LASTS * 2 * slip / 0.5 / 2 * over
@@ -273,9 +265,7 @@ def test_what_opens_at_once_stays_open_far_beyond_where_the_path_begins_to_fall(
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_second_derivatives_are_those_of_a_path_and_more_than_the_blur_of_the_data(
-    over: float,
-) -> None:
+def test_second_derivatives_are_those_of_a_path_and_more_than_the_blur_of_the_data(over):
     """Far enough along a neutral motion, the rounding of the rows would open any gap."""
     most = REACHES[-1] * np.sqrt(3) * (1 + over * ACROSS)
     assert path(X, -0.5 * Z + np.sqrt(most**2 - 0.25) * Y).falls == (over < 1)
@@ -283,7 +273,7 @@ def test_second_derivatives_are_those_of_a_path_and_more_than_the_blur_of_the_da
     assert blurred.falls == (over < 1)
 
 
-def test_tilted_rows_within_rounding_make_no_path_in_a_bowl() -> None:
+def test_tilted_rows_within_rounding_make_no_path_in_a_bowl():
     tilt = 1e-10
     second = 3.0 / tilt * X - Z
     assert not path(X, second, bends=BOWL, others=(Z + tilt * X,), load=-Z).falls
@@ -291,7 +281,7 @@ def test_tilted_rows_within_rounding_make_no_path_in_a_bowl() -> None:
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_what_is_no_number_does_not_fall(value: float) -> None:
+def test_what_is_no_number_does_not_fall(value):
     for place in range(3):
         for k in range(2):
             both = [X.copy(), -0.5 * Z]
@@ -302,7 +292,7 @@ def test_what_is_no_number_does_not_fall(value: float) -> None:
         assert not path(Z, [value, 0, 0], load=0 * Z).falls
 
 
-def test_contacts_with_a_plane_may_be_kept_by_what_only_shifts() -> None:
+def test_contacts_with_a_plane_may_be_kept_by_what_only_shifts():
     pressed = {"others": (Y, -Y)}
     assert not path(X, -0.5 * Z, **pressed).falls
     assert path(X, -0.5 * Z, **pressed, planes=[False, True, True]).falls
@@ -322,7 +312,7 @@ def test_contacts_with_a_plane_may_be_kept_by_what_only_shifts() -> None:
         assert found.falls
 
 
-def test_what_is_at_a_limit_is_on_the_side_of_no() -> None:
+def test_what_is_at_a_limit_is_on_the_side_of_no():
     assert not path(X, -DROPS * Z).falls
     assert not path(X, -0.5 * Z - Y, others=(Y + DROPS * X,)).falls  # it stays closed, and closes
     walls = {"others": (Y, -Y), "planes": [False, True, True]}
@@ -330,7 +320,7 @@ def test_what_is_at_a_limit_is_on_the_side_of_no() -> None:
     assert path(X, -0.5 * Z, load=-Z + ACROSS * X).falls
 
 
-def test_what_a_path_says_of_itself() -> None:
+def test_what_a_path_says_of_itself():
     for second in (-0.5 * Z, -0.5 * Z + 0.5 * X):  # a wall that it leaves, not to come back
         assert path(X, second, others=(X,)).lasts == np.inf
     assert path(X, -0.5 * Z).rounding == 0.5e-9

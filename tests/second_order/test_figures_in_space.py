@@ -4,8 +4,6 @@ The library's scenes give the blocks a depth, without friction. An independent t
 planes verifies that the configurations are apart.
 """
 
-from __future__ import annotations
-
 import itertools
 import pathlib
 import re
@@ -100,7 +98,7 @@ def least_gap(assembly: Assembly, program: Program, motion: Array) -> float:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", TURNED)
-def test_blocks_twist_and_sink_with_every_gap_open(name: str) -> None:
+def test_blocks_twist_and_sink_with_every_gap_open(name):
     assembly = scene(name)
     program, problem = problem_of(assembly)
     found = decide(problem)
@@ -119,7 +117,7 @@ def test_blocks_twist_and_sink_with_every_gap_open(name: str) -> None:
     assert np.ptp(energies) < 1e-9
 
 
-def test_the_configuration_of_the_page_is_lower_and_apart() -> None:
+def test_the_configuration_of_the_page_is_lower_and_apart():
     assembly = scene(TURNED[0])
     program, _ = problem_of(assembly)
     motion = np.zeros((len(program.names), 6))
@@ -133,7 +131,7 @@ def test_the_configuration_of_the_page_is_lower_and_apart() -> None:
     assert motion[free, 2].sum() == pytest.approx(-3.0e-5, abs=1e-6)
 
 
-def test_the_corners_of_the_page_are_those_of_the_scene() -> None:
+def test_the_corners_of_the_page_are_those_of_the_scene():
     geometry = scene(TURNED[0]).geometry
     page = FINDINGS.read_text(encoding="utf-8")
     [words] = re.findall(r"prism over the corners \(x, z\) = (.*?), with", page)

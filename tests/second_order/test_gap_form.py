@@ -1,7 +1,5 @@
 """Second derivatives of gaps: of each pair of features, given ones, springs and revolved ones."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator
@@ -209,9 +207,7 @@ CASES = list(kinds())
 
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("case", CASES, ids=[case[0] for case in CASES])
-def test_a_gap_is_its_series_to_second_order(
-    case: tuple[str, Array, Array, Side, Side, exact.Gap],
-) -> None:
+def test_a_gap_is_its_series_to_second_order(case):
     """Richardson's differences: the first to 4e-7, the second to 3e-8, both parts moving."""
     _, x, n, on_a, on_b, gap = case
     rng = np.random.default_rng(2)
@@ -240,7 +236,7 @@ def test_a_gap_is_its_series_to_second_order(
         assert abs(curved - z @ form @ z) < 3e-8
 
 
-def test_what_has_no_form_has_no_number() -> None:
+def test_what_has_no_form_has_no_number():
     """Open features, vertex on vertex, edge along edge, and plane on plane have no form."""
     x, n = np.zeros(3), np.array([0.0, 0, 1])
     t = np.array([1.0, 0, 0])
@@ -260,7 +256,7 @@ def test_what_has_no_form_has_no_number() -> None:
     assert formed(program, features(round_face(n, t, -1.9, -1.9), ball)).all()
 
 
-def test_a_point_within_a_line_stays_where_it_is_along_it() -> None:
+def test_a_point_within_a_line_stays_where_it_is_along_it():
     """Yaw of a cylinder on a parallel cylinder: (psi s)^2 / (R + r), s along the line."""
     n, t = np.array([0.0, 0, 1]), np.array([1.0, 0, 0])
     big, r, s = 1.3, 0.7, 0.4
@@ -273,7 +269,7 @@ def test_a_point_within_a_line_stays_where_it_is_along_it() -> None:
     assert form[11, 11] == pytest.approx(-(s**2) / (big - r), rel=1e-12)
 
 
-def test_a_corner_that_has_slipped_off_an_edge_of_both_parts_has_the_other_form() -> None:
+def test_a_corner_that_has_slipped_off_an_edge_of_both_parts_has_the_other_form():
     """A corner of b on the face of a, and one of a on the face of b: -2 sigma . v_t apart."""
     random = np.random.default_rng(5)
     n, x, c_a, c_b = exact.unit(random.normal(size=3)), *random.normal(size=(3, 3))
@@ -318,7 +314,7 @@ def found(given: Assembly) -> tuple[Features, Array]:
     return features, forms
 
 
-def test_a_feature_is_read_to_its_rows() -> None:
+def test_a_feature_is_read_to_its_rows():
     features, _ = found(
         assembly(
             (CYLINDER, Feature("edge", [1, 0, 0], 2)), None, (Feature("vertex"), Feature("face"))
@@ -333,7 +329,7 @@ def test_a_feature_is_read_to_its_rows() -> None:
     assert features.open.tolist() == [False, False, True, True, False, False]
 
 
-def test_a_sphere_needs_no_direction() -> None:
+def test_a_sphere_needs_no_direction():
     features, _ = found(assembly((Feature("face"), Feature("face", curvature=2))))
     np.testing.assert_allclose(features.curvature_b[0], np.diag([2.0, 2, 0]))
 
@@ -345,7 +341,7 @@ def around(axis: Array, radius: float, up: float, tube: float = np.inf) -> Featu
     return Feature("face", other, curvature, [0, 0, up], axis)
 
 
-def test_an_axis_turns_moves_and_scales_with_its_part() -> None:
+def test_an_axis_turns_moves_and_scales_with_its_part():
     given = assembly((Feature("face"), around(np.array([0.0, 1, 0]), 2.0, 2.0, tube=0.3)))
     at = replace(given, contacts=[replace(given.contacts[0], points=[[0.0, 0, 0], [0, 0.5, 0]])])
     pose = Pose([3, -4, 5], turn([1, 2, 3], 50))
@@ -358,7 +354,7 @@ def test_an_axis_turns_moves_and_scales_with_its_part() -> None:
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-3])
-def test_a_surface_is_of_revolution_about_its_axis_or_refused(off: float) -> None:
+def test_a_surface_is_of_revolution_about_its_axis_or_refused(off):
     y = np.array([0.0, 1, 0])
     lean = np.array([0.3, 0, np.sqrt(1 - 0.09)])  # a rim whose plane leans from the normal
     rim = 2.0 * np.array([0.0, 0, 1])
@@ -385,7 +381,7 @@ def at_origin(feature: Feature) -> GivenContact:
     return GivenContact(("base", "part"), [[0, 0, 0]], UP, feature=(Feature("face"), feature))
 
 
-def test_contacts_of_other_lists_are_open() -> None:
+def test_contacts_of_other_lists_are_open():
     given = assembly((Feature("face"), Feature("vertex")))
     contacts = kilter.contacts(given)
     program = build_program(given, contacts)
@@ -410,20 +406,20 @@ def test_contacts_of_other_lists_are_open() -> None:
         (lambda: assembly(("face", "face")), "pair of kilter.Feature"),  # type: ignore[arg-type]
     ],
 )
-def test_what_is_no_feature_is_refused(build: object, words: str) -> None:
+def test_what_is_no_feature_is_refused(build, words):
     with pytest.raises(InputError, match=words) as caught:
         build()  # type: ignore[operator]
     assert "\n" not in str(caught.value)
 
 
-def test_shown_in_one_line() -> None:
+def test_shown_in_one_line():
     given = assembly((CYLINDER, Feature("edge", [1, 0, 0], 2))).contacts[0]
     assert repr(given).endswith("face on edge)")
     assert repr(CYLINDER) == "Feature('face', along=(0, 1, 0), curvature=(0, 0.5))"
 
 
 @pytest.mark.slow
-def test_the_contact_of_the_page_is_a_ball_in_a_bowl() -> None:
+def test_the_contact_of_the_page_is_a_ball_in_a_bowl():
     page = (Path(__file__).parents[2] / "docs" / "contacts.md").read_text(encoding="utf-8")
     [text] = re.findall(r"```json\n(.*?)```", page, flags=re.S)
     contact = json.loads(text)
@@ -470,7 +466,7 @@ def second_difference(value: object, along: Array) -> Array:
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
 @pytest.mark.parametrize("seed", range(4))
-def test_forms_are_the_second_derivatives_of_exact_gaps_and_energies(seed: int, kind: str) -> None:
+def test_forms_are_the_second_derivatives_of_exact_gaps_and_energies(seed, kind):
     assembly, program = linked(seed, kind)
     joints = assembly.joints
     assert [int((program.kind == of).sum()) for of in (STOP, DRAG)] == [2, 1]
@@ -488,7 +484,7 @@ def test_forms_are_the_second_derivatives_of_exact_gaps_and_energies(seed: int, 
         assert cost == pytest.approx(flat @ energy @ flat, rel=1e-5, abs=1e-5)
 
 
-def test_a_spring_is_a_load_in_the_drawn_pose() -> None:
+def test_a_spring_is_a_load_in_the_drawn_pose():
     """The first derivative of its energy k (g + rest)^2 / 2, g the motion of b past a."""
     for kind in ("revolute", "prismatic"):
         assembly, program = linked(1, kind)
@@ -513,7 +509,7 @@ def rings(rng: np.random.Generator, tilts: list[float], pitch: float = 0.0) -> t
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_the_axis_and_the_curvature_of_a_thread_of_rings(seed: int) -> None:
+def test_the_axis_and_the_curvature_of_a_thread_of_rings(seed):
     rng = np.random.default_rng(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     shift = rng.normal(size=3)
@@ -541,6 +537,6 @@ def test_the_axis_and_the_curvature_of_a_thread_of_rings(seed: int) -> None:
         pytest.param([0.5, -0.5, 0.5], 0.1, id="normals past the axis: nothing moves, or a screw"),
     ],
 )
-def test_other_surfaces_are_none(tilts: list[float], pitch: float) -> None:
+def test_other_surfaces_are_none(tilts, pitch):
     points, normals = rings(np.random.default_rng(0), tilts, pitch)
     assert _revolved_surface(points, normals) is None

@@ -1,7 +1,5 @@
 """What forces of equilibrium hold, and the contacts that carry."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 
@@ -56,7 +54,7 @@ def program_of(assembly: Assembly) -> Program:
     return build_program(assembly, kilter.contacts(assembly)).frictionless
 
 
-def test_grooves_towards_the_middle_hold_a_plate() -> None:
+def test_grooves_towards_the_middle_hold_a_plate():
     """Six equal forces of m g / (6 cos 45), and no part can move."""
     program = program_of(coupling(RADIAL))
     force = 2.0 * 9.81 / (6 * np.sqrt(0.5))
@@ -68,7 +66,7 @@ def test_grooves_towards_the_middle_hold_a_plate() -> None:
 
 
 @pytest.mark.parametrize("turn", [1e-2, -1e-2])
-def test_parallel_grooves_do_not_and_nearly_parallel_ones_do(turn: float) -> None:
+def test_parallel_grooves_do_not_and_nearly_parallel_ones_do(turn):
     assert judge_held(program_of(coupling((0.0, 0.0, 0.0))), Held(np.full(6, 1.0)))
     across = program_of(coupling((0.0, 0.0, 0.0)))
     force = np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5)))
@@ -76,7 +74,7 @@ def test_parallel_grooves_do_not_and_nearly_parallel_ones_do(turn: float) -> Non
     assert judge_held(program_of(coupling((0.0, turn, -turn))), Held(force)) == ""
 
 
-def test_forces_that_leave_a_contact_free_are_spread() -> None:
+def test_forces_that_leave_a_contact_free_are_spread():
     """A tilted box in a corner, four rows for each face: three forces balance it, all hold it."""
     program = program_of(coupling(RADIAL))
     given = np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5)))
@@ -89,9 +87,7 @@ def test_forces_that_leave_a_contact_free_are_spread() -> None:
 
 
 @pytest.mark.parametrize("name", ["corner-wedges", "pit", "closed-frame", "stopped-groove"])
-def test_where_nothing_is_neutral_no_gap_is_asked(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_nothing_is_neutral_no_gap_is_asked(name, monkeypatch):
     monkeypatch.setattr(whole, "features_of", None)
     monkeypatch.setattr(whole, "find_critical", None)
     verdict = kilter.check(scene(name))
@@ -102,7 +98,7 @@ def test_where_nothing_is_neutral_no_gap_is_asked(
 
 
 @pytest.mark.parametrize("bricks", [1, 105])
-def test_a_wall_asks_no_gap_and_no_program(bricks: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wall_asks_no_gap_and_no_program(bricks, monkeypatch):
     monkeypatch.setattr(whole, "features_of", None)
     for module in (critical, level_rest_search):
         monkeypatch.setattr(module, "carrying_forces", None)
@@ -111,7 +107,7 @@ def test_a_wall_asks_no_gap_and_no_program(bricks: int, monkeypatch: pytest.Monk
     assert second.state == "free"
 
 
-def test_what_is_held_beside_others_has_its_proof() -> None:
+def test_what_is_held_beside_others_has_its_proof():
     row = side_by_side([coupling(RADIAL), case_of("03").build(0.0), coupling(RADIAL)])
     second = kilter.check(row).second_order_answer
     assert second is not None
@@ -150,9 +146,7 @@ def forces_over_the_edge(program: Program, far: float, pins: float = 0.1) -> np.
 
 @pytest.mark.parametrize("foot", [0.3, 0.05, 0.003])
 @pytest.mark.parametrize("far", [1e-9, 2e-8, 1e-7, 1e-6])
-def test_far_points_within_rounding_hold_nothing_that_is_over_an_edge(
-    foot: float, far: float
-) -> None:
+def test_far_points_within_rounding_hold_nothing_that_is_over_an_edge(foot, far):
     """The torque of a force at a short lever is within the tolerated imbalance."""
     program = program_of(over_the_edge(foot, 0.0))
     assert judge_held(program, Held(forces_over_the_edge(program, far)))
@@ -164,9 +158,7 @@ def test_far_points_within_rounding_hold_nothing_that_is_over_an_edge(
 @pytest.mark.parametrize("size", [1.0, 1e3, 1e-3])
 @pytest.mark.parametrize("count", [1, 2])
 @pytest.mark.parametrize(("share", "pins"), [(1e-4, 0.1), (1e-2, 0.1), (0.3, 1e-4)])
-def test_the_limit_of_what_carries_has_no_unit(
-    size: float, count: int, share: float, pins: float
-) -> None:
+def test_the_limit_of_what_carries_has_no_unit(size, count, share, pins):
     """The limit of too small forces at far points or pins follows from J."""
     program = program_of(over_the_edge(0.2, 0.2 * share, size=size, count=count))
     forces = np.tile(forces_over_the_edge(program, share, pins), count)
@@ -183,7 +175,7 @@ def test_the_limit_of_what_carries_has_no_unit(
             assert (judge_held(rough, Held(forces)) == "") == (over > 1)
 
 
-def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_carries_is_above_its_limit(monkeypatch):
     """Far points with exactly an eighth of the largest force do not count at the limit."""
     program = program_of(over_the_edge(0.9, 0.1))
     program = replace(program, mass=program.mass * 18 / program.weight[1],
@@ -194,7 +186,7 @@ def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> Non
         assert judge_held(program, Held(forces)) == word
 
 
-def test_what_is_out_of_balance_is_taken_part_by_part() -> None:
+def test_what_is_out_of_balance_is_taken_part_by_part():
     """Over the weight of a part or the sum of its forces, with torques over its radius."""
     program = program_of(side_by_side([coupling(RADIAL), coupling(RADIAL)]))
     force = 2.0 * 9.81 / (6 * np.sqrt(0.5))
@@ -211,7 +203,7 @@ def test_what_is_out_of_balance_is_taken_part_by_part() -> None:
             assert unbalanced(program, off) == pytest.approx(most.max(), rel=1e-9)
 
 
-def test_what_is_out_of_balance_may_be_at_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_out_of_balance_may_be_at_its_limit(monkeypatch):
     program = program_of(coupling(RADIAL))
     exact = Held(np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5))))
     for off, word in ((BALANCED, ""), (1.1 * BALANCED, "its forces do not balance the load")):
@@ -220,7 +212,7 @@ def test_what_is_out_of_balance_may_be_at_its_limit(monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize("over", [0.9, 1.1])
-def test_forces_balance_to_what_the_surfaces_are_known_by(over: float) -> None:
+def test_forces_balance_to_what_the_surfaces_are_known_by(over):
     program = program_of(coupling(RADIAL))
     exact = 2.0 * 9.81 / (6 * np.sqrt(0.5))
     for rough in (1e-9, 1e-7, 0.0):
@@ -231,7 +223,7 @@ def test_forces_balance_to_what_the_surfaces_are_known_by(over: float) -> None:
         assert (judge_held(coarse, off) == "") == (over < 1)
 
 
-def test_a_contact_may_carry_nothing_and_none_pulls() -> None:
+def test_a_contact_may_carry_nothing_and_none_pulls():
     program = program_of(coupling(RADIAL))
     more = program.taking(np.append(np.arange(6), 0))
     forces = np.append(np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5))), 0.0)
@@ -256,9 +248,7 @@ def beam(lever: float, *more: tuple[float, float]) -> np.ndarray:
 @pytest.mark.parametrize("lever", [1.0, 0.1, 0.01])
 @pytest.mark.parametrize("force", [1e-2, 1e-4])
 @pytest.mark.parametrize("over", JUST)
-def test_a_support_carries_where_its_torque_is_more_than_what_is_missing(
-    lever: float, force: float, over: float
-) -> None:
+def test_a_support_carries_where_its_torque_is_more_than_what_is_missing(lever, force, over):
     """For f small beside 1 the least eigenvalue is f l^2, so f m > r^2 is f l > r."""
     missing = force * lever / over
     forces = np.array([1.0, force])
@@ -266,7 +256,7 @@ def test_a_support_carries_where_its_torque_is_more_than_what_is_missing(
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_forces_that_balance_to_the_last_digit_push_on_all_that_carry(seed: int) -> None:
+def test_forces_that_balance_to_the_last_digit_push_on_all_that_carry(seed):
     random = np.random.default_rng(seed)
     rows = random.normal(size=(7, 4))
     forces = 10.0 ** random.uniform(-6, 0, 7)
@@ -280,7 +270,7 @@ def test_forces_that_balance_to_the_last_digit_push_on_all_that_carry(seed: int)
     assert least * change < 1
 
 
-def test_what_they_do_not_hold_is_neutral_or_they_do_not_carry_it() -> None:
+def test_what_they_do_not_hold_is_neutral_or_they_do_not_carry_it():
     row, one = csr_array(np.array([[1.0, 0.0]])), np.ones(1)
     tilt = np.array([[0.0], [1.0]])
     assert not all_carry(row, one, 1e-9)
@@ -297,7 +287,7 @@ def test_what_they_do_not_hold_is_neutral_or_they_do_not_carry_it() -> None:
 
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize("size", [1.0, 0.01, 100.0])
-def test_of_a_problem_what_is_missing_and_what_may_be_counts(over: float, size: float) -> None:
+def test_of_a_problem_what_is_missing_and_what_may_be_counts(over, size):
     def carries(force: float, *, load: float = 0.0, blur: float = 1e-9) -> bool:
         rows = beam(0.5)
         forces = size * np.array([1.0, force])
@@ -313,9 +303,7 @@ def test_of_a_problem_what_is_missing_and_what_may_be_counts(over: float, size: 
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_a_row_carries_where_its_force_is_more_than_what_may_be_out_of_balance(
-    over: float,
-) -> None:
+def test_a_row_carries_where_its_force_is_more_than_what_may_be_out_of_balance(over):
     for blur, size in ((1e-9, 3.0), (1e-8, 0.5), (1e-12, 1.0)):
         problem = Stationary(
             np.eye(2), np.ones(2), np.zeros((2, 12, 12)), np.full((2, 12), -1), blur

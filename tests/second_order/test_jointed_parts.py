@@ -1,14 +1,12 @@
 """Second order of joints, of linkages, and of groups that move as one."""
 
-from __future__ import annotations
-
 import copy
 from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from balance_cases import CASES, Case
+from balance_cases import CASES
 from jointed_energy import expected, linkage
 from random_linkages import random_linkage
 
@@ -50,9 +48,7 @@ def second(assembly: Assembly) -> SecondOrder:
 
 @pytest.mark.parametrize("kind", MOVING)
 @pytest.mark.parametrize("planar", [False, True])
-def test_the_forms_of_a_joint_are_the_second_derivatives_of_its_equations(
-    kind: JointKind, planar: bool
-) -> None:
+def test_the_forms_of_a_joint_are_the_second_derivatives_of_its_equations(kind, planar):
     random = np.random.default_rng(MOVING.index(kind))
     axis = Y if planar and kind != "prismatic" else random.normal(size=3) * ([1, not planar, 1])
     parts = [bar("a", (0, 0, 0), (0.3, 0, 1)), bar("b", (0.3, 0.1, 1), (1, 0.1, 1.4))]
@@ -79,9 +75,7 @@ def test_the_forms_of_a_joint_are_the_second_derivatives_of_its_equations(
 @pytest.mark.parametrize(
     ("below", "state"), [(-1, "balanced"), (-OFF, "balanced"), (0, "free"), (OFF, ""), (1, "")]
 )
-def test_a_pendulum_falls_above_its_joint_and_swings_below_it(
-    kind: JointKind, below: float, state: str
-) -> None:
+def test_a_pendulum_falls_above_its_joint_and_swings_below_it(kind, below, state):
     rod = bar("rod", (0, 0, -below - 0.5), (0, 0, -below + 0.5))
     joint = Joint(("rod", "ground"), kind, point=[0, 0, 0], axis=Y)
     found = second(Assembly([rod], joints=[joint]))
@@ -95,7 +89,7 @@ def test_a_pendulum_falls_above_its_joint_and_swings_below_it(
         assert found.rate == (pytest.approx(rate, rel=1e-3) if below else None)
 
 
-def test_a_pendulum_on_a_level_rail_slides_and_swings() -> None:
+def test_a_pendulum_on_a_level_rail_slides_and_swings():
     for below, state in ((0.5, "free"), (-0.5, "balanced")):
         cart = Part("cart", Box([0.2, 0.2, 0.2]), Pose([0, 1, 0]))
         rod = bar("rod", (0, 0, -below - 0.5), (0, 0, -below + 0.5))
@@ -106,7 +100,7 @@ def test_a_pendulum_on_a_level_rail_slides_and_swings() -> None:
 
 @pytest.mark.parametrize("first", [1, -1])
 @pytest.mark.parametrize("last", [1, -1])
-def test_of_a_double_pendulum_only_down_and_down_is_stable(first: int, last: int) -> None:
+def test_of_a_double_pendulum_only_down_and_down_is_stable(first, last):
     upper = bar("upper", (0, 0, 0), (0, 0, first))
     lower = bar("lower", (0, 0.1, first), (0, 0.1, first + last))
     joints = [hinge(("upper", "ground"), (0, 0, 0)), hinge(("lower", "upper"), (0, 0, first))]
@@ -118,9 +112,7 @@ def test_of_a_double_pendulum_only_down_and_down_is_stable(first: int, last: int
 @pytest.mark.parametrize(
     ("above", "state"), [(0.5, "balanced"), (OFF, "balanced"), (0, "free"), (-OFF, "minimum")]
 )
-def test_a_lever_with_a_counterweight_stands_if_the_common_centre_is_below_the_hinge(
-    above: float, state: str
-) -> None:
+def test_a_lever_with_a_counterweight_stands_if_the_common_centre_is_below_the_hinge(above, state):
     lever = bar("lever", (-1, 0, 0), (1, 0, 0), mass=1.0)
     weights = [
         Part("left", Box([0.1, 0.1, 0.1]), Pose([-1, 0, 0]), mass=3.0),
@@ -145,14 +137,14 @@ def four_bar(width: float, side: float, load: float = 0.0) -> Assembly:
     return Assembly([left, right, coupler], joints=joints)
 
 
-def test_a_parallelogram_falls_if_it_stands_and_swings_if_it_hangs() -> None:
+def test_a_parallelogram_falls_if_it_stands_and_swings_if_it_hangs():
     """A closed chain whose rows depend on one another: four parallel hinges of a planar linkage."""
     assert second(four_bar(2.0, 1.0)).state == "balanced"
     hanging = second(four_bar(2.0, -1.0))
     assert (hanging.state, hanging.neutral) == ("minimum", 1)
 
 
-def test_a_stretched_chain_is_locked_by_its_self_stress() -> None:
+def test_a_stretched_chain_is_locked_by_its_self_stress():
     """Two collinear bars between fixed hinges move to first order, but not to second order."""
     bars = [bar("left", (0, 0, 0), (1, 0, 0)), bar("right", (1, 0.1, 0), (2, 0.1, 0))]
     at = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
@@ -163,7 +155,7 @@ def test_a_stretched_chain_is_locked_by_its_self_stress() -> None:
     assert (found.state, found.neutral, found.free) == ("minimum", 1, 0)
 
 
-def test_a_proof_about_joints_fails_for_another_pose() -> None:
+def test_a_proof_about_joints_fails_for_another_pose():
     down, up = (
         Assembly([bar("rod", (0, 0, 0), (0, 0, s))], joints=[hinge(("rod", "ground"), (0, 0, 0))])
         for s in (-1.0, 1.0)
@@ -181,13 +173,13 @@ def test_a_proof_about_joints_fails_for_another_pose() -> None:
 
 
 @pytest.mark.slow
-def test_verdicts_agree_with_the_energy_along_exact_motions() -> None:
+def test_verdicts_agree_with_the_energy_along_exact_motions():
     results = Counter(linkage(seed) for seed in range(1000, 1030))
     assert results["wrong"] == 0
     assert results["right"] >= 28
 
 
-def test_the_random_cases_fall_and_stay() -> None:
+def test_the_random_cases_fall_and_stay():
     states = Counter(expected(random_linkage(seed).curvatures()) for seed in range(12))
     assert states["balanced"] >= 2
     assert states["free"] + states["minimum"] >= 2
@@ -224,7 +216,7 @@ def in_two(assembly: Assembly) -> Assembly:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("case", SINGLE, ids=lambda case: case.number)
-def test_a_known_case_of_two_halves_has_its_state(case: Case) -> None:
+def test_a_known_case_of_two_halves_has_its_state(case):
     limit = case.limit
     for at, state in [(0.0, case.state)] if limit is None else [
         (limit - 1e-6, case.state),
@@ -240,7 +232,7 @@ def test_a_known_case_of_two_halves_has_its_state(case: Case) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("off", [1e-4, -1e-4])
-def test_a_weeble_stands_while_its_centre_is_below_the_middle_of_its_ball(off: float) -> None:
+def test_a_weeble_stands_while_its_centre_is_below_the_middle_of_its_ball(off):
     weight = Part("weight", Box([0.1] * 3), Pose([0, 0, 0.5 - off]), mass=3.0)
     for assembly in (
         Assembly([FLOOR, BALL, weight], joints=tie("ball", "weight")),
@@ -258,7 +250,7 @@ def test_a_weeble_stands_while_its_centre_is_below_the_middle_of_its_ball(off: f
 
 
 @pytest.mark.slow
-def test_what_falls_has_a_place_where_the_parts_of_a_group_moved_as_one() -> None:
+def test_what_falls_has_a_place_where_the_parts_of_a_group_moved_as_one():
     rod = Part("rod", Cylinder(0.1, 1.0), Pose([0, 0, 1.5]))
     assembly = Assembly([FLOOR, BALL, rod], joints=tie("ball", "rod"))
     found = kilter.check(assembly)
@@ -284,7 +276,7 @@ def test_what_falls_has_a_place_where_the_parts_of_a_group_moved_as_one() -> Non
         assert not kilter.verify(assembly, other).holds
 
 
-def test_the_program_of_a_group_is_that_of_one_part() -> None:
+def test_the_program_of_a_group_is_that_of_one_part():
     """A box as two tied halves has mass, centre, inertia and loads of the whole box."""
     low = Part("low", Box([1, 2, 1]), Pose([0, 0, 0.5]), mass=1.0)
     high = Part("high", Box([1, 2, 2]), Pose([0, 0, 2]), mass=2.0)
@@ -305,7 +297,7 @@ def test_the_program_of_a_group_is_that_of_one_part() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_tied_to_the_held_is_held_and_a_hinge_beside_friction_leaves_it_open() -> None:
+def test_what_is_tied_to_the_held_is_held_and_a_hinge_beside_friction_leaves_it_open():
     top = Part("top", Box([2, 2, 0.3]), Pose([0, 0, 1.15]))
     held = second_of(Assembly([FLOOR, BALL, top], joints=tie("floor", "ball")))
     assert (held.state, held.neutral, held.moving.tolist()) == ("balanced", 5, [2])
@@ -321,7 +313,7 @@ def test_what_is_tied_to_the_held_is_held_and_a_hinge_beside_friction_leaves_it_
 
 
 @pytest.mark.slow
-def test_what_is_tied_to_the_ground_is_held() -> None:
+def test_what_is_tied_to_the_ground_is_held():
     hand = Part("hand", Box([1, 1, 1]), Pose([0, 0, 5]))
     arm = Part("arm", Box([1, 1, 1]), Pose([0, 0, 6]))
     joints = [Joint(("arm", "ground"), "fixed"), *tie("arm", "hand")]

@@ -1,7 +1,5 @@
 """Parts at rest on level faces: as found, and the proof number by number."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -73,7 +71,7 @@ def all_level(program: Program) -> np.ndarray:
 
 
 @pytest.mark.parametrize("mass", [1e-3, 1.0, 1e3])
-def test_it_holds_as_it_is(mass: float) -> None:
+def test_it_holds_as_it_is(mass):
     program, forces = stands(mass)
     proof = LevelRest(forces, shift(program))
     assert judge_level_rest(program, all_level(program), proof) == ""
@@ -81,7 +79,7 @@ def test_it_holds_as_it_is(mass: float) -> None:
         proof.forces[0] = 1.0
 
 
-def test_numbers_are_of_the_parts_and_contacts() -> None:
+def test_numbers_are_of_the_parts_and_contacts():
     program, forces = stands()
     level, motion = all_level(program), shift(program)
     none = "its numbers do not match the parts and contacts"
@@ -93,7 +91,7 @@ def test_numbers_are_of_the_parts_and_contacts() -> None:
             assert judge_level_rest(program, level, forged) == "its numbers are not finite"
 
 
-def test_no_force_pulls_and_what_is_not_level_carries_nothing() -> None:
+def test_no_force_pulls_and_what_is_not_level_carries_nothing():
     """A point that is listed twice could push as much as it pulls, and two walls could press."""
     program, forces = stands()
     twice = program.taking(np.append(np.arange(4), 0))
@@ -109,7 +107,7 @@ def test_no_force_pulls_and_what_is_not_level_carries_nothing() -> None:
     assert wrong_forces(between, level, np.append(forces, [1.0, 1.0])) == none
 
 
-def test_forces_balance_to_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_forces_balance_to_the_limit(monkeypatch):
     program, forces = stands()
     for over, word in ((0.9, ""), (1.1, "its forces do not balance the load")):
         assert wrong_forces(program, all_level(program), forces * (1 + over * BALANCED)) == word
@@ -117,7 +115,7 @@ def test_forces_balance_to_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     assert wrong_forces(program, all_level(program), forces) == ""
 
 
-def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_carries_is_above_its_limit(monkeypatch):
     """With far points that carry exactly the limit of a tenth, two points on a line are left."""
     program = program_of(on_feet("base", "0", 0.1, -1.0), [22 / 9.81])
     forces = np.array([10.0, 10.0, 1.0, 1.0])
@@ -127,7 +125,7 @@ def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> Non
     assert wrong_forces(program, all_level(program), forces) == ""
 
 
-def test_parts_do_not_bear_one_another_around() -> None:
+def test_parts_do_not_bear_one_another_around():
     """Each of two blocks stands with half of its points on the other, and else on the ground."""
     points = on_feet("base", "0", 0.5, -0.5) + on_feet("base", "1", 0.5, -0.5)
     points += on_feet("0", "1", 0.5, -0.5) + on_feet("1", "0", 0.5, -0.5)
@@ -144,9 +142,7 @@ def test_parts_do_not_bear_one_another_around() -> None:
 
 @pytest.mark.parametrize("mass", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize(("share", "holds"), [(1e-7, True), (1e-8, False)])
-def test_no_force_is_within_what_may_be_out_of_balance(
-    mass: float, share: float, holds: bool
-) -> None:
+def test_no_force_is_within_what_may_be_out_of_balance(mass, share, holds):
     """So it is beside a well-supported block. Both balance exactly."""
     program, forces = stands(mass, share)
     assert (wrong_forces(program, all_level(program), forces) == "") == holds
@@ -158,7 +154,7 @@ def test_no_force_is_within_what_may_be_out_of_balance(
 
 @pytest.mark.parametrize("mass", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize(("over", "holds"), [(1.1, True), (0.9, False)])
-def test_points_that_bear_are_on_no_line(mass: float, over: float, holds: bool) -> None:
+def test_points_that_bear_are_on_no_line(mass, over, holds):
     """Two narrow pairs of points: the squared spread over the radius, times the share."""
     radius = np.sqrt(3) / 2
     trace = 1 + (0.4 / radius) ** 2
@@ -170,9 +166,7 @@ def test_points_that_bear_are_on_no_line(mass: float, over: float, holds: bool) 
 
 @pytest.mark.parametrize("mass", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize(("lacks", "holds"), [(0.4, True), (0.6, False), (1.2, False)])
-def test_what_a_wide_part_lacks_is_borne_by_the_narrow_one_below(
-    mass: float, lacks: float, holds: bool
-) -> None:
+def test_what_a_wide_part_lacks_is_borne_by_the_narrow_one_below(mass, lacks, holds):
     """A slab of a hundred lengths on a post; the forces of both balance within tolerance.
 
     The exact correction takes the share `lacks` of the force of the far points of the post; if it
@@ -200,7 +194,7 @@ def test_what_a_wide_part_lacks_is_borne_by_the_narrow_one_below(
     assert wrong_forces(program, all_level(program), forces) == ("" if holds else TILT)
 
 
-def test_a_motion_is_a_level_shift_of_what_is_free() -> None:
+def test_a_motion_is_a_level_shift_of_what_is_free():
     walls: list[Point] = [("base", "0", [0, 0, 0], X)]
     program = program_of(on_feet("base", "0", 0.5, -0.5) + walls, [1.0])
     level = np.array([True] * 4 + [False])
@@ -217,7 +211,7 @@ def test_a_motion_is_a_level_shift_of_what_is_free() -> None:
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("over", [0.9, 1.0, 1.1])
-def test_a_motion_is_level_and_opens_to_the_limit(size: float, over: float) -> None:
+def test_a_motion_is_level_and_opens_to_the_limit(size, over):
     walls: list[Point] = [("base", "0", [0, 0, 0], X)]
     program = program_of(on_feet("base", "0", 0.5, -0.5) + walls, [1.0])
     level = np.array([True] * 4 + [False])
@@ -229,7 +223,7 @@ def test_a_motion_is_level_and_opens_to_the_limit(size: float, over: float) -> N
 
 
 @pytest.mark.parametrize("lean", [0.5 * BALANCED, BALANCED])
-def test_a_face_is_level_below_the_limit(lean: float) -> None:
+def test_a_face_is_level_below_the_limit(lean):
     low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]), grounded=True)
     assembly = Assembly([low, Part("high", Box([1, 1, 1]), Pose([0, 0, 1.5]))])
     contacts = kilter.contacts(assembly)
@@ -240,7 +234,7 @@ def test_a_face_is_level_below_the_limit(lean: float) -> None:
     assert level_rows(program, contacts).all() == (lean < BALANCED)
 
 
-def test_what_bears_what_is_counted_from_what_is_held() -> None:
+def test_what_bears_what_is_counted_from_what_is_held():
     points = on_feet("base", "0", 0.5, -0.5) + on_feet("0", "1", 0.5, -0.5)
     points += on_feet("base", "2", 0.5, -0.5) + on_feet("1", "2", 0.5, -0.5)
     program = program_of(points, [1.0, 1.0, 1.0])
@@ -251,7 +245,7 @@ def test_what_bears_what_is_counted_from_what_is_held() -> None:
     assert bearing.upper[-4:].tolist() == [3] * 4
 
 
-def test_a_ceiling_may_press_a_little() -> None:
+def test_a_ceiling_may_press_a_little():
     """The force of a block on a ceiling is no load: without this force it also stands."""
     roof: list[Point] = [("base", "0", [0, 0, 1], -Z)]
     program = program_of(on_feet("base", "0", 0.5, -0.5) + roof, [1.0])
@@ -262,7 +256,7 @@ def test_a_ceiling_may_press_a_little() -> None:
 
 
 @pytest.mark.parametrize("side", [1.0, 10.0, 100.0])
-def test_a_torque_is_borne_over_the_size_of_the_part(side: float) -> None:
+def test_a_torque_is_borne_over_the_size_of_the_part(side):
     """A given torque about y moves the centre of the forces by the torque over the weight."""
     program = program_of(on_feet("base", "1", 0.5, -0.5) + on_feet("base", "0", 0.5, -0.5),
                          [1.0, 1.0], wide=side)  # fmt: skip
@@ -277,7 +271,7 @@ def test_a_torque_is_borne_over_the_size_of_the_part(side: float) -> None:
     assert wrong_forces(program, all_level(program), other) == none
 
 
-def test_in_the_plane_what_is_level_is_across_gravity() -> None:
+def test_in_the_plane_what_is_level_is_across_gravity():
     program = program_of(on_feet("base", "0", 0.5, -0.5), [1.0], planar=True)
     leaning = replace(program, gravity=np.array([0.6, 0, -0.8]))
     np.testing.assert_allclose(np.abs(level_axes(leaning)), [[0.8, 0, 0.6]], atol=1e-15)
@@ -306,7 +300,7 @@ def table(*parts: Part) -> Assembly:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("bricks", [1, 12, 105, 1000])
-def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
+def test_a_wall_is_free_whatever_its_size(bricks):
     """Three motions for each brick, as many as the linear programs count."""
     wall = wall_of(bricks)
     second = answer(wall)
@@ -321,7 +315,7 @@ def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
 
 @pytest.mark.quick("diamond")
 @pytest.mark.parametrize("name", ["harmonic-stack", "diamond", "pierced-wall"])
-def test_where_loads_must_be_shared_a_program_shares_them(name: str) -> None:
+def test_where_loads_must_be_shared_a_program_shares_them(name):
     """A stack at its limit, held down by others over an opening; the counts of motions agree."""
     verdict = kilter.check(scene(name))
     second = verdict.second_order_answer
@@ -343,7 +337,7 @@ def stack(seed: int) -> Assembly:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_stack_that_leans_is_free(seed: int) -> None:
+def test_a_stack_that_leans_is_free(seed):
     assembly = stack(seed)
     program, level = posed(assembly)
     proof = find_level_rest(program, level, None)
@@ -357,14 +351,14 @@ def test_a_stack_that_leans_is_free(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_on_a_slope_there_is_no_such_rest(seed: int) -> None:
+def test_on_a_slope_there_is_no_such_rest(seed):
     program, level = posed(stack(seed).with_down([0.01, 0, -1]))
     assert not level.any()
     assert find_level_rest(program, level, None) is None
 
 
 @pytest.mark.parametrize(("off", "holds"), [(0.499, True), (0.501, False)])
-def test_the_middle_of_a_box_is_above_what_bears_it(off: float, holds: bool) -> None:
+def test_the_middle_of_a_box_is_above_what_bears_it(off, holds):
     assembly = table(
         Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5])),
         Part("high", Box([1, 1, 1]), Pose([off, 0, 1.5])),
@@ -373,7 +367,7 @@ def test_the_middle_of_a_box_is_above_what_bears_it(off: float, holds: bool) -> 
     assert (rest_of(assembly) is not None) == holds
 
 
-def test_between_walls_the_gaps_themselves_are_asked() -> None:
+def test_between_walls_the_gaps_themselves_are_asked():
     """A box between two walls across x slides only along y."""
     held = [
         Part(name, Box([1, 4, 1]), Pose([x, 0, 0.5]), grounded=True)
@@ -388,7 +382,7 @@ def test_between_walls_the_gaps_themselves_are_asked() -> None:
     assert (second.state, second.neutral, second.free) == ("free", 3, 3)
 
 
-def test_the_motion_opens_every_joint_between_bricks() -> None:
+def test_the_motion_opens_every_joint_between_bricks():
     """Motions away from their middle separate the bricks of a wall, by their exact gaps."""
     wall = scene("wall", size=(4, 5))
     second = answer(wall)
@@ -409,9 +403,7 @@ def test_the_motion_opens_every_joint_between_bricks() -> None:
 
 @pytest.mark.parametrize("foot", [1.0, 0.5, 0.02])
 @pytest.mark.parametrize("far", [0.6e-9, 2e-9, 2e-8, 1e-7])
-def test_far_corners_within_rounding_bear_nothing_that_is_over_an_edge(
-    foot: float, far: float
-) -> None:
+def test_far_corners_within_rounding_bear_nothing_that_is_over_an_edge(foot, far):
     """A box with its centre over an edge of its support falls: it is no rest on faces."""
     for off in (0.0, 1e-4):
         low = Part("low", Box([foot, 2, 1]), Pose([-foot / 2, 0, 0.5]), grounded=True)
@@ -428,7 +420,7 @@ def test_far_corners_within_rounding_bear_nothing_that_is_over_an_edge(
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_a_part_bears_is_made_good_below(seed: int) -> None:
+def test_what_a_part_bears_is_made_good_below(seed):
     """Forces of a leaning stack, each balanced up to rounding only."""
     program, level = posed(stack(seed))
     proof = find_level_rest(program, level, None)

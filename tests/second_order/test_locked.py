@@ -1,7 +1,5 @@
 """Proofs that no motion turns what is locked between walls: as found, and number by number."""
 
-from __future__ import annotations
-
 import copy
 from typing import Any
 
@@ -41,7 +39,7 @@ def proved(problem: Stationary, faces: Faces) -> LockedTurns:
 
 
 @pytest.mark.slow
-def test_figure_9_in_space_slides_and_does_not_turn() -> None:
+def test_figure_9_in_space_slides_and_does_not_turn():
     assembly = figure_9()
     found = kilter.check(assembly)
     second = found.second_order_answer
@@ -62,7 +60,7 @@ def test_figure_9_in_space_slides_and_does_not_turn() -> None:
         assert not kilter.verify(assembly, other).holds, key
 
 
-def test_what_is_locked_is_a_turn_of_all_four_about_the_normals_of_their_walls() -> None:
+def test_what_is_locked_is_a_turn_of_all_four_about_the_normals_of_their_walls():
     _, problem, _ = asked()
     free, across = shifts(problem)
     assert (free.shape[1], across.shape[1]) == (5, 1)
@@ -74,7 +72,7 @@ def test_what_is_locked_is_a_turn_of_all_four_about_the_normals_of_their_walls()
 
 
 @pytest.mark.parametrize("angle", [-0.01, 0.01])
-def test_the_locked_turn_closes_gaps_in_sum(angle: float) -> None:
+def test_the_locked_turn_closes_gaps_in_sum(angle):
     """Exact heights of points of a face over the plane of the other, weighted by self-stress."""
     assembly, problem, faces = asked()
     stress = proved(problem, faces).stress
@@ -101,7 +99,7 @@ def test_the_locked_turn_closes_gaps_in_sum(angle: float) -> None:
     assert total < -1e-3
 
 
-def test_in_the_plane_no_proof_is_of_what_is_locked() -> None:
+def test_in_the_plane_no_proof_is_of_what_is_locked():
     """With three unknowns for each part, two parts could be read as a part in space."""
     flat = kilter.Assembly(figure_9().parts, planar=True)
     rows = len(build_program(flat, kilter.contacts(flat)).kind)
@@ -154,7 +152,7 @@ def word(
     return judge_locked(problem, faces, LockedTurns(share, size * press))
 
 
-def test_it_holds_as_it_is() -> None:
+def test_it_holds_as_it_is():
     """Contacts may be without force, and self-stress has no scale."""
     assert word() == ""
     assert word(size=1e3) == word(size=1e-3) == ""
@@ -162,12 +160,12 @@ def test_it_holds_as_it_is() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_every_turn_is_locked(over: float) -> None:
+def test_every_turn_is_locked(over):
     assert ("every turn" in word(locks=over * CURVED)) == (over < 1)
     assert ("every turn" in word(locks=over * CURVED, size=1e3)) == (over < 1)
 
 
-def test_numbers_are_those_of_the_contacts() -> None:
+def test_numbers_are_those_of_the_contacts():
     eight = np.full(8, 0.125)
     assert "a finite force for each contact" in word(forces=eight[1:])
     assert "a finite force for each contact" in word(stress=eight[1:])
@@ -177,7 +175,7 @@ def test_numbers_are_those_of_the_contacts() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_forces_push_and_balance(over: float) -> None:
+def test_forces_push_and_balance(over):
     pull = [-0.25, -0.25, 0.75, 0.75, 0, 0, 0, 0]
     assert "do not balance" in word(forces=pull)
     for blur in (1e-9, 1e-6, 1e-12):
@@ -188,7 +186,7 @@ def test_forces_push_and_balance(over: float) -> None:
 
 @pytest.mark.parametrize("size", [1.0, 1e4])
 @pytest.mark.parametrize("over", JUST)
-def test_self_stress_presses_on_every_contact_and_balances(over: float, size: float) -> None:
+def test_self_stress_presses_on_every_contact_and_balances(over, size):
     least = np.ones(8)
     least[[0, 4]] = over * BEARS * 1e-9
     assert ("press on every" in word(stress=least, size=size)) == (over < 1)
@@ -197,7 +195,7 @@ def test_self_stress_presses_on_every_contact_and_balances(over: float, size: fl
     assert ("does not balance" in word(stress=uneven, size=size)) == (over > 1)
 
 
-def test_limits_themselves() -> None:
+def test_limits_themselves():
     """Numbers that are exact in binary: an imbalance and a stress at their limits."""
     limit = 2.0**-20
     assert word(forces=np.repeat([0.25 + limit / 4, 0.0], 4), blur=limit) == ""
@@ -209,7 +207,7 @@ def test_limits_themselves() -> None:
 
 
 @pytest.mark.parametrize("lever", [0.3, 0.01])
-def test_self_stress_at_short_levers_presses_by_rounding(lever: float) -> None:
+def test_self_stress_at_short_levers_presses_by_rounding(lever):
     """Two pairs on a line hold no turn about it, and the third presses too little."""
     three = ((-1.0, 0.0), (1.0, 0.0), (0.0, lever))
     for press, holds in ((2e-8, False), (1e-3, True)):
@@ -223,13 +221,13 @@ def test_self_stress_at_short_levers_presses_by_rounding(lever: float) -> None:
 
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize("along", [X, Y, -X])
-def test_shifts_cost_nothing(over: float, along: Any) -> None:
+def test_shifts_cost_nothing(over, along):
     found = word(load=-Z + over * ACROSS * along, blur=2 * ACROSS)
     assert ("cost energy" in found) == (over > 1)
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_faces_lie_on_faces_at_points_on_no_line(over: float) -> None:
+def test_faces_lie_on_faces_at_points_on_no_line(over):
     assert "faces" in word(flat=[True] * 7 + [False])
     least = over * np.sqrt(1e-10 / 2)
     thin = np.array([(-1.0, 0.0), (1.0, 0.0), (0.0, least), (0.0, -least)])
@@ -241,7 +239,7 @@ def test_faces_lie_on_faces_at_points_on_no_line(over: float) -> None:
     assert "faces" in word(points=one, forces=[1.0, 0.0], stress=[1.0, 1.0])
 
 
-def test_where_faces_are_has_no_unit() -> None:
+def test_where_faces_are_has_no_unit():
     found = []
     for size in (1.0, 1e3):
         parts = [Part(name, Box(size * np.ones(3)), Pose([0, 0, size * z]), grounded=z == 0)
@@ -256,13 +254,13 @@ def test_where_faces_are_has_no_unit() -> None:
     np.testing.assert_allclose(np.ptp(found[0].point, axis=0), [1 / np.sqrt(0.75)] * 2 + [0])
 
 
-def test_a_proof_is_not_written_to() -> None:
+def test_a_proof_is_not_written_to():
     proof = LockedTurns(np.ones(2), np.ones(2))
     with pytest.raises(ValueError, match="read-only"):
         proof.stress[0] = 2.0
 
 
-def test_shifts_turn_nothing() -> None:
+def test_shifts_turn_nothing():
     rows = np.zeros((1, 12))
     rows[0, 2] = 1.0
     problem = Stationary(

@@ -1,7 +1,5 @@
 """Minima of the energy: decided by closed forms, and the proof number by number."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 
@@ -71,13 +69,13 @@ def word(
     return judge_minimum(problem, proof)
 
 
-def test_it_holds_as_it_is() -> None:
+def test_it_holds_as_it_is():
     assert word() == ""
     assert word(splits=(None, None), leaves=[np.zeros((2, 2))] * 2) == ""
     assert "curve upward" in word(curvature=SADDLE)
 
 
-def test_forces_are_of_the_contacts_push_and_balance() -> None:
+def test_forces_are_of_the_contacts_push_and_balance():
     assert word(leaves=()) == "it has no forces"
     assert "a finite force for each contact" in word(forces=[1.0, 0.0])
     assert "a finite force for each contact" in word(forces=[np.nan])
@@ -91,7 +89,7 @@ def test_forces_are_of_the_contacts_push_and_balance() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_motions_are_those_that_the_forces_leave_neutral(over: float) -> None:
+def test_motions_are_those_that_the_forces_leave_neutral(over):
     assert "not those of the free parts" in word(basis=np.nan * XY)
     assert "not those of the free parts" in word(basis=XY[:3], free=G[:3, None])
     assert "leave other motions neutral" in word(basis=X[:, None])
@@ -111,16 +109,14 @@ def test_motions_are_those_that_the_forces_leave_neutral(over: float) -> None:
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize("size", [0.5, 1.0, 50.0])
 @pytest.mark.parametrize("place", [(2, 2), (0, 2), (1, 2)])
-def test_the_energy_is_level_along_what_is_free(
-    over: float, size: float, place: tuple[int, int]
-) -> None:
+def test_the_energy_is_level_along_what_is_free(over, size, place):
     for sign in (1, -1):
         matrix = size * np.array(BOWL) / 3
         matrix[place] = matrix[place[::-1]] = sign * over * LEVEL * max(1.0, size)
         assert ("energy changes" in word(curvature=matrix)) == (over > 1)
 
 
-def test_a_side_is_the_row_of_a_contact_that_carries_nothing() -> None:
+def test_a_side_is_the_row_of_a_contact_that_carries_nothing():
     wall = {"others": (2.5 * X,), "sides": (X[:2],)}
     assert word(**wall) == ""
     wrong = "not belong to a contact"
@@ -134,7 +130,7 @@ def test_a_side_is_the_row_of_a_contact_that_carries_nothing() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_a_contact_that_all_but_opens_nothing_is_no_side(over: float) -> None:
+def test_a_contact_that_all_but_opens_nothing_is_no_side(over):
     """Rounding has any direction: with sides y >= 0 and -y >= 0 every state would be a minimum."""
     rounding = over * ACROSS * Y
     found = word(
@@ -146,7 +142,7 @@ def test_a_contact_that_all_but_opens_nothing_is_no_side(over: float) -> None:
     assert ("not belong to a contact" in found) == (over < 1)
 
 
-def test_weights_of_sides_make_up_for_what_curves_downward_only_within_them() -> None:
+def test_weights_of_sides_make_up_for_what_curves_downward_only_within_them():
     coupled = ((1.0, 2.0, 0), (2.0, 1.0, 0), (0, 0, 0))
     corner = {"curvature": coupled, "others": (X, Y), "sides": (X[:2], Y[:2])}
     assert "curve upward" in word(**corner)
@@ -159,12 +155,12 @@ def test_weights_of_sides_make_up_for_what_curves_downward_only_within_them() ->
     assert "not positive" in word(**corner, weights=[[-1e-9, 1.5], [1.5, 0]])
 
 
-def test_weights_too_large_to_count_with_prove_nothing() -> None:
+def test_weights_too_large_to_count_with_prove_nothing():
     saddle = {"curvature": SADDLE, "splits": (None, None)}
     assert "curve upward" in word(**saddle, leaves=[np.full((2, 2), 1e308)] * 2)
 
 
-def test_weights_of_one_half_of_a_matrix_prove_nothing() -> None:
+def test_weights_of_one_half_of_a_matrix_prove_nothing():
     """The energy falls along x + y, at the edge of the cone |y| <= x."""
     energy = ((5.0, -5.5, 0), (-5.5, 5.0, 0), (0, 0, 0))
     edges = np.array([[1.0, -1, 0, 0], [1, 1, 0, 0]]) / np.sqrt(2)
@@ -173,7 +169,7 @@ def test_weights_of_one_half_of_a_matrix_prove_nothing() -> None:
         assert "curve upward" in found
 
 
-def test_cones_are_a_tree_with_one_leaf_each() -> None:
+def test_cones_are_a_tree_with_one_leaf_each():
     none = np.zeros((2, 2))
     assert "cones are left over" in word(splits=(None,), leaves=[none])
     assert "more splits than cones" in word(splits=(None,) * 3, leaves=[none] * 3)
@@ -187,7 +183,7 @@ def test_cones_are_a_tree_with_one_leaf_each() -> None:
         list(leaf_cones(2, (None, None, None), half=False))
 
 
-def test_beside_sides_both_halves_are_asked() -> None:
+def test_beside_sides_both_halves_are_asked():
     """Sides distinguish a motion from its opposite."""
     none = np.zeros((3, 3))
     wall = {"others": (X,), "sides": (X[:2],)}
@@ -202,7 +198,7 @@ def test_beside_sides_both_halves_are_asked() -> None:
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_orthants_and_their_halves_cover_the_space(dimension: int) -> None:
+def test_orthants_and_their_halves_cover_the_space(dimension):
     for half in (True, False):
         cones = orthants(dimension, half=half)
         assert len(cones) == 2 ** (dimension - half)
@@ -213,7 +209,7 @@ def test_orthants_and_their_halves_cover_the_space(dimension: int) -> None:
             assert all(one[0] == 1 for one in signs)
 
 
-def test_a_cone_is_split_in_the_middle_of_two_rays() -> None:
+def test_a_cone_is_split_in_the_middle_of_two_rays():
     rays = np.eye(3)
     first, second = split(rays, 0, 2)
     middle = np.array([1.0, 0, 1]) / np.sqrt(2)
@@ -232,13 +228,13 @@ def test_a_cone_is_split_in_the_middle_of_two_rays() -> None:
 
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize("size", [0.5, 1.0, 1e3])
-def test_definite_is_more_than_rounding(over: float, size: float) -> None:
+def test_definite_is_more_than_rounding(over, size):
     least = over * CURVED * max(1.0, size)
     assert definite(np.diag([size, least])) == (over > 1)
     assert not definite(-np.diag([size, least]))
 
 
-def test_definite_reads_all_of_a_matrix_and_only_numbers() -> None:
+def test_definite_reads_all_of_a_matrix_and_only_numbers():
     assert definite(np.zeros((0, 0)))
     for value in (np.nan, np.inf, -np.inf):
         assert definite(np.full((1, 1), value)) is False
@@ -248,7 +244,7 @@ def test_definite_reads_all_of_a_matrix_and_only_numbers() -> None:
     assert definite(np.array([[1.0, 4.0], [-4.0, 1.0]]))
 
 
-def test_the_limits_themselves_are_within() -> None:
+def test_the_limits_themselves_are_within():
     assert word(basis=np.column_stack([X + ACROSS * Y, Y])) == ""
     assert word(basis=np.column_stack([X + ACROSS * Z, Y])) == ""
     assert word(others=(ACROSS * G,)) == ""
@@ -261,13 +257,13 @@ def test_the_limits_themselves_are_within() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_rows_are_of_rank_beyond_the_blur_of_the_largest(over: float) -> None:
+def test_rows_are_of_rank_beyond_the_blur_of_the_largest(over):
     thin = 100 * 1e-9 * over * G
     rows = {"rows": (100 * Z,), "others": (thin,), "load": -100 * Z - thin, "forces": [1.0, 1.0]}
     assert ("leave other motions neutral" in word(**rows, free=np.zeros((4, 0)))) == (over < 1)
 
 
-def test_a_contact_carries_where_the_forces_of_any_cone_do() -> None:
+def test_a_contact_carries_where_the_forces_of_any_cone_do():
     rows, form = np.array([Z, Z]), np.zeros((2, 12, 12))
     form[:, :3, :3] = -np.array(BOWL)
     places = np.tile(np.append(np.arange(4), np.full(8, -1)), (2, 1))
@@ -276,16 +272,14 @@ def test_a_contact_carries_where_the_forces_of_any_cone_do() -> None:
     assert judge_minimum(Stationary(rows, -Z, form, places), proof) == ""
 
 
-def test_all_of_the_forces_are_numbers() -> None:
+def test_all_of_the_forces_are_numbers():
     assert "a finite force for each contact" in word(others=(Y,), forces=[1.0, np.nan])
 
 
 @pytest.mark.parametrize("blur", [1e-9, 1e-6])
 @pytest.mark.parametrize("weight", [1.0, 1e-3, 1e3])
 @pytest.mark.parametrize("over", JUST)
-def test_what_carries_less_than_may_be_out_of_balance_leaves_its_motions(
-    over: float, weight: float, blur: float
-) -> None:
+def test_what_carries_less_than_may_be_out_of_balance_leaves_its_motions(over, weight, blur):
     """A tilted wall without force would otherwise remove motions that it admits."""
     wall = (X + Y + G) / np.sqrt(3)
     own = over * BEARS * blur * weight
@@ -302,7 +296,7 @@ def test_what_carries_less_than_may_be_out_of_balance_leaves_its_motions(
     assert ("leave other motions neutral" in carried) == (over > 1)
 
 
-def test_forces_beside_which_the_load_is_rounding_balance_nothing() -> None:
+def test_forces_beside_which_the_load_is_rounding_balance_nothing():
     """A self-stress of any size does not hide an imbalance, which could make a contact count."""
     walls = {"others": (G, -G), "free": np.zeros((4, 0))}
     assert "do not balance" in word(**walls, forces=[3.0, 1e12, 1e12])
@@ -311,7 +305,7 @@ def test_forces_beside_which_the_load_is_rounding_balance_nothing() -> None:
 
 @pytest.mark.parametrize("lever", [0.1, 0.01, 1e-4])
 @pytest.mark.parametrize("over", JUST)
-def test_forces_at_short_levers_carry_by_rounding(lever: float, over: float) -> None:
+def test_forces_at_short_levers_carry_by_rounding(lever, over):
     """A second contact would keep x closed by a torque that is lost in the imbalance."""
     bowl = ((-1.0, 0, 0), (0, 3.0, 0), (0, 0, 0))
     far = over * 2e-9 / lever  # four unknowns may each be out of balance by 1e-9
@@ -327,7 +321,7 @@ def test_forces_at_short_levers_carry_by_rounding(lever: float, over: float) -> 
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over: float) -> None:
+def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over):
     """Its gap has another form if a neutral or free motion makes it slip off its edge."""
 
     def slips(turn: int, slip: int, row: int = 0) -> Any:
@@ -346,9 +340,7 @@ def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over: f
 
 @pytest.mark.parametrize("tilt", [0.9 * ACROSS, 0.0, -0.9 * ACROSS])
 @pytest.mark.parametrize(("curves", "holds"), [(0.5e-7, True), (-0.5e-7, False)])
-def test_what_a_basis_opens_a_little_curves_nothing(
-    tilt: float, curves: float, holds: bool
-) -> None:
+def test_what_a_basis_opens_a_little_curves_nothing(tilt, curves, holds):
     """Between two walls y is no motion, however strongly it would curve the energy with x."""
     tilted = (X + tilt * Y)[:, None]
     form = ((curves, 1.0, 0), (1.0, 0, 0), (0, 0, 0))
@@ -407,7 +399,7 @@ BOWL_DECIDE = np.diag([1.0, 2.0])
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_pivot_is_a_minimum_iff_its_centre_is_below_its_corner(side: float) -> None:
+def test_a_pivot_is_a_minimum_iff_its_centre_is_below_its_corner(side):
     found = decide(pivot(side * BEYOND, BOWL_DECIDE), SPIN)
     assert found.state == ("balanced" if side > 0 else "minimum")
     assert (found.neutral, found.free) == (5, 1)
@@ -417,7 +409,7 @@ def test_a_pivot_is_a_minimum_iff_its_centre_is_below_its_corner(side: float) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_six_feet_need_forces_of_their_own_for_each_direction(side: float) -> None:
+def test_six_feet_need_forces_of_their_own_for_each_direction(side):
     """A single set of forces has the least curvature -shift; separate forces have 1/2 - shift."""
     shift = 0.5 + side * 1e-3
     problem = six_feet(shift)
@@ -431,7 +423,7 @@ def test_six_feet_need_forces_of_their_own_for_each_direction(side: float) -> No
 
 
 @pytest.mark.slow
-def test_a_corner_pressed_between_two_bowls_is_held_by_its_squeeze() -> None:
+def test_a_corner_pressed_between_two_bowls_is_held_by_its_squeeze():
     """Self-stress between a bowl above and a hump below blocks the fall."""
     row, form = point_on_surface(np.zeros(3), -0.5 * np.eye(2), np.zeros(3))
     ceiling_row, ceiling = point_on_surface(np.zeros(3), -np.eye(2), np.zeros(3))
@@ -458,20 +450,20 @@ def corner_on(surface: Array, *stops: int) -> Stationary:
 SADDLE_DECIDE = np.array([[0.1, 1.0], [1.0, 0.1]])
 
 
-def test_stops_make_a_minimum_of_a_saddle_that_rises_between_them() -> None:
+def test_stops_make_a_minimum_of_a_saddle_that_rises_between_them():
     """x.S x > 0 for all x, y >= 0: a copositive matrix that is not positive definite."""
     assert decide(corner_on(SADDLE_DECIDE)).state == "balanced"
     assert decide(corner_on(SADDLE_DECIDE, 0, 1)).state == "minimum"
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_both_sides_of_the_limit_of_a_copositive_saddle(side: float) -> None:
+def test_both_sides_of_the_limit_of_a_copositive_saddle(side):
     """[[1, b], [b, 4]] is copositive iff b > -2."""
     found = decide(corner_on(np.array([[1.0, -2 + side * BEYOND], [-2 + side * BEYOND, 4]]), 0, 1))
     assert found.state == ("minimum" if side > 0 else "balanced")
 
 
-def test_the_path_of_a_pivot_falls_as_its_formula_says() -> None:
+def test_the_path_of_a_pivot_falls_as_its_formula_says():
     """Along a turn by t the energy is at least -h t^2 / 2, half the power of d2."""
     height = 0.3
     path = decide(pivot(height, BOWL_DECIDE), SPIN).proof
@@ -493,7 +485,7 @@ def pressed_between_plates() -> Stationary:
     return Stationary(rows, load, forms, columns, on_plane=np.array([False, True, True]))
 
 
-def test_what_is_pressed_between_planes_falls_along_them() -> None:
+def test_what_is_pressed_between_planes_falls_along_them():
     problem = pressed_between_plates()
     spins = np.eye(6)[:, 3:]
     found = decide(problem, spins)

@@ -1,10 +1,7 @@
 """Contacts that second order models: rims of flat faces, and no open pairs."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -48,7 +45,7 @@ SQUEEZE = [
         ([Part("ball", Sphere(0.5), Pose([0.2, 0, 1.5]))], 8),
     ],
 )
-def test_what_stands_on_a_round_face_is_free(more: list[Part], neutral: int) -> None:
+def test_what_stands_on_a_round_face_is_free(more, neutral):
     assembly = Assembly([TABLE, CAN, *more])
     assert len(kilter.contacts(assembly).possible)  # corners around the rim
     found = kilter.check(assembly)
@@ -62,7 +59,7 @@ def unmodelled(assembly: Assembly, contacts: kilter.ContactSet) -> str:
     return why_unmodelled(assembly, unmodelled_pairs(assembly, contacts))
 
 
-def test_a_ball_on_a_can_on_a_ball_is_balanced() -> None:
+def test_a_ball_on_a_can_on_a_ball_is_balanced():
     ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))
     can = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 1.5]))
     found = kilter.check(Assembly([TABLE, ball, can]))
@@ -70,7 +67,7 @@ def test_a_ball_on_a_can_on_a_ball_is_balanced() -> None:
     assert found.second_order_answer.state == "balanced"
 
 
-def test_of_pairs_that_are_left_open_nothing_is_said_or_proved() -> None:
+def test_of_pairs_that_are_left_open_nothing_is_said_or_proved():
     assembly = Assembly([TABLE, CAN])
     proof = kilter.check(assembly).proof()
     near = Part("near", Box([1, 1, 1]), Pose([1.0 + 2e-4, 0, 0.5]), grounded=True)
@@ -89,7 +86,7 @@ def test_of_pairs_that_are_left_open_nothing_is_said_or_proved() -> None:
     assert any("is open" in reason for reason in refused.reasons)
 
 
-def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
+def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim():
     ball = Part("ball", Sphere(0.5), Pose([3, 0, 0.5]))
     contacts = kilter.contacts(Assembly([TABLE, CAN, ball]))
     assert unmodelled(contacts.assembly, contacts) == ""
@@ -105,7 +102,7 @@ def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
         assert "not modelled" in unmodelled(contacts.assembly, contacts_with(contacts, other)), name
 
 
-def test_each_face_of_a_pair_has_its_own_rim() -> None:
+def test_each_face_of_a_pair_has_its_own_rim():
     """A can that touches the same part above and below, and another can."""
     corners, faces = surface(Box([2, 2, 1]))
     both = np.vstack([corners, corners + 2 * np.eye(3)[2]])
@@ -117,7 +114,7 @@ def test_each_face_of_a_pair_has_its_own_rim() -> None:
     assert unmodelled(assembly, contacts) == ""
 
 
-def test_pairs_left_open_for_another_reason_than_their_edges_are_not_known() -> None:
+def test_pairs_left_open_for_another_reason_than_their_edges_are_not_known():
     boxes = [Part(f"at {x}", Box([1, 1, 1]), Pose([x, x, 0.5])) for x in (-0.5, 0.5)]
     assembly = Assembly([TABLE, *boxes])
     contacts = kilter.contacts(assembly)
@@ -156,13 +153,11 @@ def refused(assembly: Assembly, of: Assembly, state: str = "open") -> tuple[str,
         (PILE, {"loads": SQUEEZE}, OFF_CENTRE),
     ],
 )
-def test_of_bonds_and_loads_nothing_is_said_or_proved(
-    plain: Assembly, more: dict[str, Any], why: str
-) -> None:
+def test_of_bonds_and_loads_nothing_is_said_or_proved(plain, more, why):
     assert any(why in one for one in refused(replace(plain, **more), plain))
 
 
-def test_a_rest_on_level_faces_is_no_proof_beside_a_joint() -> None:
+def test_a_rest_on_level_faces_is_no_proof_beside_a_joint():
     poled = replace(BLOCK, joints=[POLE])
     proof = kilter.check(poled).proof()
     data = copy.deepcopy(kilter.check(BLOCK).proof()["second_order"])
@@ -173,7 +168,7 @@ def test_a_rest_on_level_faces_is_no_proof_beside_a_joint() -> None:
     assert "its second order: it does not model joints" in kilter.verify(poled, proof).reasons
 
 
-def test_a_weight_above_the_centre_may_tip_what_is_a_minimum_without_it() -> None:
+def test_a_weight_above_the_centre_may_tip_what_is_a_minimum_without_it():
     """The ball in a bowl turns about its centre, and so its load comes down."""
     bowl = next(case for case in CASES if case.number == "03").build(0.0)
     center = bowl.geometry.center[1]
@@ -186,7 +181,7 @@ def test_a_weight_above_the_centre_may_tip_what_is_a_minimum_without_it() -> Non
 
 
 @pytest.mark.slow
-def test_a_load_on_the_mast_of_a_weeble_is_above_the_centre_of_both() -> None:
+def test_a_load_on_the_mast_of_a_weeble_is_above_the_centre_of_both():
     ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]), mass=10.0)
     low = Part("low", Box([0.1] * 3), Pose([0, 0, 0.4]), mass=3.0)
     mast = Part("mast", Cylinder(0.1, 1.0), Pose([0, 0, 1.5]), mass=0.01)
@@ -198,7 +193,7 @@ def test_a_load_on_the_mast_of_a_weeble_is_above_the_centre_of_both() -> None:
     assert second.state == "free"
 
 
-def test_a_weight_on_top_of_what_stands_on_a_level_face_leaves_it_free() -> None:
+def test_a_weight_on_top_of_what_stands_on_a_level_face_leaves_it_free():
     found = kilter.check(replace(BLOCK, loads=[Load("block", DOWN, point=[0, 0, 1])]))
     assert found.second_order_answer is not None
     assert found.second_order_answer.state == "free"
@@ -206,7 +201,7 @@ def test_a_weight_on_top_of_what_stands_on_a_level_face_leaves_it_free() -> None
 
 
 @pytest.mark.parametrize("over", [0.9, 1.1])
-def test_a_load_is_off_the_centre_or_the_vertical_by_more_than_rounding(over: float) -> None:
+def test_a_load_is_off_the_centre_or_the_vertical_by_more_than_rounding(over):
     radius = BLOCK.geometry.radius[1]
     for arm, force, given in (
         ([0, 0, over * KEEPS * radius], DOWN, (over > 1, False)),
@@ -220,7 +215,7 @@ def test_a_load_is_off_the_centre_or_the_vertical_by_more_than_rounding(over: fl
         assert [one.tolist() for one in (off, slanted)] == [[False, one] for one in given]
 
 
-def test_a_load_at_the_limit_is_at_the_centre_and_vertical() -> None:
+def test_a_load_at_the_limit_is_at_the_centre_and_vertical():
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -1]), grounded=True)
     block = Part("block", Box([1, 1, 1]), Pose([0, 0, 0]))
     plain = Assembly([floor, block])

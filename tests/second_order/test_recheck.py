@@ -1,7 +1,5 @@
 """Proofs of second order: true ones hold, damaged and forged ones do not."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable
 from typing import Any
@@ -30,7 +28,7 @@ from kilter.second_order.searches.decide import decide
 
 
 @pytest.mark.parametrize("kind", [kind for kind in BUILD if kind != "flat"])
-def test_a_true_proof_holds(kind: str) -> None:
+def test_a_true_proof_holds(kind):
     judge, data = proved(kind)
     assert judge(data) == []
 
@@ -169,14 +167,14 @@ DAMAGES = [
 
 
 @pytest.mark.parametrize(("kind", "where", "value", "reason"), DAMAGES)
-def test_what_is_damaged_is_refused(kind: str, where: str, value: Any, reason: str) -> None:
+def test_what_is_damaged_is_refused(kind, where, value, reason):
     judge, data = proved(kind)
     reasons = judge(changed(data, where, value))
     assert reasons
     assert any(reason in one for one in reasons), reasons
 
 
-def test_beside_what_falls_nothing_else_is_to_be_known() -> None:
+def test_beside_what_falls_nothing_else_is_to_be_known():
     for kind, rest in (("worst", "clusters.1"), ("boards", "clusters.2")):
         judge, data = proved(kind)
         assert judge(changed(data, rest, lambda old: None)) == []
@@ -192,9 +190,7 @@ def test_beside_what_falls_nothing_else_is_to_be_known() -> None:
         ("sharp", "rolls", {}, "edges and corners without a unique normal"),
     ],
 )
-def test_a_proof_of_another_kind_is_refused(
-    kind: str, of: str, more: dict[str, Any], reason: str
-) -> None:
+def test_a_proof_of_another_kind_is_refused(kind, of, more, reason):
     (judge, _), (_, data) = proved(kind), proved(of)
     assert any(reason in one for one in judge(data | more))
 
@@ -224,9 +220,7 @@ def proof_of_the_middle(assembly: Assembly) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("doubts", "reason"), [(-4.2, ""), (-3.8, "does not curve upward")])
-def test_a_minimum_of_a_mesh_is_one_of_every_surface_it_may_stand_for(
-    doubts: float, reason: str
-) -> None:
+def test_a_minimum_of_a_mesh_is_one_of_every_surface_it_may_stand_for(doubts, reason):
     assembly = weeble(doubts * doubt())
     proof = kilter.check(assembly).proof() | {"second_order": proof_of_the_middle(assembly)}
     proof["digest"] = digest_of(proof)
@@ -235,7 +229,7 @@ def test_a_minimum_of_a_mesh_is_one_of_every_surface_it_may_stand_for(
     assert any(reason in one for one in found.reasons) or not reason
 
 
-def test_a_path_on_a_mesh_is_one_on_every_surface_it_may_stand_for() -> None:
+def test_a_path_on_a_mesh_is_one_on_every_surface_it_may_stand_for():
     true, other = weeble(4.6 * doubt()), weeble(3.8 * doubt())
     proof, near = kilter.check(true).proof(), kilter.check(other).proof()
     assert kilter.verify(true, proof).holds
@@ -244,7 +238,7 @@ def test_a_path_on_a_mesh_is_one_on_every_surface_it_may_stand_for() -> None:
     assert any("not decrease along its path" in one for one in kilter.verify(other, near).reasons)
 
 
-def test_what_is_level_to_second_order_is_not_free_for_that() -> None:
+def test_what_is_level_to_second_order_is_not_free_for_that():
     judge, none = proved("flat")
     assert none is None
     assembly = BUILD["flat"]()
@@ -263,7 +257,7 @@ def test_what_is_level_to_second_order_is_not_free_for_that() -> None:
     assert judge(forged) == ["its second order: a motion that it calls free is not proved to be"]
 
 
-def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
+def test_far_enough_out_of_a_corner_any_way_will_do():
     for kind, ways in (
         ("idle", ([1, 0, 0, 0, 0, 0], [2, 0, 0, 0, 0, 0], [1, 5, 0, 0, 0, 3])),
         ("corner", ([1, 0.1, 0, 0, 0, 0], [1e-6, 1e-6, 0, 0, 0, 0])),
@@ -288,9 +282,7 @@ def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
         ({"wall 0": [1, 0, 0, 0, 0, 0.8e-12]}, False),  # its corners are 1.6 from its middle
     ],
 )
-def test_what_goes_along_is_shifted_alike_and_not_turned(
-    other: dict[str, list[float]], holds: bool
-) -> None:
+def test_what_goes_along_is_shifted_alike_and_not_turned(other, holds):
     """A ball in a box of walls that touch it: together they slide."""
     judge, data = proved("together")
     motion = {name: [1.0, 0, 0, 0, 0, 0] for name in data["motion"]}
@@ -300,7 +292,7 @@ def test_what_goes_along_is_shifted_alike_and_not_turned(
         assert (judge(data | {"motion": given}) == []) == holds
 
 
-def test_they_do_not_turn_as_one() -> None:
+def test_they_do_not_turn_as_one():
     judge, data = proved("together")
     parts = {one.name: one.pose.position for one in BUILD["together"]().parts}
     about = {name: [-parts[name][1], parts[name][0], 0, 0, 0, 1] for name in data["motion"]}
@@ -341,14 +333,12 @@ def down_a_ball(step: float, opens: float) -> dict[str, Any]:
         ("place", 2e-3, 1.1e-6, []),
     ],
 )
-def test_a_place_is_apart_and_lower_by_more_than_rounding(
-    kind: str, step: float, opens: float, reasons: list[str]
-) -> None:
+def test_a_place_is_apart_and_lower_by_more_than_rounding(kind, step, opens, reasons):
     judge, _ = proved(kind)
     assert judge(down_a_ball(step, opens)) == reasons
 
 
-def test_cones_are_counted_before_they_are_made() -> None:
+def test_cones_are_counted_before_they_are_made():
     """Five motions have 16 orthants, up to sign."""
     judge, data = proved("rolls")
     forged = data | {"basis": data["across"], "across": [], "free": 0}
@@ -358,13 +348,13 @@ def test_cones_are_counted_before_they_are_made() -> None:
         assert any("orthants" in one for one in reasons) == bool(reason)
 
 
-def test_of_rolling_nothing_need_be_said() -> None:
+def test_of_rolling_nothing_need_be_said():
     judge, data = proved("board")
     assert judge(changed(data, "rolling", None)) == []
 
 
 @pytest.mark.parametrize("data", [None, [], 3, "held", {"clusters": 3}, {"clusters": {}}, {}])
-def test_what_is_no_proof_is_refused(data: Any) -> None:
+def test_what_is_no_proof_is_refused(data):
     judge, _ = proved("minimum")
     assert judge(data)
 
@@ -400,14 +390,14 @@ def proof_of(number: str) -> tuple[kilter.Assembly, dict[str, Any]]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("number", ["03", "26", "38"])
-def test_a_changed_number_of_a_minimum_is_refused(number: str) -> None:
+def test_a_changed_number_of_a_minimum_is_refused(number):
     assembly, proof = proof_of(number)
     for place in numbers(proof["second_order"]):
         assert not kilter.verify(assembly, changed_file(proof, place, 0.37)).holds, place
 
 
 @pytest.mark.parametrize("name", ["paper-figure-1-in-space", "paper-figure-12-in-space"])
-def test_the_paths_of_the_papers_figures_are_judged_again(name: str) -> None:
+def test_the_paths_of_the_papers_figures_are_judged_again(name):
     assembly = scene(name)
     verdict = kilter.check(assembly)
     proof = verdict.proof()
@@ -442,7 +432,7 @@ def in_a_hollow(slope: float, count: int) -> kilter.Assembly:
 
 
 @pytest.mark.slow
-def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
+def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced():
     """Relative to the blocks its gaps curve strongly, and far from it there is room below."""
     assembly = in_a_hollow(0.01, 5)
     verdict = kilter.check(assembly)
@@ -466,7 +456,7 @@ def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
         )
 
 
-def test_a_configuration_is_a_place_on_its_path_and_near_by() -> None:
+def test_a_configuration_is_a_place_on_its_path_and_near_by():
     assembly = scene("paper-figure-1-in-space")
     proof = kilter.check(assembly).proof()
     path = proof["second_order"]
@@ -493,7 +483,7 @@ def test_a_configuration_is_a_place_on_its_path_and_near_by() -> None:
             assert asked(other) == off_it
 
 
-def test_a_proof_without_its_parts_is_refused() -> None:
+def test_a_proof_without_its_parts_is_refused():
     assembly, proof = proof_of("26")
     for key in proof["second_order"]:
         short = copy.deepcopy(proof)
@@ -503,7 +493,7 @@ def test_a_proof_without_its_parts_is_refused() -> None:
 
 
 @pytest.mark.parametrize("word", ["nan", "inf", "1.0", True, None])
-def test_words_in_the_place_of_numbers_make_no_ball_on_a_ball_a_minimum(word: Any) -> None:
+def test_words_in_the_place_of_numbers_make_no_ball_on_a_ball_a_minimum(word):
     """Two motions are neutral beside the spins: cones with two sides each, and no valid weights."""
     assembly, proof = proof_of("02")
     bowl = proof_of("03")[1]["second_order"]
@@ -512,7 +502,7 @@ def test_words_in_the_place_of_numbers_make_no_ball_on_a_ball_a_minimum(word: An
     assert not kilter.verify(assembly, with_second_order(proof, forged)).holds
 
 
-def test_a_lift_by_next_to_nothing_makes_no_ball_in_a_bowl_balanced() -> None:
+def test_a_lift_by_next_to_nothing_makes_no_ball_in_a_bowl_balanced():
     assembly, proof = proof_of("03")
     first = [0.7, 0, 0.7e-7, 0, 0, 0]
     for lift in ([0, 0, -0.7, 0, 0, 0], [0, 0, -7, 0, 0, 0]):
@@ -529,7 +519,7 @@ def with_second_order(proof: dict[str, Any], data: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("kind", ["stopped", "locked"])
-def test_forces_so_large_that_their_torques_are_no_numbers_balance_nothing(kind: str) -> None:
+def test_forces_so_large_that_their_torques_are_no_numbers_balance_nothing(kind):
     """A can with its centre over an edge; its sums of torques would be less than infinity."""
     low = Part("low", Box([1, 6, 1]), Pose([0, 0, 0.5]), grounded=True)
     can = Part("can", Cylinder(1.0, 0.1), Pose([0.5, 0, 1.05]), mass=0.05)
@@ -545,7 +535,7 @@ def test_forces_so_large_that_their_torques_are_no_numbers_balance_nothing(kind:
 
 
 @pytest.mark.parametrize(("mu", "verdict"), [(0.0, "unstable"), (0.5, "stable")])
-def test_of_what_slides_or_only_friction_holds_nothing_is_proved(mu: float, verdict: str) -> None:
+def test_of_what_slides_or_only_friction_holds_nothing_is_proved(mu, verdict):
     """A block on a slope: the path along the slope leads down, but it is not balanced."""
     floor = Part("floor", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
     parts = [floor, Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))]

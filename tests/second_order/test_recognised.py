@@ -1,7 +1,5 @@
 """Round surfaces of meshes, and round pieces that hold every corner of a part."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 
@@ -32,7 +30,7 @@ FINE = 48
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
-def test_meshes_have_the_state_of_the_exact_solids_or_none(seed: int) -> None:
+def test_meshes_have_the_state_of_the_exact_solids_or_none(seed):
     pair = random_pair(seed)
     assert state_of(pair.exact) in (pair.state, "open")
     allowed = (pair.state,) if mesh_rounds.KINDS[seed].__name__ in DECIDED else (pair.state, "open")
@@ -62,14 +60,14 @@ def doubt() -> float:
         (4.6, "balanced"),
     ],
 )
-def test_near_a_limit_it_is_open(doubts: float, state: str) -> None:
+def test_near_a_limit_it_is_open(doubts, state):
     """The radius of curvature is known within 4 doubts: the state is open below the limit."""
     assert state_of(weeble(doubts * doubt())) == state
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 4, 5, 6])
-def test_the_gaps_of_any_surface_within_its_doubt_lie_between_the_bounds(seed: int) -> None:
+def test_the_gaps_of_any_surface_within_its_doubt_lie_between_the_bounds(seed):
     assembly = random_pair(seed).meshes
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts)
@@ -93,7 +91,7 @@ def test_the_gaps_of_any_surface_within_its_doubt_lie_between_the_bounds(seed: i
 
 
 @pytest.mark.slow
-def test_radii_that_are_nearly_alike_are_open() -> None:
+def test_radii_that_are_nearly_alike_are_open():
     """If the surfaces may not separate, the gap has no second derivative."""
     cup = mesh_rounds.held(solids.socket(1.004, 2.0, 2.0, -0.1, sides=FINE, rings=FINE // 4))
     nearly = Assembly([as_mesh(one) for one in (cup, ball(1.0, FINE, [0, 0, -0.004]))])
@@ -105,9 +103,7 @@ def test_radii_that_are_nearly_alike_are_open() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("doubts", "state"), [(-2.0, "free"), (2.0, "balanced")])
-def test_a_proof_for_the_surface_as_recognised_alone_is_refused(
-    doubts: float, state: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_proof_for_the_surface_as_recognised_alone_is_refused(doubts, state, monkeypatch):
     near = weeble(doubts * doubt())
     with monkeypatch.context() as patch:
         patch.setattr(
@@ -145,7 +141,7 @@ def on_table(part: Part) -> Assembly:
     ],
     ids=["below", "above", "capsule"],
 )
-def test_a_roly_poly_stands_up_to_r_over_root_two_and_falls_beyond(part: Part, state: str) -> None:
+def test_a_roly_poly_stands_up_to_r_over_root_two_and_falls_beyond(part, state):
     assembly = on_table(part)
     verdict = kilter.check(assembly)
     assert verdict.second_order_answer is not None
@@ -163,7 +159,7 @@ def test_a_roly_poly_stands_up_to_r_over_root_two_and_falls_beyond(part: Part, s
         assert shift @ UP < 0
 
 
-def test_pieces_hold_every_corner_of_the_part() -> None:
+def test_pieces_hold_every_corner_of_the_part():
     for part in (roly_poly(0.5), CAPSULE):
         assembly = Assembly([Part("b", part.shape, Pose([1, 2, 3]))])
         pieces = bodies_of(assembly, 0)
@@ -182,11 +178,11 @@ def test_pieces_hold_every_corner_of_the_part() -> None:
     ],
     ids=["cone", "cup"],
 )
-def test_what_they_do_not_hold_has_no_answer(profile: list[tuple[float, ...]]) -> None:
+def test_what_they_do_not_hold_has_no_answer(profile):
     assert bodies_of(Assembly([turned_part("b", profile)]), 0) is None
 
 
-def test_a_flat_face_beyond_them_has_no_answer() -> None:
+def test_a_flat_face_beyond_them_has_no_answer():
     solid = roly_poly(1.0).shape
     corners = solid.vertices.copy()
     spike = int(np.argmax(corners[:, 2] - np.linalg.norm(corners[:, :2], axis=1)))

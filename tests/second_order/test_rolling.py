@@ -1,7 +1,5 @@
 """What rolls, tips over an edge, or rides on what turns."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -36,7 +34,7 @@ def in_the_plane(assembly: Assembly, mu: float = GRIP) -> Assembly:
 
 
 @pytest.mark.parametrize("number", ["R1", "R3", "R7", "R8"])
-def test_in_the_plane_both_sides_of_a_limit_are_proved(number: str) -> None:
+def test_in_the_plane_both_sides_of_a_limit_are_proved(number):
     case = rolling_case(number)
     assert case.limit is not None
     for off, state in ((-OFF, "holds"), (OFF, "falls")):
@@ -45,12 +43,12 @@ def test_in_the_plane_both_sides_of_a_limit_are_proved(number: str) -> None:
 
 
 @pytest.mark.parametrize(("number", "state"), [("R4", "falls"), ("R5", "holds")])
-def test_a_ball_rolls_off_a_ball_and_back_in_a_bowl(number: str, state: str) -> None:
+def test_a_ball_rolls_off_a_ball_and_back_in_a_bowl(number, state):
     assert rolled(in_the_plane(rolling_case(number).build(0.0)))[1].state == state
 
 
 @pytest.mark.parametrize("number", ["R2", "R3", "R6"])
-def test_in_space_falling_is_proved_above_a_limit_and_nothing_below(number: str) -> None:
+def test_in_space_falling_is_proved_above_a_limit_and_nothing_below(number):
     """Below it the energy rises, but its rolling depends on the path, which is not modelled."""
     case = rolling_case(number)
     assert case.limit is not None
@@ -62,7 +60,7 @@ def test_in_space_falling_is_proved_above_a_limit_and_nothing_below(number: str)
 
 
 @pytest.mark.slow
-def test_a_board_across_a_cylinder_rolls_one_way_in_space_too() -> None:
+def test_a_board_across_a_cylinder_rolls_one_way_in_space_too():
     """It rests on two points; a squeeze along their line changes neither result."""
     case = rolling_case("R1")
     assert case.limit is not None
@@ -75,21 +73,21 @@ def test_a_board_across_a_cylinder_rolls_one_way_in_space_too() -> None:
         assert kilter.verify(board, proof).holds
 
 
-def test_a_hook_falls_over_sideways_in_space() -> None:
+def test_a_hook_falls_over_sideways_in_space():
     """Its limit is for its own plane; across the plane it rolls on its thin wire."""
     case = rolling_case("R8")
     assert case.limit is not None
     assert rolled(case.build(case.limit - 0.1))[1].state == "falls"
 
 
-def test_a_board_on_two_rollers_does_not_roll() -> None:
+def test_a_board_on_two_rollers_does_not_roll():
     _, found = rolled(rolling_case("R9").build(0.0))
     assert (found.state, found.dimension) == ("open", 0)
     assert "not unique" in found.why
 
 
 @pytest.mark.parametrize("h", [0.3, 0.6, 0.9])
-def test_the_energy_of_a_rocking_stone_curves_as_its_height_does(h: float) -> None:
+def test_the_energy_of_a_rocking_stone_curves_as_its_height_does(h):
     """Rolled by p on a hill of radius R, it has turned by p (R + r) / r."""
     hill, stone = 1.0, 2.0
 
@@ -107,13 +105,13 @@ def test_the_energy_of_a_rocking_stone_curves_as_its_height_does(h: float) -> No
 
 
 @pytest.mark.parametrize(("mu", "state"), [(0.4, "open"), (0.45, "holds")])
-def test_what_slips_at_once_is_not_said_to_hold(mu: float, state: str) -> None:
+def test_what_slips_at_once_is_not_said_to_hold(mu, state):
     """A weeble on a slope of .4 needs a coefficient of tan(.4) = .423."""
     assert rolled(in_the_plane(rolling_case("R7").build(0.5), mu))[1].state == state
 
 
 @pytest.mark.slow
-def test_a_check_says_whether_friction_holds() -> None:
+def test_a_check_says_whether_friction_holds():
     board = rolling_case("R1")
     low, high = (kilter.check(in_the_plane(board.build(h))) for h in (0.9, 1.1))
     for verdict in (low, high):
@@ -131,9 +129,7 @@ def test_a_check_says_whether_friction_holds() -> None:
 
 
 @pytest.mark.parametrize(("play", "expected"), [(0.0, 0.0), (1e-14, 0.0), (1e-3, 1e3)])
-def test_equal_curvatures_shift_no_contact_up_to_their_rounding(
-    play: float, expected: float
-) -> None:
+def test_equal_curvatures_shift_no_contact_up_to_their_rounding(play, expected):
     """A ball in a socket of nearly one radius: the inverse of the difference of curvatures."""
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     ball = Part("ball", Sphere(1), Pose([0, 0, 1]))
@@ -151,9 +147,7 @@ TABLE = Part("table", Box([20, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
 
 
 @pytest.mark.parametrize(("inside", "verdict"), [(0.0, "potentially-stable"), (1e-3, "stable")])
-def test_a_box_on_a_slope_tips_if_its_weight_acts_above_its_lower_edge(
-    inside: float, verdict: str
-) -> None:
+def test_a_box_on_a_slope_tips_if_its_weight_acts_above_its_lower_edge(inside, verdict):
     """Its energy falls by W h (1 - cos phi): friction holds its edge, not its tilt."""
     slope = np.arctan(0.3)
     down = 9.81 * np.array([np.sin(slope - inside), 0, -np.cos(slope - inside)])
@@ -166,9 +160,7 @@ def test_a_box_on_a_slope_tips_if_its_weight_acts_above_its_lower_edge(
 
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 @pytest.mark.parametrize(("off", "verdict"), [(1.0, "potentially-stable"), (0.99, "stable")])
-def test_the_top_of_a_high_stack_tips_as_that_of_a_low_one(
-    off: float, verdict: str, mu: float
-) -> None:
+def test_the_top_of_a_high_stack_tips_as_that_of_a_low_one(off, verdict, mu):
     stack = [Part(f"b{k}", Box([2, 2, 1]), Pose([0, 0, k + 0.5])) for k in range(24)]
     top = Part("top", Box([2, 2, 1]), Pose([off, 0, 24.5]))
     assert kilter.check(Assembly([TABLE, *stack, top], friction=mu)).verdict == verdict
@@ -184,7 +176,7 @@ def test_the_top_of_a_high_stack_tips_as_that_of_a_low_one(
     ],
     ids=lambda value: getattr(value, "name", value),
 )
-def test_what_touches_a_box_above_an_edge_counts(beside: Part, verdict: str) -> None:
+def test_what_touches_a_box_above_an_edge_counts(beside, verdict):
     """The box turns down to the right: a roof above its right half opens, a wall stops it."""
     shelf = Part("shelf", Box([4, 4, 1]), Pose([-2, 0, -0.5]), grounded=True)
     box = Part("box", Box([2, 2, 2]), Pose([0, 0, 1]))
@@ -196,7 +188,7 @@ def test_what_touches_a_box_above_an_edge_counts(beside: Part, verdict: str) -> 
     assert found.verdict == verdict
 
 
-def test_the_overhanging_brick_at_the_end_of_a_wall_tips() -> None:
+def test_the_overhanging_brick_at_the_end_of_a_wall_tips():
     """The rows are half a brick apart, so that the last brick of the top row is above an edge."""
     floor = Part("floor", Box([19, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
     bricks = [
@@ -221,7 +213,7 @@ def turntable(place: float, tilt: float = 0.1) -> Assembly:
     return Assembly(parts, gravity=gravity, friction=0.5, joints=[hinge])
 
 
-def test_a_box_uphill_on_a_turntable_is_not_stable() -> None:
+def test_a_box_uphill_on_a_turntable_is_not_stable():
     found = kilter.check(turntable(-0.8))
     assert found.level == "equilibrium"
     assert kilter.verify(turntable(-0.8), found.proof(), require="equilibrium").holds
@@ -243,6 +235,6 @@ def prism_on_its_edge(*, beside: bool) -> Assembly:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("beside", [False, True])
-def test_a_prism_on_its_edge_is_not_stable_whatever_stands_beside_it(beside: bool) -> None:
+def test_a_prism_on_its_edge_is_not_stable_whatever_stands_beside_it(beside):
     found = kilter.check(prism_on_its_edge(beside=beside))
     assert found.level == "equilibrium"

@@ -1,7 +1,5 @@
 """Contacts at edges and corners, flush faces, and planes between parts."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 from collections.abc import Callable
@@ -55,9 +53,7 @@ def tray(nx: int, ny: int, nz: int) -> list[Part]:
 
 
 @pytest.mark.parametrize("count", [(2, 2, 1), (2, 2, 2), (3, 1, 3), (3, 3, 3), (5, 4, 3)])
-def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(
-    count: tuple[int, int, int],
-) -> None:
+def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(count):
     """Each box slides and turns: three motions for each box, flush or not."""
     found = kilter.check(Assembly([FLOOR, *boxes(*count)]))
     second = found.second_order_answer
@@ -71,7 +67,7 @@ def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(
 
 
 @pytest.mark.parametrize("count", [(2, 2, 1), (3, 3, 1), (2, 2, 2), (5, 5, 2)])
-def test_in_a_tray_that_they_fill_nothing_moves(count: tuple[int, int, int]) -> None:
+def test_in_a_tray_that_they_fill_nothing_moves(count):
     held = kilter.check(Assembly([FLOOR, *tray(*count), *boxes(*count)]))
     assert held.second_order_answer is None
     assert kilter.verify(held.assembly, held.proof()).holds
@@ -80,9 +76,7 @@ def test_in_a_tray_that_they_fill_nothing_moves(count: tuple[int, int, int]) -> 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("count", [(2, 2, 1), (3, 3, 1), (2, 2, 2), (3, 1, 1)])
 @pytest.mark.parametrize(("gone", "each"), [([1], 1), ([0, 1], 1), ([2], 1), ([1, 3], 3)])
-def test_without_a_wall_they_slide_towards_it(
-    count: tuple[int, int, int], gone: list[int], each: int
-) -> None:
+def test_without_a_wall_they_slide_towards_it(count, gone, each):
     """Along x or y; without two adjacent walls each box slides on its own."""
     walls = [wall for k, wall in enumerate(tray(*count)) if k not in gone]
     found = kilter.check(Assembly([FLOOR, *walls, *boxes(*count)]))
@@ -113,7 +107,7 @@ def damaged(proof: dict[str, Any], **changes: Any) -> dict[str, Any]:
         ([0, 0, 0], False), ([-1, 0, 0], False), ([-1, -1, 0], False), ([0, -1, 0], False),
     ],
 )  # fmt: skip
-def test_a_motion_opens_one_of_the_normals(b: list[float], holds: bool) -> None:
+def test_a_motion_opens_one_of_the_normals(b, holds):
     """A motion opens x or y; without either it opens none."""
     assembly = diagonal()
     proof = kilter.check(assembly).proof()
@@ -123,7 +117,7 @@ def test_a_motion_opens_one_of_the_normals(b: list[float], holds: bool) -> None:
     assert checked.holds == holds
 
 
-def test_no_force_of_a_proof_is_theirs() -> None:
+def test_no_force_of_a_proof_is_theirs():
     assembly = diagonal()
     proof = kilter.check(assembly).proof()
     forces = list(proof["second_order"]["level"])
@@ -149,7 +143,7 @@ def program_of(assembly: Assembly) -> tuple[Program, ContactSet]:
     return with_sharp(build_program(assembly, contacts).frictionless, contacts), contacts
 
 
-def test_points_that_are_so_by_and_large_are_opened_along_every_normal() -> None:
+def test_points_that_are_so_by_and_large_are_opened_along_every_normal():
     program, contacts = program_of(diagonal())
     points = sharp_points(program, contacts)
     assert (points.pair[program.kind == CONTACT] == -1).all()
@@ -164,7 +158,7 @@ def test_points_that_are_so_by_and_large_are_opened_along_every_normal() -> None
     assert (sharp_points(program, contacts).pair == -1).all()
 
 
-def test_what_one_normal_opens_at_all_points_of_a_pair_is_opened() -> None:
+def test_what_one_normal_opens_at_all_points_of_a_pair_is_opened():
     points = SharpPoints(
         pair=np.array([-1, -1, 0, 0, 0, 0, 0, 1, 1]),
         along=np.array([-1, -1, 0, 1, 0, 1, -1, 2, 3]),
@@ -181,7 +175,7 @@ def test_what_one_normal_opens_at_all_points_of_a_pair_is_opened() -> None:
     assert points.opened(opens).tolist() == [0, 0, 0, 0, 0, 0, 0, 1, 1]
 
 
-def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
+def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it():
     """Corners on corners, edges on edges, and boxes that meet two others in this way."""
     off = Part("off", Box([1, 1, 1]), Pose([-0.5, 1.5, 2.5]))
     program, contacts = program_of(Assembly([FLOOR, *boxes(2, 2, 2), off]))
@@ -214,7 +208,7 @@ def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
     assert len(set(counted.tolist())) == len(normals)
 
 
-def test_one_normal_of_each_pair_is_chosen() -> None:
+def test_one_normal_of_each_pair_is_chosen():
     """A pair with three normals, a pair with a single normal, and rows without a common normal."""
     points = SharpPoints(
         pair=np.array([-1, 5, 5, 5, 5, 7, 8]),
@@ -230,7 +224,7 @@ def test_one_normal_of_each_pair_is_chosen() -> None:
     assert [rows.any() for rows in enough_to_open(points, ~every)] == [False]
 
 
-def test_a_box_between_two_corners_goes_between_them() -> None:
+def test_a_box_between_two_corners_goes_between_them():
     """A motion away from both does not exist; a motion to a side of each does."""
     held = [
         Part(name, Box([1, 1, 1]), Pose([x, y, 0.5]), grounded=True)
@@ -256,7 +250,7 @@ def over_an_edge(*, beside: bool = True) -> list[Part]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("opens_at_once", [True, False])
-def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
+def test_a_path_that_parts_them_later_is_refused(opens_at_once):
     """The board tips, while the other post moves along, or separates only to second order."""
     assembly = Assembly(over_an_edge())
     contacts = kilter.contacts(assembly)
@@ -293,14 +287,14 @@ def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
     ("away", "holds"),
     [([0, -1, 0], True), ([0, 1, 0], False), ([1, 0, 0], False), ([0, 0, 0], False)],
 )
-def test_the_post_goes_away_from_the_edge_of_the_board(away: list[float], holds: bool) -> None:
+def test_the_post_goes_away_from_the_edge_of_the_board(away, holds):
     program, contacts = program_of(Assembly(over_an_edge()))
     motion = np.zeros((4, 6))
     motion[3, :3] = away
     assert opens_points(program, contacts, motion) == holds
 
 
-def test_rows_are_of_such_points_of_what_moves() -> None:
+def test_rows_are_of_such_points_of_what_moves():
     """Rims and held parts have no such rows; each free edge has two ends."""
     can = Part("can", Cylinder(0.5, 1), Pose([5, 5, 0.5]))
     at = {"a": [-0.5, -0.5], "b": [0.5, 0.5], "c": [1.5, -0.5], "d": [2.5, 0.5]}
@@ -338,9 +332,7 @@ def leaning(width: float, off: float = 0.0) -> list[Part]:
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("build", [box_over_the_edge, leaning])
 @pytest.mark.parametrize("off", [1e-6, -1e-6])
-def test_within_the_edge_it_slides_and_beyond_it_falls(
-    build: Build, width: float, off: float
-) -> None:
+def test_within_the_edge_it_slides_and_beyond_it_falls(build, width, off):
     for order in itertools.permutations(build(width, off)):
         verdict = kilter.check(Assembly(order))
         assert verdict.stable == (off < 0)
@@ -361,7 +353,7 @@ BALLS = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k])) for k in range(2)
 
 
 @pytest.mark.slow
-def test_balls_upright_between_two_walls_fall_along_them() -> None:
+def test_balls_upright_between_two_walls_fall_along_them():
     assembly = Assembly([FLOOR_PLANES, *WALLS, *BALLS])
     found = kilter.check(assembly)
     second = found.second_order_answer
@@ -380,7 +372,7 @@ def test_balls_upright_between_two_walls_fall_along_them() -> None:
 
 
 @pytest.mark.slow
-def test_balls_upright_in_a_square_tube_stay() -> None:
+def test_balls_upright_in_a_square_tube_stay():
     assembly = Assembly([FLOOR_PLANES, *WALLS, *ENDS, *BALLS])
     found = kilter.check(assembly)
     second = found.second_order_answer
@@ -390,9 +382,7 @@ def test_balls_upright_in_a_square_tube_stay() -> None:
 
 
 @pytest.mark.parametrize(("shift", "apart"), [(0.0, 0.1), (1e-10, None), (-1e-10, None)])
-def test_only_what_shifts_along_a_plane_counts_as_parted_by_it(
-    shift: float, apart: float | None
-) -> None:
+def test_only_what_shifts_along_a_plane_counts_as_parted_by_it(shift, apart):
     assembly = Assembly([FLOOR_PLANES, *WALLS, BALLS[0]])
     program = build_program(assembly, kilter.contacts(assembly))
     motion = np.zeros((4, 6))

@@ -1,7 +1,5 @@
 """Stable means that a small push topples nothing: closed forms, each on both sides of its limit."""
 
-from __future__ import annotations
-
 import copy
 from typing import Any
 
@@ -68,7 +66,7 @@ def balls(*, held: bool = False, at: tuple[float, float] = (0, 0), on: float = 0
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("mu", [0.0, *GRIPS])
 @pytest.mark.parametrize("held", [False, True])
-def test_a_ball_falls_off_a_ball(mu: float, held: bool) -> None:
+def test_a_ball_falls_off_a_ball(mu, held):
     verdict = pushed(balls(held=held), mu)
     assert (verdict.verdict, verdict.level, verdict.why) == ("balanced", "equilibrium", "balanced")
     assert verdict.second_order_answer is not None
@@ -79,7 +77,7 @@ def test_a_ball_falls_off_a_ball(mu: float, held: bool) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mu", [0.0, 0.5])
-def test_a_ball_falls_off_two_balls_and_lies_in_a_bowl_and_in_a_groove(mu: float) -> None:
+def test_a_ball_falls_off_two_balls_and_lies_in_a_bowl_and_in_a_groove(mu):
     two = [Part(f"low {s}", Sphere(R), Pose([0, s * 0.6, R]), True) for s in (-1, 1)]
     up = R + np.sqrt(1.0 - 0.36)
     assert pushed([*two, Part("ball", Sphere(R), Pose([0, 0, up]))], mu).verdict == "balanced"
@@ -106,9 +104,7 @@ def wing(side: int) -> Part:
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("thickness", [0.01, 0.1, 0.5])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
-def test_a_slab_tips_about_a_free_roller_whatever_its_thickness(
-    thickness: float, mu: float
-) -> None:
+def test_a_slab_tips_about_a_free_roller_whatever_its_thickness(thickness, mu):
     verdict = pushed([roller(0.1, held=False), slab(0.1, thickness)], mu)
     assert (verdict.verdict, verdict.level) == ("balanced", "equilibrium")
 
@@ -124,9 +120,7 @@ def test_a_slab_tips_about_a_free_roller_whatever_its_thickness(
         (0.1, "falls"),
     ],
 )
-def test_friction_holds_a_slab_on_a_held_roller_if_it_is_thinner_than_the_roller(
-    radius: float, state: str
-) -> None:
+def test_friction_holds_a_slab_on_a_held_roller_if_it_is_thinner_than_the_roller(radius, state):
     """B / 2 < R; at equality it falls, at fourth order."""
     verdict = pushed([roller(radius, held=True), slab(radius, 0.5)], 0.5)
     assert verdict.second_order_answer is not None
@@ -140,9 +134,7 @@ def test_friction_holds_a_slab_on_a_held_roller_if_it_is_thinner_than_the_roller
 @pytest.mark.parametrize(("off", "verdict"), [(-1e-4, "stable"), (1e-4, "balanced")])
 @pytest.mark.parametrize("rho", [0.2, 0.5, 0.8])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
-def test_a_roly_poly_toy_stands_up_if_its_mast_is_short(
-    off: float, verdict: str, rho: float, mu: float
-) -> None:
+def test_a_roly_poly_toy_stands_up_if_its_mast_is_short(off, verdict, rho, mu):
     """A half ball with a cylinder (rho, H) on it, of one density: rho H < R^2 / sqrt 2."""
     height = (1 + off) / (rho * np.sqrt(2.0))
     toy = turned_part("toy", [(0, 0), (1, 1, 0, 1), (rho, 1), (rho, 1 + height), (0, 1 + height)])
@@ -152,7 +144,7 @@ def test_a_roly_poly_toy_stands_up_if_its_mast_is_short(
 @pytest.mark.parametrize(
     ("above", "state"), [(-0.1, "balanced"), (-1e-4, "balanced"), (0, "free"), (1e-4, "minimum")]
 )
-def test_a_seesaw_stays_level_if_its_pivot_is_above_its_centre(above: float, state: str) -> None:
+def test_a_seesaw_stays_level_if_its_pivot_is_above_its_centre(above, state):
     beam = Part("beam", Box([4, 0.3, 0.2]), Pose([0, 0, 2]))
     pivot = Joint(("beam", "ground"), "revolute", point=[0, 0, 2 + above], axis=[0, 1, 0])
     verdict = pushed([beam], 0.5, [pivot])
@@ -171,7 +163,7 @@ def crowd(count: int, on: float) -> list[Part]:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("count", [3, 25])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
-def test_balls_fall_alike_whatever_stands_beside_them(count: int, mu: float) -> None:
+def test_balls_fall_alike_whatever_stands_beside_them(count, mu):
     """All stand on one free base, so that they touch each other through it."""
     base = Part("base", Box([16, 16, 1]), Pose([0, 0, 0.5]))
     verdict = pushed([base, *balls(on=1), *crowd(count, 1)], mu)
@@ -181,7 +173,7 @@ def test_balls_fall_alike_whatever_stands_beside_them(count: int, mu: float) -> 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("count", [3, 25])
-def test_a_ball_in_a_bowl_stays_whatever_stands_beside_it(count: int) -> None:
+def test_a_ball_in_a_bowl_stays_whatever_stands_beside_it(count):
     base = Part("base", Box([16, 16, 1]), Pose([0, 0, 0.5]))
     bowl = turned_part("bowl", [(0, 0), (3, 0), (3, 1.4), (2, 1.4), (0, 0.4, 0, 2.9)], [4, 4, 1])
     ball = Part("ball", Sphere(R), Pose([4, 4, 1.4 + R]))
@@ -220,9 +212,7 @@ def bearing() -> Part:
     ("height", "verdict"), [(0.2, "balanced"), (0, "stable"), (-0.2, "stable")]
 )
 @pytest.mark.parametrize("radius", [0.1, 0.09])
-def test_a_crank_turns_down_in_a_bore_with_or_without_play(
-    height: float, verdict: str, radius: float
-) -> None:
+def test_a_crank_turns_down_in_a_bore_with_or_without_play(height, verdict, radius):
     """A weight on a shaft falls if it is above the axis; play of .01 counts as closed."""
     weight = Part("weight", Box([0.3, 0.2, 0.3]), Pose([0, 0.9, 2 + height]))
     parts, tied = [bearing(), pin(radius), weight], [Joint(("pin", "weight"), "fixed")]
@@ -232,9 +222,7 @@ def test_a_crank_turns_down_in_a_bore_with_or_without_play(
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("height", "verdict"), [(0.05, "balanced"), (-0.05, "stable")])
-def test_a_load_beside_the_centre_turns_round_and_jointed_parts_down(
-    height: float, verdict: str
-) -> None:
+def test_a_load_beside_the_centre_turns_round_and_jointed_parts_down(height, verdict):
     load = Load("pin", [0, 0, -100.0], point=[0, 0, 2 + height])
     assert pushed([bearing(), pin(0.1)], 0, loads=[load]).verdict == verdict
     axle = [Joint(("pin", "ground"), "revolute", point=[0, 0, 2], axis=[0, 1, 0])]
@@ -245,7 +233,7 @@ def test_a_load_beside_the_centre_turns_round_and_jointed_parts_down(
     assert pushed([ball], 0.5, loads=[high]).verdict == verdict
 
 
-def test_a_slider_with_loads_keeps_its_height() -> None:
+def test_a_slider_with_loads_keeps_its_height():
     rail = [Joint(("block", "ground"), "prismatic", point=[0, 0, 2], axis=[1, 0, 0])]
     block = Part("block", Box([1, 1, 1]), Pose([0, 0, 2]))
     load = Load("block", [0, 50.0, -100.0], point=[0.4, 0.4, 2.5])
@@ -255,7 +243,7 @@ def test_a_slider_with_loads_keeps_its_height() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mu", [0.0, 0.5])
-def test_cones_lie_and_balls_sit_in_cones_and_on_rims(mu: float) -> None:
+def test_cones_lie_and_balls_sit_in_cones_and_on_rims(mu):
     """The apex of a lying cone has no curvature; a ball touches a cone and a rim along circles."""
     half = np.arctan(0.25)
     turn = (np.pi / 2 + half) / 2
@@ -272,7 +260,7 @@ def test_cones_lie_and_balls_sit_in_cones_and_on_rims(mu: float) -> None:
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.01])
-def test_a_pin_that_lies_in_a_wider_hole_rolls_back(gap: float) -> None:
+def test_a_pin_that_lies_in_a_wider_hole_rolls_back(gap):
     """Rolled by phi, its axis rises by (r phi)^2 / 2 (R - r)."""
     assert pushed([bearing(), pin(0.1 - gap, (0, -0.25, 2 - gap))], 0.3).verdict == "stable"
 
@@ -280,9 +268,7 @@ def test_a_pin_that_lies_in_a_wider_hole_rolls_back(gap: float) -> None:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("off", "verdict"), [(-1e-4, "stable"), (1e-4, "balanced")])
 @pytest.mark.parametrize("count", [1, 2])
-def test_friction_holds_boxes_on_a_plank_on_a_held_roller(
-    off: float, verdict: str, count: int
-) -> None:
+def test_friction_holds_boxes_on_a_plank_on_a_held_roller(off, verdict, count):
     """All roll as one body if its centre is less than R above the roller, here at the height h."""
     places = [0.0] if count == 1 else [-0.3, 0.3]
     boxes = [Part(f"box{k}", Box([0.2] * 3), Pose([x, 0, 2.3])) for k, x in enumerate(places)]
@@ -299,7 +285,7 @@ def test_friction_holds_boxes_on_a_plank_on_a_held_roller(
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("beside", [True, False])
-def test_a_part_decided_without_friction_stays_so_beside_friction(beside: bool) -> None:
+def test_a_part_decided_without_friction_stays_so_beside_friction(beside):
     """Exactly above an edge a box is balanced, and inside the edge it stands."""
     more = ramp() if beside else []
     shelf = Part("shelf", Box([4, 4, 1]), Pose([-2, 0, 4]), grounded=True)
@@ -312,9 +298,7 @@ def test_a_part_decided_without_friction_stays_so_beside_friction(beside: bool) 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("sense", "falls"), [(1, True), (-1, False)])
-def test_a_plate_on_a_hinge_falls_beside_a_wall_that_presses_nothing(
-    sense: int, falls: bool
-) -> None:
+def test_a_plate_on_a_hinge_falls_beside_a_wall_that_presses_nothing(sense, falls):
     """The hinge can carry the force of the wall, so no friction there is certain."""
     wall = Part("wall", Box([2, 0.2, 2]), Pose([0, 0, 2]), grounded=True)
     plate = Part("plate", Box([0.2, 0.2, 1]), Pose([0, 0.2, 2 + 0.4 * sense]))
@@ -323,7 +307,7 @@ def test_a_plate_on_a_hinge_falls_beside_a_wall_that_presses_nothing(
 
 
 @pytest.mark.slow
-def test_parts_on_a_wedge_that_friction_holds_are_decided_as_on_level_ground() -> None:
+def test_parts_on_a_wedge_that_friction_holds_are_decided_as_on_level_ground():
     bowl = turned_part("bowl", [(0, 0), (3, 0), (3, 1.4), (2, 1.4), (0, 0.4, 0, 2.9)], [0, 0, 5])
     ball = Part("ball", Sphere(R), Pose([0, 0, 5.4 + R]))
     assert pushed([*wedge(), bowl, ball], 0.5).verdict == "stable"
@@ -335,7 +319,7 @@ def test_parts_on_a_wedge_that_friction_holds_are_decided_as_on_level_ground() -
 
 
 @pytest.mark.slow
-def test_an_inverted_pendulum_falls_beside_a_block_that_friction_holds() -> None:
+def test_an_inverted_pendulum_falls_beside_a_block_that_friction_holds():
     hinge = Joint(("rod", "ground"), "revolute", point=[0, 0, 1], axis=[0, 1, 0])
     for sense, verdict in ((1, "balanced"), (-1, "stable")):
         rod = Part("rod", Box([0.1, 0.1, 0.8]), Pose([0, 0, 1 + 0.4 * sense]))
@@ -344,7 +328,7 @@ def test_an_inverted_pendulum_falls_beside_a_block_that_friction_holds() -> None
         assert ("makes rod fall" in found.sentence) == (sense > 0)
 
 
-def test_a_wall_of_bricks_says_nothing_about_second_order() -> None:
+def test_a_wall_of_bricks_says_nothing_about_second_order():
     wall = [
         Part(
             f"b{row}-{k}",
@@ -361,7 +345,7 @@ def test_a_wall_of_bricks_says_nothing_about_second_order() -> None:
 
 
 @pytest.mark.slow
-def test_a_shaft_in_its_bore_and_a_roller_on_a_wall_do_not_bend() -> None:
+def test_a_shaft_in_its_bore_and_a_roller_on_a_wall_do_not_bend():
     ring = [(0.1, 0), (0.5, 0), (0.5, 0.5), (0.1, 0.5), (0.1, 0)]
     block = turned_part("block", ring)
     log = Part("log", Cylinder(0.2, 1.0), Pose([3, 0, 0.2], rotation=ALONG_Y))

@@ -1,7 +1,5 @@
 """Parts that a stop keeps from tipping: as found, and the proof number by number."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -49,7 +47,7 @@ def state(assembly: Assembly) -> str:
 
 
 @pytest.mark.slow
-def test_a_stop_holds_up_to_twice_its_height() -> None:
+def test_a_stop_holds_up_to_twice_its_height():
     for off in (0.1, 1e-3):
         assert state(overhanging(2 * STOP - off)) == "free"
         assert state(overhanging(2 * STOP + off)) in {"balanced", "open" if off < 0.01 else ""}
@@ -60,7 +58,7 @@ def test_a_stop_holds_up_to_twice_its_height() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("height", [-0.4, -0.01, 0.01, 0.4])
-def test_exact_places_of_a_box_over_an_edge_agree(height: float) -> None:
+def test_exact_places_of_a_box_over_an_edge_agree(height):
     """The height of the centre over random places, with the box on the table x <= 0."""
     rng = np.random.default_rng(5)
     bottom = np.array([[x, y, -height] for x, y in ((-1, -0.5), (1, -0.5), (1, 0.5), (-1, 0.5))])
@@ -109,7 +107,7 @@ WALLS = [
         ([Part("log", Cylinder(1.0, 2.0), Pose([0, 0, 1], [1, 1, 0, 0])), WALLS[0]], 4),
     ],
 )
-def test_what_rolls_on_a_table_is_free_beside_a_wall(parts: list[Part], neutral: int) -> None:
+def test_what_rolls_on_a_table_is_free_beside_a_wall(parts, neutral):
     assembly = on_table(*parts)
     found = kilter.check(assembly)
     second = found.second_order_answer
@@ -118,7 +116,7 @@ def test_what_rolls_on_a_table_is_free_beside_a_wall(parts: list[Part], neutral:
     assert kilter.verify(assembly, found.proof()).holds
 
 
-def test_between_two_walls_that_press_nothing_it_rolls_along() -> None:
+def test_between_two_walls_that_press_nothing_it_rolls_along():
     right = Part("right", Box([1, 10, 10]), Pose([1.5, 0, 5]), grounded=True)
     ball = Part("ball", Sphere(1.0), Pose([0, 0, 1]))
     second = kilter.check(on_table(ball, WALLS[0], right)).second_order_answer
@@ -155,11 +153,11 @@ def asked(assembly: Assembly) -> Question:
         ("33", True),  # corners on a plane
     ],
 )
-def test_level_contacts_are_of_level_planes_or_straight_edges(number: str, level: bool) -> None:
+def test_level_contacts_are_of_level_planes_or_straight_edges(number, level):
     assert (asked(case_of(number).build(0.2))[1] == level).all()
 
 
-def test_surfaces_that_fit_are_level_where_one_is_a_level_plane() -> None:
+def test_surfaces_that_fit_are_level_where_one_is_a_level_plane():
     can = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 0.5]))
     assert asked(on_table(can))[1].all()
     assembly = case_of("24").build(-0.3)
@@ -173,7 +171,7 @@ def test_surfaces_that_fit_are_level_where_one_is_a_level_plane() -> None:
     assert found.tolist() == [False, True, False, True]
 
 
-def test_level_motions_are_across_gravity() -> None:
+def test_level_motions_are_across_gravity():
     case = case_of("35").build(0.0)
     turned = moved(case, Pose([1, 2, 3], [0.5, 0.3, -0.7, 0.41]), 3.0)
     for assembly in (case, turned):
@@ -225,13 +223,13 @@ def word(
     return judge_stopped(problem, level, np.array(motions), np.array(free), proof)
 
 
-def test_it_holds_as_it_is() -> None:
+def test_it_holds_as_it_is():
     assert word() == ""
     assert word(opening=1e-7 * X) == ""
     assert word(forces=[1.0, 1e-10, 0.0], bears=Z - 1e-10 * 2 * Y) == ""  # it carries nothing
 
 
-def test_forces_are_of_level_contacts_and_balance() -> None:
+def test_forces_are_of_level_contacts_and_balance():
     assert "do not match the parts" in word(forces=[1.0, 0.0])
     assert "do not match the parts" in word(opening=[1.0, 0.0, 0.0])
     assert "contact that is not horizontal" in word(forces=[1.0, 0.0, 1e-12])
@@ -247,7 +245,7 @@ def test_forces_are_of_level_contacts_and_balance() -> None:
 
 @pytest.mark.parametrize("weight", [1.0, 1e3])
 @pytest.mark.parametrize("over", JUST)
-def test_what_carries_less_than_rounding_counts_as_a_rise(over: float, weight: float) -> None:
+def test_what_carries_less_than_rounding_counts_as_a_rise(over, weight):
     """A second rise with force removes the tilt, so no motion has to be stopped."""
     own = over * BEARS * 1e-9 * weight
     matrix = np.array([[0, 3.0, 0], [3.0, CURVES, 0], [0, 0, 0]]) / weight
@@ -258,13 +256,13 @@ def test_what_carries_less_than_rounding_counts_as_a_rise(over: float, weight: f
 
 
 @pytest.mark.parametrize("what", ["weights", "opening", "forces"])
-def test_numbers_are_finite(what: str) -> None:
+def test_numbers_are_finite(what):
     given = {"weights": [[np.inf]], "opening": np.nan * X, "forces": [np.nan, 0.0, 0.0]}[what]
     assert "not finite" in word(**{what: given})
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_level_motions_open_no_level_contact_and_cost_nothing(over: float) -> None:
+def test_level_motions_open_no_level_contact_and_cost_nothing(over):
     wrong = "opens a horizontal contact, or costs energy"
     tilted = over * ACROSS * X
     both = np.column_stack([X, G])
@@ -278,7 +276,7 @@ def test_level_motions_open_no_level_contact_and_cost_nothing(over: float) -> No
 
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
-def test_the_motion_is_level_and_opens_every_stop(over: float, size: float) -> None:
+def test_the_motion_is_level_and_opens_every_stop(over, size):
     off = size * (X + over * ACROSS * Y)
     assert ("not horizontal" in word(opening=off)) == (over > 1)
     assert "not horizontal" in word(opening=0 * X)
@@ -293,9 +291,7 @@ def test_the_motion_is_level_and_opens_every_stop(over: float, size: float) -> N
 
 @pytest.mark.parametrize("over", JUST)
 @pytest.mark.parametrize("place", [(0, 0), (2, 2), (0, 2), (1, 2)])
-def test_the_energy_is_level_along_level_motions_and_symmetries(
-    over: float, place: tuple[int, int]
-) -> None:
+def test_the_energy_is_level_along_level_motions_and_symmetries(over, place):
     matrix = np.array([[0, COUPLED / 2, 0], [COUPLED / 2, CURVES, 0], [0, 0, 0]])
     matrix[place] += over * LEVEL * COUPLED
     matrix[place[::-1]] = matrix[place]
@@ -305,7 +301,7 @@ def test_the_energy_is_level_along_level_motions_and_symmetries(
         assert word(curvature=matrix) == ""
 
 
-def test_weights_are_positive_one_of_each_pair() -> None:
+def test_weights_are_positive_one_of_each_pair():
     for weights in ([[-1.0]], [[0.0]], [1.0], [[1.0, 1.0]], [[1.0], [1.0]], []):
         assert "not positive" in word(weights=weights)
     both = {"stops": (3 * X + Y, 3 * X - Y)}
@@ -315,7 +311,7 @@ def test_weights_are_positive_one_of_each_pair() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_weights_are_those_of_the_energy(over: float) -> None:
+def test_weights_are_those_of_the_energy(over):
     off = 1.0 + over * LEVEL * COUPLED / (3 * 2)
     assert ("not match the curvature" in word(weights=[[off]])) == (over > 1)
     assert ("not match the curvature" in word(weights=[[2.0 - off]])) == (over > 1)
@@ -326,14 +322,14 @@ def test_weights_are_those_of_the_energy(over: float) -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_what_is_left_of_the_tilt_curves_upward(over: float) -> None:
+def test_what_is_left_of_the_tilt_curves_upward(over):
     leans = (CURVES - over * CURVED) / 2  # what is left is over CURVED, of size 1
     assert ("does not curve upward" in word(stops=(3 * X + leans * Y,))) == (over < 1)
     assert word(stops=(3 * X - leans * Y,)) == ""
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_stops_and_rises_are_one_to_one(over: float) -> None:
+def test_stops_and_rises_are_one_to_one(over):
     """The least weight times the singular values of stops and rises is above rounding."""
     reach = over * LEVEL * COUPLED
     small = reach / 2
@@ -354,7 +350,7 @@ def test_stops_and_rises_are_one_to_one(over: float) -> None:
     assert "do not keep the parts" in word(motions=both, free=np.zeros((4, 0)))
 
 
-def test_without_tilts_nothing_is_coupled() -> None:
+def test_without_tilts_nothing_is_coupled():
     held = {"rises": (), "weights": np.zeros((1, 0)), "curvature": np.zeros((3, 3))}
     both = np.column_stack([Y, G])
     assert word(**held, free=both, stops=(3 * X,)) == ""
@@ -363,7 +359,7 @@ def test_without_tilts_nothing_is_coupled() -> None:
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_a_corner_that_carries_does_not_slip_off_an_edge_of_both_parts(over: float) -> None:
+def test_a_corner_that_carries_does_not_slip_off_an_edge_of_both_parts(over):
     slips = np.zeros((3, 4, 12))
     slips[0, 0, 0], slips[0, 3, 1] = 1.0, over * ACROSS
     assert ("may slip off" in word(slips=slips)) == (over > 1)
@@ -374,7 +370,7 @@ def test_a_corner_that_carries_does_not_slip_off_an_edge_of_both_parts(over: flo
     assert ("may slip off" in word(**two, slips=both)) == (over > 1)
 
 
-def test_forces_at_short_levers_carry_by_rounding() -> None:
+def test_forces_at_short_levers_carry_by_rounding():
     """A second level contact would remove the tilt by a negligible torque."""
     far, lever = 1.1e-8, 0.01
     found = word(

@@ -6,8 +6,6 @@ planes of the other, and corners of overlaps. A linear program over pyramids of 
 inside Coulomb's cones, balances the parts.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Poses at rest with known answers, and the points that touch."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from dataclasses import replace
@@ -48,7 +46,7 @@ def confirmed(answer: Settled) -> None:
     assert balances(settled, 4 * gap) < 1e-6
 
 
-def test_a_box_above_a_table_moves_down() -> None:
+def test_a_box_above_a_table_moves_down():
     answer = settle(Assembly([TABLE, box("box", [1, 1, 1], [0.3, 0.2, 0.5 + 0.01])]))
     assert answer.state == "at-rest"
     assert answer.movement[1] == pytest.approx([0, 0, -0.01, 0, 0, 0], abs=1e-9)
@@ -57,7 +55,7 @@ def test_a_box_above_a_table_moves_down() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("difference", [1e-3, 1e-2])
-def test_a_bar_on_two_blocks_tilts_by_their_difference(difference: float) -> None:
+def test_a_bar_on_two_blocks_tilts_by_their_difference(difference):
     """Contact edges s apart: the lower block's outer edge and the higher block's inner edge."""
     left, right = box("left", [1, 1, 1], [-1, 0, 0.5]), box(
         "right", [1, 1, 1 + difference], [1, 0, (1 + difference) / 2]
@@ -78,7 +76,7 @@ def test_a_bar_on_two_blocks_tilts_by_their_difference(difference: float) -> Non
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("side", [0.05, -0.05])
-def test_a_plate_on_four_posts_of_which_one_is_higher(side: float) -> None:
+def test_a_plate_on_four_posts_of_which_one_is_higher(side):
     high = 1e-3
     posts = [
         box(f"{x:+d}{y:+d}", [0.02, 0.02, 1 + high * ((x, y) == (1, -1))],
@@ -102,7 +100,7 @@ def test_a_plate_on_four_posts_of_which_one_is_higher(side: float) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("friction", "state"), [(0.51, "at-rest"), (0.49, "falls")])
-def test_a_box_on_a_slope_rests_above_the_angle_of_friction(friction: float, state: str) -> None:
+def test_a_box_on_a_slope_rests_above_the_angle_of_friction(friction, state):
     turn = rotation_between([0, 0, 1], [-0.5, 0, 1])
     normal = np.array([-0.5, 0, 1]) / np.linalg.norm([-0.5, 0, 1])
     slope = Part("slope", Box([4, 4, 1]), Pose(-0.5 * normal, turn), grounded=True)
@@ -115,7 +113,7 @@ def test_a_box_on_a_slope_rests_above_the_angle_of_friction(friction: float, sta
 
 
 @pytest.mark.parametrize(("overhang", "state"), [(0.499, "at-rest"), (0.501, "falls")])
-def test_a_box_over_an_edge(overhang: float, state: str) -> None:
+def test_a_box_over_an_edge(overhang, state):
     at = [2 - 0.5 + overhang, 0, 0.5 + 1e-4]
     answer = settle(Assembly([TABLE, box("box", [1, 1, 1], at)], friction=0.5))
     assert answer.state == state
@@ -128,14 +126,14 @@ def slot(width: float, sunk: float) -> Assembly:
     return Assembly([floor, *walls, box("block", [width, 1, 1], [0, 0, 0.5 - sunk])], friction=0.3)
 
 
-def test_a_block_that_is_wider_than_its_slot_does_not_fit() -> None:
+def test_a_block_that_is_wider_than_its_slot_does_not_fit():
     answer = settle(slot(1.001, 0.0))
     assert answer.state == "does-not-fit"
     assert set(answer.parts) >= {"l", "r", "block"}
     assert answer.depth == pytest.approx(5e-4, rel=1e-3)  # shared by both sides
 
 
-def test_a_block_that_is_narrower_than_its_slot_moves_up() -> None:
+def test_a_block_that_is_narrower_than_its_slot_moves_up():
     answer = settle(slot(0.999, 1e-3))
     assert answer.state == "at-rest"
     assert answer.movement[3] == pytest.approx([0, 0, 1e-3, 0, 0, 0], abs=1e-8)
@@ -156,7 +154,7 @@ def disturbed(assembly: Assembly, size: float, seed: int) -> tuple[Assembly, flo
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("size", [1e-5, 1e-3, 1e-2])
-def test_a_disturbed_arch_comes_to_rest(size: float, seed: int) -> None:
+def test_a_disturbed_arch_comes_to_rest(size, seed):
     drawn, most = disturbed(arch(9).with_friction(0.6), size, seed)
     answer = settle(drawn)
     assert answer.state == "at-rest"
@@ -170,13 +168,13 @@ def test_a_disturbed_arch_comes_to_rest(size: float, seed: int) -> None:
 
 
 @pytest.mark.parametrize("shape", [Sphere(0.5), Cylinder(0.5, 1.0)], ids=["ball", "cylinder"])
-def test_curved_parts_come_to_rest(shape: object) -> None:
+def test_curved_parts_come_to_rest(shape):
     answer = settle(Assembly([TABLE, Part("body", shape, [0, 0, 0.5 + 2e-3])], friction=0.5))
     assert answer.state == "at-rest"
     assert answer.movement[1, 2] == pytest.approx(-2e-3, abs=1e-8)
 
 
-def test_a_prism_with_a_notch_rests_on_a_step() -> None:
+def test_a_prism_with_a_notch_rests_on_a_step():
     outline = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 0.5], [0, 0.5]]
     answer = settle(
         Assembly([TABLE, Part("notched", Prism(outline, 1.0), [-1, 0, 1e-3])], friction=0.4)
@@ -186,7 +184,7 @@ def test_a_prism_with_a_notch_rests_on_a_step() -> None:
     assert answer.movement[1, 2] == pytest.approx(-1e-3, abs=1e-8)
 
 
-def test_joined_and_bonded_parts_move_as_one_body() -> None:
+def test_joined_and_bonded_parts_move_as_one_body():
     a, b = box("a", [1, 1, 1], [0, 0, 0.5 + 1e-3]), box("b", [1, 1, 1], [0, 0, 1.5 + 1e-3])
     joined = settle(Assembly([TABLE, a, b], joints=[Joint(("a", "b"), "fixed")]))
     bonded = settle(Assembly([TABLE, a, b], bonds=[Bond(("a", "b"), pull=1e4)]))
@@ -195,7 +193,7 @@ def test_joined_and_bonded_parts_move_as_one_body() -> None:
         assert answer.movement[1] == pytest.approx(answer.movement[2], abs=1e-12)
 
 
-def test_a_hinge_stays_closed() -> None:
+def test_a_hinge_stays_closed():
     """A lid on a hinge falls onto a stop that is lower than drawn: it turns about its pin."""
     stop = box("stop", [0.2, 1, 1], [1.5, 0, 0.5 - 1e-3], grounded=True)
     post = box("post", [0.2, 1, 1], [-1.5, 0, 0.4], grounded=True)
@@ -210,7 +208,7 @@ def test_a_hinge_stays_closed() -> None:
 
 
 @pytest.mark.parametrize(("force", "state"), [(400.0, "at-rest"), (600.0, "falls")])
-def test_a_load_counts(force: float, state: str) -> None:
+def test_a_load_counts(force, state):
     """A push at the height of the table edge slides the box beyond mu times its weight."""
     cube = box("box", [1, 1, 1], [0, 0, 0.5 + 1e-3], mass=100.0)
     push = Load("box", force=[force, 0, 0], point=[0, 0, 1e-3])
@@ -220,14 +218,14 @@ def test_a_load_counts(force: float, state: str) -> None:
         assert answer.assembly.loads[0].point == pytest.approx([0, 0, 0], abs=1e-8)
 
 
-def test_a_planar_assembly_moves_in_its_plane() -> None:
+def test_a_planar_assembly_moves_in_its_plane():
     parts = [TABLE, box("box", [1, 1, 1], [0, 0, 0.5 + 1e-3])]
     answer = settle(Assembly(parts, planar=True))
     assert answer.state == "at-rest"
     assert answer.movement[1, [1, 3, 5]].tolist() == [0, 0, 0]
 
 
-def test_a_kept_part_does_not_move_but_is_balanced() -> None:
+def test_a_kept_part_does_not_move_but_is_balanced():
     low, high = box("low", [1, 1, 1], [0, 0, 0.5]), box("high", [1, 1, 1], [0, 0, 1.5 + 1e-3])
     answer = settle(Assembly([TABLE, low, high]), keep="low")
     assert answer.state == "at-rest"
@@ -236,7 +234,7 @@ def test_a_kept_part_does_not_move_but_is_balanced() -> None:
     assert settle(Assembly([TABLE, hanging]), keep="low").state == "not-found"
 
 
-def test_a_drop_is_as_long_as_the_gap() -> None:
+def test_a_drop_is_as_long_as_the_gap():
     drawn = Assembly([TABLE, box("a", [1, 1, 1], [0, 0, 3]), box("b", [1, 1, 1], [0.1, 0, 5])])
     answer = settle(drawn, drop=True)
     assert answer.state == "at-rest"
@@ -257,18 +255,18 @@ def test_a_drop_is_as_long_as_the_gap() -> None:
     ],
     ids=["apart", "out-of-reach", "all-held", "no-fit"],
 )  # fmt: skip
-def test_each_failure_is_a_sentence(drawn: Assembly, options: dict, words: str) -> None:
+def test_each_failure_is_a_sentence(drawn, options, words):
     answer = settle(drawn, **options)
     assert not answer.at_rest
     assert words in answer.to_dict()["sentence"]
 
 
-def test_no_held_part_is_an_error() -> None:
+def test_no_held_part_is_an_error():
     with pytest.raises(kilter.InputError, match="nothing is held"):
         settle(Assembly([box("b", [1, 1, 1], [0, 0, 0])]))
 
 
-def test_a_changed_pose_is_no_pose_at_rest() -> None:
+def test_a_changed_pose_is_no_pose_at_rest():
     """A proof of rest does not hold for a pose that is lifted by ten tolerances."""
     answer = settle(Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.501])]))
     proof = answer.proof()
@@ -281,7 +279,7 @@ def test_a_changed_pose_is_no_pose_at_rest() -> None:
     assert not kilter.verify(sunk, proof).holds
 
 
-def test_outputs_have_the_same_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_outputs_have_the_same_poses(tmp_path, capsys):
     from kilter.cli import main
 
     file = tmp_path / "gap.kilter.json"
@@ -303,7 +301,7 @@ def test_outputs_have_the_same_poses(tmp_path: Path, capsys: pytest.CaptureFixtu
     capsys.readouterr()
 
 
-def test_a_wrong_ending_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_ending_is_an_error(tmp_path, capsys):
     from kilter.cli import main
 
     file = tmp_path / "gap.kilter.json"
@@ -313,9 +311,7 @@ def test_a_wrong_ending_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize("height", [0.4995, 0.5005], ids=["overlaps", "hangs"])
-def test_an_undecided_check_offers_the_pose_at_rest(
-    height: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_undecided_check_offers_the_pose_at_rest(height, tmp_path, capsys):
     from kilter.cli import main
 
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, height])])
@@ -337,7 +333,7 @@ def test_an_undecided_check_offers_the_pose_at_rest(
 
 
 @pytest.mark.parametrize(("depth", "offered"), [(0.99, True), (1.01, False)])
-def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth: float, offered: bool) -> None:
+def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth, offered):
     from kilter.analysis.settled_pose.settle_remedy import DEEPEST
 
     size = float(Assembly([box("box", [1, 1, 1], [0, 0, 0])]).geometry.size[0])
@@ -346,14 +342,12 @@ def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth: float, offered:
     assert ("--settle" in options) == offered
 
 
-def test_a_decided_check_offers_no_movement() -> None:
+def test_a_decided_check_offers_no_movement():
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5])])
     assert not kilter.check(drawn).remedies
 
 
-def test_a_time_limit_ends_the_search_with_a_sentence(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_time_limit_ends_the_search_with_a_sentence(tmp_path, capsys):
     from kilter.cli import main
 
     file = tmp_path / "arch.kilter.json"
@@ -363,7 +357,7 @@ def test_a_time_limit_ends_the_search_with_a_sentence(
 
 
 @pytest.mark.slow
-def test_levels_above_the_required_level_are_not_asked() -> None:
+def test_levels_above_the_required_level_are_not_asked():
     drawn, _ = disturbed(arch(9).with_friction(0.6), 1e-3, 0)
     answer = settle(drawn, require="equilibrium")
     assert answer.at_rest
@@ -378,9 +372,7 @@ SPACESHIP = Path(__file__).parents[3] / "shared/data/cax-if/s1-tu-203/s1-tu-203.
 
 
 @pytest.mark.parametrize(("sunk", "shares"), [(0.0, False), (-0.1, False), (0.5, True)])
-def test_a_shaft_shares_material_with_a_narrower_bore_only_if_it_reaches_into_it(
-    sunk: float, shares: bool
-) -> None:
+def test_a_shaft_shares_material_with_a_narrower_bore_only_if_it_reaches_into_it(sunk, shares):
     """A shaft of radius 1 below a tube with a bore of .8: their faces overlap by .2 as solids."""
     shaft = Part("shaft", Cylinder(1, 1), [0, 0, 0.5], grounded=True)
     assembly = Assembly([shaft, tube("tube", 0.8, 2, 1, [0, 0, 1.5 - sunk])])
@@ -393,7 +385,7 @@ def test_a_shaft_shares_material_with_a_narrower_bore_only_if_it_reaches_into_it
     assert (_share_material(assembly.geometry, points) == shares).all()
 
 
-def test_points_inside_a_part() -> None:
+def test_points_inside_a_part():
     geometry = Assembly([Part("box", Box(2, 2, 2), [1, 0, 0], grounded=True)]).geometry
     points = np.array([[1.0, 0, 0], [1.99, 0.99, -0.99], [2.01, 0, 0], [-0.01, 0, 0]])
     assert inside_part(geometry, 0, points).tolist() == [True, True, False, False]
@@ -401,7 +393,7 @@ def test_points_inside_a_part() -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not SPACESHIP.is_file(), reason="real data is not here")
-def test_half_shells_on_one_axis_have_no_penetrating_points() -> None:
+def test_half_shells_on_one_axis_have_no_penetrating_points():
     """A solid half of radius 73 and holes of 67 on its axis, over other angles: no overlap."""
     drawn = kilter.load(SPACESHIP)
     shells = [part for part in drawn.parts if not part.name.startswith("foot")]

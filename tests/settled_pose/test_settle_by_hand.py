@@ -1,10 +1,7 @@
 """Poses at rest by hand and by the command."""
 
-from __future__ import annotations
-
 import json
 import math
-from pathlib import Path
 
 import pytest
 
@@ -27,7 +24,7 @@ def settled(*parts: Part, **more: object) -> dict:
     return kilter.settle(Assembly([TABLE, *parts], units="mm", friction=0.3), **more).to_dict()
 
 
-def test_a_box_that_hangs_and_one_that_is_sunk_move_by_their_gap() -> None:
+def test_a_box_that_hangs_and_one_that_is_sunk_move_by_their_gap():
     answer = settled(box("a", [0, 0, 50.5]), box("b", [300, 0, 49.9]))
     moved = {one["part"]: (one["distance"], one["angle_deg"]) for one in answer["moved"]}
     assert moved["a"] == pytest.approx((0.5, 0), abs=1e-6)
@@ -37,20 +34,20 @@ def test_a_box_that_hangs_and_one_that_is_sunk_move_by_their_gap() -> None:
     assert (answer["depth"], answer["dropped"]) == (0, 0)
 
 
-def test_a_box_falls_by_its_height_above_the_table() -> None:
+def test_a_box_falls_by_its_height_above_the_table():
     answer = settled(box("a", [0, 0, 80]), drop=True)
     assert answer["moved"][0]["distance"] == pytest.approx(30, abs=1e-6)
     assert answer["dropped"] == pytest.approx(30, rel=1e-4)
 
 
-def test_a_box_between_two_walls_that_are_closer_overlaps_each_by_half_of_the_rest() -> None:
+def test_a_box_between_two_walls_that_are_closer_overlaps_each_by_half_of_the_rest():
     walls = [box(name, [x, 0, 50], grounded=True) for name, x in (("l", -100), ("r", 100))]
     answer = settled(*walls, box("wide", [0, 0, 50], (101, 100, 100)))
     assert answer["depth"] == pytest.approx(0.5, abs=1e-6)
 
 
 @pytest.mark.slow
-def test_a_bar_on_a_higher_and_a_lower_block_tilts_by_their_difference() -> None:
+def test_a_bar_on_a_higher_and_a_lower_block_tilts_by_their_difference():
     """It touches the outer edge of the lower block and the inner edge of the higher one."""
     low, high = box("low", [-150, 0, 50]), box("high", [150, 0, 50.25], (100, 100, 100.5))
     answer = settled(low, high, box("bar", [0, 0, 110.5], (500, 100, 20)))
@@ -63,7 +60,7 @@ def test_a_bar_on_a_higher_and_a_lower_block_tilts_by_their_difference() -> None
 
 
 @pytest.mark.slow
-def test_objects_of_a_scene_state_their_height_and_their_place_below() -> None:
+def test_objects_of_a_scene_state_their_height_and_their_place_below():
     turned = Pose([0, 0, 80], [math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
     parts = [
         TABLE, Part("a", Box([100, 60, 100]), turned), box("b", [300, 0, 40]),
@@ -104,14 +101,7 @@ def in_slot(width: float) -> Assembly:
     ],
     ids=["at rest", "falls", "does not fit"],
 )
-def test_each_state_has_its_words_and_its_exit_code(
-    assembly: Assembly,
-    code: int,
-    state: str,
-    words: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_each_state_has_its_words_and_its_exit_code(assembly, code, state, words, tmp_path, capsys):
     file = str(tmp_path / "a.kilter.json")
     kilter.dump(assembly, file)
     assert main(["settle", file, "--quiet"]) == code
@@ -129,9 +119,7 @@ def test_each_state_has_its_words_and_its_exit_code(
         (["--gap 0.002"], "--gap"),
     ],
 )
-def test_moving_parts_is_a_smaller_assumption_than_a_wider_gap(
-    options: list[str], first: str
-) -> None:
+def test_moving_parts_is_a_smaller_assumption_than_a_wider_gap(options, first):
     """The pose at rest is examined at the level of equilibrium, the other options completely."""
     found = [
         {"option": option, "level": "settles", "leads_to": "settles"}

@@ -1,10 +1,7 @@
 """Straps with a capacity: limits on both sides by `kilter.check`, proofs, and wrong input."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,7 +33,7 @@ def hung(capacity: float, *, planar: bool = False) -> kilter.Assembly:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize(("angle", "least"), [(30, 2896.58), (45, 3201.56), (60, 3873.35)])
-def test_the_least_capacity_of_one_strap(angle: float, least: float) -> None:
+def test_the_least_capacity_of_one_strap(angle, least):
     for share, held in ((0.999, False), (1.001, True)):
         load = direct(angle, share * least)
         verdict = kilter.check(load)
@@ -47,7 +44,7 @@ def test_the_least_capacity_of_one_strap(angle: float, least: float) -> None:
 
 
 @pytest.mark.parametrize("planar", [False, True])
-def test_a_hung_box(planar: bool) -> None:
+def test_a_hung_box(planar):
     """Without friction, equilibrium is a proof of stability."""
     assert kilter.check(hung(1.001 * WEIGHT, planar=planar)).level == "proved"
     falling = kilter.check(hung(0.999 * WEIGHT, planar=planar))
@@ -56,7 +53,7 @@ def test_a_hung_box(planar: bool) -> None:
     assert falling.to_dict()["z"] is None
 
 
-def test_a_strap_neither_pushes_nor_exceeds_its_capacity() -> None:
+def test_a_strap_neither_pushes_nor_exceeds_its_capacity():
     load = hung(1.5 * WEIGHT)
     program = build_program(load, contacts(load))
     assert check_forces(program, np.array([WEIGHT])).holds
@@ -68,7 +65,7 @@ def test_a_strap_neither_pushes_nor_exceeds_its_capacity() -> None:
     assert check_motion(program.with_strength(0.6), drop).holds
 
 
-def test_damaged_pulls_are_found() -> None:
+def test_damaged_pulls_are_found():
     load = direct(45, 4000.0)
     proof = json.loads(json.dumps(kilter.check(load, require="equilibrium").proof()))
     assert kilter.verify(load, proof).holds
@@ -85,7 +82,7 @@ def test_damaged_pulls_are_found() -> None:
 
 
 @pytest.mark.slow
-def test_transport_and_paths_know_the_capacity() -> None:
+def test_transport_and_paths_know_the_capacity():
     """The least capacity at 0.6 g carries 0.6 g, and a path of twice this acceleration at 1/2."""
     load = dataclasses.replace(direct(45, 3201.5619), gravity=[0, 0, -G])
     answer = kilter.transport(load, polar=False)
@@ -114,13 +111,13 @@ def test_transport_and_paths_know_the_capacity() -> None:
         ({"capacity": 9, "path": [("box", [-1, 0, 0]), ("box", [0, 0, 1])]}, "connects no two"),
     ],
 )  # fmt: skip
-def test_wrong_straps_are_refused_in_a_sentence(more: dict[str, object], message: str) -> None:
+def test_wrong_straps_are_refused_in_a_sentence(more, message):
     path = [("ground", [0, 0, 5]), ("box", [0, 0, 1])]
     with pytest.raises(InputError, match=message):
         Strap(**{"path": path, **more})
 
 
-def test_a_file_keeps_the_capacity(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_keeps_the_capacity(tmp_path, capsys):
     load = hung(1.5 * WEIGHT)
     file = tmp_path / "hung.kilter.json"
     kilter.dump(load, file)
@@ -136,7 +133,7 @@ def sling(capacity: float) -> kilter.Assembly:
     return dataclasses.replace(hung(1.0), straps=[Strap(path, capacity=capacity)])
 
 
-def test_a_sling_of_two_pieces() -> None:
+def test_a_sling_of_two_pieces():
     """2 T sin 45 deg = m g."""
     least = WEIGHT / np.sqrt(2)
     for share, held in ((0.999, False), (1.001, True)):
@@ -148,7 +145,7 @@ def test_a_sling_of_two_pieces() -> None:
 
 
 @pytest.mark.parametrize(("heavier", "held"), [(1.0, True), (1.001, False), (0.999, False)])
-def test_boxes_over_a_fixed_ring_balance_only_with_equal_masses(heavier: float, held: bool) -> None:
+def test_boxes_over_a_fixed_ring_balance_only_with_equal_masses(heavier, held):
     """The pull is the same on both sides of the ring, whatever the capacity."""
     parts = [
         block("deck", [-9, -9, -9], [9, 9, -8], grounded=True),
@@ -178,7 +175,7 @@ def looped(capacity: float, *, braking: float = 0.8, friction: float = 0.3) -> k
     )
 
 
-def test_a_loop_around_the_front_of_a_box() -> None:
+def test_a_loop_around_the_front_of_a_box():
     """2 T cos(beta) = (c - mu) m g, with the angle beta from the pieces to the forward axis."""
     least = (0.8 - 0.3) * WEIGHT / (2 * 2 / np.hypot(2, 0.5))
     for share, held in ((0.999, False), (1.001, True)):
@@ -189,7 +186,7 @@ def test_a_loop_around_the_front_of_a_box() -> None:
     assert kilter.margin(looped(least)).bond == pytest.approx(1.0, abs=2e-6)
 
 
-def test_damaged_pulls_of_a_loop_are_found() -> None:
+def test_damaged_pulls_of_a_loop_are_found():
     load = looped(5000.0)
     proof = kilter.check(load, require="equilibrium").proof()
     assert len(proof["pulls"]) == 1
@@ -200,7 +197,7 @@ def test_damaged_pulls_of_a_loop_are_found() -> None:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(12))
-def test_loops_agree_with_an_independent_program(seed: int) -> None:
+def test_loops_agree_with_an_independent_program(seed):
     """The needed share of the capacities is between those with pyramids around and inside cones."""
     load = random_direct(seed, loops=True)
     if not load.straps:
@@ -216,7 +213,7 @@ def test_loops_agree_with_an_independent_program(seed: int) -> None:
     assert around - rounding <= factor.value <= inside + rounding
 
 
-def test_the_data_name_each_strap_and_its_pull() -> None:
+def test_the_data_name_each_strap_and_its_pull():
     """Without friction, level straps through the centre pull with m a in total."""
     table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
     box = Part("box", Box(1, 1, 1), [0, 0, 0.5], mass=100)

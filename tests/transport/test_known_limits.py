@@ -1,7 +1,5 @@
 """Limits of transport with closed forms: accelerations, turning carriers, least directions."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable
 from typing import Any
@@ -58,12 +56,12 @@ def _limit(assembly: kilter.Assembly, motion: CarrierMotion) -> float:
     ],
     ids=["slides", "tips", "3 cubes", "5 cubes", "portal"],
 )
-def test_straight_acceleration(assembly: kilter.Assembly, expected: float) -> None:
+def test_straight_acceleration(assembly, expected):
     assert _limit(assembly, CarrierMotion([1.0, 0, 0])) == pytest.approx(expected, rel=1e-7)
 
 
 @pytest.mark.parametrize("friction", [0.6, 0.2])
-def test_turntable_at_constant_speed(friction: float) -> None:
+def test_turntable_at_constant_speed(friction):
     assembly = stack_on_deck([[0.06, 0.06, 0.2]], friction, at=(0.5, 0))
     limit = _limit(assembly, CarrierMotion(angular_velocity=[0, 0, 1.0]))
     assert limit == pytest.approx(G * min(friction, 0.3) / 0.5, rel=1e-7)
@@ -72,7 +70,7 @@ def test_turntable_at_constant_speed(friction: float) -> None:
 @pytest.mark.parametrize(
     ("side", "expected"), [(0.2, 3.916757), (0.1, 3.922185), (0.05, 3.923546), (0.01, 3.923982)]
 )
-def test_turntable_that_speeds_up(side: float, expected: float) -> None:
+def test_turntable_that_speeds_up(side, expected):
     """The torque of the angular acceleration needs friction, too: less for a smaller box."""
     assembly = stack_on_deck([[side, side, side / 50]], 0.4, at=(0.5, 0))
     angle = np.radians(40)  # of the acceleration of the centre from the inward radius
@@ -87,9 +85,7 @@ def test_turntable_that_speeds_up(side: float, expected: float) -> None:
     ("axis_below", "degrees", "expected"),
     [(1.5, 10, 1.624412), (1.5, 20, 0.651415), (0.0, 10, 7.357632)],
 )
-def test_rolling_carrier_tips_a_box_at_its_turning_point(
-    axis_below: float, degrees: float, expected: float
-) -> None:
+def test_rolling_carrier_tips_a_box_at_its_turning_point(axis_below, degrees, expected):
     wide, high = 0.3, 0.6
     assembly = stack_on_deck([[wide, wide, high]], 0.8)
     angle = np.radians(degrees)
@@ -102,7 +98,7 @@ def test_rolling_carrier_tips_a_box_at_its_turning_point(
     assert _limit(tilted, motion) == pytest.approx(closed, rel=1e-6)
 
 
-def test_rolling_carrier_lets_a_flat_box_slide() -> None:
+def test_rolling_carrier_lets_a_flat_box_slide():
     assembly = stack_on_deck([[0.4, 0.4, 0.2]], 0.3)
     angle = np.radians(8)
     tilted = assembly.with_down([np.sin(angle), 0, -np.cos(angle)])
@@ -112,7 +108,7 @@ def test_rolling_carrier_lets_a_flat_box_slide() -> None:
     assert _limit(tilted, motion) == pytest.approx(closed, rel=1e-6)
 
 
-def test_middle_of_a_roll_beside_a_sideways_acceleration() -> None:
+def test_middle_of_a_roll_beside_a_sideways_acceleration():
     """o^2 = (g - a0 h / b) / z: the box tips, since its spin takes weight from it."""
     wide, high, sideways = 0.3, 0.6, 2.0
     assembly = stack_on_deck([[wide, wide, high]], 0.8)
@@ -131,13 +127,13 @@ def test_middle_of_a_roll_beside_a_sideways_acceleration() -> None:
     [(arch(20), 0.149350), (oppenheim_arch(), 0.373612), (oppenheim_arch(sectors=True), 0.370010)],
     ids=["arch", "Oppenheim", "Oppenheim sectors"],
 )
-def test_arches(assembly: kilter.Assembly, expected: float) -> None:
+def test_arches(assembly, expected):
     assert _limit(assembly, CarrierMotion([G, 0, 0])) == pytest.approx(expected, abs=2e-6)
 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(12))
-def test_a_slice_lies_between_its_polygon_and_its_lines(seed: int) -> None:
+def test_a_slice_lies_between_its_polygon_and_its_lines(seed):
     """Check holds just inside each corner of the polygon and not just beyond each proved line."""
     assembly = random_stack(seed)
     program = build_program(assembly, contacts(assembly))
@@ -153,7 +149,7 @@ def test_a_slice_lies_between_its_polygon_and_its_lines(seed: int) -> None:
         assert not _holds(assembly, CarrierMotion((1 + SIDE) * along))
 
 
-def test_rest_that_is_not_held_carries_nothing() -> None:
+def test_rest_that_is_not_held_carries_nothing():
     answer = kilter.transport(block_on_slope(30.0, friction=0.2))
     assert answer.least is None
     assert answer.limits == ()
@@ -161,7 +157,7 @@ def test_rest_that_is_not_held_carries_nothing() -> None:
 
 
 @pytest.mark.slow
-def test_the_least_friction_of_a_range_is_the_worst_case() -> None:
+def test_the_least_friction_of_a_range_is_the_worst_case():
     """A flat box slides at LOW mu g; check with this coefficient agrees on both sides."""
     box = stack_on_deck([[1, 1, 0.2]], 0.5)
     answer = kilter.transport(box, polar=False, mu_range=(0.8, 1.2))
@@ -211,7 +207,7 @@ def _second(value: Callable[[float], np.ndarray], time: float) -> np.ndarray:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(10))
-def test_loads_are_those_of_newton_and_euler(seed: int) -> None:
+def test_loads_are_those_of_newton_and_euler(seed):
     """Minus the rates of momentum and of angular momentum, seen in the carrier: 200 bodies."""
     assembly = _bodies(20, seed)
     program = build_program(assembly, contacts(assembly))
@@ -251,7 +247,7 @@ def test_loads_are_those_of_newton_and_euler(seed: int) -> None:
 
 
 @pytest.mark.parametrize("units", ["m", "mm"])
-def test_the_matrix_gives_the_same_loads_in_every_unit(units: str) -> None:
+def test_the_matrix_gives_the_same_loads_in_every_unit(units):
     scale = {"m": 1.0, "mm": 1000.0}[units]
     parts = [
         kilter.Part("base", kilter.Box([scale] * 3), grounded=True),
@@ -275,7 +271,7 @@ def _felt(motion: CarrierMotion, scale: float) -> np.ndarray:
     return motion.acceleration + np.cross(turn, arm) + np.cross(spin, np.cross(spin, arm))
 
 
-def test_free_fall_is_an_input_error() -> None:
+def test_free_fall_is_an_input_error():
     assembly = stack_on_deck([[1, 1, 1]], 0.5)
     with pytest.raises(InputError, match="falls freely"):
         carried_assembly(assembly, CarrierMotion(assembly.gravity))
@@ -303,7 +299,7 @@ def carrier(seed: int) -> tuple[kilter.Assembly, float]:
 
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("seed", range(100))
-def test_a_part_turns_with_its_carrier_up_to_the_torque_of_friction(seed: int) -> None:
+def test_a_part_turns_with_its_carrier_up_to_the_torque_of_friction(seed):
     """Asked at 0.8 times the limit it is carried, at 1.01 times it is not, and the factor fits."""
     assembly, limit = carrier(seed)
     for share, carried in ((0.8, True), (1.01, False)):
@@ -336,7 +332,7 @@ def bounds(stack: kilter.Assembly) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 220, 10))
-def test_the_least_of_random_stacks_is_that_of_closed_forms(first: int) -> None:
+def test_the_least_of_random_stacks_is_that_of_closed_forms(first):
     """It is also the least of a sweep of directions, within the step of the sweep."""
     for seed in range(first, first + 10):
         stack = random_stack(seed)
@@ -366,9 +362,7 @@ def multipliers(assembly: kilter.Assembly) -> dict[str, dict[str, Any]]:
     ids=["tips about y", "tips about x", "slides"],
 )
 @pytest.mark.quick("tips about y")
-def test_a_block_tips_over_its_nearest_edge_or_slides(
-    width: float, depth: float, height: float, mu: float
-) -> None:
+def test_a_block_tips_over_its_nearest_edge_or_slides(width, depth, height, mu):
     found = multipliers(stack_on_deck([[width, depth, height]], mu))
     assert found["+x"]["alpha0"] == pytest.approx(min(width / height, mu), abs=1e-7)
     assert found["-y"]["alpha0"] == pytest.approx(min(depth / height, mu), abs=1e-7)
@@ -376,7 +370,7 @@ def test_a_block_tips_over_its_nearest_edge_or_slides(
     assert found["least"]["upper"] >= found["least"]["alpha0"] * (1 - 1e-9)
 
 
-def test_the_multipliers_are_proved_in_the_file_and_their_mass_is_recomputed() -> None:
+def test_the_multipliers_are_proved_in_the_file_and_their_mass_is_recomputed():
     """M* of a block that tips is its mass; a shift of the statement is refused."""
     block = stack_on_deck([[0.4, 1.0, 1.0]], 0.9)
     proof = kilter.transport(block, polar=False, collapse=True).proof()

@@ -1,7 +1,5 @@
 """Paths of carriers and robots, and their constraints."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -46,13 +44,13 @@ def _factor(path: CarrierPath, assembly: kilter.Assembly | None = None) -> float
     return answer.factor
 
 
-def test_trapezoid() -> None:
+def test_trapezoid():
     along = np.where(TIME < 1, 2.0, np.where(TIME < 2, 0.0, -2.0))
     path = _level(np.column_stack([along, 0 * along, 0 * along]))
     assert _factor(path) == pytest.approx(np.sqrt(MU * G / 2), rel=1e-6)
 
 
-def test_circle_at_fixed_heading_and_along_it() -> None:
+def test_circle_at_fixed_heading_and_along_it():
     speed, radius = 1.2, 0.8
     angle = speed / radius * TIME
     inward = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
@@ -72,7 +70,7 @@ def test_circle_at_fixed_heading_and_along_it() -> None:
 
 
 @pytest.mark.parametrize("degrees", [8, -25])
-def test_slopes(degrees: float) -> None:
+def test_slopes(degrees):
     """Down a steep slope the box needs the acceleration, so the squared factors are an interval.
 
     Along the slope, |g sin + 2 lambda| is at most mu g cos.
@@ -87,7 +85,7 @@ def test_slopes(degrees: float) -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(20))
-def test_check_agrees_on_both_sides_at_random_samples(seed: int) -> None:
+def test_check_agrees_on_both_sides_at_random_samples(seed):
     """The factor is the least over the samples: check holds below it at each, and not above it."""
     assembly = random_stack(seed)
     if kilter.check(assembly, require="equilibrium").level is None:
@@ -126,7 +124,7 @@ def _sample_of(path: CarrierPath, k: int) -> CarrierPath:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("turns", [False, True])
-def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed: int, turns: bool) -> None:
+def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed, turns):
     assembly = random_stack(seed)
     program = build_program(assembly, contacts(assembly))
     path = _curve(60, turns)
@@ -146,7 +144,7 @@ def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed: int, turns
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("turns", [False, True])
-def test_few_programs_confirm_a_thousand_samples(turns: bool) -> None:
+def test_few_programs_confirm_a_thousand_samples(turns):
     assembly = stack_on_deck([[0.5, 0.4, 0.3], [0.4, 0.4, 0.3], [0.3, 0.3, 0.2]], 0.4)
     answer = kilter.transport(assembly, path=_curve(1000, turns)).speed
     assert answer.programs <= 80
@@ -166,14 +164,14 @@ def test_few_programs_confirm_a_thousand_samples(turns: bool) -> None:
         ("time\n0\n", "neither x, y, z nor ax"),
     ],
 )
-def test_a_wrong_path_is_an_error_of_one_sentence(text: str, words: str, tmp_path: Path) -> None:
+def test_a_wrong_path_is_an_error_of_one_sentence(text, words, tmp_path):
     file = tmp_path / "path.csv"
     file.write_text(text)
     with pytest.raises(InputError, match=words):
         read_path(file)
 
 
-def test_the_command_reads_a_path(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_reads_a_path(tmp_path, capsys):
     kilter.dump(_flat(), tmp_path / "box.kilter.json")
     rows = [f"{k},{2.0 if k < 2 else -2.0},0,0" for k in range(4)]
     (tmp_path / "path.csv").write_text("\n".join(["time,ax,ay,az", *rows]))
@@ -183,9 +181,7 @@ def test_the_command_reads_a_path(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.slow
-def test_the_figure_shows_the_factor_over_time(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_figure_shows_the_factor_over_time(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     load, path, figure = (tmp_path / name for name in ("box.kilter.json", "p.csv", "k.svg"))
     kilter.dump(_flat(), load)
@@ -207,7 +203,7 @@ def _straight(length: float) -> np.ndarray:
     return np.column_stack([length * TIME_ROWS, 0 * TIME_ROWS, 0 * TIME_ROWS])
 
 
-def test_a_straight_path_bounds_its_acceleration_by_mu_g() -> None:
+def test_a_straight_path_bounds_its_acceleration_by_mu_g():
     """|u| <= mu g / length for a flat box, at every sample."""
     flat = stack_on_deck([[0.4, 0.4, 0.1]], MU_ROWS)
     answer = kilter.transport(flat, path=path_from_poses(TIME_ROWS, _straight(2.0)))
@@ -233,7 +229,7 @@ def _turning_path(seed: int) -> kilter.CarrierPath:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
-def test_check_agrees_with_the_constraints_of_turning_paths(seed: int) -> None:
+def test_check_agrees_with_the_constraints_of_turning_paths(seed):
     """Check holds at (u, x) that obey the inner constraints, and not beyond the outer ones."""
     assembly = random_stack(seed)
     if kilter.check(assembly, require="equilibrium").level is None:
@@ -265,7 +261,7 @@ def test_check_agrees_with_the_constraints_of_turning_paths(seed: int) -> None:
     assert max(counts) > 0
 
 
-def test_constraints_need_velocities(tmp_path: Path) -> None:
+def test_constraints_need_velocities(tmp_path):
     file = tmp_path / "path.csv"
     flat = stack_on_deck([[0.4, 0.4, 0.1]], MU_ROWS)
     rows = ["0,2,0,0,0,0,0", "1,2,0,0,2,0,0", "2,2,0,0,4,0,0"]
@@ -334,7 +330,7 @@ def random_robot(folder: Path, seed: int) -> Path:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(20))
-def test_motions_agree_with_differences_of_the_poses(seed: int, tmp_path: Path) -> None:
+def test_motions_agree_with_differences_of_the_poses(seed, tmp_path):
     chain = read_joint_chain(random_robot(tmp_path, seed), "d")
     assert len(chain.drivers) == 3
     rng = np.random.default_rng([seed, 1])
@@ -360,7 +356,7 @@ def test_motions_agree_with_differences_of_the_poses(seed: int, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_zero_position_is_that_of_the_urdf_reader(seed: int, tmp_path: Path) -> None:
+def test_the_zero_position_is_that_of_the_urdf_reader(seed, tmp_path):
     """Another reading of the same file: the box of a link is at the origin of its frame."""
     file = random_robot(tmp_path, seed)
     assembly = kilter.load(file)
@@ -373,7 +369,7 @@ def test_the_zero_position_is_that_of_the_urdf_reader(seed: int, tmp_path: Path)
         assert np.allclose(pose.rotation[0], part.pose.matrix, atol=1e-12)
 
 
-def test_an_arm_that_turns_and_extends_at_the_same_time(tmp_path: Path) -> None:
+def test_an_arm_that_turns_and_extends_at_the_same_time(tmp_path):
     """Polar coordinates: a_r = r'' - r o^2, a_t = r al + 2 r' o."""
     file = robot(
         tmp_path,
@@ -401,9 +397,7 @@ def test_an_arm_that_turns_and_extends_at_the_same_time(tmp_path: Path) -> None:
     assert np.allclose(path.angular_acceleration[:, 2], turn, atol=1e-9)
 
 
-def test_a_flange_on_a_circle_carries_a_box_as_fast_as_the_closed_form(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_flange_on_a_circle_carries_a_box_as_fast_as_the_closed_form(tmp_path, capsys):
     speed, radius = 1.2, 0.8
     file = robot(
         tmp_path,
@@ -425,9 +419,7 @@ def test_a_flange_on_a_circle_carries_a_box_as_fast_as_the_closed_form(
 
 
 @pytest.mark.parametrize(("units", "per_metre"), [("m", 1.0), ("mm", 1000.0)])
-def test_a_box_beside_the_flange_is_on_a_wider_circle(
-    units: str, per_metre: float, tmp_path: Path
-) -> None:
+def test_a_box_beside_the_flange_is_on_a_wider_circle(units, per_metre, tmp_path):
     """The flange is .8 m from the axis, the box .5 m farther out, in the unit of its file."""
     ends = joint("arm", "fixed", "a b", xyz="0.8 0 0.5")
     file = robot(tmp_path, joint("turn", "continuous", "base a"), ends)
@@ -440,7 +432,7 @@ def test_a_box_beside_the_flange_is_on_a_wider_circle(
     assert speed["factor"] == pytest.approx(np.sqrt(MU_PATHS * G_PATHS / (1.5**2 * 1.3)), rel=1e-6)
 
 
-def test_a_wrist_that_tilts_a_box_to_its_angle_of_friction(tmp_path: Path) -> None:
+def test_a_wrist_that_tilts_a_box_to_its_angle_of_friction(tmp_path):
     """At rest at 21 deg of tilt the box stays (tan 21 = .38); at 22.5 deg it slides (.414)."""
     file = robot(
         tmp_path,
@@ -472,9 +464,7 @@ def test_a_wrist_that_tilts_a_box_to_its_angle_of_friction(tmp_path: Path) -> No
         ({"time": TIME_PATHS[:2], "turn": TIME_PATHS[:2]}, "a", "has no acceleration"),
     ],
 )
-def test_wrong_input_is_an_error_of_one_sentence(
-    columns: dict[str, np.ndarray], flange: str, words: str, tmp_path: Path
-) -> None:
+def test_wrong_input_is_an_error_of_one_sentence(columns, flange, words, tmp_path):
     file = robot(
         tmp_path,
         joint("turn", "revolute", "base a", more='<limit lower="-3" upper="3"/>'),
@@ -485,9 +475,7 @@ def test_wrong_input_is_an_error_of_one_sentence(
         read_robot_path(table(tmp_path, columns), file, flange)
 
 
-def test_options_of_a_robot_belong_together(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_options_of_a_robot_belong_together(tmp_path, capsys):
     file = robot(tmp_path, joint("turn", "continuous", "base a"))
     load = tmp_path / "box.kilter.json"
     kilter.dump(stack_on_deck([[0.4, 0.4, 0.1]], MU_PATHS), load)

@@ -1,12 +1,9 @@
 """Straps over loads, and the fewest of them."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +11,7 @@ import pytest
 from lashings import direct, lashed, least_share, over, random_direct, random_lashing
 
 import kilter
-from kilter import Assembly, CarrierMotion, InputError, Strap, contacts
+from kilter import CarrierMotion, InputError, Strap, contacts
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.transport.carrier import carried_assembly
 from kilter.cli import main
@@ -60,9 +57,9 @@ def _least(assembly: kilter.Assembly, share: float) -> float:
     ],
 )
 def test_a_box_under_a_strap(
-    mass: float, width: float, height: float, share: float, friction: float, angle: float,
-    expected: float,
-) -> None:  # fmt: skip
+    mass, width, height, share, friction, angle,
+    expected
+):  # fmt: skip
     """The closed forms of sliding and of tipping of one rigid box under one strap."""
     sine, weight = np.sin(np.radians(angle)), mass * G
     slides = (share - friction) * weight / (2 * friction * sine)
@@ -73,7 +70,7 @@ def test_a_box_under_a_strap(
     assert _least(lashed(box, mass, strap, friction), share) == pytest.approx(expected, abs=NEWTON)
 
 
-def test_a_strap_over_the_upper_of_two_boxes() -> None:
+def test_a_strap_over_the_upper_of_two_boxes():
     """The largest one-box value over all cuts: the upper box slides on the lower one."""
     boxes = [([-0.6, 0.0], [0.6, 0.6]), ([-0.6, 0.6], [0.6, 1.2])]
     strap = over(1.2, 1.2, 75, 4000.0, left="box-1", right="box-1")
@@ -85,7 +82,7 @@ def test_a_strap_over_the_upper_of_two_boxes() -> None:
     ("count", "angle", "expected"),
     [(1, 75, 507.803), (2, 75, 1015.606), (3, 75, 1523.409), (4, 75, 2031.212), (4, 30, 5491.7)],
 )
-def test_a_row_of_boxes_under_one_strap(count: int, angle: float, expected: float) -> None:
+def test_a_row_of_boxes_under_one_strap(count, angle, expected):
     """Without friction between the boxes the tension grows with their number."""
     width, height, first = 0.6, 1.2, -0.3 * count
     boxes = [
@@ -97,7 +94,7 @@ def test_a_row_of_boxes_under_one_strap(count: int, angle: float, expected: floa
     assert _least(assembly, 0.6) == pytest.approx(expected, abs=digits)
 
 
-def test_friction_at_corners_takes_tension_from_the_tensioned_end_on() -> None:
+def test_friction_at_corners_takes_tension_from_the_tensioned_end_on():
     """exp(-mu angle) at each corner; the forces of a strap have no sum and no moment."""
     strap = over(1.0, 1.0, 60, 1000.0, mu=0.3, tensioned="first")
     turn = np.radians(60)
@@ -116,7 +113,7 @@ def _stack(tension: float = 800.0) -> kilter.Assembly:
     return lashed([([-0.5, 0.0], [0.5, 2.0])], 1000, strap, 0.45)
 
 
-def test_margin_names_the_share_of_tension_that_is_needed() -> None:
+def test_margin_names_the_share_of_tension_that_is_needed():
     felt = carried_assembly(_stack(), CarrierMotion([-0.5 * G, 0, 0]))
     answer = kilter.margin(felt)
     assert answer.bond is not None
@@ -148,9 +145,7 @@ def test_margin_names_the_share_of_tension_that_is_needed() -> None:
         ),
     ],
 )
-def test_wrong_straps_are_refused_in_a_sentence(
-    path: list[object], more: dict[str, float], message: str
-) -> None:
+def test_wrong_straps_are_refused_in_a_sentence(path, more, message):
     def ask() -> None:
         strap = Strap(path, **{"tension": 800.0, **more})
         kilter.margin(dataclasses.replace(_stack(), straps=[strap]))
@@ -160,7 +155,7 @@ def test_wrong_straps_are_refused_in_a_sentence(
 
 
 @pytest.mark.quick(1)
-def test_the_worse_tensioned_end_counts() -> None:
+def test_the_worse_tensioned_end_counts():
     """1 t, mu .3, .5 g: the strap helps more if its pull is larger on the side of the load."""
     ends: dict[str | None, kilter.Verdict] = {}
     for end in ("first", "last", None):
@@ -177,7 +172,7 @@ def test_the_worse_tensioned_end_counts() -> None:
         kilter.transport(felt)
 
 
-def test_a_plan_with_straps_is_refused() -> None:
+def test_a_plan_with_straps_is_refused():
     with pytest.raises(InputError, match="plan does not support straps"):
         kilter.plan(_stack())
 
@@ -190,9 +185,7 @@ def test_a_plan_with_straps_is_refused() -> None:
         *((random_direct, seed) for seed in range(2000, 2020)),
     ],
 )
-def test_random_straps_agree_with_an_independent_program(
-    make: Callable[[int], Assembly], seed: int
-) -> None:
+def test_random_straps_agree_with_an_independent_program(make, seed):
     """A sample of `benchmarks/straps_census.py`: bounds on both sides by linear programs."""
     assembly = make(seed)
     touching = contacts(assembly)
@@ -207,7 +200,7 @@ def test_random_straps_agree_with_an_independent_program(
         assert np.isinf(inside)
 
 
-def test_straps_of_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_straps_of_the_command_line(tmp_path, capsys):
     whole = _stack()
     path, straps, proof = (tmp_path / name for name in ("box.kilter.json", "s.json", "p.json"))
     kilter.dump(dataclasses.replace(whole, straps=()), path)
@@ -270,7 +263,7 @@ def by_enumeration(assembly: kilter.Assembly, straps: list[kilter.Strap]) -> int
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(3000, 3050, 10))
-def test_random_candidates_agree_with_enumeration(first: int) -> None:
+def test_random_candidates_agree_with_enumeration(first):
     for seed in range(first, first + 10):
         load = random_direct(seed)
         straps, bare = list(load.straps)[:5], dataclasses.replace(load, straps=())
@@ -290,7 +283,7 @@ def load_and_candidates() -> tuple[kilter.Assembly, list[kilter.Strap]]:
 
 
 @pytest.mark.quick(1)
-def test_one_strong_strap_replaces_two() -> None:
+def test_one_strong_strap_replaces_two():
     load, candidates = load_and_candidates()
     assert fewest(load, candidates).chosen == (2,)
     two = fewest(load, candidates[:2])
@@ -301,7 +294,7 @@ def test_one_strong_strap_replaces_two() -> None:
     assert fewest(alone, candidates).chosen == ()
 
 
-def test_a_tensioned_strap_may_do_harm() -> None:
+def test_a_tensioned_strap_may_do_harm():
     """A strap that pulls the way the load slides is not used."""
     good = over(1.0, 2.0, 75, 3000.0)
     load = lashed([([-0.5, 0.0], [0.5, 2.0])], 1000, good, 0.45)
@@ -330,7 +323,7 @@ def crate(capacity: float, mu: float = 0.3) -> tuple[kilter.Assembly, list[kilte
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("share", "count"), [(0.51, 1), (0.49, 2), (0.2501, 2), (0.2499, None)])
-def test_the_same_straps_hold_all_directions_of_a_code(share: float, count: int | None) -> None:
+def test_the_same_straps_hold_all_directions_of_a_code(share, count):
     """Forward .8 g needs (.8 - mu) m g = .5 m g behind; the other directions need .2 m g each."""
     load, straps = crate(share * 1000 * G)
     found = kilter.hold(load, straps=straps, code="en12195", require="equilibrium")
@@ -360,7 +353,7 @@ def test_the_same_straps_hold_all_directions_of_a_code(share: float, count: int 
 
 
 @pytest.mark.slow
-def test_a_proof_about_a_code_shows_each_of_its_directions() -> None:
+def test_a_proof_about_a_code_shows_each_of_its_directions():
     load, straps = crate(0.6 * 1000 * G)
     text = json.dumps(
         kilter.hold(load, straps=straps, code="en12195", require="equilibrium").proof()
@@ -382,7 +375,7 @@ def test_a_proof_about_a_code_shows_each_of_its_directions() -> None:
 
 
 @pytest.mark.quick(1)
-def test_damaged_proofs_are_found() -> None:
+def test_damaged_proofs_are_found():
     load, candidates = load_and_candidates()
     proof = json.loads(json.dumps(fewest(load, candidates[:2]).proof()))
     assert kilter.verify(load, proof).holds
@@ -402,7 +395,7 @@ def test_damaged_proofs_are_found() -> None:
 
 
 @pytest.mark.quick(1)
-def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command(tmp_path, capsys):
     load, candidates = load_and_candidates()
     file, straps, proof = (tmp_path / name for name in ("box.kilter.json", "s.json", "p.json"))
     kilter.dump(load, file)

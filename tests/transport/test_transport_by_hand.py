@@ -1,7 +1,5 @@
 """Transport by hand, by the command, and limits of collapse."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path
@@ -28,7 +26,7 @@ LOW = Assembly([BASE, Part("low", Box([200, 200, 20]), [0, 0, 10])], units="mm",
 
 
 @pytest.mark.slow
-def test_a_box_tips_along_each_axis() -> None:
+def test_a_box_tips_along_each_axis():
     answer = kilter.transport(HIGH).to_dict()
     assert answer["gravity"] == G
     expected = {"x": TIPS[0], "y": TIPS[1], "z": 1.0}
@@ -68,7 +66,7 @@ def test_a_box_tips_along_each_axis() -> None:
 
 
 @pytest.mark.slow
-def test_the_gap_of_the_boundary_is_that_of_a_circle() -> None:
+def test_the_gap_of_the_boundary_is_that_of_a_circle():
     """A slab slides at mu in every direction: points and tangents of a circle."""
     polar = kilter.transport(LOW).to_dict()["polar"]
     count = len(polar["points"])
@@ -80,7 +78,7 @@ def test_the_gap_of_the_boundary_is_that_of_a_circle() -> None:
 
 
 @pytest.mark.slow
-def test_a_carrier_that_turns_or_brakes() -> None:
+def test_a_carrier_that_turns_or_brakes():
     """The box stands 1 m from an axis about which the carrier turns at 1 rad/s: 1 m/s^2."""
     turn = CarrierMotion([0, 0, 0], [0, 0, 1.0], [0, 0, 0], [-1000, 0, 0])
     (case,) = kilter.transport(HIGH, turn=turn).to_dict()["cases"]
@@ -101,7 +99,7 @@ def test_a_carrier_that_turns_or_brakes() -> None:
         assert case["limit"]["gap"] <= 2e-7
 
 
-def test_a_path_of_two_accelerations() -> None:
+def test_a_path_of_two_accelerations():
     """A slab slides beyond mu g; the squared speed factor multiplies the acceleration."""
     time, along = np.array([0.0, 0.5, 2.0]), np.array([1.0, 2.0, 4.0])
     none = np.zeros((3, 3))
@@ -139,9 +137,7 @@ def stack(tmp_path: Path) -> str:
         (["--accelerate", "0.45g", "0", "0", "--mu-range", "0.5", "1"], 1, "limits at 0.5"),
     ],
 )
-def test_answers_and_exit_codes(
-    stack: str, words: list[str], code: int, sentence: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_answers_and_exit_codes(stack, words, code, sentence, capsys):
     assert main(["transport", stack, *words, "--require", "equilibrium"]) == code
     assert sentence in capsys.readouterr().out
 
@@ -161,9 +157,7 @@ def test_answers_and_exit_codes(
         (["--mu-range", "1", "0.5"], "the interval is empty"),
     ],
 )
-def test_wrong_input_is_a_sentence(
-    stack: str, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_input_is_a_sentence(stack, words, message, capsys):
     assert main(["transport", stack, *words]) == 2
     error = capsys.readouterr().err
     assert message in error
@@ -172,9 +166,7 @@ def test_wrong_input_is_a_sentence(
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("question", [[], ["--accelerate", "1", "2", "0"]])
-def test_proofs_are_verified_and_damage_is_found(
-    stack: str, question: list[str], tmp_path: Path
-) -> None:
+def test_proofs_are_verified_and_damage_is_found(stack, question, tmp_path):
     proof = tmp_path / "p.json"
     main(["transport", stack, *question, "--proof", str(proof), "--quiet"])
     assert main(["verify", stack, str(proof)]) == 0
@@ -184,7 +176,7 @@ def test_proofs_are_verified_and_damage_is_found(
     assert main(["verify", stack, str(proof)]) == 1
 
 
-def test_every_code_brakes_and_turns() -> None:
+def test_every_code_brakes_and_turns():
     for name in CODES:
         sizes = [case.size for case in code_cases(name)]
         assert len(sizes) == 4
@@ -195,7 +187,7 @@ def test_every_code_brakes_and_turns() -> None:
 
 
 @pytest.mark.slow
-def test_loads_and_bonds_are_fixed_in_the_carrier() -> None:
+def test_loads_and_bonds_are_fixed_in_the_carrier():
     """A downward load of its weight doubles the friction of a box, not its inertia."""
     box = stack_on_deck([[1, 1, 0.2]], 0.3)
     weight = box.geometry.mass[1] * 9.81
@@ -206,7 +198,7 @@ def test_loads_and_bonds_are_fixed_in_the_carrier() -> None:
     assert answer.limits[0].g == pytest.approx(0.6, rel=1e-7)
 
 
-def test_a_planar_assembly_has_no_figure_and_two_horizontal_directions() -> None:
+def test_a_planar_assembly_has_no_figure_and_two_horizontal_directions():
     answer = kilter.transport(arch(8))
     assert [limit.name for limit in answer.limits] == ["+x", "-x", "+z", "-z", "least"]
     assert answer.polar is None
@@ -260,9 +252,7 @@ def entry_of(assembly: kilter.Assembly, name: str) -> dict[str, object]:
     ids=["block", "portal", "3 cubes", "wall", "arch", "Oppenheim"],
 )
 @pytest.mark.slow
-def test_known_mechanisms(
-    assembly: kilter.Assembly, name: str, alpha0: float, e: float, a0: float
-) -> None:
+def test_known_mechanisms(assembly, name, alpha0, e, a0):
     entry = entry_of(assembly, name)
     assert [entry[key] for key in ("alpha0", "e", "a0")] == pytest.approx([alpha0, e, a0], abs=2e-6)
     assert entry["unique"]
@@ -274,14 +264,14 @@ def test_known_mechanisms(
         assert (kilter.check(felt, require="equilibrium").level is not None) == held
 
 
-def test_a_stack_of_three_cubes() -> None:
+def test_a_stack_of_three_cubes():
     entry = entry_of(CUBES, "least")
     assert entry["alpha0"] == pytest.approx(1 / 3, abs=1e-6)
     assert entry["e"] == entry["e_moving"] == pytest.approx(27 / 35, abs=1e-6)
     assert entry["alpha0"] <= entry["upper"] <= entry["alpha0"] + 1e-5  # type: ignore[operator]
 
 
-def test_parts_that_stand_still_raise_the_first_spectral_acceleration_only() -> None:
+def test_parts_that_stand_still_raise_the_first_spectral_acceleration_only():
     """A wide plinth under a narrow block does not move."""
     plinth = stack_on_deck([[4, 4, 1], [0.2, 1, 1]], 0.9)
     entry = entry_of(plinth, "+x")
@@ -292,7 +282,7 @@ def test_parts_that_stand_still_raise_the_first_spectral_acceleration_only() -> 
 
 
 @pytest.mark.slow
-def test_the_largest_mass_of_several_mechanisms() -> None:
+def test_the_largest_mass_of_several_mechanisms():
     """A wall that slides course by course at mu: all of it moves in the chosen mechanism."""
     entry = entry_of(brick_wall(0.5), "+y")
     assert entry["unique"] is False
@@ -300,9 +290,7 @@ def test_the_largest_mass_of_several_mechanisms() -> None:
 
 
 @pytest.mark.quick(1)
-def test_the_confidence_factor_divides_the_spectral_acceleration(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_confidence_factor_divides_the_spectral_acceleration(tmp_path, capsys):
     file = tmp_path / "block.kilter.json"
     kilter.dump(stack_on_deck([[0.2, 1, 1]], 0.9), file)
     assert main(["transport", str(file), "--collapse", "--fc", "1"]) == 0
