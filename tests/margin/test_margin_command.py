@@ -204,11 +204,11 @@ def test_a_large_region_is_undecided_by_one_joined_direction(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     whole = kilter.region(sunk())
-    assert whole.joined is not None
+    assert whole.if_joined is not None
     assert whole.pairs_decide
     monkeypatch.setattr(region_module, "LARGE", -1)
     large = kilter.region(sunk())
-    assert (large.joined, large.joined_holds, large.pairs_decide) == (None, True, True)
+    assert (large.if_joined, large.joined_holds, large.pairs_decide) == (None, True, True)
     assert "forces that hold it exist for gravity as given" in text_of(large.to_dict())
     answer = kilter.orient(sunk())
     assert (answer.verdict, answer.nearest, answer.check) == ("undecided", None, None)
@@ -224,7 +224,7 @@ def test_a_large_region_that_joined_pairs_do_not_hold_is_computed_in_full(
     assembly = Assembly([*sunk().parts, alone])
     monkeypatch.setattr(region_module, "LARGE", -1)
     large = kilter.region(assembly)
-    assert large.joined is not None
+    assert large.if_joined is not None
     assert not large.joined_holds
     assert not large.pairs_decide
 
