@@ -369,6 +369,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.quick(12)
 @pytest.mark.parametrize("name", CASES)
 def test_a_joint_holds_exactly_within_its_limits_friction_and_spring(name):
     assembly, word = CASES[name]

@@ -234,8 +234,8 @@ def asked(seed: int, most: int) -> None:
     assert not answer.smallest or len(answer.pairs) == least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("most", [0, 12])
-@pytest.mark.quick(1)
 @pytest.mark.parametrize("block", range(6))
 def test_random_sets_decide_and_agree_with_all_subsets(block, most, monkeypatch):
     monkeypatch.setattr(deciding_pairs, "MOST", most)

@@ -223,6 +223,7 @@ def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(tmp_path, m
     assert "as drawn it does not settle" in text_of(answer)
 
 
+@pytest.mark.slow
 def test_all_searches_together_take_a_fixed_amount_of_work(monkeypatch):
     spent: list[float] = []
     reach = LevelDecisions.reach
@@ -306,6 +307,7 @@ def verified(kind: str, change: Callable[[Bundle], object]) -> kilter.Verificati
     return kilter.verify(assembly, bundle)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", ["margin", "transport"])
 def test_each_limit_is_stated_with_both_sides(kind):
     found = verified(kind, lambda bundle: None)
@@ -319,7 +321,7 @@ def entries(kind: str) -> list[int]:
     return list(range(len(proofs()[kind][1]["proofs"])))
 
 
-@pytest.mark.quick("far-margin", "flipped-margin", "near-margin", "near-transport")
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", ["margin", "transport"])
 @pytest.mark.parametrize(
     "change",

@@ -79,6 +79,7 @@ def test_a_load_on_a_held_or_unknown_part_is_refused(tower, capsys, part):
     assert part in capsys.readouterr().err
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "friction", "moved"),
     [

@@ -166,7 +166,7 @@ def answers(fit: PileFit, i: int, j: int) -> bool | None:
     return None if fit.undecided[i, j] else bool(fit.mask[i, j])
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_equal_to_check_with_proofs_that_check_accepts(seed):
     """Forces and motions are proofs on the contacts that are detected in the assembly."""
@@ -241,6 +241,7 @@ def test_equal_to_check_with_friction(seed):
             assert fit.mask[i, j] == (verdict.level is not None)
 
 
+@pytest.mark.slow
 def test_a_neighbour_with_friction_holds_a_box_that_tips():
     """The centre is beside the block below; the tall neighbour holds the upper edge."""
     masks = []

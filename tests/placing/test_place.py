@@ -254,6 +254,7 @@ def test_a_mixed_file_keeps_its_own_warning_about_density():
     assert density_warned(place(assembly, box_to_place(SMALL, 1.0), at=[0, 0]))
 
 
+@pytest.mark.slow
 def test_a_page_shows_the_map_and_the_part(tmp_path, capsys):
     file, page = tmp_path / "tower.kilter.json", tmp_path / "map.html"
     kilter.dump(scene("tower"), file)

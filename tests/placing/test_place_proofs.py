@@ -331,6 +331,7 @@ def test_a_motion_excludes_no_place_that_stands(low, high):
             assert at.verdict == "unstable"
 
 
+@pytest.mark.slow
 def test_the_map_of_a_prism_on_two_planks_agrees_with_check_on_both_sides():
     places = place(bridge(), pentagon(), accuracy=0.04)
     assert kilter.verify(bridge(), places.proof()).holds

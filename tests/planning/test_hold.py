@@ -518,6 +518,7 @@ def test_the_fewest_grips_of_an_arch_are_the_same_with_known_grips(monkeypatch):
     assert (large.level, large.least) == (usual.level, usual.least)
 
 
+@pytest.mark.slow
 def test_no_known_grip_can_be_left_out_and_open_pairs_do_not_hide_them():
     dome = staggered_dome(2, rings=3, per_ring=8)
     touching = contacts(dome)

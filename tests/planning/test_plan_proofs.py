@@ -73,7 +73,7 @@ def test_what_was_not_changed_holds(name):
     assert judged(name, lambda proof: None) == ""
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["arch", "tower", "screw", "row"])
 def test_steps_exchanged_with_their_states_are_refused(name):
     """Whole entries exchanged: the states no longer follow one another."""

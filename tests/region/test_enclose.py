@@ -228,6 +228,7 @@ def test_flat_rays_have_no_hull():
     assert inner_hull(flat, np.array([0.0, 0.0, 1.0])) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", sampled(1, [20, *range(20), *range(21, 30)]))
 def test_directions_on_both_sides_of_a_region_of_cells(seed):
     program = program_of(seed)

@@ -103,6 +103,7 @@ def test_nothing_below_is_a_fall():
     assert (report["a"].state, report["a"].motion) == ("falls", "nothing is below it")
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("shape", "low"),
     [(Sphere(0.5), 0.5), (Cylinder(0.5, 2.0), 1.0), (Cylinder(0.5, 2.0), 0.5)],
@@ -187,7 +188,7 @@ def test_an_object_on_a_joint_belongs_to_the_cluster_of_its_partner():
     assert {hung["a"].state, hung["b"].state} == {"at-rest"}
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(30))
 def test_each_state_at_rest_is_a_verdict_with_forces(seed):
     """Random piles: the states of a scene are the verdicts of `check` on each pile alone."""
@@ -280,6 +281,7 @@ def test_every_object_has_a_line(tmp_path, capsys):
 # repair ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_repair_moves_objects_by_their_faults():
     parts = [
         cube("rests", -4, 0),

@@ -109,6 +109,7 @@ def test_of_a_double_pendulum_only_down_and_down_is_stable(first, last):
     assert (found.neutral, found.free) == (2, 0)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("above", "state"), [(0.5, "balanced"), (OFF, "balanced"), (0, "free"), (-OFF, "minimum")]
 )

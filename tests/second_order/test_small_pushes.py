@@ -63,7 +63,7 @@ def balls(*, held: bool = False, at: tuple[float, float] = (0, 0), on: float = 0
     ]
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mu", [0.0, *GRIPS])
 @pytest.mark.parametrize("held", [False, True])
 def test_a_ball_falls_off_a_ball(mu, held):
@@ -75,7 +75,7 @@ def test_a_ball_falls_off_a_ball(mu, held):
         assert "friction cannot hold" in verdict.sentence
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 def test_a_ball_falls_off_two_balls_and_lies_in_a_bowl_and_in_a_groove(mu):
     two = [Part(f"low {s}", Sphere(R), Pose([0, s * 0.6, R]), True) for s in (-1, 1)]
@@ -130,7 +130,7 @@ def test_friction_holds_a_slab_on_a_held_roller_if_it_is_thinner_than_the_roller
     assert pushed([roller(radius, held=True), slab(radius, 0.5)], 0.0).verdict == "balanced"
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("off", "verdict"), [(-1e-4, "stable"), (1e-4, "balanced")])
 @pytest.mark.parametrize("rho", [0.2, 0.5, 0.8])
 @pytest.mark.parametrize("mu", [0.0, 0.5])
@@ -207,7 +207,7 @@ def bearing() -> Part:
     return Part("bearing", turned_part("b", ring).shape, Pose([0, 0, 2], ALONG_Y), grounded=True)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("height", "verdict"), [(0.2, "balanced"), (0, "stable"), (-0.2, "stable")]
 )
@@ -220,7 +220,7 @@ def test_a_crank_turns_down_in_a_bore_with_or_without_play(height, verdict, radi
     assert found.verdict == verdict
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("height", "verdict"), [(0.05, "balanced"), (-0.05, "stable")])
 def test_a_load_beside_the_centre_turns_round_and_jointed_parts_down(height, verdict):
     load = Load("pin", [0, 0, -100.0], point=[0, 0, 2 + height])
@@ -241,7 +241,7 @@ def test_a_slider_with_loads_keeps_its_height():
         assert pushed([block, *beside], 0.5, rail, loads=[load]).verdict == "stable"
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 def test_cones_lie_and_balls_sit_in_cones_and_on_rims(mu):
     """The apex of a lying cone has no curvature; a ball touches a cone and a rim along circles."""
@@ -283,7 +283,7 @@ def test_friction_holds_boxes_on_a_plank_on_a_held_roller(off, verdict, count):
     assert pushed([roller(radius, held=True), *down], 0.5).verdict == verdict
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("beside", [True, False])
 def test_a_part_decided_without_friction_stays_so_beside_friction(beside):
     """Exactly above an edge a box is balanced, and inside the edge it stands."""
@@ -296,7 +296,7 @@ def test_a_part_decided_without_friction_stays_so_beside_friction(beside):
         assert kilter.verify(found.assembly, found.proof()).holds
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("sense", "falls"), [(1, True), (-1, False)])
 def test_a_plate_on_a_hinge_falls_beside_a_wall_that_presses_nothing(sense, falls):
     """The hinge can carry the force of the wall, so no friction there is certain."""

@@ -167,6 +167,7 @@ def test_a_disturbed_arch_comes_to_rest(size, seed):
 # other kinds of parts -------------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("shape", [Sphere(0.5), Cylinder(0.5, 1.0)], ids=["ball", "cylinder"])
 def test_curved_parts_come_to_rest(shape):
     answer = settle(Assembly([TABLE, Part("body", shape, [0, 0, 0.5 + 2e-3])], friction=0.5))
@@ -207,6 +208,7 @@ def test_a_hinge_stays_closed():
     assert np.linalg.norm(answer.movement[2, 3:]) == pytest.approx(1e-3 / 2.9, rel=0.1)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("force", "state"), [(400.0, "at-rest"), (600.0, "falls")])
 def test_a_load_counts(force, state):
     """A push at the height of the table edge slides the box beyond mu times its weight."""
@@ -310,6 +312,7 @@ def test_a_wrong_ending_is_an_error(tmp_path, capsys):
     assert "is no format of a pose" in capsys.readouterr().err
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("height", [0.4995, 0.5005], ids=["overlaps", "hangs"])
 def test_an_undecided_check_offers_the_pose_at_rest(height, tmp_path, capsys):
     from kilter.cli import main

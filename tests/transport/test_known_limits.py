@@ -370,6 +370,7 @@ def test_a_block_tips_over_its_nearest_edge_or_slides(width, depth, height, mu):
     assert found["least"]["upper"] >= found["least"]["alpha0"] * (1 - 1e-9)
 
 
+@pytest.mark.slow
 def test_the_multipliers_are_proved_in_the_file_and_their_mass_is_recomputed():
     """M* of a block that tips is its mass; a shift of the statement is refused."""
     block = stack_on_deck([[0.4, 1.0, 1.0]], 0.9)

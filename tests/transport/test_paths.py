@@ -142,7 +142,7 @@ def test_shared_proofs_give_the_limits_of_each_sample_by_itself(seed, turns):
     assert found.slowest == pytest.approx(slowest, abs=1e-6)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("turns", [False, True])
 def test_few_programs_confirm_a_thousand_samples(turns):
     assembly = stack_on_deck([[0.5, 0.4, 0.3], [0.4, 0.4, 0.3], [0.3, 0.3, 0.2]], 0.4)
@@ -203,6 +203,7 @@ def _straight(length: float) -> np.ndarray:
     return np.column_stack([length * TIME_ROWS, 0 * TIME_ROWS, 0 * TIME_ROWS])
 
 
+@pytest.mark.slow
 def test_a_straight_path_bounds_its_acceleration_by_mu_g():
     """|u| <= mu g / length for a flat box, at every sample."""
     flat = stack_on_deck([[0.4, 0.4, 0.1]], MU_ROWS)

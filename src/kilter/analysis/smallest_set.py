@@ -211,7 +211,7 @@ def reduced_by_halves(
     while len(members) > 1 and (left := sorted(members - needed)):
         size = min(size, max(len(left) // 2, 1))
         fewer = stopped(members, left[:size])
-        if fewer is not None:
+        if fewer is not None and fewer < members:
             members = fewer
         elif size == 1:
             needed.add(left[0])
