@@ -422,35 +422,21 @@ def verify_proof(
     assembly, contacts = named, contacts.of(named)
     result = recheck(assembly, contacts, proof)
     reasons, notes = list(result.reasons), [*result.notes, *ends]
-    friction = proof.get("friction")
     program = build_program(assembly, contacts)
+    friction, second = proof.get("friction"), proof.get("second_order")
     if not reasons and friction is not None and friction["guarantee"] == "proved":
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
-    second = proof.get("second_order")
-    if not reasons and second is not None and "forces" not in proof:
-        reasons = [NEEDS_FORCES]
-    elif not reasons and second is not None:
-        reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
-        if not reasons and friction is not None:
-            forces, _, _ = proof_forces(program, proof)
-            rest = rests_without_friction(assembly, contacts, program, forces, second)
-            reasons = [] if rest else [NEEDS_FORCES]
+    if not reasons and second is not None:
+        reasons = _wrong_second_order(assembly, contacts, program, proof)
         notes += [] if reasons else [f"second order: {second['state']}"]
     claimed = level_of(proof["verdict"])
     level = None if reasons else claimed
     if not reasons and "forces" in proof:
         rough = program if friction is not None else program.frictionless
         forces, _, _ = proof_forces(rough, proof)
-        beyond = wrong_about_push(
-            assembly,
-            contacts,
-            rough,
-            forces,
-            proof["verdict"],
-            second,
-            curves=friction is None,
-        )
+        subject = assembly, contacts, rough, forces, proof["verdict"], second
+        beyond = wrong_about_push(*subject, curves=friction is None)
         if beyond and claimed == "equilibrium":
             reasons, level = beyond, None
         elif beyond:
@@ -479,6 +465,21 @@ def verify_proof(
         options=proof["options"],
         tolerance=proof["tolerance"],
     )
+
+
+def _wrong_second_order(
+    assembly: Assembly, contacts: ContactSet, program: Program, proof: dict[str, Any]
+) -> list[str]:
+    """Reasons why the second-order part of a proof does not hold."""
+    second = proof["second_order"]
+    if "forces" not in proof:
+        return [NEEDS_FORCES]
+    reasons = recheck_second_order(assembly, contacts, program.frictionless, second)
+    if reasons or proof.get("friction") is None:
+        return reasons
+    forces, _, _ = proof_forces(program, proof)
+    rest = rests_without_friction(assembly, contacts, program, forces, second)
+    return [] if rest else [NEEDS_FORCES]
 
 
 STRICT = ("minimum", "free")

@@ -95,17 +95,6 @@ def draw(
     >>> draw(scene("tower"), what="region").get_size_inches().tolist()
     [7.0, 4.3]
     """
-    from kilter.analysis.placing.place import Places
-    from kilter.analysis.planning.order.order import Order
-    from kilter.analysis.regions.region import Region
-    from kilter.analysis.settled_pose.settle import Settled
-    from kilter.analysis.transport.transport_answer import Transport
-    from kilter.show.canvas import encode_figure
-    from kilter.show.figures import draw_assembly
-    from kilter.show.movement_figure import draw_movement
-    from kilter.show.plan_figure import draw_plan
-    from kilter.show.sphere import draw_region
-
     require_figure(out, view)
     shown = contacts if isinstance(contacts, bool) else None
     known = None if isinstance(contacts, bool) else contacts
@@ -121,28 +110,43 @@ def draw(
         time_limit=time_limit,
         progress=progress,
     )
-    if isinstance(answer, Region):
-        figure = draw_region(answer)
-    elif isinstance(answer, Settled):
-        figure = draw_movement(
-            answer.drawn, answer.movement, answer.to_dict()["sentence"], view=view
-        )
-    elif isinstance(answer, Transport):
-        figure = _draw_transport(answer)
-    elif isinstance(answer, Places):
-        figure = _draw_places(answer)
-    elif isinstance(answer, Order):
-        require_steps(answer)
-        figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
-    else:
-        path = path_of(answer)
-        fall = None if path is None else path.motions[path.half_way]
-        figure = draw_assembly(answer, view=view, names=names, contacts=shown, fall=fall)
+    figure = _figure_of(answer, view, names, shown)
     if out is not None:
         from kilter.files import write_bytes
+        from kilter.show.canvas import encode_figure
 
         write_bytes(Path(out), encode_figure(figure, Path(out).suffix))
     return figure
+
+
+def _figure_of(
+    answer: Any, view: tuple[float, float] | None, names: bool | None, contacts: bool | None
+) -> Figure:
+    """The figure of an answer."""
+    from kilter.analysis.placing.place import Places
+    from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.regions.region import Region
+    from kilter.analysis.settled_pose.settle import Settled
+    from kilter.analysis.transport.transport_answer import Transport
+    from kilter.show.figures import draw_assembly
+    from kilter.show.movement_figure import draw_movement
+    from kilter.show.plan_figure import draw_plan
+    from kilter.show.sphere import draw_region
+
+    if isinstance(answer, Region):
+        return draw_region(answer)
+    if isinstance(answer, Settled):
+        return draw_movement(answer.drawn, answer.movement, answer.to_dict()["sentence"], view=view)
+    if isinstance(answer, Transport):
+        return _draw_transport(answer)
+    if isinstance(answer, Places):
+        return _draw_places(answer)
+    if isinstance(answer, Order):
+        require_steps(answer)
+        return draw_plan(answer.states.assembly, answer.to_dict(), view=view)
+    path = path_of(answer)
+    fall = None if path is None else path.motions[path.half_way]
+    return draw_assembly(answer, view=view, names=names, contacts=contacts, fall=fall)
 
 
 def _draw_transport(answer: Transport) -> Figure:
