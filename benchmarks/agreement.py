@@ -102,7 +102,7 @@ def judge(family: str, seed: int, real: Path | None, folder: Path) -> Case | Non
 
 
 def _verify(case: Case, assembly: Assembly, verdict: Any) -> None:
-    if verdict.certificate is None:
+    if verdict.evidence is None:
         return
     held = case.run("verify", lambda: kilter.verify(assembly, verdict.proof()))
     if held is not None:
@@ -113,7 +113,7 @@ def _plan(case: Case, assembly: Assembly, verdict: Any) -> None:
     order = case.run(
         "plan",
         lambda: kilter.plan(
-            assembly, contacts=verdict.contacts, require=verdict.require, effort=case.effort
+            assembly, contacts=verdict.contact_set, require=verdict.require, effort=case.effort
         ),
     )
     if order is None or order.interrupted:
@@ -135,7 +135,7 @@ def _hold(case: Case, assembly: Assembly, verdict: Any) -> None:
         fixture = case.run(
             f"hold {level}",
             lambda level=level: kilter.hold(
-                assembly, contacts=verdict.contacts, require=level, most=3, effort=case.effort
+                assembly, contacts=verdict.contact_set, require=level, most=3, effort=case.effort
             ),
         )
         if fixture is None:
@@ -147,7 +147,7 @@ def _hold(case: Case, assembly: Assembly, verdict: Any) -> None:
             continue
         if fixture.supports:
             entry = next(e for e in fixture.proof()["proofs"] if e["about"] == "held")
-            held, touching = apply_change(assembly, verdict.contacts, entry["change"])
+            held, touching = apply_change(assembly, verdict.contact_set, entry["change"])
             other = case.run(
                 "check", partial(kilter.check, held, contacts=touching, effort=case.effort)
             )
@@ -174,7 +174,7 @@ def _limits(case: Case, assembly: Assembly, verdict: Any) -> None:
             f"margin {level}",
             lambda level=level, force=force, names=names: kilter.margin(
                 assembly,
-                contacts=verdict.contacts,
+                contacts=verdict.contact_set,
                 push=force,
                 pushed=names,
                 require=level,
@@ -196,7 +196,7 @@ def _limits(case: Case, assembly: Assembly, verdict: Any) -> None:
 
 
 def _decide(assembly: Assembly, verdict: Any, level: str) -> Any:
-    touching = verdict.contacts
+    touching = verdict.contact_set
     if assembly.friction != verdict.assembly.friction:
         touching = touching.with_friction(assembly.friction)
     touching = touching.of(assembly)
@@ -204,7 +204,7 @@ def _decide(assembly: Assembly, verdict: Any, level: str) -> Any:
 
 
 def _region(case: Case, assembly: Assembly, verdict: Any) -> None:
-    region = case.run("region", lambda: kilter.region(assembly, contacts=verdict.contacts))
+    region = case.run("region", lambda: kilter.region(assembly, contacts=verdict.contact_set))
     if region is None or region.pairs_decide:
         return
     random = np.random.default_rng(case.seed)
@@ -225,7 +225,7 @@ def _region(case: Case, assembly: Assembly, verdict: Any) -> None:
 
 
 def _orient(case: Case, assembly: Assembly, verdict: Any) -> None:
-    answer = case.run("orient", lambda: kilter.orient(assembly, contacts=verdict.contacts))
+    answer = case.run("orient", lambda: kilter.orient(assembly, contacts=verdict.contact_set))
     if answer is None or answer.verdict != "found":
         return
     turned = assembly.with_down(answer.down)
@@ -237,7 +237,7 @@ def _orient(case: Case, assembly: Assembly, verdict: Any) -> None:
 
 def _report(case: Case, assembly: Assembly, verdict: Any) -> None:
     shown = case.run(
-        "report", lambda: everything(assembly, contacts=verdict.contacts, effort=case.effort)
+        "report", lambda: everything(assembly, contacts=verdict.contact_set, effort=case.effort)
     )
     if shown is not None:
         same = shown.given.check["verdict"] == verdict.verdict

@@ -58,9 +58,9 @@ def asked(seed: int, effort: float) -> dict[str, Any]:
     seconds = time.process_time() - started
     level = f"{verdict.level or 'none':<11} {verdict.verdict}"
     one = {"seed": seed, "family": family, "level": level, "seconds": seconds}
-    if verdict.friction is None:
+    if verdict.friction_answer is None:
         return one | {"answer": verdict.verdict, "wrong": []}
-    passed, of = verdict.tries
+    passed, of = verdict.tries.passed, verdict.tries.of
     tries = "all" if passed == of else "some" if passed else "no"
     answer = f"{verdict.verdict:<19} {verdict.why or verdict.guarantee:<10}"
     answer += f" seat {verdict.seated:<10} {tries} tries passed"

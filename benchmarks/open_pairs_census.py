@@ -77,10 +77,10 @@ def joined(assembly: Assembly, pairs: Sequence[OpenPair]) -> Assembly:
 
 def program_of(scene: Scene, verdict: Verdict, way: tuple[int, ...]) -> Program:
     """The program of a combination `way` of states of the open pairs."""
-    pairs = verdict.contacts.open_pairs
+    pairs = verdict.contact_set.open_pairs
     ordinary = tuple(p for p, what in zip(pairs, way, strict=True) if what == ORDINARY)
     tied = [p for p, what in zip(pairs, way, strict=True) if what == JOINED]
-    meant = with_ordinary_contacts(verdict.contacts, scene.meant, ordinary)
+    meant = with_ordinary_contacts(verdict.contact_set, scene.meant, ordinary)
     return build_program(joined(scene.drawn, tied), meant)
 
 
@@ -88,7 +88,7 @@ def contradictions(scene: Scene, verdict: Verdict, effort: float) -> list[str]:
     """Contact sets that contradict a verdict."""
     wrong = []
     word = verdict.verdict
-    for way in dict.fromkeys(ways(len(verdict.contacts.open_pairs))):
+    for way in dict.fromkeys(ways(len(verdict.contact_set.open_pairs))):
         program = program_of(scene, verdict, way)
         holds = judge(program).stable
         if word == "unstable" and holds:
@@ -111,8 +111,8 @@ def not_smallest(scene: Scene, verdict: Verdict) -> list[str]:
     """Contradictions of the deciding set: it does not hold, or a smaller set holds."""
     if verdict.question is None:
         return [f"undecided without a set that decides: {verdict.sentence}"]
-    pairs, chosen = verdict.contacts.open_pairs, verdict.question.deciding
-    inner = build_program(scene.drawn, verdict.contacts)
+    pairs, chosen = verdict.contact_set.open_pairs, verdict.question.deciding
+    inner = build_program(scene.drawn, verdict.contact_set)
     if judge(inner).stable:
         return ["undecided, but it holds as drawn"]
     wrong = []
@@ -120,7 +120,7 @@ def not_smallest(scene: Scene, verdict: Verdict) -> list[str]:
         sets = [
             some
             for some in itertools.combinations(pairs, size)
-            if judge(build_program(joined(scene.drawn, some), verdict.contacts)).stable
+            if judge(build_program(joined(scene.drawn, some), verdict.contact_set)).stable
         ]
         if sets:
             break
@@ -139,7 +139,7 @@ def asked(seed: int, effort: float = 1.0) -> tuple[str, list[str]]:
         drawn = scene.drawn.with_friction(mu)
         one = Scene(drawn, contacts(scene.meant.with_friction(mu)))
         verdict = check(drawn, effort=effort)
-        count = len(verdict.contacts.open_pairs)
+        count = len(verdict.contact_set.open_pairs)
         answers.append(f"{verdict.verdict}, {min(count, 5)}{'+' * (count > 5)} open")
         wrong += [f"mu {mu:.3g}: {word}" for word in contradictions(one, verdict, effort)]
     return f"{scene.family:8} " + " | ".join(answers), wrong

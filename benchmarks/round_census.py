@@ -409,7 +409,7 @@ def judged(scene: Scene) -> list[str]:
     wrong = []
     tolerance = Tolerance(gap=TAU)
     verdict = check(scene.assembly, tolerance=tolerance)
-    contacts = verdict.contacts
+    contacts = verdict.contact_set
     if abs(scene.off) < 1:
         wrong += _differs(verdict.first_order, scene.expected)
         wrong += ["overlap"] * len(contacts.overlaps) + ["not modelled"] * len(contacts.unsupported)

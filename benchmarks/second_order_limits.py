@@ -44,7 +44,7 @@ def found_limits(case: Case) -> tuple[float, float]:
 
     def is_in(state: str | None) -> Callable[[float], bool]:
         def holds(parameter: float) -> bool:
-            second = kilter.check(case.build(parameter)).second_order
+            second = kilter.check(case.build(parameter)).second_order_answer
             return second is not None and second.state == state
 
         return holds

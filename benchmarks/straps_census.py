@@ -9,7 +9,7 @@ Each load is a row or a stack of boxes under one to three straps with friction a
 an inclined gravity (`tests/scenes/lashings.py`). With `--direct` or `--loops`, up to eight straps
 with a capacity hold them, and tensioned straps in some loads. `find_bond_factor` computes the least
 common share of the tension and capacity of all straps. A linear program written for this comparison
-(`strap_program.py`) gives a bound on each side: friction in pyramids inside and around Coulomb's
+(`lashings.py`) gives a bound on each side: friction in pyramids inside and around Coulomb's
 cones. `kilter.check` must hold with `NEAR` more of the tension than the share and must not hold
 with `NEAR` less. Exit code 1 if there is a contradiction.
 """
@@ -28,8 +28,7 @@ from pathlib import Path
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
-from lashings import random_direct, random_lashing
-from strap_program import least_share
+from lashings import least_share, random_direct, random_lashing
 
 import kilter
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor

@@ -148,7 +148,7 @@ def second_of(assembly: Assembly) -> SecondOrder | None:
     """Second order of an assembly that is stable to first order."""
     verdict = kilter.check(assembly, effort=1)
     assert verdict.first_order == "stable"
-    return verdict.second_order
+    return verdict.second_order_answer
 
 
 def slippery(case: Case) -> tuple[list[str], list[bool]]:
@@ -182,7 +182,7 @@ def rolls(assembly: Assembly | None) -> str:
 
 def rests(assembly: Assembly) -> str:
     """Word "holds" if the assembly already holds without friction, else empty."""
-    second = kilter.check(assembly, effort=1).second_order
+    second = kilter.check(assembly, effort=1).second_order_answer
     return "holds" if second is not None and second.state in ("minimum", "free") else ""
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from kilter.files.answer_schemas import build_all_schemas
+from answer_schemas import build_all_schemas
 
 FOLDER = Path(__file__).resolve().parents[1] / "src" / "kilter" / "files" / "schemas"
 

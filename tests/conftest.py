@@ -1,12 +1,11 @@
 """What all tests share: hypothesis without deadlines, since cores are shared; their options."""
 
-from __future__ import annotations
-
 import gc
 import os
 import signal
 from collections.abc import Generator, Iterator
 from contextlib import suppress
+from pathlib import Path
 from types import FrameType
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Small numbers that stand in the code of a package without a name."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

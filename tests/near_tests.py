@@ -1,13 +1,9 @@
 """Tests of a source file, for `pytest --for FILE`: they import it, or modules that import it."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-
-__all__ = ["near_tests"]
 
 ROOT = Path(__file__).resolve().parents[1]
 ENOUGH = 60

@@ -1,7 +1,5 @@
 """Every answer that a test makes, judged by its published schema."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager

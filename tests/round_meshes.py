@@ -1,7 +1,5 @@
 """Meshes of round parts: solids of revolution, bars with rounded edges."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,15 +4,11 @@
 test (conftest applies it); `in_block` splits a long selection into blocks.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import pytest
-
-__all__ = ["SLOW_EXAMPLES", "in_block", "mark_rest_slow", "sampled"]
 
 SLOW_EXAMPLES = frozenset(
     {

@@ -1,7 +1,5 @@
 """Fixtures of all tests of the workbench: its folder, its server, and the user's own folder."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

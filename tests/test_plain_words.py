@@ -1,7 +1,5 @@
 """Plain technical English: rates of vague words in docstrings, documents, messages and the page."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator
@@ -97,7 +95,7 @@ def page_strings() -> list[str]:
     return found
 
 
-def test_the_counter_finds_vague_words() -> None:
+def test_the_counter_finds_vague_words():
     found = rates(["What stands is said where one asks"])
     assert {name: round(rate * 7 / 1000) for name, rate in found.items()} == dict.fromkeys(VAGUE, 1)
 
@@ -106,12 +104,12 @@ def test_the_counter_finds_vague_words() -> None:
 @pytest.mark.parametrize(
     "package", sorted(path.name for path in SOURCE.iterdir() if (path / "__init__.py").exists())
 )
-def test_docstrings_of_a_package_are_plain(package: str) -> None:
+def test_docstrings_of_a_package_are_plain(package):
     assert too_many([text for _, text in docstrings(SOURCE / package)]) == {}
 
 
 @pytest.mark.slow
-def test_no_docstring_begins_without_a_subject() -> None:
+def test_no_docstring_begins_without_a_subject():
     bad = [f"{place}: {text.splitlines()[0]}" for place, text in docstrings(SOURCE)]
     assert [line for line in bad if OPENING.match(line.split(": ", 1)[1])] == []
 
@@ -121,7 +119,7 @@ def test_no_docstring_begins_without_a_subject() -> None:
     [*sorted((ROOT / "docs").rglob("*.md")), ROOT / "README.md", ROOT / "CHANGELOG.md"],
     ids=lambda path: str(path.relative_to(ROOT)),
 )
-def test_a_document_is_plain(path: Path) -> None:
+def test_a_document_is_plain(path):
     text = prose(path)
     few = 1000 / max(len(WORD.findall(text)), 1)  # a short page may have a single such word
     over = {name: rate for name, rate in too_many([text]).items() if rate > few + 1e-9}
@@ -129,11 +127,11 @@ def test_a_document_is_plain(path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_messages_are_plain() -> None:
+def test_messages_are_plain():
     assert too_many(messages()) == {}
 
 
-def test_strings_of_the_page_are_plain() -> None:
+def test_strings_of_the_page_are_plain():
     strings = page_strings()
     assert len(strings) > 20
     assert too_many(strings) == {}

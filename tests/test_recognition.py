@@ -1,7 +1,5 @@
 """Recognition of round faces in meshes: round faces, flat faces, and the accuracy."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 
@@ -59,12 +57,12 @@ def accuracy_of(mesh: Mesh) -> float:
 
 
 @pytest.mark.parametrize("sides", [3, 4, 6, 8, 11])
-def test_a_prism_of_few_sides_stays_flat(sides: int) -> None:
+def test_a_prism_of_few_sides_stays_flat(sides):
     assert kinds(bar(circle(sides))) == {"plane": sides + 2}
 
 
 @pytest.mark.parametrize("sides", [12, 16, 96, 2000])
-def test_a_prism_of_twelve_sides_or_more_is_round(sides: int) -> None:
+def test_a_prism_of_twelve_sides_or_more_is_round(sides):
     surfaces, which, sagitta = judged(bar(circle(sides, 2.0)))
     assert [s.kind for s in surfaces] == ["cylinder", "plane", "plane"]
     assert surfaces[0].radius == pytest.approx(2.0, rel=1e-13)
@@ -74,13 +72,13 @@ def test_a_prism_of_twelve_sides_or_more_is_round(sides: int) -> None:
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize(("pieces", "cylinders"), [(1, 0), (2, 0), (4, 0), (5, 4), (8, 4), (30, 4)])
-def test_a_rounded_edge_has_five_pieces_or_more(pieces: int, cylinders: int) -> None:
+def test_a_rounded_edge_has_five_pieces_or_more(pieces, cylinders):
     found = kinds(rounded_bar(pieces))
     assert found.get("cylinder", 0) == cylinders
     assert found["plane"] == 6 + (0 if cylinders else 4 * pieces)
 
 
-def test_the_flat_of_a_shaft_stays_flat() -> None:
+def test_the_flat_of_a_shaft_stays_flat():
     angle = np.radians(np.arange(20, 341, 5))  # the corners lie on the circle as well
     surfaces, which, _ = judged(bar(np.column_stack([np.cos(angle), np.sin(angle)])))
     assert Counter(s.kind for s in surfaces) == {"cylinder": 1, "plane": 3}
@@ -88,27 +86,27 @@ def test_the_flat_of_a_shaft_stays_flat() -> None:
 
 
 @pytest.mark.slow
-def test_a_bar_on_an_ellipse_stays_flat() -> None:
+def test_a_bar_on_an_ellipse_stays_flat():
     angle = np.arange(400) * (2 * np.pi / 400)
     assert kinds(bar(np.column_stack([3 * np.cos(angle), 2 * np.sin(angle)]))) == {"plane": 402}
 
 
 @pytest.mark.slow
-def test_bands_of_a_face_that_is_curved_both_ways_are_no_cones() -> None:
+def test_bands_of_a_face_that_is_curved_both_ways_are_no_cones():
     ring = [(5 + 2 * np.cos(t), 2 * np.sin(t)) for t in np.arange(24) * (2 * np.pi / 24)]
     assert set(kinds(revolved(ring, 48))) == {"plane"}
     ball = trimesh.creation.icosphere(subdivisions=3)
     assert set(kinds((ball.vertices * [1, 1, 1.3], ball.faces))) == {"plane"}
 
 
-def test_a_box_has_six_planes() -> None:
+def test_a_box_has_six_planes():
     surfaces, _, sagitta = judged(surface(Box([1, 2, 3])))
     assert [s.kind for s in surfaces] == ["plane"] * 6
     assert sagitta.max() == 0.0
     assert sum(s.axis for s in surfaces).tolist() == [0, 0, 0]
 
 
-def test_nothing_gives_nothing() -> None:
+def test_nothing_gives_nothing():
     assert recognise(np.empty((0, 3)), np.empty((0, 3)))[0] == ()
 
 
@@ -130,7 +128,7 @@ PARTS = {
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
 @pytest.mark.parametrize("name", PARTS)
-def test_round_faces_in_any_pose(name: str, single: bool) -> None:
+def test_round_faces_in_any_pose(name, single):
     mesh, expected = PARTS[name]
     for seed, scale in ((1, 1.0), (2, 1e-3), (3, 1e3)):
         there = moved(mesh, seed, scale, single)
@@ -140,7 +138,7 @@ def test_round_faces_in_any_pose(name: str, single: bool) -> None:
 
 
 @pytest.mark.parametrize("level", [1, 2, 4])
-def test_balls_of_triangles(level: int) -> None:
+def test_balls_of_triangles(level):
     ball = trimesh.creation.icosphere(subdivisions=level, radius=3.0)
     (one,), _, sagitta = judged((np.array(ball.vertices) + 7, np.array(ball.faces)))
     assert (one.kind, one.hollow) == ("sphere", False)
@@ -150,12 +148,12 @@ def test_balls_of_triangles(level: int) -> None:
     assert sagitta[0] == pytest.approx(3 - middles.min(), rel=1e-9)
 
 
-def test_the_twenty_sided_die_stays_flat() -> None:
+def test_the_twenty_sided_die_stays_flat():
     ball = trimesh.creation.icosphere(subdivisions=0)
     assert kinds((np.array(ball.vertices), np.array(ball.faces))) == {"plane": 20}
 
 
-def test_a_countersunk_hole_to_the_last_digits() -> None:
+def test_a_countersunk_hole_to_the_last_digits():
     surfaces = judged(revolved(COUNTERSUNK, 48))[0]
     cone = next(s for s in surfaces if s.kind == "cone")
     assert cone.point == pytest.approx([0, 0, 1], abs=1e-12)
@@ -167,7 +165,7 @@ def test_a_countersunk_hole_to_the_last_digits() -> None:
 
 
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
-def test_peg_and_hole_of_two_tessellations_agree(single: bool) -> None:
+def test_peg_and_hole_of_two_tessellations_agree(single):
     peg = revolved([(0, 0), (2, 0), (2, 9), (0, 9)], 31, phase=0.1)
     hole = revolved([(2, 0), (6, 0), (6, 4), (2, 4)], 52)
     found = []
@@ -183,20 +181,20 @@ def test_peg_and_hole_of_two_tessellations_agree(single: bool) -> None:
     assert np.linalg.norm(np.cross(bore.point - pin.point, pin.axis)) < within
 
 
-def test_rounded_bar_in_single_precision() -> None:
+def test_rounded_bar_in_single_precision():
     there = moved(rounded_bar(8), 4, single=True)
     surfaces = judged(there, accuracy_of(there))[0]
     radii = [s.radius for s in surfaces if s.kind == "cylinder"]
     assert radii == pytest.approx([1.0] * 4, abs=3e-6)
 
 
-def test_a_soup_of_triangles_is_welded_where_corners_are_equal() -> None:
+def test_a_soup_of_triangles_is_welded_where_corners_are_equal():
     vertices, triangles = surface(Cylinder(2, 5))
     soup = vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
     assert kinds(soup) == {"cylinder": 1, "plane": 2}
 
 
-def test_faces_of_no_area_do_no_harm() -> None:
+def test_faces_of_no_area_do_no_harm():
     vertices, triangles = surface(Cylinder(2, 5))
     with_flat = np.vstack([triangles, [[0, 0, 1], [5, 5, 5]]])
     surfaces, which, _ = recognise(vertices, with_flat)
@@ -205,7 +203,7 @@ def test_faces_of_no_area_do_no_harm() -> None:
     assert Counter(s.kind for s in surfaces)["cylinder"] == 1
 
 
-def test_a_box_with_chamfers_in_two_steps_stays_flat() -> None:
+def test_a_box_with_chamfers_in_two_steps_stays_flat():
     corners = []
     for x, z, start in ((3, 2, 0), (-3, 2, 90), (-3, -2, 180), (3, -2, 270)):
         for t in np.radians(start + np.array([0, 45, 90])):
@@ -213,7 +211,7 @@ def test_a_box_with_chamfers_in_two_steps_stays_flat() -> None:
     assert kinds(bar(np.array(corners))) == {"plane": 14}
 
 
-def test_one_corner_off_the_circle_leaves_its_facets_flat() -> None:
+def test_one_corner_off_the_circle_leaves_its_facets_flat():
     vertices, triangles = bar(circle(60))
     for step, others in ((1e-12, 0), (1e-4, 4)):
         bent = vertices.copy()
@@ -224,7 +222,7 @@ def test_one_corner_off_the_circle_leaves_its_facets_flat() -> None:
 
 
 @pytest.mark.slow
-def test_a_short_arc_within_a_smooth_face_is_no_evidence() -> None:
+def test_a_short_arc_within_a_smooth_face_is_no_evidence():
     """Each piece of a spline of slowly changing curvature is an arc to within rounding."""
     t = np.linspace(0, 1, 400)
     top = np.column_stack([t * 4, 1 + 0.1 * t**2 * (1 - t) ** 2])
@@ -235,7 +233,7 @@ def test_a_short_arc_within_a_smooth_face_is_no_evidence() -> None:
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_triangles_take_about_a_second() -> None:
+def test_a_hundred_thousand_triangles_take_about_a_second():
     ball = trimesh.creation.icosphere(subdivisions=6)
     wavy = ball.vertices * (1 + 0.05 * np.sin(3 * ball.vertices[:, :1]))
     for vertices, most in ((ball.vertices, 1), (wavy, 81920)):
@@ -256,9 +254,7 @@ def capsule(rings: int, sides: int) -> Mesh:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rings", [12, 24])
-def test_the_growth_of_a_surface_reads_each_corner_a_few_times(
-    rings: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_growth_of_a_surface_reads_each_corner_a_few_times(rings, monkeypatch):
     """Twice as many rings of twice as many facets: the work grows fourfold, not eightfold."""
     counted = []
     points = FacetMesh.points
@@ -279,9 +275,7 @@ def test_the_growth_of_a_surface_reads_each_corner_a_few_times(
     assert shares[1] < 1.5 * shares[0]
 
 
-def test_starts_that_are_left_out_change_no_surface(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_starts_that_are_left_out_change_no_surface(monkeypatch):
     vertices, triangles = moved(capsule(4, 16), 0)
     dented = vertices.copy()
     dented[2] *= 1.02  # its region is no longer round as a whole
@@ -297,7 +291,7 @@ def test_starts_that_are_left_out_change_no_surface(
         assert {"sphere", "cylinder"} & {s.kind for s in found[0]}
 
 
-def test_planes_can_be_left_out() -> None:
+def test_planes_can_be_left_out():
     vertices, triangles = surface(Cylinder(2, 5))
     surfaces, which, sagitta = recognise(vertices, triangles, planes=False)
     assert [s.kind for s in surfaces] == ["cylinder"]
@@ -322,12 +316,12 @@ def fan(rays: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize(("jitter", "round_faces"), [(0.0, 1), (1e-3, 0)])
-def test_seven_corners_of_a_cone_are_evidence(jitter: float, round_faces: int) -> None:
+def test_seven_corners_of_a_cone_are_evidence(jitter, round_faces):
     surfaces, _, _ = recognise(*fan(6, jitter))
     assert sum(surface.kind == "cone" for surface in surfaces) == round_faces
 
 
-def test_a_cone_through_six_corners_is_no_evidence() -> None:
+def test_a_cone_through_six_corners_is_no_evidence():
     """Facets of a random convex polyhedron: a cone passes through any six of its corners."""
     corners = np.array(
         [

@@ -15,12 +15,12 @@ import platform
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import kilter
 from kilter import files
+from kilter.tell.record import Record, key
 
 __all__ = ["EXTRAS", "NEEDED", "Health", "Look", "doctor"]
 
@@ -101,38 +101,34 @@ END-ISO-10303-21;
 """A solid of one face: the sphere of radius 1 m."""
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
-    """Result of one check: its name, state and finding, and the remedy for a problem."""
+class Look(Record, kw_only=False):
+    """Result of one check."""
 
     name: str
+    """Name of the check."""
     state: State
+    """State of the component."""
     found: str
+    """The finding."""
     remedy: str = ""
+    """Remedy for a problem."""
 
 
-@dataclass(frozen=True, slots=True)
-class Health:
-    """Result of `doctor`: all checks of the installation.
+class Health(Record, kw_only=False):
+    """Result of `doctor`: all checks of the installation."""
 
-    Attributes
-    ----------
-    looks : tuple of Look
-        Results of the single checks.
-    """
-
+    kilter: str
+    """Version."""
     looks: tuple[Look, ...]
+    """Results of the single checks."""
+    kind: str = "doctor"
+    """Always this word."""
 
     @property
+    @key
     def works(self) -> bool:
         """Whether no installed component is broken."""
         return all(look.state != "broken" for look in self.looks)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The results of all checks as JSON data."""
-        keys = ("name", "state", "found", "remedy")
-        looks = [{key: getattr(look, key) for key in keys} for look in self.looks]
-        return {"kind": "doctor", "kilter": kilter.__version__, "works": self.works, "looks": looks}
 
 
 class _WrongAnswer(Exception):
@@ -160,7 +156,7 @@ def doctor() -> Health:
     looks = [_look("kilter", _versions), _look("packages", _packages)]
     looks += [_look(name, check) for name, check in _CHECKS.items()]
     looks += [_extra(name) for name in EXTRAS]
-    return Health((*looks, _look("terminal", _terminal)))
+    return Health(kilter.__version__, (*looks, _look("terminal", _terminal)))
 
 
 def _look(name: str, check: Callable[[], str], remedy: str = "") -> Look:

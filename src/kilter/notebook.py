@@ -113,7 +113,7 @@ def cell(
         return Shown(answer, page.html, height)
     page = report(
         answer.assembly,
-        contacts=answer.contacts,
+        contacts=answer.contact_set,
         effort=answer.effort,
         time_limit=answer.time_limit,
         title=title,

@@ -1,7 +1,5 @@
 """The server for agents, called by the client of the official library over stdio; its page."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess
@@ -41,7 +39,7 @@ def with_client(folder: Path, act: Callable[[Any], Awaitable[None]]) -> None:
 
 
 @pytest.mark.slow
-def test_a_client_lists_and_calls_the_tools_over_stdio(tmp_path: Path) -> None:
+def test_a_client_lists_and_calls_the_tools_over_stdio(tmp_path):
     kilter.dump(kilter.example("paper-figure-8"), tmp_path / "f.kilter.json")
 
     async def act(client: Any) -> None:
@@ -65,7 +63,7 @@ def test_a_client_lists_and_calls_the_tools_over_stdio(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_errors_and_pictures_over_stdio(tmp_path: Path) -> None:
+def test_errors_and_pictures_over_stdio(tmp_path):
     kilter.dump(kilter.example("paper-figure-8"), tmp_path / "f.kilter.json")
 
     async def act(client: Any) -> None:
@@ -87,7 +85,7 @@ def test_errors_and_pictures_over_stdio(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_server_ends_with_its_input(tmp_path: Path) -> None:
+def test_the_server_ends_with_its_input(tmp_path):
     pytest.importorskip("mcp", reason="mcp is not installed: pip install 'kilter[mcp]'")
     command = [sys.executable, "-m", "kilter", "mcp", str(tmp_path)]
     done = subprocess.run(
@@ -97,9 +95,7 @@ def test_the_server_ends_with_its_input(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_missing_folder_and_a_missing_extra_are_one_sentence(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_missing_folder_and_a_missing_extra_are_one_sentence(tmp_path, capsys):
     code = (
         "import sys; sys.modules['mcp'] = None; sys.modules['mcp_types'] = None\n"
         "from kilter.cli import main\n"
@@ -123,9 +119,7 @@ def dialogues() -> list[str]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("number", range(3))
-def test_the_dialogues_of_the_page_are_real(
-    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_dialogues_of_the_page_are_real(number, tmp_path, monkeypatch):
     assert len(dialogues()) == 3
     monkeypatch.chdir(tmp_path)
     scene = (DOCS / "scene.md").read_text(encoding="utf-8")
@@ -143,6 +137,6 @@ def test_the_dialogues_of_the_page_are_real(
             place = found + len(piece.strip())
 
 
-def test_the_page_lists_every_tool() -> None:
+def test_the_page_lists_every_tool():
     text = (DOCS / "agents.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| `(\w+)` \|", text, re.M) == [tool.name for tool in TOOLS]

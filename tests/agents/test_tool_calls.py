@@ -1,7 +1,5 @@
 """Tools for agents without a server: answers, their size, errors, and the start folder."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -39,7 +37,7 @@ def error(called: Called) -> str:
     return called.text
 
 
-def test_every_tool_has_a_question_and_a_short_schema() -> None:
+def test_every_tool_has_a_question_and_a_short_schema():
     assert {tool.name for tool in TOOLS} == {*ASK, *POSED, "draw", "example"}
     for tool in TOOLS:
         assert len(json.dumps(tool.schema)) < 1500
@@ -51,7 +49,7 @@ def test_every_tool_has_a_question_and_a_short_schema() -> None:
             assert names <= set(inspect.signature(getattr(kilter, tool.name)).parameters)
 
 
-def test_the_example_is_written_once_and_checked(calls: ToolCalls) -> None:
+def test_the_example_is_written_once_and_checked(calls):
     text = calls.call("example", {"name": "paper-figure-8"}).text
     assert text.startswith("paper-figure-8.kilter.json: ")
     assert not calls.call("example", {"name": "paper-figure-8"}).failed
@@ -60,7 +58,7 @@ def test_the_example_is_written_once_and_checked(calls: ToolCalls) -> None:
     assert len(calls.call("example", {}).text.encode()) <= LIMIT
 
 
-def test_a_check_names_the_moving_parts_and_the_whole_answer(calls: ToolCalls) -> None:
+def test_a_check_names_the_moving_parts_and_the_whole_answer(calls):
     calls.call("example", {"name": "paper-figure-8"})
     short = answer(calls.call("check", {"file": "paper-figure-8.kilter.json"}))
     assert short["verdict"] == "unstable"
@@ -73,7 +71,7 @@ def test_a_check_names_the_moving_parts_and_the_whole_answer(calls: ToolCalls) -
 
 @pytest.mark.quick("check", "scene")
 @pytest.mark.parametrize("verb", sorted({*ASK, *POSED}))
-def test_equal_questions_have_equal_answers(verb: str, calls: ToolCalls) -> None:
+def test_equal_questions_have_equal_answers(verb, calls):
     kilter.dump(kilter.example("tower"), calls.folder / "t.kilter.json")
     given: dict[str, Any] = {"file": "t.kilter.json"}
     if verb == "place":
@@ -87,7 +85,7 @@ def test_equal_questions_have_equal_answers(verb: str, calls: ToolCalls) -> None
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("verb", ["check", "contacts", "scene"])
-def test_a_large_answer_is_cut_with_its_counts(verb: str, calls: ToolCalls) -> None:
+def test_a_large_answer_is_cut_with_its_counts(verb, calls):
     parts = [
         Part(
             f"a cube with a long name {k}",
@@ -109,7 +107,7 @@ def test_a_large_answer_is_cut_with_its_counts(verb: str, calls: ToolCalls) -> N
         assert short[key][0]["state"] == "floats"  # faults first
 
 
-def test_a_scene_answer_has_the_faults_first(calls: ToolCalls) -> None:
+def test_a_scene_answer_has_the_faults_first(calls):
     cube = Part("a", Box([1, 1, 1]), [0, 0, 0.5])
     kilter.dump(
         Assembly([TABLE, cube, replace(cube, name="b", pose=kilter.Pose([3, 0, 1.5]))]),
@@ -121,7 +119,7 @@ def test_a_scene_answer_has_the_faults_first(calls: ToolCalls) -> None:
     }  # fmt: skip
 
 
-def test_options_change_the_question(calls: ToolCalls) -> None:
+def test_options_change_the_question(calls):
     kilter.dump(kilter.example("slope"), calls.folder / "s.kilter.json")
     falls = answer(calls.call("check", {"file": "s.kilter.json", "friction": 0.0}))
     stands = answer(calls.call("check", {"file": "s.kilter.json", "friction": 2.0}))
@@ -152,9 +150,7 @@ def test_options_change_the_question(calls: ToolCalls) -> None:
         ("place", {"file": "t.kilter.json"}, "the box is not given"),
     ],
 )  # fmt: skip
-def test_wrong_calls_are_one_sentence(
-    name: str, given: dict[str, Any], words: str, calls: ToolCalls
-) -> None:
+def test_wrong_calls_are_one_sentence(name, given, words, calls):
     kilter.dump(kilter.example("tower"), calls.folder / "t.kilter.json")
     assert words in error(calls.call(name, given))
 
@@ -172,7 +168,7 @@ def refused(calls: ToolCalls, file: str) -> None:
         assert OUTSIDE in text or "leads out of the folder" in text, text
 
 
-def test_paths_out_of_the_folder_are_refused(calls: ToolCalls) -> None:
+def test_paths_out_of_the_folder_are_refused(calls):
     kilter.dump(kilter.example("tower"), calls.folder.parent / "t.kilter.json")
     (calls.folder / "sub").mkdir()
     whole = str(calls.folder.parent / "t.kilter.json")
@@ -182,13 +178,13 @@ def test_paths_out_of_the_folder_are_refused(calls: ToolCalls) -> None:
     assert answer(calls.call("check", {"file": "../start/sub/../in.kilter.json"}))
 
 
-def test_a_neighbour_with_the_same_beginning_is_outside(calls: ToolCalls) -> None:
+def test_a_neighbour_with_the_same_beginning_is_outside(calls):
     (calls.folder.parent / "start2").mkdir()
     kilter.dump(kilter.example("tower"), calls.folder.parent / "start2" / "t.kilter.json")
     refused(calls, "../start2/t.kilter.json")
 
 
-def test_symbolic_links_out_of_the_folder_are_refused(calls: ToolCalls) -> None:
+def test_symbolic_links_out_of_the_folder_are_refused(calls):
     kilter.dump(kilter.example("tower"), calls.folder.parent / "t.kilter.json")
     os.symlink(calls.folder.parent / "t.kilter.json", calls.folder / "link.kilter.json")
     os.symlink(calls.folder.parent, calls.folder / "up")
@@ -200,13 +196,13 @@ def test_symbolic_links_out_of_the_folder_are_refused(calls: ToolCalls) -> None:
     refused(calls, "meshes")
 
 
-def test_a_link_within_the_folder_is_read(calls: ToolCalls) -> None:
+def test_a_link_within_the_folder_is_read(calls):
     kilter.dump(kilter.example("tower"), calls.folder / "t.kilter.json")
     os.symlink("t.kilter.json", calls.folder / "link.kilter.json")
     assert answer(calls.call("check", {"file": "link.kilter.json"}))["verdict"] == "stable"
 
 
-def test_files_that_a_file_names_are_refused(calls: ToolCalls) -> None:
+def test_files_that_a_file_names_are_refused(calls):
     (calls.folder.parent / "a.obj").write_text(OBJ)
     os.symlink(calls.folder.parent / "a.obj", calls.folder / "link.obj")
     for k, mesh in enumerate(("../a.obj", "link.obj")):
@@ -219,7 +215,7 @@ def test_files_that_a_file_names_are_refused(calls: ToolCalls) -> None:
     assert calls.call("check", {"file": "c.kilter.json"}).failed
 
 
-def test_meshes_and_includes_of_urdf_and_mjcf_are_refused(calls: ToolCalls) -> None:
+def test_meshes_and_includes_of_urdf_and_mjcf_are_refused(calls):
     (calls.folder.parent / "a.obj").write_text(OBJ)
     (calls.folder / "sub").mkdir()
     for name in ("../../a.obj", f"file://{calls.folder.parent}/a.obj", "package://a.obj"):
@@ -249,7 +245,7 @@ def test_meshes_and_includes_of_urdf_and_mjcf_are_refused(calls: ToolCalls) -> N
     answer(calls.call("contacts", {"file": "good.xml"}))
 
 
-def test_layers_of_usd_are_refused(calls: ToolCalls) -> None:
+def test_layers_of_usd_are_refused(calls):
     pytest.importorskip("pxr", reason="usd-core is not installed: pip install 'kilter[usd]'")
     cube = '#usda 1.0\ndef Cube "a" {\n}\n'
     (calls.folder.parent / "o.usda").write_text(cube)
@@ -268,14 +264,14 @@ def test_layers_of_usd_are_refused(calls: ToolCalls) -> None:
         answer(calls.call("contacts", {"file": f"{name}3.usda"}))
 
 
-def test_reading_elsewhere_is_free_after_a_call(calls: ToolCalls) -> None:
+def test_reading_elsewhere_is_free_after_a_call(calls):
     kilter.dump(kilter.example("tower"), calls.folder.parent / "t.kilter.json")
     refused(calls, "../t.kilter.json")
     assert len(kilter.load(calls.folder.parent / "t.kilter.json")) > 0
 
 
 @pytest.mark.slow
-def test_a_picture_is_png_and_the_same_twice(calls: ToolCalls) -> None:
+def test_a_picture_is_png_and_the_same_twice(calls):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed")
     kilter.dump(kilter.example("paper-figure-8"), calls.folder / "f.kilter.json")
     first = calls.call("draw", {"file": "f.kilter.json"})
@@ -300,9 +296,7 @@ def test_a_picture_is_png_and_the_same_twice(calls: ToolCalls) -> None:
         (MemoryError(), "not enough memory"),
     ],
 )
-def test_an_unexpected_exception_is_the_sentence_of_the_command(
-    error_: Exception, said: str, calls: ToolCalls, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_unexpected_exception_is_the_sentence_of_the_command(error_, said, calls, monkeypatch):
     def broken(*_: Any) -> None:
         raise error_
 
@@ -316,7 +310,7 @@ def test_an_unexpected_exception_is_the_sentence_of_the_command(
 
 
 @pytest.mark.parametrize("name", ["x" * 4000, "x" * 300 + ".step", "a\0b", "\ud800.step", "\udce9"])
-def test_a_name_that_the_system_rejects_is_a_sentence(name: str, calls: ToolCalls) -> None:
+def test_a_name_that_the_system_rejects_is_a_sentence(name, calls):
     words = error(calls.call("check", {"file": name}))
     assert "fault of kilter" not in words
     assert len(words) < 400
@@ -326,7 +320,7 @@ def test_a_name_that_the_system_rejects_is_a_sentence(name: str, calls: ToolCall
 
 
 @pytest.mark.parametrize("tool", ["scene", "settle"])
-def test_a_new_pose_is_a_new_file(tool: str, calls: ToolCalls) -> None:
+def test_a_new_pose_is_a_new_file(tool, calls):
     sunk = Part("a", Box([1, 1, 1]), [0, 0, 0.495])
     kilter.dump(Assembly([TABLE, sunk]), calls.folder / "s.kilter.json")
     given: dict[str, Any] = {"file": "s.kilter.json", "output": "rest.kilter.json"}
@@ -340,7 +334,7 @@ def test_a_new_pose_is_a_new_file(tool: str, calls: ToolCalls) -> None:
     assert "no format of a pose" in error(calls.call(tool, given | {"output": "rest.py"}))
 
 
-def test_no_pose_at_rest_writes_nothing(calls: ToolCalls) -> None:
+def test_no_pose_at_rest_writes_nothing(calls):
     block = Part("a", Box([1, 1, 1]), [20.6, 0, 0.5])
     kilter.dump(Assembly([TABLE, block]), calls.folder / "s.kilter.json")
     given = {"file": "s.kilter.json", "output": "rest.kilter.json"}

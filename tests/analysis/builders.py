@@ -6,15 +6,6 @@ from kilter.assembly import Assembly, GivenContact, Joint, Load
 from kilter.scenes import stacks
 from kilter.scenes.pieces import block, floor
 
-__all__ = [
-    "falling_pair",
-    "given",
-    "hanging_pair",
-    "pressed_box",
-    "rough_staircase",
-    "toppled_box",
-]
-
 
 def pressed_box() -> Assembly:
     """A box on a floor, pressed down off its middle and twisted: it stays."""

@@ -13,8 +13,6 @@ from scipy.optimize import linprog, lsq_linear
 
 from kilter.mechanics.program import Program
 
-__all__ = ["baraff", "dense_rows", "kinetic", "mass_matrix", "z_by_duality"]
-
 
 def dense_rows(program: Program) -> np.ndarray:
     """J over all six freedoms of all parts, shape (K, 6 N); held parts have columns of zeros."""

@@ -23,8 +23,6 @@ from kilter.files import from_dict, to_dict
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
 
-__all__ = ["judged", "kappa", "program_of", "reloaded", "sides", "verified", "z_of"]
-
 
 def reloaded(assembly: Assembly) -> Assembly:
     """The assembly written to the text of a file and read again."""
@@ -52,7 +50,7 @@ def judged(assembly: Assembly, **options: Any) -> Verdict:
     searched = verdict.verdict == "settles" and options.get("effort", 1.0) < 1.0
     assert answer.holds or (searched and answer.level == "equilibrium"), answer.reasons
     assert answer.verdict == verdict.verdict
-    _convinces_a_stranger(proof, verdict.tolerance)
+    _convinces_a_stranger(proof, verdict.tolerance.verdict)
     _exactly_one_holds(verdict)
     _moves_as_it_should(verdict)
     return verdict
@@ -95,7 +93,7 @@ def _moves_as_it_should(verdict: Verdict) -> None:
     if verdict.verdict in ("settles", "potentially-stable") and verdict.why != "push-open":
         assert verdict.guarantee in ("refuted", "open")
         assert verdict.seated is not None
-        passed, of = verdict.tries
+        passed, of = verdict.tries.passed, verdict.tries.of
         assert (verdict.verdict == "settles") == (verdict.guarantee == "open" and passed == of == 8)
     assert (verdict.verdict in ("potentially-stable", "balanced")) == (verdict.why is not None)
 

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["imbalance", "opening_and_power"]
-
 PLANE = np.array([1.0, 0, 1, 0, 1, 0])
 
 

@@ -188,7 +188,7 @@ def tried(
     verdict = kilter.check(stacks.block_on_slope(10.0))
     decision = replace(verdict.decision, units=verdict_units)
     found = remedies.find_remedies(
-        verdict.assembly, verdict.contacts, decision, require=require, work=Work(1e6)
+        verdict.assembly, verdict.contact_set, decision, require=require, work=Work(1e6)
     )
     return levels, [(remedy.leads_to, remedy.level) for remedy in found], sum(totals)
 

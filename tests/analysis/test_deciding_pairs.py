@@ -25,7 +25,7 @@ from kilter.scenes.pieces import block
 
 def joined(program: Program, group: Index, pairs: list[OpenPair]) -> bool | None:
     """Whether forces of equilibrium exist with these pairs joined, by a program of its own."""
-    ends = np.array([pair.parts for pair in pairs], dtype=np.int64).reshape(-1, 2)
+    ends = np.array([pair.ends for pair in pairs], dtype=np.int64).reshape(-1, 2)
     same = np.argmax(group[:, None] == group[None], axis=1)
     first = np.concatenate([np.arange(len(group)), ends[:, 0]])
     label = connected(len(group), first, np.concatenate([same, ends[:, 1]]))
@@ -157,4 +157,4 @@ def test_a_clearance_too_wide_for_a_fit_is_the_last_to_be_asked_about(play, firs
     answer = find_deciding(program, rigid_groups(assembly), pairs)
     assert answer is not None
     assert answer.smallest
-    assert [names[pair.parts[0]] for pair in answer.pairs] == [first]
+    assert [names[pair.ends[0]] for pair in answer.pairs] == [first]

@@ -24,7 +24,7 @@ def test_a_ball_rests_however_its_polyhedron_is_turned(axis, degrees):
     ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5], turn(axis, degrees)))
     verdict = judged(Assembly([FLOOR, ball]))
     assert verdict.verdict == "stable"
-    assert np.allclose(verdict.contacts.points, 0.0, atol=1e-12)
+    assert np.allclose(verdict.contact_set.points, 0.0, atol=1e-12)
 
 
 @pytest.mark.quick(1)
@@ -104,7 +104,7 @@ def test_ridges_side_by_side_slide_off_each_other():
     # it slides down either slope: to first order nothing stops it
     verdict = judged(Assembly([RIDGE, Part("top", TOP)]))
     assert verdict.verdict == "unstable"
-    motion = verdict.certificate.motion[1]
+    motion = verdict.evidence.motion[1]
     assert abs(motion[0]) == pytest.approx(-motion[2], rel=1e-6)
 
 
@@ -113,7 +113,7 @@ def test_ridges_that_cross_balance():
     upper = Part("top", TOP, Pose([0, 0, 0], turn([0, 0, 1], np.degrees(2e-3))))
     verdict = judged(Assembly([RIDGE, upper]))
     assert verdict.verdict == "balanced"
-    assert verdict.contacts.patch_kind.tolist() == ["edge-edge"]
+    assert verdict.contact_set.patch_kind.tolist() == ["edge-edge"]
 
 
 def test_the_true_circle_reaches_beyond_the_side_of_its_polygon():

@@ -192,8 +192,8 @@ def test_w2_cube_that_overlaps_in_mid_air_is_undecided_and_named():
     assert verdict.verdict == "undecided"
     assert "it would hold if 'held' and 'cube'" in verdict.sentence
     assert verdict.motion.moves.tolist() == [False, True]  # as drawn it falls
-    assert len(verdict.contacts.overlaps) == 1
-    assert verdict.contacts.overlaps[0].volume == pytest.approx(0.1)
+    assert len(verdict.contact_set.overlaps) == 1
+    assert verdict.contact_set.overlaps[0].volume == pytest.approx(0.1)
     text = next(text for text in verdict.warnings if "overlap" in text)
     assert "'held'" in text
     assert "'cube'" in text
@@ -217,16 +217,16 @@ def test_w3_overhang_at_its_limit_in_every_unit(units, share, word):
 def test_w7_laden_slab_loses_no_patch():
     verdict = judged(traps.laden_slab())
     assert verdict.verdict == "stable"
-    assert len(verdict.contacts) == 125
+    assert len(verdict.contact_set) == 125
 
 
 @pytest.mark.slow
 def test_w8_two_patches_of_one_plane_and_a_ring_have_the_right_area():
     bridge, ring = judged(traps.bridge_on_slab()), judged(traps.ring_on_slab())
     assert (bridge.verdict, ring.verdict) == ("stable", "stable")
-    assert bridge.contacts.patch_area.sum() == pytest.approx(2.0)
-    assert ring.contacts.patch_area.sum() == pytest.approx(12.0)
-    assert len(bridge.contacts) == len(ring.contacts) == 1
+    assert bridge.contact_set.patch_area.sum() == pytest.approx(2.0)
+    assert ring.contact_set.patch_area.sum() == pytest.approx(12.0)
+    assert len(bridge.contact_set) == len(ring.contact_set) == 1
 
 
 @pytest.mark.slow

@@ -207,8 +207,8 @@ def test_given_contacts_are_used_instead_of_detection():
     left = [[-0.5, -0.5, 0], [-0.1, -0.5, 0], [-0.2, 0.5, 0]]
     verdict = judged(Assembly([FLOOR, BOX], contacts=[feet(left)]))
     assert verdict.verdict == "unstable"
-    assert verdict.contacts.patch_kind.tolist() == ["given"]
-    assert len(verdict.contacts.points) == 3
+    assert verdict.contact_set.patch_kind.tolist() == ["given"]
+    assert len(verdict.contact_set.points) == 3
     right = [[-0.5, -0.5, 0], [0.5, -0.5, 0], [0, 0.5, 0]]
     assert judged(Assembly([FLOOR, BOX], contacts=[feet(right)])).verdict == "stable"
 
@@ -232,7 +232,7 @@ def test_without_detection_only_given_contacts_count():
     assembly = dataclasses.replace(stacks.tower(2), detect=False)
     verdict = judged(assembly)
     assert verdict.verdict == "unstable"
-    assert len(verdict.contacts) == 0
+    assert len(verdict.contact_set) == 0
     points = [[-0.5, -0.5, 0], [0.5, -0.5, 0], [0, 0.5, 0]]
     lower = GivenContact(("base", "cube-1"), points, [0, 0, 1])
     one = judged(dataclasses.replace(assembly, contacts=[lower]))
@@ -256,8 +256,8 @@ def test_friction_is_the_contacts_own_else_the_pairs_else_the_assemblys():
     assert judged(smooth).verdict == "unstable"
     assert judged(dataclasses.replace(smooth, friction_pairs=[rough])).verdict == "stable"
     points = judged(slope).contacts.points
-    normal = judged(slope).contacts.patch_normal[0]
-    parts = [slope.names[k] for k in judged(slope).contacts.patch_parts[0]]
+    normal = judged(slope).contact_set.patch_normal[0]
+    parts = [slope.names[k] for k in judged(slope).contact_set.patch_parts[0]]
     for mu, answer in ((0.0, "unstable"), (0.36, "unstable"), (0.37, "stable")):
         own = GivenContact(tuple(parts), points, normal, mu=mu)
         case = dataclasses.replace(slope, contacts=[own], friction_pairs=[rough])

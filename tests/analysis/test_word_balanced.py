@@ -85,7 +85,7 @@ def test_a_word_is_compared_with_its_evidence(
     forces = verdict.judgement.forces
     assert forces is not None
     reasons = wrong_about_push(
-        assembly, verdict.contacts, verdict.program, forces.forces, word, second, curves=True
+        assembly, verdict.contact_set, verdict.program, forces.forces, word, second, curves=True
     )
     if word in (fits, "potentially-stable"):  # the weakest word needs no evidence
         assert reasons == []
@@ -137,6 +137,6 @@ def test_friction_at_other_contacts_does_not_hold_a_slippery_ball() -> None:
     pair = FrictionPair(("floor", "block"), 0.5)
     assembly = Assembly([*balls, floor, block], friction_pairs=[pair])
     verdict = kilter.check(assembly)
-    assert verdict.second_order is not None
-    assert (verdict.verdict, verdict.second_order.state) == ("balanced", "balanced")
+    assert verdict.second_order_answer is not None
+    assert (verdict.verdict, verdict.second_order_answer.state) == ("balanced", "balanced")
     assert kilter.verify(assembly, verdict.proof()).holds

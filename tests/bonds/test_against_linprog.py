@@ -148,20 +148,6 @@ def test_a_program_written_apart_agrees_where_shear_is_limited_by_a_force(mu):
     assert {"falls", "stands"} <= seen
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("mu", "limited"), [(None, 0.5), (None, 1.0), (0.4, 0.6)])
-def test_a_program_written_apart_agrees_on_many_with_limited_shear(mu, limited):
-    seen = {agrees(seed, mu, limited) for seed in range(100, 150)}
-    assert {"falls", "stands"} <= seen
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mu", [None, 0.2, 0.6])
-def test_a_program_written_apart_agrees_on_many(mu):
-    seen = {agrees(seed, mu) for seed in range(100, 150)}
-    assert {"falls", "stands"} <= seen
-
-
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_no_pull_and_shear_by_friction_is_a_contact_with_that_friction(seed):

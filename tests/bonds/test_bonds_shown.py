@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose
-from kilter.analysis.everything import everything
 from kilter.contact import contacts
-from kilter.show.packing import unpack
-from kilter.show.page import render
-from kilter.show.scene import build_scene
 from kilter.tell.tables import forces_table, tables
 
 G = 9.81
@@ -58,12 +53,3 @@ def test_contacts_tell_what_their_bonds_hold():
     [table] = [one for one in tables(found.to_dict()) if one.title == "Contact patches:"]
     assert table.head[-1] == "bond pulls up to"
     assert sorted(row[-1] for row in table.rows(9)) == ["-", "20 N", "7 N"]
-
-
-@pytest.mark.slow
-def test_the_page_has_the_pull_of_every_point():
-    found = everything(hung(pull=WEIGHT / 2))
-    data = build_scene(found)["given"]["forces"]["pull"]
-    assert np.array_equal(unpack(data), np.full(4, WEIGHT / 2))
-    assert "bond used" in render(found, "hung")
-    assert build_scene(everything(kilter.example("tower")))["given"]["forces"]["pull"] is None

@@ -8,8 +8,6 @@ Bricks in layer 0 are on studs of a baseplate. The least share s of T at equilib
     min s    A f + w = 0,    f_n >= -s T at the points of studs,    f >= 0 at sides
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_array

@@ -1,7 +1,5 @@
 """Files of toy bricks: StableLego JSON, BrickGPT text, LDraw; faults are reported with the line."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path
@@ -49,7 +47,7 @@ def cells(assembly: kilter.Assembly) -> list[tuple[float, ...]]:
     return [tuple(row) for row in rows.round(9).tolist()]
 
 
-def test_one_model_in_three_formats(tmp_path: Path) -> None:
+def test_one_model_in_three_formats(tmp_path):
     given = loaded(tmp_path / "a.json", json.dumps(STAIR))
     text = loaded(tmp_path / "a.txt", TEXT)
     ldraw = loaded(tmp_path / "a.ldr", LDR)
@@ -67,7 +65,7 @@ def test_one_model_in_three_formats(tmp_path: Path) -> None:
     assert not any(kilter.check(one).verdict != "stable" for one in (given, text, ldraw))
 
 
-def test_every_brick_and_weight_of_the_library_is_read(tmp_path: Path) -> None:
+def test_every_brick_and_weight_of_the_library_is_read(tmp_path):
     for number, (across, along, mass) in STABLE_LEGO.items():
         for turned in (0, 1):
             brick = {"x": 0, "y": 0, "z": 0, "brick_id": number, "ori": turned}
@@ -80,7 +78,7 @@ def test_every_brick_and_weight_of_the_library_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_every_part_of_ldraw_is_read(tmp_path: Path) -> None:
+def test_every_part_of_ldraw_is_read(tmp_path):
     for number, (across, along, plates) in LDRAW.items():
         line = f"1 4 0 0 0 1 0 0 0 1 0 0 0 1 {number}.dat\n"
         part = loaded(tmp_path / "one.ldr", line).parts[0]
@@ -92,7 +90,7 @@ def test_every_part_of_ldraw_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="no shared data")
-def test_the_libraries_are_those_of_the_sources() -> None:
+def test_the_libraries_are_those_of_the_sources():
     given = json.loads((SHARED / "stablelego" / "lego_library.json").read_text())
     found = {int(k): (b["height"], b["width"], b["mass"]) for k, b in given.items()}
     assert found == STABLE_LEGO
@@ -115,13 +113,13 @@ def test_the_libraries_are_those_of_the_sources() -> None:
         ),
     ],
 )
-def test_wrong_bricks_of_stable_lego(change: dict, message: str, tmp_path: Path) -> None:
+def test_wrong_bricks_of_stable_lego(change, message, tmp_path):
     data = {**STAIR, "2": {**STAIR["2"], **change}}
     lines = ",\n".join(f' "{key}": {json.dumps(brick)}' for key, brick in data.items())
     assert re.search(message, refused(tmp_path / "bad.json", f"{{\n{lines}\n}}"))
 
 
-def test_a_brick_of_stable_lego_that_is_none(tmp_path: Path) -> None:
+def test_a_brick_of_stable_lego_that_is_none(tmp_path):
     text = '{\n "1": {"x": 0, "y": 0, "z": 0, "brick_id": 2, "ori": 0},\n\n "2": 5\n}'
     said = refused(tmp_path / "b.json", text)
     assert "line 4: brick '2' is 5; give an object with x, y, z" in said
@@ -138,12 +136,12 @@ def test_a_brick_of_stable_lego_that_is_none(tmp_path: Path) -> None:
         ("1x1 (99999999,6,0)", "line 3: .* is not a brick"),
     ],
 )
-def test_wrong_lines_of_text(line: str, message: str, tmp_path: Path) -> None:
+def test_wrong_lines_of_text(line, message, tmp_path):
     text = TEXT.splitlines()[0] + "\n\n" + line + "\n"
     assert re.search(message, refused(tmp_path / "bad.txt", text))
 
 
-def test_text_without_a_brick_and_of_other_bytes(tmp_path: Path) -> None:
+def test_text_without_a_brick_and_of_other_bytes(tmp_path):
     assert "the file has no bricks" in refused(tmp_path / "bad.txt", "\n \n")
     (tmp_path / "bad.txt").write_bytes(b"2x4 (0,0,0)\n\xff\n")
     with pytest.raises(kilter.InputError, match="line 2: not UTF-8"):
@@ -166,11 +164,11 @@ def test_text_without_a_brick_and_of_other_bytes(tmp_path: Path) -> None:
         ("0 FILE a\n0 FILE a", "line 6: two models are named 'a'"),
     ],
 )
-def test_wrong_lines_of_ldraw(line: str, message: str, tmp_path: Path) -> None:
+def test_wrong_lines_of_ldraw(line, message, tmp_path):
     assert re.search(message, refused(tmp_path / "bad.ldr", LDR + line + "\n"))
 
 
-def test_models_in_models_inherit_colours_and_turns(tmp_path: Path) -> None:
+def test_models_in_models_inherit_colours_and_turns(tmp_path):
     text = """0 FILE house.ldr
 1 4 0 0 0 1 0 0 0 1 0 0 0 1 Side One.ldr
 1 1 70 -24 10 0 0 1 0 1 0 -1 0 0 side one.ldr
@@ -190,7 +188,7 @@ def test_models_in_models_inherit_colours_and_turns(tmp_path: Path) -> None:
     assert "line 8: the model 'house.ldr' contains itself" in refused(tmp_path / "c.mpd", circle)
 
 
-def test_a_baseplate_of_the_file_is_what_is_held(tmp_path: Path) -> None:
+def test_a_baseplate_of_the_file_is_what_is_held(tmp_path):
     text = LDR + "1 2 80 0 40 1 0 0 0 1 0 0 0 1 3867.dat\n"
     found = loaded(tmp_path / "on.ldr", text)
     assert [part.name for part in found.parts if part.grounded] == ["baseplate-4"]
@@ -215,9 +213,7 @@ BAD = {
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", BAD)
-def test_a_bad_file_is_exit_2_and_names_the_line(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_bad_file_is_exit_2_and_names_the_line(name, tmp_path, capsys):
     (tmp_path / name).write_text(BAD[name])
     assert main(["check", str(tmp_path / name)]) == 2
     error = capsys.readouterr().err
@@ -228,9 +224,7 @@ def test_a_bad_file_is_exit_2_and_names_the_line(
 
 
 @pytest.mark.slow
-def test_a_bad_file_is_exit_2_with_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_bad_file_is_exit_2_with_one_line(tmp_path, capsys):
     (tmp_path / "bad.txt").write_text("2x4 (0,0,0)\n9x9 (0,0,1)\n")
     assert main(["check", str(tmp_path / "bad.txt")]) == 2
     error = capsys.readouterr().err

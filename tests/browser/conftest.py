@@ -1,7 +1,5 @@
 """Headless Chromium with software rendering; a page must make no request."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections.abc import Callable, Iterator

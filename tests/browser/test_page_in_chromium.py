@@ -1,8 +1,5 @@
 """The page in a real browser: it opens, makes no request, and agrees with Python."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +51,7 @@ def sampled(region: kilter.Region, count: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["paper-figure-8", "paper-figure-9", "paper-figure-11"])
-def test_a_figure_of_the_paper_opens_and_says_its_verdict(name: str, opened: Callable) -> None:
+def test_a_figure_of_the_paper_opens_and_says_its_verdict(name, opened):
     page = opened(name)
     verdict = kilter.check(scene(name))
     assert page.text("verdict") == WORDS[verdict.verdict]
@@ -63,7 +60,7 @@ def test_a_figure_of_the_paper_opens_and_says_its_verdict(name: str, opened: Cal
     assert seen(page.drawn()) > 500
 
 
-def test_the_dome_opens(opened: Callable) -> None:
+def test_the_dome_opens(opened):
     if not (DATA / "learn2assemble").is_dir():
         pytest.skip("real data is not here: ../shared/data beside the checkout")
     dome = kilter.load(DATA / "learn2assemble" / "dome").with_grounded(["72"])
@@ -74,9 +71,7 @@ def test_the_dome_opens(opened: Callable) -> None:
 
 
 @pytest.mark.parametrize("name", REGIONS)
-def test_two_hundred_directions_are_judged_as_python_judges_them(
-    name: str, opened: Callable
-) -> None:
+def test_two_hundred_directions_are_judged_as_python_judges_them(name, opened):
     region = kilter.region(scene(name))
     downs = sampled(region, 200)
     page = opened(name)
@@ -91,7 +86,7 @@ def test_two_hundred_directions_are_judged_as_python_judges_them(
 
 
 @pytest.mark.parametrize("name", ["corner-wedges", "paper-figure-10", "slope-with-friction"])
-def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened: Callable) -> None:
+def test_directions_are_judged_and_moved_as_a_fresh_check_does(name, opened):
     assembly = scene(name)
     contacts = kilter.contacts(assembly)
     page = opened(name)
@@ -116,7 +111,7 @@ def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened
     assert seen_ >= ({"Potentially stable", "Unstable"} if "friction" in name else {"Unstable"})
 
 
-def test_the_margin_on_the_page_is_the_turn_that_flips_the_verdict(opened: Callable) -> None:
+def test_the_margin_on_the_page_is_the_turn_that_flips_the_verdict(opened):
     region = kilter.region(scene("corner-wedges"))
     page = opened("corner-wedges")
     rays = np.asarray(region.rays)
@@ -140,7 +135,7 @@ def knob(page: Any, direction: Any) -> tuple[float, float]:
     return box["x"] + at["x"], box["y"] + at["y"]
 
 
-def test_dragging_the_arrow_by_mouse_changes_the_verdict_at_the_boundary(opened: Callable) -> None:
+def test_dragging_the_arrow_by_mouse_changes_the_verdict_at_the_boundary(opened):
     region = kilter.region(scene("corner-wedges"))
     page = opened("corner-wedges")
     view = page.js("window.kilter.ball.view")
@@ -176,7 +171,7 @@ def test_dragging_the_arrow_by_mouse_changes_the_verdict_at_the_boundary(opened:
 
 
 @pytest.mark.parametrize("name", ["corner-wedges", "paper-figure-11-in-space", "paper-figure-9"])
-def test_the_arrow_keys_change_the_verdict_where_the_cone_says(name: str, opened: Callable) -> None:
+def test_the_arrow_keys_change_the_verdict_where_the_cone_says(name, opened):
     region = kilter.region(scene(name))
     page = opened(name)
     page.page.focus("#ball")
@@ -196,7 +191,7 @@ def test_the_arrow_keys_change_the_verdict_where_the_cone_says(name: str, opened
         assert page.down()[1] == 0
 
 
-def test_a_thin_region_draws_the_arrow_in_so_that_a_hand_can_find_it(opened: Callable) -> None:
+def test_a_thin_region_draws_the_arrow_in_so_that_a_hand_can_find_it(opened):
     page = opened("paper-figure-11")
     region = kilter.region(scene("paper-figure-11"))
     page.js("window.kilter.ball.eye = [-0.4, -0.4]; window.kilter.ball.stale = true;")
@@ -213,9 +208,7 @@ def test_a_thin_region_draws_the_arrow_in_so_that_a_hand_can_find_it(opened: Cal
     mouse.up()
 
 
-def test_buttons_go_to_the_given_the_recommended_and_the_nearest_direction(
-    opened: Callable,
-) -> None:
+def test_buttons_go_to_the_given_the_recommended_and_the_nearest_direction(opened):
     page = opened("paper-figure-11")
     best = kilter.orient(scene("paper-figure-11"))
     page.page.click("#go-recommended")
@@ -236,7 +229,7 @@ def test_buttons_go_to_the_given_the_recommended_and_the_nearest_direction(
 
 
 @pytest.mark.parametrize("name", ["explode", "motion"])
-def test_a_slider_moves_parts(name: str, opened: Callable) -> None:
+def test_a_slider_moves_parts(name, opened):
     page = opened("paper-figure-8")
     places = "Array.from({length: 3}, (_, k) => window.kilter.stage.parts.centre(k))"
     before, picture = np.array(page.js(places)), page.drawn()
@@ -253,7 +246,7 @@ def test_a_slider_moves_parts(name: str, opened: Callable) -> None:
     assert np.allclose(np.array(page.js(places)), before, atol=1e-6)
 
 
-def test_the_motion_plays(opened: Callable) -> None:
+def test_the_motion_plays(opened):
     page = opened("paper-figure-8")
     page.page.click("#play")
     page.until("Number(document.getElementById('motion').value) > 0.5")
@@ -261,7 +254,7 @@ def test_the_motion_plays(opened: Callable) -> None:
     assert page.js("Number(document.getElementById('motion').value)") < 0.01
 
 
-def test_section_see_through_contacts_and_force_size_change_the_picture(opened: Callable) -> None:
+def test_section_see_through_contacts_and_force_size_change_the_picture(opened):
     page = opened("corner-wedges")
     last = page.drawn()
     page.page.select_option("#section-axis", "x")
@@ -280,7 +273,7 @@ def test_section_see_through_contacts_and_force_size_change_the_picture(opened: 
         last = now
 
 
-def test_a_part_is_picked_hidden_isolated_and_shown_again(opened: Callable) -> None:
+def test_a_part_is_picked_hidden_isolated_and_shown_again(opened):
     page = opened("paper-figure-8")
     box = page.page.locator("#picture").bounding_box()
     x, y = page.js("window.kilter.stage.onScreen(window.kilter.stage.parts.centre(2))")
@@ -307,7 +300,7 @@ def test_a_part_is_picked_hidden_isolated_and_shown_again(opened: Callable) -> N
     assert "held" in page.text("part-facts")
 
 
-def test_keys_turn_the_view(opened: Callable) -> None:
+def test_keys_turn_the_view(opened):
     page = opened("paper-figure-8")
     place = "window.kilter.stage.camera.position.toArray()"
     page.page.focus("#picture")
@@ -318,7 +311,7 @@ def test_keys_turn_the_view(opened: Callable) -> None:
     page.page.click("#home")
 
 
-def test_every_control_is_reached_by_the_tab_key(opened: Callable) -> None:
+def test_every_control_is_reached_by_the_tab_key(opened):
     page = opened("paper-figure-8")
     wanted = set(
         page.js(
@@ -333,7 +326,7 @@ def test_every_control_is_reached_by_the_tab_key(opened: Callable) -> None:
     assert wanted <= reached
 
 
-def test_light_and_dark(opened: Callable) -> None:
+def test_light_and_dark(opened):
     page = opened("paper-figure-8", color_scheme="dark")
     colour = "getComputedStyle(document.body).backgroundColor"
     dark = page.js(colour)
@@ -345,12 +338,12 @@ def test_light_and_dark(opened: Callable) -> None:
 
 
 @pytest.mark.parametrize("width", [360, 800])
-def test_a_narrow_window_is_not_overrun(width: int, opened: Callable) -> None:
+def test_a_narrow_window_is_not_overrun(width, opened):
     page = opened("paper-figure-8", viewport={"width": width, "height": 800})
     assert page.js("document.documentElement.scrollWidth") <= width
 
 
-def test_a_hostile_name_is_text_and_runs_nothing(opened: Callable) -> None:
+def test_a_hostile_name_is_text_and_runs_nothing(opened):
     names = [
         "</script><script>window.hit=1</script>",
         "<img src=x onerror=window.hit=1>",
@@ -385,7 +378,7 @@ def test_a_hostile_name_is_text_and_runs_nothing(opened: Callable) -> None:
     assert page.js("document.documentElement.scrollWidth") <= 1360
 
 
-def test_the_policy_of_the_page_stops_what_is_put_into_it(chromium: Any, pages: Callable) -> None:
+def test_the_policy_of_the_page_stops_what_is_put_into_it(chromium, pages):
     page = chromium.new_page()
     page.goto(pages("tower").as_uri())
     page.evaluate(
@@ -398,7 +391,7 @@ def test_the_policy_of_the_page_stops_what_is_put_into_it(chromium: Any, pages: 
     page.close()
 
 
-def test_without_webgl_the_words_and_the_ball_remain(without_webgl: Any, pages: Callable) -> None:
+def test_without_webgl_the_words_and_the_ball_remain(without_webgl, pages):
     page = without_webgl
     page.goto(pages("corner-wedges").as_uri())
     assert "No picture" in page.inner_text("#no-picture")
@@ -409,7 +402,7 @@ def test_without_webgl_the_words_and_the_ball_remain(without_webgl: Any, pages: 
     assert page.inner_text("#verdict") == "Unstable"
 
 
-def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable) -> None:
+def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened):
     page = opened(wall_of(1000))
     assert page.text("verdict") == "Stable"
     assert page.js("window.kilter.firstPicture") < 3000
@@ -441,7 +434,7 @@ def seen(png: bytes) -> int:
     return len(png) - 2000
 
 
-def test_open_pairs_are_marked_where_they_are_and_go_with_their_parts(opened: Callable) -> None:
+def test_open_pairs_are_marked_where_they_are_and_go_with_their_parts(opened):
     base = Part("base", Box([6, 6, 1]), Pose([0, 0, -0.5]), grounded=True)
     leg = Part("leg", Box([1, 1, 2]), Pose([2, 0, 1]))
     lid = Part("lid", Box([1, 1, 1]), Pose([2, 0, 2.4]))  # overlaps the leg by 0.1
@@ -463,13 +456,13 @@ def test_open_pairs_are_marked_where_they_are_and_go_with_their_parts(opened: Ca
     assert moved[12:15] != matrix[12:15]
 
 
-def test_without_open_pairs_nothing_is_said_of_them(opened: Callable) -> None:
+def test_without_open_pairs_nothing_is_said_of_them(opened):
     page = opened("tower")
     assert page.js("document.getElementById('open-row').hidden")
     assert page.js("window.kilter.stage.open.group.children.length") == 0
 
 
-def test_the_brick_to_add_is_shown_among_parts_at_rest(opened: Callable, tmp_path: Path) -> None:
+def test_the_brick_to_add_is_shown_among_parts_at_rest(opened, tmp_path):
     path = tmp_path / "stair.txt"
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(6)))
     page = opened(kilter.load(path, stud_pull=0.05))
@@ -487,7 +480,7 @@ def test_the_brick_to_add_is_shown_among_parts_at_rest(opened: Callable, tmp_pat
     assert not page.js(ghost)
 
 
-def test_a_place_of_rest_says_how_it_rests_where_it_is_pointed_at(opened: Callable) -> None:
+def test_a_place_of_rest_says_how_it_rests_where_it_is_pointed_at(opened):
     corner = [([-1, -1, -1], [2, 2, 0]), ([-1, -1, 0], [0, 2, 2]), ([0, -1, 0], [2, 0, 2])]
     walls = [block(f"w{k}", *ends, grounded=True) for k, ends in enumerate(corner)]
     page = opened(Assembly([*walls, block("cube", [0, 0, 0], [1, 1, 1])]))

@@ -1,9 +1,6 @@
 """Readability of the page: ball with friction, margins, narrow windows, print, scrolling."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -66,11 +63,8 @@ def sides(region: kilter.Region, downs: np.ndarray) -> list[int]:
 @pytest.mark.parametrize("programs", [600, 12])
 @pytest.mark.parametrize("make", [lambda: stacks.block_on_slope(0.0, friction=0.5), pedestals])
 def test_with_friction_the_ball_agrees_with_python_on_both_sides_of_both_cones(
-    make: Callable[[], Assembly],
-    programs: int,
-    opened: Callable,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    make, programs, opened, monkeypatch
+):
     monkeypatch.setattr(cone_cutting, "PROGRAMS", programs)
     assembly = make()
     region = kilter.region(assembly)
@@ -87,7 +81,7 @@ def test_with_friction_the_ball_agrees_with_python_on_both_sides_of_both_cones(
         assert side == 0 or (verdict == "unstable") == (side < 0)
 
 
-def test_in_a_plane_with_friction_the_ball_agrees_with_python(opened: Callable) -> None:
+def test_in_a_plane_with_friction_the_ball_agrees_with_python(opened):
     region = kilter.region(scene("arch"))
     rng = np.random.default_rng(3)
     turn = np.radians(rng.uniform(-2.5, 2.5, 200) * region.half_angle_deg)
@@ -98,7 +92,7 @@ def test_in_a_plane_with_friction_the_ball_agrees_with_python(opened: Callable) 
     assert min(found.count(1), found.count(-1)) > 50
 
 
-def test_the_gap_is_drawn_as_open_and_said(opened: Callable, monkeypatch: Any) -> None:
+def test_the_gap_is_drawn_as_open_and_said(opened, monkeypatch):
     monkeypatch.setattr(cone_cutting, "PROGRAMS", 12)
     assembly = stacks.block_on_slope(0.0, friction=0.5)
     region = kilter.region(assembly)
@@ -126,7 +120,7 @@ def test_the_gap_is_drawn_as_open_and_said(opened: Callable, monkeypatch: Any) -
     assert page.text("verdict") == "Potentially stable"
 
 
-def test_margins_are_those_of_the_command(opened: Callable) -> None:
+def test_margins_are_those_of_the_command(opened):
     tower = stacks.tower(3, friction=0.8)
     page = opened(tower)
     margin = kilter.margin(tower, effort=0)
@@ -142,7 +136,7 @@ def test_margins_are_those_of_the_command(opened: Callable) -> None:
         assert one.sentence in told_
 
 
-def test_verdict_level_and_reason_are_said_once(opened: Callable) -> None:
+def test_verdict_level_and_reason_are_said_once(opened):
     page = opened("arch")
     verdict = kilter.check(scene("arch"))
     whole = page.page.inner_text("body")
@@ -154,7 +148,7 @@ def test_verdict_level_and_reason_are_said_once(opened: Callable) -> None:
     assert page.text("level") == ""
 
 
-def test_given_and_recommended_are_one_where_they_coincide(opened: Callable) -> None:
+def test_given_and_recommended_are_one_where_they_coincide(opened):
     page = opened("arch")
     assert page.text("go-given") == "Given and recommended"
     assert not page.page.is_visible("#go-recommended")
@@ -175,7 +169,7 @@ def nested() -> Assembly:
     return Assembly([base, *bolts])
 
 
-def test_on_a_phone_rows_are_cards_and_names_are_tails(opened: Callable) -> None:
+def test_on_a_phone_rows_are_cards_and_names_are_tails(opened):
     page = opened(nested(), viewport={"width": 400, "height": 800})
     assert page.js("document.documentElement.scrollWidth") <= 400
     cell = page.page.locator("td[data-column='mass [kg]']").first
@@ -194,7 +188,7 @@ def test_on_a_phone_rows_are_cards_and_names_are_tails(opened: Callable) -> None
     assert page.page.locator("thead").first.is_visible()
 
 
-def test_on_paper_are_picture_ball_and_tables_and_no_control(opened: Callable) -> None:
+def test_on_paper_are_picture_ball_and_tables_and_no_control(opened):
     page = opened("paper-figure-8", color_scheme="dark")
     page.js(
         "() => { const own = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
@@ -225,7 +219,7 @@ def test_on_paper_are_picture_ball_and_tables_and_no_control(opened: Callable) -
     assert plain > len(page.page.pdf()) + 10_000  # the size of the picture
 
 
-def test_a_closed_table_is_printed_and_closed_again(opened: Callable) -> None:
+def test_a_closed_table_is_printed_and_closed_again(opened):
     page = opened("wall-with-opening")
     closed = "document.querySelectorAll('details:not([open])').length"
     many = page.js(closed)
@@ -236,7 +230,7 @@ def test_a_closed_table_is_printed_and_closed_again(opened: Callable) -> None:
     assert page.js(closed) == many
 
 
-def test_the_wheel_scrolls_the_page_unless_the_picture_has_the_focus(opened: Callable) -> None:
+def test_the_wheel_scrolls_the_page_unless_the_picture_has_the_focus(opened):
     page = opened("paper-figure-8")
     place = "window.kilter.stage.camera.position.length()"
     box = page.page.locator("#picture").bounding_box()
@@ -257,7 +251,7 @@ def test_the_wheel_scrolls_the_page_unless_the_picture_has_the_focus(opened: Cal
     page.until("window.scrollY > 60")
 
 
-def test_every_colour_of_the_picture_and_of_the_ball_has_a_legend(opened: Callable) -> None:
+def test_every_colour_of_the_picture_and_of_the_ball_has_a_legend(opened):
     page = opened(stacks.block_on_slope(0.0, friction=0.5))
     page.js("window.kilter.select(1)")
     shown = {
@@ -275,7 +269,7 @@ def test_every_colour_of_the_picture_and_of_the_ball_has_a_legend(opened: Callab
     assert opened(loaded).page.locator("i.load").is_visible()
 
 
-def test_straps_are_drawn_at_rest_and_have_a_legend(opened: Callable) -> None:
+def test_straps_are_drawn_at_rest_and_have_a_legend(opened):
     base = Part("base", Box([4, 2, 0.2]), Pose([0, 0, -0.1]), grounded=True)
     box = Part("box", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     path = [

@@ -1,8 +1,5 @@
 """Tools of every page: views, measuring, names, search, tree, selection, legend, accessibility."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +47,7 @@ def boxed() -> Assembly:
     return Assembly([*walls, Part("block", Box([1, 1, 1]))])
 
 
-def test_the_view_cube_and_keys_show_standard_views(opened: Callable) -> None:
+def test_the_view_cube_and_keys_show_standard_views(opened):
     page = opened(nested())
     page.page.focus("#picture")
     root = 1 / np.sqrt(3)
@@ -100,7 +97,7 @@ def spot(page: Any, part: int, point: list[float]) -> tuple[float, float]:
     return box["x"] + x, box["y"] + y
 
 
-def test_two_clicks_measure_and_the_result_is_copied(opened: Callable) -> None:
+def test_two_clicks_measure_and_the_result_is_copied(opened):
     page = opened(nested(), permissions=["clipboard-read", "clipboard-write"])
     page.page.click("#measure")
     assert "Click two points" in page.text("measured-words")
@@ -127,7 +124,7 @@ def test_two_clicks_measure_and_the_result_is_copied(opened: Callable) -> None:
     assert "distance 2 m" in page.text("measured-words")
 
 
-def test_names_are_short_and_copied_in_full(opened: Callable) -> None:
+def test_names_are_short_and_copied_in_full(opened):
     page = opened(nested(), permissions=["clipboard-read", "clipboard-write"])
     button = page.page.locator("button.link[data-part='2']")
     tail = "…2/nut-bolt-assembly_1/bolt"
@@ -139,7 +136,7 @@ def test_names_are_short_and_copied_in_full(opened: Callable) -> None:
     assert page.text("copy-name") == "Copied"
 
 
-def test_search_and_tree_select_hide_and_open_groups(opened: Callable) -> None:
+def test_search_and_tree_select_hide_and_open_groups(opened):
     page = opened(nested())
     rows = page.page.locator("#tree [role=treeitem]")
     whole = rows.count()
@@ -168,7 +165,7 @@ def test_search_and_tree_select_hide_and_open_groups(opened: Callable) -> None:
     assert [e.get_attribute("aria-selected") for e in rows.all()][-2:] == ["true", "true"]
 
 
-def test_several_parts_are_selected_by_clicks_and_in_a_frame(opened: Callable) -> None:
+def test_several_parts_are_selected_by_clicks_and_in_a_frame(opened):
     page = opened(nested())
     mouse, keyboard = page.page.mouse, page.page.keyboard
     mouse.click(*spot(page, 1, [0, 0, 0.5]))
@@ -192,7 +189,7 @@ def test_several_parts_are_selected_by_clicks_and_in_a_frame(opened: Callable) -
     assert page.js(TO_EYE) == before
 
 
-def test_a_hidden_moving_part_is_seen_at_first(opened: Callable) -> None:
+def test_a_hidden_moving_part_is_seen_at_first(opened):
     page = opened(boxed())
     assert page.js("window.kilter.movers()") == [5]
     assert page.page.is_visible("#faint-key")
@@ -210,7 +207,7 @@ def test_a_hidden_moving_part_is_seen_at_first(opened: Callable) -> None:
     assert "(hidden in the picture)" in page.text("moving")
 
 
-def test_a_moving_part_behind_another_is_seen_from_its_side(opened: Callable) -> None:
+def test_a_moving_part_behind_another_is_seen_from_its_side(opened):
     wall = Part("wall", Box([6, 0.2, 6]), Pose([0, -1, 0]), grounded=True)
     far = Part("far", Box([6, 0.2, 6]), Pose([0, 1, 0]), grounded=True)
     page = opened(Assembly([wall, Part("block", Box([1, 1, 1])), far]))
@@ -221,9 +218,7 @@ def test_a_moving_part_behind_another_is_seen_from_its_side(opened: Callable) ->
     assert not page.page.is_visible("#load-key")
 
 
-def test_the_plan_opens_at_its_first_step_and_offers_no_dead_control(
-    opened: Callable, tmp_path: Path
-) -> None:
+def test_the_plan_opens_at_its_first_step_and_offers_no_dead_control(opened, tmp_path):
     kilter.report(kilter.plan(arch(5, friction=0.7)), tmp_path / "plan.html")
     page = opened(tmp_path / "plan.html")
     assert page.text("step-title") == "Step 1 of 5"
@@ -232,9 +227,7 @@ def test_the_plan_opens_at_its_first_step_and_offers_no_dead_control(
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("kind", ["report", "narrow", "plan"])
-def test_axe_finds_no_serious_violation(
-    kind: str, scheme: str, opened: Callable, tmp_path: Path
-) -> None:
+def test_axe_finds_no_serious_violation(kind, scheme, opened, tmp_path):
     if not AXE.is_file():
         pytest.skip("axe-core is not here: npm ci in web/")
     subject: Any = nested()

@@ -1,12 +1,9 @@
 """Each control of the workbench has a test: a table names it, and the page is compared with it."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re
 import shlex
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -63,7 +60,7 @@ def without_times(data: Any) -> Any:
     return [without_times(value) for value in data] if isinstance(data, list) else data
 
 
-def test_a_material_is_chosen_and_taken_back(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_a_material_is_chosen_and_taken_back(user, capsys, monkeypatch):
     page = user(loaded())
     page.choose("low", "side")
     page.after(lambda: page.page.select_option("#do-material", "oak"))
@@ -75,9 +72,7 @@ def test_a_material_is_chosen_and_taken_back(user: Callable, capsys: Any, monkey
     assert page.page.input_value("#do-material") == ""
 
 
-def test_open_pairs_are_settled_one_by_one_and_all_together(
-    user: Callable, capsys: Any, monkeypatch: Any
-) -> None:
+def test_open_pairs_are_settled_one_by_one_and_all_together(user, capsys, monkeypatch):
     page = user(two_open_pairs())
     pairs = [["leg-1", "lid-1"], ["leg-2", "lid-2"]]
     for label, as_ in (
@@ -97,9 +92,7 @@ def test_open_pairs_are_settled_one_by_one_and_all_together(
         assert "open_pairs" not in page.choices()
 
 
-def test_suggestions_are_joined_one_by_one_and_all_together(
-    user: Callable, capsys: Any, monkeypatch: Any
-) -> None:
+def test_suggestions_are_joined_one_by_one_and_all_together(user, capsys, monkeypatch):
     page = user("cad-export")
     page.page.click("#suggestions button.link")
     names = "[...window.kilter.selection].map(k => window.kilter.page.parts.full_names[k])"
@@ -115,14 +108,14 @@ def test_suggestions_are_joined_one_by_one_and_all_together(
     assert "fasten_suggested" not in page.choices()
 
 
-def test_a_remedy_is_done(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_a_remedy_is_done(user, capsys, monkeypatch):
     page = user("paper-figure-1")
     page.click("#remedies button:has-text('Do it')")
     assert page.choices()["friction"] == 0.3
     assert page.command_agrees(capsys, monkeypatch)["level"] is not None
 
 
-def test_the_parts_are_settled(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_the_parts_are_settled(user, capsys, monkeypatch):
     page = user(two_open_pairs())
     lids = "(z => [2, 4].map(k => z[3 * k + 2] - z[2]))(window.kilter.page.parts.position)"
     assert page.js(lids) == pytest.approx([2.9, 2.9], abs=1e-6)  # above the base
@@ -144,7 +137,7 @@ def test_the_parts_are_settled(user: Callable, capsys: Any, monkeypatch: Any) ->
     assert page.text("verdict") == "Undecided"
 
 
-def test_settling_is_stopped_or_refused_beside_its_button(user: Callable) -> None:
+def test_settling_is_stopped_or_refused_beside_its_button(user):
     wall = wall_of(300)
     above = {part.name: Pose(part.pose.position * [1, 1, 1.001]) for part in wall.parts[1:]}
     page = user(wall.with_poses(above))
@@ -158,9 +151,7 @@ def test_settling_is_stopped_or_refused_beside_its_button(user: Callable) -> Non
     assert page.page.is_visible("#settle button:has-text('Settle')")
 
 
-def test_analyses_with_options_are_repeated_by_their_commands(
-    user: Callable, capsys: Any, monkeypatch: Any
-) -> None:
+def test_analyses_with_options_are_repeated_by_their_commands(user, capsys, monkeypatch):
     page = user(loaded(), permissions=CLIPBOARD)
     agrees = lambda name: tab_agrees(page, name, capsys, monkeypatch)  # noqa: E731
     page.page.click("#tab-transport")
@@ -194,7 +185,7 @@ def test_analyses_with_options_are_repeated_by_their_commands(
         agrees(name)
 
 
-def test_the_found_supports_are_held(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_the_found_supports_are_held(user, capsys, monkeypatch):
     page = user("paper-figure-8")
     tab(page, "hold")
     found = tab_agrees(page, "hold", capsys, monkeypatch)
@@ -210,7 +201,7 @@ def test_the_found_supports_are_held(user: Callable, capsys: Any, monkeypatch: A
     assert page.choices()["held"] == grips
 
 
-def test_a_computation_is_stopped_in_the_bar_and_started_again(user: Callable) -> None:
+def test_a_computation_is_stopped_in_the_bar_and_started_again(user):
     page = user(wall_of(300))
     page.page.click("#tab-plan")
     page.until("!document.getElementById('progress').hidden")
@@ -224,7 +215,7 @@ def test_a_computation_is_stopped_in_the_bar_and_started_again(user: Callable) -
     press(page, "Compute", "contacts")
 
 
-def test_places_are_mapped_by_the_button(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_places_are_mapped_by_the_button(user, capsys, monkeypatch):
     page = user("tower")
     page.page.click("#tab-place")
     page.page.fill("#place-size", "small")
@@ -236,7 +227,7 @@ def test_places_are_mapped_by_the_button(user: Callable, capsys: Any, monkeypatc
     assert tab_agrees(page, "place", capsys, monkeypatch)["levels"]
 
 
-def test_two_states_are_compared(user: Callable) -> None:
+def test_two_states_are_compared(user):
     page = user("arch")
     page.enter("friction-number", "0.3")
     page.enter("friction-number", "0.5")
@@ -248,7 +239,7 @@ def test_two_states_are_compared(user: Callable) -> None:
     assert "Unstable" in words or "unstable" in words
 
 
-def test_every_entry_of_the_lists_is_removed(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_every_entry_of_the_lists_is_removed(user, capsys, monkeypatch):
     page = user(loaded())
     pair = ["low", "high"]
     actions: dict[str, dict[str, Any]] = {
@@ -268,7 +259,7 @@ def test_every_entry_of_the_lists_is_removed(user: Callable, capsys: Any, monkey
         assert key not in page.choices()
 
 
-def test_the_notices_and_the_measuring_close_and_the_command_is_copied(user: Callable) -> None:
+def test_the_notices_and_the_measuring_close_and_the_command_is_copied(user):
     page = user(loaded(), permissions=CLIPBOARD)
     page.page.click("#copy-command")
     assert page.js("navigator.clipboard.readText()") == page.text("command")
@@ -283,7 +274,7 @@ def test_the_notices_and_the_measuring_close_and_the_command_is_copied(user: Cal
     assert page.page.get_attribute("#measure", "aria-pressed") == "false"
 
 
-def test_found_parts_are_selected_and_brought_nearer(user: Callable) -> None:
+def test_found_parts_are_selected_and_brought_nearer(user):
     page = user(loaded())
     page.page.fill("#find", "*i*")  # side and high
     page.page.click("#select-found")
@@ -296,7 +287,7 @@ def test_found_parts_are_selected_and_brought_nearer(user: Callable) -> None:
     assert page.js(distance) < before
 
 
-def test_the_arrows_of_the_motion_are_switched_off(user: Callable) -> None:
+def test_the_arrows_of_the_motion_are_switched_off(user):
     page = user("paper-figure-8")
     assert page.page.is_visible("#motion-key")
     page.page.uncheck("#show-motion")
@@ -305,7 +296,7 @@ def test_the_arrows_of_the_motion_are_switched_off(user: Callable) -> None:
     assert page.page.is_visible("#motion-key")
 
 
-def test_a_workbench_is_switched_between_light_and_dark(user: Callable) -> None:
+def test_a_workbench_is_switched_between_light_and_dark(user):
     page = user("tower")
     colour = "getComputedStyle(document.body).backgroundColor"
     before = page.js(colour)
@@ -510,7 +501,7 @@ def sources() -> dict[str, str]:
     return found
 
 
-def test_an_example_is_opened_from_the_start_page(user: Callable) -> None:
+def test_an_example_is_opened_from_the_start_page(user):
     page = user(None)
     page.click("#examples button:text-is('tower')")
     assert page.text("title") == "tower.kilter.json"
@@ -518,7 +509,7 @@ def test_an_example_is_opened_from_the_start_page(user: Callable) -> None:
 
 
 @pytest.mark.parametrize("control", [name for name in CONTROLS if CONTROLS[name] != "enter"])
-def test_the_test_of_a_control_uses_it(control: str) -> None:
+def test_the_test_of_a_control_uses_it(control):
     text = sources()[CONTROLS[control]]
     box, _, label = control.partition(" ")
     asked = {"*": box, "": box, "Bring back": box, "first state": "sheet-controls"}
@@ -530,7 +521,7 @@ def test_the_test_of_a_control_uses_it(control: str) -> None:
     assert re.search(rf"\b{re.escape(word)}(?![-\w])", text) or by_tab in text, word
 
 
-def test_every_control_of_the_page_has_a_test(user: Callable) -> None:
+def test_every_control_of_the_page_has_a_test(user):
     """In many states of the page, so that controls that are made on demand appear."""
     page = user(None)
     found = set(page.js(LIST_CONTROLS, LISTS))

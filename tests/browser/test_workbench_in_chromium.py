@@ -1,14 +1,10 @@
 """The workbench in a real browser: each control does its action, and the command repeats it."""
 
-from __future__ import annotations
-
 import base64
 import json
 import shlex
 import shutil
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 import trimesh
@@ -21,7 +17,6 @@ from kilter.cli import main
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
 from kilter.workbench import uploads
-from kilter.workbench.server import Workbench
 
 pytestmark = pytest.mark.browser
 
@@ -30,9 +25,7 @@ FOCUSED = "document.activeElement.textContent"
 HOSTILE = "<img src=x onerror=window.hit=1>"
 
 
-def test_figure_8_is_decided_by_clicks_and_by_keys(
-    user: Callable, capsys: Any, monkeypatch: Any
-) -> None:
+def test_figure_8_is_decided_by_clicks_and_by_keys(user, capsys, monkeypatch):
     page = user("paper-figure-8")
     assert page.text("verdict") == "Unstable"
     box = page.page.locator("#picture")
@@ -59,9 +52,7 @@ def test_figure_8_is_decided_by_clicks_and_by_keys(
     assert page.text("do-hold") == "Release"
 
 
-def test_as1_from_the_drop_to_a_saved_stable_state(
-    user: Callable, folder: Path, capsys: Any
-) -> None:
+def test_as1_from_the_drop_to_a_saved_stable_state(user, folder, capsys):
     if not AS1.is_file():
         pytest.skip("real data is not here: ../shared/data beside the checkout")
     pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
@@ -109,9 +100,7 @@ def test_as1_from_the_drop_to_a_saved_stable_state(
     assert page.text("verdict") == "Stable"
 
 
-def test_a_motion_that_only_the_complete_answer_finds_is_visible_at_first(
-    user: Callable, folder: Path
-) -> None:
+def test_a_motion_that_only_the_complete_answer_finds_is_visible_at_first(user, folder):
     if not AS1.is_file():
         pytest.skip("real data is not here: ../shared/data beside the checkout")
     pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
@@ -125,7 +114,7 @@ def test_a_motion_that_only_the_complete_answer_finds_is_visible_at_first(
     assert float(page.page.input_value("#see-through")) > 0
 
 
-def test_a_chosen_folder_of_meshes_is_sent_and_opened(user: Callable, tmp_path: Path) -> None:
+def test_a_chosen_folder_of_meshes_is_sent_and_opened(user, tmp_path):
     page = user(None)
     (tmp_path / "parts").mkdir()
     for name, size, height in (("base", 4, 0.5), ("cube", 1, 1.5)):
@@ -138,7 +127,7 @@ def test_a_chosen_folder_of_meshes_is_sent_and_opened(user: Callable, tmp_path: 
     assert page.text("verdict") == "Stable"
 
 
-def test_as1_with_keys_alone(user: Callable, folder: Path) -> None:
+def test_as1_with_keys_alone(user, folder):
     if not AS1.is_file():
         pytest.skip("real data is not here: ../shared/data beside the checkout")
     pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
@@ -175,7 +164,7 @@ def test_as1_with_keys_alone(user: Callable, folder: Path) -> None:
     assert page.text("verdict") == "Stable"
 
 
-def test_the_phase_is_stated_and_an_analysis_is_stopped(user: Callable) -> None:
+def test_the_phase_is_stated_and_an_analysis_is_stopped(user):
     page = user(wall_of(300))
     # in one turn of the page: no answer of the server comes between
     level, busy = page.js(
@@ -200,7 +189,7 @@ def overhang() -> Assembly:
     return Assembly([table, Part("plank", Box([1, 1, 0.1]), Pose([-0.2, 0, 0.05]), mass=2)])
 
 
-def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user: Callable) -> None:
+def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user):
     page = user(overhang())
     page.page.click("#tab-place")
     page.page.fill("#place-size", "0.2 0.2 0.1")
@@ -246,7 +235,7 @@ def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user: 
     assert not page.js("window.kilter.stage.places.group.visible")
 
 
-def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user: Callable) -> None:
+def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user):
     page = user("arch")
     # the slider begins at the friction of the file
     assert page.page.input_value("#friction") == "0.7"
@@ -267,9 +256,7 @@ def test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit(user: 
     assert page.page.input_value("#friction") == "0.7"
 
 
-def test_each_action_on_parts_is_done_and_repeated_by_the_command(
-    user: Callable, capsys: Any, monkeypatch: Any
-) -> None:
+def test_each_action_on_parts_is_done_and_repeated_by_the_command(user, capsys, monkeypatch):
     page = user(loaded())
     agrees = lambda: page.command_agrees(capsys, monkeypatch)  # noqa: E731
     page.choose("high").click("#do-leave-out")
@@ -321,9 +308,7 @@ def test_each_action_on_parts_is_done_and_repeated_by_the_command(
     assert "loads" not in page.choices()
 
 
-def test_each_action_on_a_pair_is_done_and_repeated_by_the_command(
-    user: Callable, capsys: Any, monkeypatch: Any
-) -> None:
+def test_each_action_on_a_pair_is_done_and_repeated_by_the_command(user, capsys, monkeypatch):
     page = user(loaded())
     agrees = lambda: page.command_agrees(capsys, monkeypatch)  # noqa: E731
     page.choose("low").tab_to("#tree [tabindex='0']")
@@ -361,7 +346,7 @@ def test_each_action_on_a_pair_is_done_and_repeated_by_the_command(
     assert page.text("trouble-words") == "Give a number."
 
 
-def test_open_pairs_are_shown_and_settled(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_open_pairs_are_shown_and_settled(user, capsys, monkeypatch):
     base = Part("base", Box([6, 6, 1]), Pose([0, 0, -0.5]), grounded=True)
     leg = Part("leg", Box([1, 1, 2]), Pose([2, 0, 1]))
     lid = Part("lid", Box([1, 1, 1]), Pose([2, 0, 2.4]))  # overlaps the leg by 0.1
@@ -375,7 +360,7 @@ def test_open_pairs_are_shown_and_settled(user: Callable, capsys: Any, monkeypat
     assert not page.page.is_visible("#decide")
 
 
-def test_undo_redo_revert_go_back_and_compare(user: Callable) -> None:
+def test_undo_redo_revert_go_back_and_compare(user):
     page = user(loaded())
     assert not page.page.is_visible("#undo")
     page.enter("friction-number", "0.2")
@@ -398,9 +383,7 @@ def test_undo_redo_revert_go_back_and_compare(user: Callable) -> None:
     assert "Both states are" in page.text("sheet-body")
 
 
-def test_analyses_are_tabs_with_their_command(
-    user: Callable, capsys: Any, monkeypatch: Any
-) -> None:
+def test_analyses_are_tabs_with_their_command(user, capsys, monkeypatch):
     page = user(loaded())
     monkeypatch.chdir(page.folder)
     for name in ("orient", "margin", "plan", "hold", "contacts"):
@@ -428,7 +411,7 @@ def test_analyses_are_tabs_with_their_command(
     assert len(page.choices()["gravity"]) == 3
 
 
-def test_floor_axis_and_gravity(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_floor_axis_and_gravity(user, capsys, monkeypatch):
     page = user(loaded())
     page.click("#floor")
     assert page.choices()["floor"] is True
@@ -446,7 +429,7 @@ def test_floor_axis_and_gravity(user: Callable, capsys: Any, monkeypatch: Any) -
     page.command_agrees(capsys, monkeypatch)
 
 
-def test_an_old_answer_is_dropped_and_a_lost_connection_returns(user: Callable) -> None:
+def test_an_old_answer_is_dropped_and_a_lost_connection_returns(user):
     page = user(loaded())
     before = page.page.inner_text("#banner")
     page.js(
@@ -465,7 +448,7 @@ def test_an_old_answer_is_dropped_and_a_lost_connection_returns(user: Callable) 
     assert page.choices()["held"] == ["low"]
 
 
-def test_the_view_and_the_selection_stay_when_the_assembly_changes(user: Callable) -> None:
+def test_the_view_and_the_selection_stay_when_the_assembly_changes(user):
     page = user(loaded())
     page.choose("high")
     page.page.click("#hide")
@@ -481,9 +464,7 @@ def test_the_view_and_the_selection_stay_when_the_assembly_changes(user: Callabl
     assert page.js(gone) == ["high"]
 
 
-def test_wrong_huge_changed_and_removed_files_are_sentences(
-    user: Callable, folder: Path, monkeypatch: Any
-) -> None:
+def test_wrong_huge_changed_and_removed_files_are_sentences(user, folder, monkeypatch):
     page = user(loaded())
     (folder / "wrong.kilter.json").write_text('{"kilter": 1, "parts": 3}')
     files = [{"name": "text.stp", "mimeType": "text/plain", "buffer": b"no STEP"}]
@@ -509,7 +490,7 @@ def test_wrong_huge_changed_and_removed_files_are_sentences(
     assert page.js("document.getElementById('show').hidden") is False
 
 
-def test_a_name_with_markup_is_text(user: Callable, capsys: Any, monkeypatch: Any) -> None:
+def test_a_name_with_markup_is_text(user, capsys, monkeypatch):
     base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     page = user(Assembly([base, Part(HOSTILE, Box([1, 1, 1]), Pose([0, 0, 0.5]))]))
     page.choose(HOSTILE).click("#do-hold")
@@ -523,7 +504,7 @@ def test_a_name_with_markup_is_text(user: Callable, capsys: Any, monkeypatch: An
     assert page.js("window.hit") is None
 
 
-def test_exports_are_downloaded_and_a_refusal_is_a_sentence(user: Callable, tmp_path: Path) -> None:
+def test_exports_are_downloaded_and_a_refusal_is_a_sentence(user, tmp_path):
     page = user(loaded())
     for name in ("report.html", "answer.json", "contacts.csv", "choices.kilter.json"):
         with page.page.expect_download() as download:
@@ -534,7 +515,7 @@ def test_exports_are_downloaded_and_a_refusal_is_a_sentence(user: Callable, tmp_
     assert json.loads((tmp_path / "answer.json").read_text())["verdict"] == "stable"
 
 
-def test_two_pages_of_a_session_agree(user: Callable, chromium: Any, bench: Workbench) -> None:
+def test_two_pages_of_a_session_agree(user, chromium, bench):
     page = user(loaded())
     other = WorkbenchPage(chromium.new_page(), bench, page.folder).begin().answered()
     page.choose("low").click("#do-hold")
@@ -546,7 +527,7 @@ def test_two_pages_of_a_session_agree(user: Callable, chromium: Any, bench: Work
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [400, 1360])
-def test_axe_finds_no_serious_violation(width: int, scheme: str, user: Callable) -> None:
+def test_axe_finds_no_serious_violation(width, scheme, user):
     if not AXE.is_file():
         pytest.skip("axe-core is not here: npm ci in web/")
     page = user(None, color_scheme=scheme, viewport={"width": width, "height": 900})

@@ -1,7 +1,5 @@
 """Fixture of the command line tests: it runs a command within the process of the test."""
 
-from __future__ import annotations
-
 import shlex
 from typing import Any
 

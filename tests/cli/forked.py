@@ -3,8 +3,6 @@
 python tests/cli/forked.py      a request a line: words, folder, seconds, signal, ignored
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import os

@@ -181,7 +181,7 @@ def test_an_assembly_that_kills_is_found_and_has_a_row(
     )
     monkeypatch.setattr(pipes, "_SERVE", deadly)
     found = kilter.batch(piles, tmp_path, chunk=4, processes=2)
-    assert [file for file, error in found.errors if error == KILLED] == ["pile-5.kilter.json"]
+    assert [entry.file for entry in found.errors if entry.error == KILLED] == ["pile-5.kilter.json"]
     rows = rows_of(tmp_path)
     assert [int(row["index"]) for row in rows] == list(range(FILES))
     assert [row["file"] for row in rows if row["verdict"] == "error"] == [
@@ -332,8 +332,8 @@ def test_tables_are_parquet_where_pyarrow_is(
     parquet = pytest.importorskip("pyarrow.parquet")
     monkeypatch.undo()
     first = kilter.batch(piles, tmp_path, chunk=13, processes=1)
-    assert [path.suffix for path in first.files] == [".parquet"] * 2
-    rows = [row for path in first.files for row in parquet.read_table(path).to_pylist()]
+    assert [path.suffix for path in first.paths] == [".parquet"] * 2
+    rows = [row for path in first.paths for row in parquet.read_table(path).to_pylist()]
     wanted = judged_rows(list(enumerate(listed_files(piles)[1])), BatchQuestion(base=piles))
     assert rows == wanted
     again = kilter.batch(piles, tmp_path, chunk=13, processes=1)

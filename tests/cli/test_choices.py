@@ -1,7 +1,5 @@
 """Saved choices: the same answers as the options, and a sentence for each wrong file."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path
@@ -9,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tower_with_gap import tower
+from free_form import tower
 
 import kilter
 from kilter import Assembly, Box, Choices, InputError, Part, Pose
@@ -57,7 +55,7 @@ OPTIONS = {
 
 @pytest.mark.quick("joined")
 @pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS)
-def test_saved_options_give_the_same_answer(options: str, say: Any) -> None:
+def test_saved_options_give_the_same_answer(options, say):
     kilter.dump(tower(), "t.kilter.json")
     assert say(f"save t.kilter.json {options} -o c.json")[0] == 0
     expected = answer_of(say, f"check t.kilter.json {options}")
@@ -69,7 +67,7 @@ def test_saved_options_give_the_same_answer(options: str, say: Any) -> None:
 
 @pytest.mark.quick("joined")
 @pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS)
-def test_choices_options_choices(options: str, say: Any) -> None:
+def test_choices_options_choices(options, say):
     kilter.dump(tower(), "t.kilter.json")
     say(f"save t.kilter.json {options} -o c.json")
     say("save c.json -o again.json")
@@ -81,7 +79,7 @@ def test_choices_options_choices(options: str, say: Any) -> None:
     assert replaced == []
 
 
-def test_the_command_line_wins_and_names_what_it_replaces(say: Any) -> None:
+def test_the_command_line_wins_and_names_what_it_replaces(say):
     write_choices(friction=0.5, left_out=["c"], gravity=[0, 0, -3.7], tolerance={"gap": 0.001})
     given = "check c.json --friction 0.2 --ground a b --down 0 0.1 -1 --gap 0.002"
     answer = answer_of(say, given)
@@ -99,7 +97,7 @@ def test_the_command_line_wins_and_names_what_it_replaces(say: Any) -> None:
     assert loaded.notes == ("the option friction 0.2 replaces friction 0.5 of the choices",)
 
 
-def test_equal_options_replace_nothing(say: Any) -> None:
+def test_equal_options_replace_nothing(say):
     write_choices(friction=0.5, left_out=["c"])
     answer = answer_of(say, "check c.json --friction 0.5 --ground a")
     assert answer == answer_of(say, "check c.json")
@@ -107,7 +105,7 @@ def test_equal_options_replace_nothing(say: Any) -> None:
 
 
 @pytest.mark.slow
-def test_a_decided_pair_is_joined_touching_or_apart(say: Any) -> None:
+def test_a_decided_pair_is_joined_touching_or_apart(say):
     """Part c is 0.01 above b: apart it falls freely, touching or joined it stays."""
     verdicts = {}
     for state in ("joined", "touching", "apart"):
@@ -129,14 +127,14 @@ def test_a_decided_pair_is_joined_touching_or_apart(say: Any) -> None:
     assert "no faces of 'a' and 'c' come near" in say("check c.json")[2]
 
 
-def test_apart_also_separates_parts_that_touch(say: Any) -> None:
+def test_apart_also_separates_parts_that_touch(say):
     write_choices(open_pairs=[{"parts": ["b", "a"], "as": "apart"}], left_out=["c"])
     answer = answer_of(say, "check c.json")
     assert answer["verdict"] == "unstable"
     assert answer["parts"][1]["acceleration"] == pytest.approx([0, 0, -9.81, 0, 0, 0])
 
 
-def test_keys_without_options_act(say: Any) -> None:
+def test_keys_without_options_act(say):
     write_choices(
         left_out=["c"],
         materials=[{"parts": "*", "density": 100, "name": "cork"}, {"parts": "b", "density": 7850}],
@@ -162,7 +160,7 @@ def test_keys_without_options_act(say: Any) -> None:
     assert say("verify c.json p.json")[0] == 0
 
 
-def test_a_material_replaces_the_mass_of_the_file() -> None:
+def test_a_material_replaces_the_mass_of_the_file():
     kilter.dump(Assembly([Part("m", Box([1, 1, 1]), mass=3.0)]), "m.kilter.json")
     materials = [{"parts": "m", "density": 2}]
     kilter.save("m.kilter.json", "m.json", ground="m", materials=materials)
@@ -170,7 +168,7 @@ def test_a_material_replaces_the_mass_of_the_file() -> None:
 
 
 @pytest.mark.slow
-def test_material_and_open_are_options_of_save(say: Any) -> None:
+def test_material_and_open_are_options_of_save(say):
     kilter.dump(tower(), "t.kilter.json")
     words = '--material "b*=7850" --open b c apart --ground a'
     assert say(f"save t.kilter.json {words} -o c.json")[0] == 0
@@ -186,7 +184,7 @@ def test_material_and_open_are_options_of_save(say: Any) -> None:
 
 
 @pytest.mark.slow
-def test_every_command_reads_choices(say: Any) -> None:
+def test_every_command_reads_choices(say):
     write_choices(left_out=["c"], friction=0.5)
     for verb in ("check", "contacts", "orient", "region", "margin", "plan", "hold", "transport"):
         options = "t.kilter.json --ground a --without c --friction 0.5"
@@ -203,7 +201,7 @@ def test_every_command_reads_choices(say: Any) -> None:
         assert "nothing is held" in rows
 
 
-def test_several_files_have_their_own_choices(say: Any) -> None:
+def test_several_files_have_their_own_choices(say):
     write_choices(left_out=["c"])
     code, out, _ = say("check c.json t.kilter.json --json")
     first, second = json.loads(out)
@@ -212,7 +210,7 @@ def test_several_files_have_their_own_choices(say: Any) -> None:
     assert "nothing is held" in second["error"]
 
 
-def test_a_batch_uses_the_tolerance_of_each_file() -> None:
+def test_a_batch_uses_the_tolerance_of_each_file():
     write_choices(tolerance={"gap": 0.02})
     assembly = kilter.load("c.json")
     strict = assembly.with_joints([])
@@ -221,7 +219,7 @@ def test_a_batch_uses_the_tolerance_of_each_file() -> None:
     assert kilter.check(assembly).verdict == "stable"
 
 
-def test_a_changed_file_is_one_warning_and_refuses_old_proofs(say: Any) -> None:
+def test_a_changed_file_is_one_warning_and_refuses_old_proofs(say):
     kilter.dump(tower(), "t.kilter.json")
     say("save t.kilter.json --ground a --without c -o c.json")
     say("check c.json --proof p.json")
@@ -240,7 +238,7 @@ def test_a_changed_file_is_one_warning_and_refuses_old_proofs(say: Any) -> None:
     assert "has changed" not in say("check c.json")[2]
 
 
-def test_a_lost_part_is_one_warning_and_its_choices_stay(say: Any) -> None:
+def test_a_lost_part_is_one_warning_and_its_choices_stay(say):
     kilter.dump(tower(), "t.kilter.json")
     options = '--ground a --fasten b c --gap 0.02 --without "c-*" --open b c joined'
     kilter.dump(Assembly([*tower().parts, Part("c-1", Box([1, 1, 1]))]), "t.kilter.json")
@@ -262,7 +260,7 @@ def test_a_lost_part_is_one_warning_and_its_choices_stay(say: Any) -> None:
     assert say("check c.json --ground c")[0] == 2
 
 
-def test_choices_about_left_out_parts_rest(say: Any) -> None:
+def test_choices_about_left_out_parts_rest(say):
     write_choices(held=["a", "c"], left_out=["c"], materials=[{"parts": "c", "density": 3}])
     answer = answer_of(say, "check c.json")
     assert [part["name"] for part in answer["parts"]] == ["a", "b"]
@@ -290,7 +288,7 @@ WRONG = {
 
 @pytest.mark.quick(4)
 @pytest.mark.parametrize(("keys", "words"), WRONG.values(), ids=WRONG)
-def test_wrong_choices_are_one_sentence(keys: dict[str, Any], words: str, say: Any) -> None:
+def test_wrong_choices_are_one_sentence(keys, words, say):
     write_choices(**keys)
     code, out, err = say("check c.json")
     assert (code, out) == (2, "")
@@ -319,7 +317,7 @@ PLACES = {
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize(("line", "words"), PLACES.values(), ids=PLACES)
-def test_save_refuses_in_one_sentence_and_writes_nothing(line: str, words: str, say: Any) -> None:
+def test_save_refuses_in_one_sentence_and_writes_nothing(line, words, say):
     kilter.dump(tower(), "t.kilter.json")
     kilter.dump(tower(), "u.kilter.json")
     Path("sub").mkdir()
@@ -332,7 +330,7 @@ def test_save_refuses_in_one_sentence_and_writes_nothing(line: str, words: str, 
 
 
 @pytest.mark.slow
-def test_choices_above_the_file_and_folders_of_meshes(say: Any) -> None:
+def test_choices_above_the_file_and_folders_of_meshes(say):
     Path("parts").mkdir()
     kilter.dump(tower(), "parts/t.kilter.json")
     assert say("save parts/t.kilter.json --ground a --without c -o c.json")[0] == 0
@@ -350,7 +348,7 @@ def test_choices_above_the_file_and_folders_of_meshes(say: Any) -> None:
     assert "mesh has changed" in say("check m.json")[2]
 
 
-def test_choices_are_values() -> None:
+def test_choices_are_values():
     choices = Choices("a.step", held=["x"], studs={"pull": 2, "shear": None}, floor=0.0)
     assert choices == Choices.from_dict(json.loads(json.dumps(choices.to_dict())), folder="b")
     assert choices.to_dict()["studs"] == {"pull": 2}
@@ -362,7 +360,7 @@ def test_choices_are_values() -> None:
         choices.studs["pull"] = 3
 
 
-def test_the_example_of_the_format_is_accepted() -> None:
+def test_the_example_of_the_format_is_accepted():
     """All keys of the documented format at once, with null for defaults."""
     text = (ROOT / "docs" / "choices.md").read_text(encoding="utf-8")
     example = json.loads(re.findall(r"```json\n(.*?)```", text, re.S)[-1])
@@ -372,7 +370,7 @@ def test_the_example_of_the_format_is_accepted() -> None:
     assert Choices.from_dict(choices.to_dict()) == choices
 
 
-def test_the_text_of_save_names_keys_and_the_next_command(say: Any) -> None:
+def test_the_text_of_save_names_keys_and_the_next_command(say):
     kilter.dump(tower(), "t.kilter.json")
     out = say("save t.kilter.json --ground a --without c --friction 0.3 -o c.json")[1]
     assert out.splitlines()[0] == "c.json: choices about t.kilter.json"

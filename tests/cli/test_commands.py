@@ -50,9 +50,7 @@ def answered(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict
 
 
 @pytest.mark.slow
-def test_text_of_an_unstable_assembly_names_the_parts_that_move(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_text_of_an_unstable_assembly_names_the_parts_that_move(capsys):
     assert main(["check", written("hanging-brick")]) == 1
     out = capsys.readouterr().out
     assert out.startswith("Unstable")
@@ -60,9 +58,7 @@ def test_text_of_an_unstable_assembly_names_the_parts_that_move(
 
 
 @pytest.mark.slow
-def test_contacts_shows_patches_histogram_and_what_came_near(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_contacts_shows_patches_histogram_and_what_came_near(capsys):
     file = written("tower")
     assert main(["contacts", file]) == 0
     assert "touch in 5 pairs, 5 patches, 20 points" in capsys.readouterr().out
@@ -74,7 +70,7 @@ def test_contacts_shows_patches_histogram_and_what_came_near(
 
 
 @pytest.mark.slow
-def test_contacts_needs_nothing_held(capsys: pytest.CaptureFixture[str]) -> None:
+def test_contacts_needs_nothing_held(capsys):
     data = kilter.files.to_dict(scene("tower"))
     for part in data["parts"]:
         part.pop("grounded", None)
@@ -86,18 +82,14 @@ def test_contacts_needs_nothing_held(capsys: pytest.CaptureFixture[str]) -> None
     assert "--ground" in error
 
 
-def test_standard_input_is_read(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_standard_input_is_read(monkeypatch, capsys):
     text = json.dumps(kilter.files.to_dict(scene("tower"))).encode()
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
     code, answer = answered(capsys, "check", "-")
     assert (code, answer["verdict"]) == (0, "stable")
 
 
-def test_saved_choices_on_standard_input_are_refused_in_one_sentence(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_saved_choices_on_standard_input_are_refused_in_one_sentence(monkeypatch, capsys):
     text = json.dumps({"kilter": 1, "file": "tower.step", "held": ["base"]}).encode()
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
     assert main(["check", "-"]) == 2
@@ -108,9 +100,7 @@ def test_saved_choices_on_standard_input_are_refused_in_one_sentence(
 
 
 @pytest.mark.slow
-def test_floor_ground_without_and_down_change_what_is_judged(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_floor_ground_without_and_down_change_what_is_judged(capsys):
     data = kilter.files.to_dict(scene("tower"))
     data["parts"] = [dict(part, grounded=False) for part in data["parts"]]
     Path("free.json").write_text(json.dumps(data))
@@ -126,9 +116,7 @@ def test_floor_ground_without_and_down_change_what_is_judged(
 
 
 @pytest.mark.slow
-def test_the_options_a_file_was_read_with_are_part_of_the_proof(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_options_a_file_was_read_with_are_part_of_the_proof(capsys):
     file = written("tower")
     words = ["--down", "0.1", "0", "-1", "--floor", "-3", "--proof", "p.json"]
     assert main(["check", file, *words]) == 1
@@ -139,7 +127,7 @@ def test_the_options_a_file_was_read_with_are_part_of_the_proof(
 
 
 @pytest.mark.slow
-def test_a_proof_of_another_assembly_does_not_hold(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_proof_of_another_assembly_does_not_hold(capsys):
     file, other = written("tower"), written("staircase")
     assert main(["check", file, "--proof", "p.json"]) == 0
     assert main(["verify", other, "p.json"]) == 1
@@ -147,7 +135,7 @@ def test_a_proof_of_another_assembly_does_not_hold(capsys: pytest.CaptureFixture
 
 
 @pytest.mark.slow
-def test_units_and_density_of_files_without_them(capsys: pytest.CaptureFixture[str]) -> None:
+def test_units_and_density_of_files_without_them(capsys):
     trimesh = pytest.importorskip("trimesh")
     trimesh.creation.box((1, 1, 1)).export("a.stl")
     code, answer = answered(
@@ -158,12 +146,12 @@ def test_units_and_density_of_files_without_them(capsys: pytest.CaptureFixture[s
     assert answer["parts"][0]["mass"] == pytest.approx(2e-6)
 
 
-def test_output_goes_to_a_file_as_a_whole() -> None:
+def test_output_goes_to_a_file_as_a_whole():
     assert main(["check", written("tower"), "--json", "-o", "a.json"]) == 0
     assert json.loads(Path("a.json").read_text())["verdict"] == "stable"
 
 
-def test_an_example_never_replaces_a_file_unasked(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_example_never_replaces_a_file_unasked(capsys):
     Path("tower.kilter.json").write_text("mine")
     assert main(["example", "tower"]) == 2
     assert Path("tower.kilter.json").read_text() == "mine"
@@ -172,7 +160,7 @@ def test_an_example_never_replaces_a_file_unasked(capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.slow
-def test_help_and_version_answer_with_zero(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_and_version_answer_with_zero(capsys):
     for words in ([], ["--help"], ["check", "--help"], ["verify", "-h"]):
         assert main(words) == 0
     assert main(["--version"]) == main(["-V"]) == 0
@@ -181,9 +169,7 @@ def test_help_and_version_answer_with_zero(capsys: pytest.CaptureFixture[str]) -
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_help_has_every_option_and_its_sentence(
-    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_help_has_every_option_and_its_sentence(name, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "80")
     assert main([name, "--help"]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -198,7 +184,7 @@ def test_a_help_has_every_option_and_its_sentence(
 
 
 @pytest.mark.slow
-def test_a_text_is_brief_unless_more_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_text_is_brief_unless_more_is_asked_for(capsys):
     file = written("paper-figure-8")
     assert main(["check", file]) == 1
     brief = capsys.readouterr().out
@@ -211,7 +197,7 @@ def test_a_text_is_brief_unless_more_is_asked_for(capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.slow
-def test_the_next_step_that_is_named_runs(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_next_step_that_is_named_runs(capsys):
     for name in ("paper-figure-8", "tower"):
         file = written(name)
         for words in (["check"], ["orient"], ["region"], ["contacts"], ["margin"], ["plan"]):
@@ -225,7 +211,7 @@ def test_the_next_step_that_is_named_runs(capsys: pytest.CaptureFixture[str]) ->
 
 
 @pytest.mark.slow
-def test_what_only_balances_is_looked_at_next(capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_only_balances_is_looked_at_next(capsys):
     """A margin of first order says nothing of it; a model of bricks that falls is mended."""
     balanced = written("paper-figure-1-in-space")
     assert main(["check", balanced]) == 3
@@ -237,7 +223,7 @@ def test_what_only_balances_is_looked_at_next(capsys: pytest.CaptureFixture[str]
 
 
 @pytest.mark.slow
-def test_what_strict_asked_for_in_vain_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_strict_asked_for_in_vain_is_said(capsys):
     file = written("mortared-corbel")
     for words, said in (([], False), (["--require", "strict"], True)):
         assert main(["check", file, *words]) == (3 if said else 0)
@@ -246,9 +232,7 @@ def test_what_strict_asked_for_in_vain_is_said(capsys: pytest.CaptureFixture[str
 
 
 @pytest.mark.slow
-def test_several_files_have_a_line_each_and_the_worst_code(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_several_files_have_a_line_each_and_the_worst_code(capsys):
     good, bad = written("tower"), written("paper-figure-8")
     for files, code in (([good, good], 0), ([good, bad], 1), ([bad, "none.json", good], 2)):
         assert main(["check", *files]) == code
@@ -268,9 +252,7 @@ def test_several_files_have_a_line_each_and_the_worst_code(
     assert kilter.load(bad) is not None
 
 
-def test_a_fault_of_one_file_is_the_worst(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_fault_of_one_file_is_the_worst(monkeypatch, capsys):
     from kilter.files.reading import Reading
 
     good, read = written("tower"), Reading.read
@@ -292,12 +274,7 @@ def test_a_fault_of_one_file_is_the_worst(
     ("set_", "coloured"),
     [({}, False), ({"FORCE_COLOR": "1"}, True), ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False)],
 )
-def test_the_verdict_has_its_colour_where_colours_are_shown(
-    set_: dict[str, str],
-    coloured: bool,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_verdict_has_its_colour_where_colours_are_shown(set_, coloured, monkeypatch, capsys):
     file = written("tower")
     for name in ("FORCE_COLOR", "NO_COLOR"):
         monkeypatch.delenv(name, raising=False)
@@ -312,7 +289,7 @@ def test_the_verdict_has_its_colour_where_colours_are_shown(
 
 
 @pytest.mark.slow
-def test_a_wall_of_any_size(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wall_of_any_size(capsys):
     assert main(["example", "wall", "--size", "4x3"]) == 0
     wall = kilter.load("wall.kilter.json")
     assert len(wall) - 1 == 4 + 5 + 4  # a course of whole bricks, one with halves at its ends
@@ -323,14 +300,14 @@ def test_a_wall_of_any_size(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.slow
-def test_the_module_runs_as_a_program() -> None:
+def test_the_module_runs_as_a_program():
     done = subprocess.run(
         [sys.executable, "-m", "kilter", "--version"], capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stdout.strip()) == (0, f"kilter {kilter.__version__}")
 
 
-def test_importing_kilter_loads_no_solver_and_no_reader() -> None:
+def test_importing_kilter_loads_no_solver_and_no_reader():
     code = "import sys, kilter; print([m for m in sys.modules if m.split('.')[0] in HEAVY])"
     heavy = "{'highspy', 'clarabel', 'scipy', 'shapely', 'pydantic', 'argparse', 'numpy'}"
     done = subprocess.run(
@@ -341,7 +318,7 @@ def test_importing_kilter_loads_no_solver_and_no_reader() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper-figure-8", "tower"])
-def test_a_small_check_loads_only_what_it_needs(name: str) -> None:
+def test_a_small_check_loads_only_what_it_needs(name):
     """What takes as long to load as the check of a small assembly takes."""
     heavy = ["scipy.spatial", "scipy.special", "scipy.optimize", "scipy.sparse.csgraph"]
     heavy += ["kilter.friction", "matplotlib", "OCP", "rich"]
@@ -357,7 +334,7 @@ def test_a_small_check_loads_only_what_it_needs(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_the_program_makes_no_threads_for_linear_algebra() -> None:
+def test_the_program_makes_no_threads_for_linear_algebra():
     code = (
         "import sys; from kilter.cli import main; sys.argv[1:] = ['example', 'tower', '-o', '-']; "
         "main(); import threadpoolctl; "
@@ -369,7 +346,7 @@ def test_the_program_makes_no_threads_for_linear_algebra() -> None:
 
 
 @pytest.mark.slow
-def test_verify_loads_no_solver() -> None:
+def test_verify_loads_no_solver():
     written("tower")
     assert main(["check", "tower.kilter.json", "--proof", "p.json"]) == 0
     code = (
@@ -397,9 +374,7 @@ def test_verify_loads_no_solver() -> None:
         ("learn2assemble/dome", ["72"], "unstable"),
     ],
 )
-def test_real_assemblies(
-    file: str, held: list[str], verdict: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_real_assemblies(file, held, verdict, capsys):
     words = [str(SHARED / file)] + [w for name in held for w in ("--ground", name)]
     code, answer = answered(capsys, "check", *words, "--proof", "p.json")
     assert (code, answer["verdict"]) == (EXIT[verdict], verdict)

@@ -1,7 +1,5 @@
 """Ctrl-C and a request to end, at any moment: one line, code 130, soon, no file half written."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
@@ -65,7 +63,7 @@ def listens(process: subprocess.Popen[str]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_process_that_is_deaf_is_ended(number: signal.Signals) -> None:
+def test_a_process_that_is_deaf_is_ended(number):
     process = begun("-c", DEAF)
     assert process.stdout is not None
     assert process.stdout.readline() == "begun\n"
@@ -97,7 +95,7 @@ sys.exit(kilter.cli.main())
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("where", ["loads", "drops", "makes_another"])
-def test_an_interruption_is_not_lost(where: str, tmp_path: Path) -> None:
+def test_an_interruption_is_not_lost(where, tmp_path):
     """In a module being loaded, in what cannot pass it on, and where Python turns it."""
     (tmp_path / "waits.py").write_text("from __main__ import Waits\nWaits().wait()\n", "utf-8")
     process = begun("-c", LOST.replace("WHERE", where), str(tmp_path))
@@ -123,7 +121,7 @@ sys.exit(kilter.cli.main())
 
 
 @pytest.mark.slow
-def test_a_second_interruption_ends_what_went_on_after_the_first() -> None:
+def test_a_second_interruption_ends_what_went_on_after_the_first():
     process = begun("-c", PATIENT)
     assert process.stdout is not None
     assert process.stdout.readline() == "begun\n"
@@ -138,7 +136,7 @@ def test_a_second_interruption_ends_what_went_on_after_the_first() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["check", "margin", "region", "orient", "plan"])
 @pytest.mark.parametrize("seed", range(3))
-def test_a_command_is_ended_at_any_moment(tmp_path: Path, command: str, seed: int) -> None:
+def test_a_command_is_ended_at_any_moment(tmp_path, command, seed):
     random = np.random.default_rng([seed, len(command)])
     wall = walls.wall_of(600, friction=0.6).with_down([0.0, 0.02, -1.0])
     kilter.dump(wall, tmp_path / "wall.kilter.json")
@@ -168,7 +166,7 @@ def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["region", "orient"])
 @pytest.mark.parametrize("seed", range(2))
-def test_a_large_program_is_ended_while_it_is_set_up(large: Path, command: str, seed: int) -> None:
+def test_a_large_program_is_ended_while_it_is_set_up(large, command, seed):
     process = begun("-m", "kilter", command, str(large))
     listens(process)
     time.sleep(np.random.default_rng([seed, len(command)]).uniform(2.0, 12.0))
@@ -192,7 +190,7 @@ sys.exit(kilter.cli.main())
 
 
 @pytest.mark.slow
-def test_a_write_that_is_ended_leaves_nothing_beside(tmp_path: Path) -> None:
+def test_a_write_that_is_ended_leaves_nothing_beside(tmp_path):
     target = tmp_path / "a.json"
     target.write_text("old", "utf-8")
     process = begun("-c", SLOW_DISK, str(target))
@@ -203,7 +201,7 @@ def test_a_write_that_is_ended_leaves_nothing_beside(tmp_path: Path) -> None:
     assert target.read_text("utf-8") == "old"
 
 
-def test_a_request_to_end_ends_the_tests_too() -> None:
+def test_a_request_to_end_ends_the_tests_too():
     """`main` in a test keeps the handler of `conftest.py`, so a time limit is no failed test."""
     given = signal.getsignal(signal.SIGTERM)
     assert given not in REPLACED

@@ -1,7 +1,5 @@
 """Options that join and close: --fasten, --suggest-joints, --clearance, on every command."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -50,9 +48,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 
 
 @pytest.mark.slow
-def test_fasten_holds_what_fell_and_is_part_of_the_proof(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_fasten_holds_what_fell_and_is_part_of_the_proof(capsys):
     file = lamp()
     assert main(["check", file]) == 1
     words = ["--fasten", "post", "arm*", "--proof", "p.json"]
@@ -75,9 +71,7 @@ def test_fasten_holds_what_fell_and_is_part_of_the_proof(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
-def test_fasten_and_clearance_work_on_every_command(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_fasten_and_clearance_work_on_every_command(command, capsys):
     file = lamp(gap=0.2)
     words = ["--fasten", "arm-1", "post", "--clearance", "0.3"]
     code, out, _ = said(capsys, command, file, *words, "--json")
@@ -93,7 +87,7 @@ def test_fasten_and_clearance_work_on_every_command(
     assert "none touches" in error
 
 
-def test_fasten_is_repeatable(capsys: pytest.CaptureFixture[str]) -> None:
+def test_fasten_is_repeatable(capsys):
     words = ["--fasten", "arm-1", "post", "--fasten", "p*", "table", "--json"]
     code, out, _ = said(capsys, "check", lamp(), *words)
     assert code == 0
@@ -102,9 +96,7 @@ def test_fasten_is_repeatable(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
-def test_what_overlaps_is_fastened_in_one_go_and_is_part_of_the_proof(
-    word: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_overlaps_is_fastened_in_one_go_and_is_part_of_the_proof(word, capsys):
     file = lamp(gap=-0.5)
     assert main(["check", file]) != 0
     code, out, error = said(capsys, "check", file, word, "--proof", "p.json")
@@ -124,9 +116,7 @@ def test_what_overlaps_is_fastened_in_one_go_and_is_part_of_the_proof(
 @pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
-def test_every_command_joins_what_overlaps_and_goes_on_where_nothing_does(
-    command: str, word: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_command_joins_what_overlaps_and_goes_on_where_nothing_does(command, word, capsys):
     code, out, _ = said(capsys, command, lamp(gap=-0.5), word, "--json")
     assert code == 0
     answer = json.loads(out)
@@ -141,7 +131,7 @@ def test_every_command_joins_what_overlaps_and_goes_on_where_nothing_does(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
-def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_python_joins_as_the_command_does(word, capsys):
     import kilter
 
     file = lamp(gap=-0.5)
@@ -174,16 +164,14 @@ def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixtu
         (["--angle", "0"], "--angle"),
     ],
 )
-def test_wrong_options_are_refused(
-    command: str, words: list[str], expected: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_options_are_refused(command, words, expected, capsys):
     assert expected in refused(capsys, command, lamp(), *words)
 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("words", [["--gap", "0.3"], ["--loose", "--gap", "0.3"]])
-def test_gap_closes_too(command: str, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_gap_closes_too(command, words, capsys):
     file = lamp(gap=0.2)
     code, out, _ = said(capsys, command, file, "--fasten", "arm-1", "post", *words, "--json")
     assert code == 0
@@ -191,9 +179,7 @@ def test_gap_closes_too(command: str, words: list[str], capsys: pytest.CaptureFi
 
 
 @pytest.mark.slow
-def test_clearance_is_in_the_proof_and_in_what_verify_says(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_clearance_is_in_the_proof_and_in_what_verify_says(capsys):
     file = lamp(gap=0.2)
     words = ["--fasten", "arm-1", "post", "--clearance", "0.3", "--proof", "p.json"]
     assert said(capsys, "check", file, *words)[0] == 0
@@ -206,7 +192,7 @@ def test_clearance_is_in_the_proof_and_in_what_verify_says(
     assert json.loads(out)["tolerance"]["clearance"] == 0.3
 
 
-def test_gaps_are_shown_as_bars_with_their_sizes(capsys: pytest.CaptureFixture[str]) -> None:
+def test_gaps_are_shown_as_bars_with_their_sizes(capsys):
     code, out, _ = said(capsys, "contacts", lamp(gap=0.01))
     assert code == 0
     assert "Gaps of opposing faces" in out
@@ -218,7 +204,7 @@ def test_gaps_are_shown_as_bars_with_their_sizes(capsys: pytest.CaptureFixture[s
 
 
 @pytest.mark.slow
-def test_suggested_joints_can_be_pasted(capsys: pytest.CaptureFixture[str]) -> None:
+def test_suggested_joints_can_be_pasted(capsys):
     code, out, _ = said(capsys, "check", lamp(), "--suggest-joints")
     assert code == 1
     assert "No pair looks fastened" in out
@@ -232,9 +218,7 @@ PINNED = {"kind": "revolute", "parts": ["post", "arm-1"], "point": [10, 0, 35], 
 
 
 @pytest.mark.slow
-def test_joints_of_the_file_are_shown_and_missing_numbers_refused(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_joints_of_the_file_are_shown_and_missing_numbers_refused(capsys):
     code, out, _ = said(capsys, "check", lamp(joints=[PINNED]), "--json")
     assert code in (0, 1)
     assert json.loads(out)["joints"] == [{"parts": ["post", "arm-1"], "kind": "revolute"}]
@@ -249,7 +233,7 @@ def test_joints_of_the_file_are_shown_and_missing_numbers_refused(
     assert "turn about y" in error
 
 
-def test_a_load_on_a_held_part_has_no_effect(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_load_on_a_held_part_has_no_effect(capsys):
     load = {"part": "post", "force": [0, 0, -1]}
     file = lamp(loads=[load])
     assert said(capsys, "check", file)[0] == 1

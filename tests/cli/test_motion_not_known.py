@@ -1,7 +1,5 @@
 """Where no solver finishes the impending motion: every command says so, none ends as a fault."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from pathlib import Path

@@ -1,14 +1,11 @@
 """Progress: the step at work, second by second, on a terminal alone."""
 
-from __future__ import annotations
-
 import io
 import os
 import re
 import subprocess
 import sys
 import time
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -42,7 +39,7 @@ def shown(terminal: Terminal, word: str) -> list[str]:
     return terminal.getvalue().split("\r\x1b[K")
 
 
-def test_each_step_is_named_again_and_again_and_wiped_away_at_the_end(terminal: Terminal) -> None:
+def test_each_step_is_named_again_and_again_and_wiped_away_at_the_end(terminal):
     with Progress(quiet=False) as progress:
         for step in ("reading", "contacts"):
             progress(step)
@@ -55,16 +52,14 @@ def test_each_step_is_named_again_and_again_and_wiped_away_at_the_end(terminal: 
     assert terminal.getvalue() == said
 
 
-def test_what_ends_within_the_first_second_says_nothing(
-    terminal: Terminal, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_ends_within_the_first_second_says_nothing(terminal, monkeypatch):
     monkeypatch.setattr(output, "EACH", 60.0)
     with Progress(quiet=False) as progress:
         progress("reading")
     assert terminal.getvalue() == ""
 
 
-def test_it_goes_on_after_it_is_done(terminal: Terminal) -> None:
+def test_it_goes_on_after_it_is_done(terminal):
     progress = Progress(quiet=False)
     progress("reading")
     progress.done()
@@ -74,7 +69,7 @@ def test_it_goes_on_after_it_is_done(terminal: Terminal) -> None:
 
 
 @pytest.mark.parametrize("where", ["quiet", "no terminal"])
-def test_nothing_is_said(where: str, terminal: Terminal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_said(where, terminal, monkeypatch):
     if where == "no terminal":
         monkeypatch.setattr(terminal, "isatty", lambda: False)
     with Progress(quiet=where == "quiet") as progress:
@@ -86,7 +81,7 @@ def test_nothing_is_said(where: str, terminal: Terminal, monkeypatch: pytest.Mon
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="pipes of the shell")
 @pytest.mark.parametrize("words", [["check", "--help"], ["example"]])
-def test_a_reader_that_has_seen_enough_ends_it_well(words: list[str]) -> None:
+def test_a_reader_that_has_seen_enough_ends_it_well(words):
     told, telling = os.pipe()
     os.close(told)
     done = subprocess.run(
@@ -97,8 +92,8 @@ def test_a_reader_that_has_seen_enough_ends_it_well(words: list[str]) -> None:
 
 
 def test_an_interrupted_search_tells_the_step_and_the_facts_known_so_far(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+    tmp_path, monkeypatch, capsys
+):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
@@ -115,7 +110,7 @@ def test_an_interrupted_search_tells_the_step_and_the_facts_known_so_far(
     )
 
 
-def test_a_later_fact_about_a_joined_assembly_does_not_replace_the_first() -> None:
+def test_a_later_fact_about_a_joined_assembly_does_not_replace_the_first():
     """The search for deciding pairs judges assemblies with joined parts."""
     kept: dict[str, str] = {}
     work = Work(facts=kept.setdefault)
@@ -124,9 +119,7 @@ def test_a_later_fact_about_a_joined_assembly_does_not_replace_the_first() -> No
     assert kept == {"equilibrium": "no forces of the certain contacts hold it"}
 
 
-def test_search_of_contacts_and_of_an_order_state_how_much_they_examine(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_search_of_contacts_and_of_an_order_state_how_much_they_examine(monkeypatch):
     monkeypatch.setattr("kilter.work.BETWEEN_WORDS", 0.0)
     said: list[str] = []
     kilter.plan(scene("tower"), progress=said.append)

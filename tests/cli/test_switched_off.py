@@ -7,12 +7,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tower_with_gap import tower
+from free_form import tower
 
 import kilter
 from kilter import Choices, InputError
-from kilter.cli.options import READING
+from kilter.cli.declarations import declared_in
+from kilter.cli.options import AddedOptions
+from kilter.cli.tolerance_options import ToleranceOptions
 from kilter.files.choices_off import OFF, switched_off
+from kilter.files.reading_options import ReadingOptions
+
+RECORDS = (ReadingOptions, AddedOptions, ToleranceOptions)
+READING = [each.name for record in RECORDS for each in declared_in(record)]
 
 SAVED: dict[str, dict[str, Any]] = {
     "ground": {"held": ["b"]},

@@ -57,13 +57,13 @@ ASSEMBLIES = {
 """Arguments of large assemblies, whose answers take longer than the time limit."""
 
 
-def test_a_solver_call_after_the_limit_raises() -> None:
+def test_a_solver_call_after_the_limit_raises():
     with stop_after(0.0), pytest.raises(TimeLimitReached):
         seconds_left(None)
     assert seconds_left(None) is None
 
 
-def test_an_inner_limit_does_not_extend_an_outer_one() -> None:
+def test_an_inner_limit_does_not_extend_an_outer_one():
     with stop_after(0.0), stop_after(100.0):
         assert Work(time_limit=100.0).late
         with pytest.raises(TimeLimitReached):
@@ -71,7 +71,7 @@ def test_an_inner_limit_does_not_extend_an_outer_one() -> None:
 
 
 @pytest.mark.parametrize("analysis", [kilter.region, kilter.orient])
-def test_all_directions_at_limit_zero_state_the_verdict_of_the_given_direction(analysis) -> None:
+def test_all_directions_at_limit_zero_state_the_verdict_of_the_given_direction(analysis):
     with pytest.raises(TimeLimitReached) as caught:
         analysis(stacks.block_on_slope(10.0, friction=0.5), time_limit=0.0)
     assert caught.value.known == (
@@ -79,15 +79,13 @@ def test_all_directions_at_limit_zero_state_the_verdict_of_the_given_direction(a
     )
 
 
-def test_the_margin_at_limit_zero_names_the_limits_that_are_not_known() -> None:
+def test_the_margin_at_limit_zero_names_the_limits_that_are_not_known():
     answer = kilter.margin(stacks.block_on_slope(10.0, friction=0.5), time_limit=0.0)
     assert answer.missing["tilt"] == answer.missing["friction"] == "time"
     assert any("because the time limit was reached" in text for text in answer.warnings)
 
 
-def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(monkeypatch):
     late = {"now": False}
 
     def cut_short(program: Program, **options: object) -> NoLimit:
@@ -102,9 +100,7 @@ def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(
     assert kilter.margin(slope, pushed=[], time_limit=100.0).missing["friction"] == "time"
 
 
-def test_a_verdict_that_the_limit_ended_reports_the_known_facts(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_verdict_that_the_limit_ended_reports_the_known_facts(monkeypatch):
     def cut_short(program: Program, **options: Any) -> Judgement:
         judged = judge(program, **options)
         return judged if program.frictionless is program else replace(judged, stable=None)
@@ -118,9 +114,7 @@ def test_a_verdict_that_the_limit_ended_reports_the_known_facts(
     )
 
 
-def test_tries_that_the_time_limit_prevented_do_not_lack_effort(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_tries_that_the_time_limit_prevented_do_not_lack_effort(monkeypatch):
     late = {"now": False}
 
     def judged(program: Program, **options: Any) -> Judgement:
@@ -140,7 +134,7 @@ def test_tries_that_the_time_limit_prevented_do_not_lack_effort(
     assert "effort: --effort" not in text
 
 
-def test_an_undecided_verdict_without_a_motion_has_no_table_of_moving_parts() -> None:
+def test_an_undecided_verdict_without_a_motion_has_no_table_of_moving_parts():
     table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     sunk = Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.45]))])
     answer = kilter.check(sunk).to_dict()
@@ -152,18 +146,13 @@ def test_an_undecided_verdict_without_a_motion_has_no_table_of_moving_parts() ->
 
 
 @pytest.mark.slow
-def test_the_page_at_limit_zero_states_what_is_left_out() -> None:
+def test_the_page_at_limit_zero_states_what_is_left_out():
     html = kilter.report(scene("arch"), time_limit=0.0).html
     assert "left out, because the time limit was reached" in html
 
 
 @pytest.mark.parametrize("words", [["region"], ["orient"]])
-def test_a_command_at_its_limit_answers_undecided(
-    words: list[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_command_at_its_limit_answers_undecided(words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     kilter.dump(stacks.block_on_slope(10.0, friction=0.5), "slope.kilter.json")
     command = [*words, "slope.kilter.json", "--time-limit", "0"]
@@ -191,9 +180,7 @@ def test_a_command_at_its_limit_answers_undecided(
     ],
     ids=lambda given: given if isinstance(given, str) else " ".join(given[:3]),
 )
-def test_every_command_ends_in_time_with_an_answer(
-    words: list[str], name: str, tmp_path: Path
-) -> None:
+def test_every_command_ends_in_time_with_an_answer(words, name, tmp_path):
     verb, *rest = words
     asked = [verb, *ASSEMBLIES[name], *rest, "--time-limit", str(LIMIT)]
     command = [sys.executable, "-m", "kilter", *asked]
@@ -206,3 +193,32 @@ def test_every_command_ends_in_time_with_an_answer(
     assert ended.stdout or "answer." in ended.stderr
     if os.getloadavg()[0] < 1.5:  # another program on the machine takes time from this one
         assert seconds < LATEST
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("place tower.kilter.json --box 1x1x1 --mass 5 --time-limit {}", {"0": 4, "60": 0}),
+        ("check-plan plan.csv --time-limit {}", {"0": 0, "60": 0}),
+        ("contacts tower.kilter.json --time-limit {}", {"0": 0, "60": 0}),
+    ],
+)
+def test_the_last_commands_have_a_time_limit(
+    line: str, code: dict[str, int], tmp_path: Path, capsys, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene("tower"), "tower.kilter.json")
+    rows = "a,1,1,1,2,0,0,0\nb,1,1,1,2,0,0,1\n"
+    Path("plan.csv").write_text(f"name,length,width,height,mass,x,y,z\n{rows}", encoding="utf-8")
+    for limit, expected in code.items():
+        assert main(line.format(limit).split()) == expected
+        cut = capsys.readouterr().out.startswith("Undecided: the time limit")
+        assert cut is (expected == 4)
+
+
+def test_place_takes_a_time_limit_and_a_direction_of_gravity() -> None:
+    box = kilter.box_to_place([1, 1, 1], 5.0)
+    with pytest.raises(TimeLimitReached):
+        kilter.place(scene("tower"), box, time_limit=0.0)
+    turned = scene("tower").with_down([1, 0, 0])
+    assert kilter.place(turned, box, down=[0, 0, -1], time_limit=60.0).stands

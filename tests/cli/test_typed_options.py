@@ -1,7 +1,5 @@
 """Options as users type them: accepted, or refused in a sentence with the right option."""
 
-from __future__ import annotations
-
 import json
 import math
 import shlex
@@ -77,7 +75,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("line", WRONG)
-def test_a_wrong_option_names_the_right_one(line: str, say: Any) -> None:
+def test_a_wrong_option_names_the_right_one(line, say):
     before = sorted(Path().iterdir())
     code, out, error = say(line)
     assert (code, out) == (2, "")
@@ -97,7 +95,7 @@ def masses(say: Any, options: str) -> dict[str, float]:
     ("typed", "coefficient"),
     [("30%", 0.3), ("17deg", math.tan(math.radians(17))), ("0deg", 0.0), ("0.3", 0.3)],
 )
-def test_friction_is_a_share_or_an_angle(typed: str, coefficient: float, say: Any) -> None:
+def test_friction_is_a_share_or_an_angle(typed, coefficient, say):
     said = [
         json.loads(say(f"contacts a.kilter.json --floor --json --friction {value}")[1])["patches"]
         for value in (typed, repr(coefficient))
@@ -109,13 +107,13 @@ def test_friction_is_a_share_or_an_angle(typed: str, coefficient: float, say: An
 
 
 @pytest.mark.parametrize("material", MATERIALS[:3], ids=lambda material: material.name)
-def test_a_density_has_the_name_of_a_material(material: Any, say: Any) -> None:
+def test_a_density_has_the_name_of_a_material(material, say):
     typed = masses(say, f'--density "{material.name.upper()}"')
     assert typed == masses(say, f"--density {material.density}")
     assert typed["m0-bolt"] == pytest.approx(material.density, rel=1e-12)
 
 
-def test_each_command_takes_materials_by_pattern_and_names_them_in_the_next_step(say: Any) -> None:
+def test_each_command_takes_materials_by_pattern_and_names_them_in_the_next_step(say):
     typed = masses(say, '--material "*bolt=steel" --material m1*=5')
     assert typed == {
         "plate": pytest.approx(18_000, rel=1e-12),
@@ -132,7 +130,7 @@ def test_each_command_takes_materials_by_pattern_and_names_them_in_the_next_step
 
 
 @pytest.mark.slow
-def test_a_library_of_solids_prints_no_list_of_leaks() -> None:
+def test_a_library_of_solids_prints_no_list_of_leaks():
     """Two cylinders overlap, so that their solids are made and kept for a next search."""
     pytest.importorskip("matplotlib")
     shape = Cylinder(1, 1)

@@ -1,24 +1,29 @@
-"""Files that commands write: whole or as before, killed at any moment, without room or rights."""
+"""Files that commands write, whole or not at all; plans and random saved options."""
 
-from __future__ import annotations
-
+import contextlib
+import io
 import json
 import os
+import shlex
 import shutil
 import signal
 import subprocess
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from forked import SAID, Commands
 
 import kilter
+from kilter.cli import main
+from kilter.errors import KilterError
+from kilter.files.choices_off import OFF
 from kilter.scenes import scene
-
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
+from kilter.scenes.arches import arch
+from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
 
 FILE, SLIDES, BRICKS = "tower.kilter.json", "slope.kilter.json", "stair.txt"
 PACKED = "packed.csv"
@@ -97,7 +102,8 @@ def whole(path: Path) -> bool:
     return data.rstrip(b"\n").endswith(ENDS[path.suffix].rstrip(b"\n"))
 
 
-def test_every_command_that_writes_is_here() -> None:
+@pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
+def test_every_command_that_writes_is_here():
     from kilter.cli.commands import COMMANDS
 
     # batch: tests/cli/test_batch.py; mcp: tests/agents
@@ -105,11 +111,12 @@ def test_every_command_that_writes_is_here() -> None:
     assert {words[0] for words in WRITERS.values()} == set(COMMANDS) - quiet
 
 
+@pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_command_that_is_killed_leaves_a_whole_file_or_the_old_one(
-    name: str, commands: Commands, folder: Path, request: pytest.FixtureRequest
-) -> None:
+    name, commands, folder, request
+):
     """At any of many moments, half of them near the end, where files are written."""
     kills = request.config.getoption("--kills")
     words, target, old = [*WRITERS[name], name], folder / name, old_content(name)
@@ -148,9 +155,10 @@ write_bytes(sys.argv[1], b"new" * 100_000)
 """
 
 
+@pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
 @pytest.mark.slow
 @pytest.mark.parametrize("before", [True, pytest.param(False, marks=pytest.mark.slow)])
-def test_a_write_that_is_killed_at_any_of_its_steps(before: bool, tmp_path: Path) -> None:
+def test_a_write_that_is_killed_at_any_of_its_steps(before, tmp_path):
     import sys
 
     target, ended, step = tmp_path / "a.json", -1, 0
@@ -165,13 +173,14 @@ def test_a_write_that_is_killed_at_any_of_its_steps(before: bool, tmp_path: Path
     assert data == b"new" * 100_000
 
 
+@pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
 @pytest.mark.slow
 @pytest.mark.parametrize("ignored", [False, True], ids=["heard", "inherited as ignored"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
-    name: str, number: signal.Signals, ignored: bool, commands: Commands, folder: Path
-) -> None:
+    name, number, ignored, commands, folder
+):
     """One line and code 130, or its answer where it had it already."""
     words, target, old = [*WRITERS[name], name], folder / name, old_content(name)
     _, took = commands.run(words, folder)
@@ -223,8 +232,9 @@ def no_room(request: pytest.FixtureRequest, folder: Path) -> Iterator[Path]:
         subprocess.run(["umount", "-l", str(place)], check=True)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
 @pytest.mark.slow
-def test_without_room_or_rights_the_old_file_stays(no_room: Path, commands: Commands) -> None:
+def test_without_room_or_rights_the_old_file_stays(no_room, commands):
     """One sentence that says why, and code 2."""
     before = {path.name: path.read_bytes() for path in no_room.iterdir()}
     for name, words in WRITERS.items():
@@ -238,10 +248,9 @@ def test_without_room_or_rights_the_old_file_stays(no_room: Path, commands: Comm
     assert {path.name: path.read_bytes() for path in no_room.iterdir()} == before
 
 
+@pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
 @pytest.mark.slow
-def test_a_file_that_goes_while_it_is_read_is_one_sentence(
-    commands: Commands, folder: Path
-) -> None:
+def test_a_file_that_goes_while_it_is_read_is_one_sentence(commands, folder):
     """Removed, cut, or replaced by a folder, at any moment: an answer, or what is missing."""
     import threading
 
@@ -272,3 +281,256 @@ def test_a_file_that_goes_while_it_is_read_is_one_sentence(
         if code == 2:
             assert said.count("\n") == 1
             assert said.startswith(f"kilter: {FILE}: ")
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "arch.kilter.json"
+    kilter.dump(arch(9, ratio=0.3, friction=0.6), path)
+    return path
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        ([], 0),
+        (["--hold", "0"], 1),
+        (["--effort", "0"], 4),
+        (["--require", "proved", "--effort", "0.1"], 3),
+        (["--never-hold", "voussoir*"], 1),
+        (["--directions", "0,0,-1"], 4),
+        (["--before", "voussoir-1", "voussoir-0", "--before", "voussoir-0", "voussoir-1"], 2),
+        (["--before", "voussoir-1", "nobody"], 2),
+        (["--directions", "up"], 2),
+        (["--screws", "voussoir-1"], 2),
+        (["--ground", "*"], 0),
+        (["--friction", "0.1"], 1),
+    ],
+)
+def test_exit_codes(file, options, code):
+    assert main(["plan", str(file), *options]) == code
+
+
+@pytest.mark.slow
+def test_the_proof_is_verified_from_the_file(file, tmp_path, capsys):
+    proof = tmp_path / "p.json"
+    assert main(["plan", str(file), "--proof", str(proof), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["found"], answer["holds_max"], answer["impossible"]["kind"]) == (
+        True, 1, "closure",
+    )  # fmt: skip
+    assert main(["verify", str(file), str(proof)]) == 0
+    assert "The proof holds: plan." in capsys.readouterr().out
+    data = json.loads(proof.read_text())
+    step = next(one for one in data["proofs"] if one["about"] == "step" and one["change"]["held"])
+    step["proof"]["forces"][0][2] += 1e4
+    proof.write_text(json.dumps(data))
+    assert main(["verify", str(file), str(proof)]) == 1
+
+
+@pytest.mark.slow
+def test_steps_are_written_as_a_table(file, tmp_path):
+    table = tmp_path / "plan.csv"
+    assert main(["plan", str(file), "-o", str(table)]) == 0
+    lines = table.read_text().splitlines()
+    assert lines[0].startswith("step,part,held")
+    assert len(lines) == 10
+
+
+@pytest.mark.slow
+def test_what_falls_when_it_is_finished_is_named(file, capsys):
+    assert main(["plan", str(file), "--friction", "0.1"]) == 1
+    said = capsys.readouterr().out
+    assert "the finished assembly falls: 'voussoir-" in said
+
+
+@pytest.mark.slow
+def test_a_page_is_written_that_says_how_it_was_made(file, tmp_path, capsys):
+    page = tmp_path / "plan.html"
+    options = ["--hold", "1", "--before", "voussoir-8", "voussoir-0"]
+    assert main(["plan", str(file), *options, "-o", str(page)]) == 0
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.startswith(f"{page}: ")
+    assert told.err.count("\n") == 1
+    assert "put together in 9 steps" in told.err
+    html = page.read_text(encoding="utf-8")
+    assert "--hold 1 --before voussoir-8 voussoir-0 -o" in html
+    assert main(["plan", str(file), "--hold", "0", "-o", str(page), "--quiet"]) == 1
+    assert "impossible" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "begins"),
+    [
+        ("plan.glb", b"glTF"),
+        ("plan.svg", b"<?xml"),
+        ("plan.png", b"\x89PNG"),
+        ("plan.pdf", b"%PDF"),
+    ],
+)
+def test_films_and_figures_are_written_where_there_are_steps(name, begins, file, tmp_path, capsys):
+    made = tmp_path / name
+    assert main(["plan", str(file), "-o", str(made)]) == 0
+    assert made.read_bytes().startswith(begins)
+    made.unlink()
+    capsys.readouterr()
+    assert main(["plan", str(file), "--hold", "0", "-o", str(made)]) == 1
+    told = capsys.readouterr()
+    assert "with nothing held no order exists" in told.out
+    assert "not written, because the plan has no steps" in told.err
+    assert not made.exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", [[], ["-o", "plan.html"]])
+def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
+    page, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene("tower"), "tower.json")
+    Path("p.json").write_text("earlier")
+    Path("order.txt").write_text("\n".join(f"cube-{k}" for k in (5, 4, 3, 2, 1)))
+    words = ["plan", "tower.json", "--sequence", "order.txt", "--proof", "p.json", *page]
+    assert main(words) == 1
+    assert "p.json was not changed" in capsys.readouterr().err
+    assert Path("p.json").read_text() == "earlier"
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("command", ["check", "plan", "hold", "region", "margin"])
+def test_a_proof_is_never_written_over_the_file(command, tmp_path, capsys):
+    path = tmp_path / "tower.json"
+    kilter.dump(scene("tower"), path)
+    before = path.read_text()
+    assert main([command, str(path), "--proof", str(path)]) == 2
+    assert "would be overwritten" in capsys.readouterr().err
+    assert path.read_text() == before
+
+
+ROOT = Path(__file__).resolve().parents[2]
+SETS, EACH = 48, 6
+
+
+def run(words: list[str]) -> tuple[int, str, str]:
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main(words)
+    return code, out.getvalue(), err.getvalue()
+
+
+def timeless(answer: Any) -> Any:
+    if isinstance(answer, dict):
+        return {key: timeless(value) for key, value in answer.items() if key != "seconds"}
+    return [timeless(value) for value in answer] if isinstance(answer, list) else answer
+
+
+def unnoted(text: str) -> Any:
+    """Data of an answer without its warnings about replaced choices."""
+    answer = timeless(json.loads(text))
+    warnings = [words for words in answer["warnings"] if "of the choices" not in words]
+    return {**answer, "warnings": warnings}
+
+
+def write_files(folder: Path) -> dict[str, tuple[str, ...]]:
+    """A file of each kind, with the names of its parts."""
+    kilter.dump(kilter.example("tower"), folder / "tower.kilter.json")
+    kilter.dump(kilter.example("wall", size=(3, 3)), folder / "wall.kilter.json")
+    (folder / "bricks.txt").write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n2x2 (5,0,2)\n", "utf-8")
+    quads = {str(k): quad for k, quad in enumerate(BOX_QUADS.tolist())}
+    nodes = {}
+    (folder / "mesh").mkdir()
+    for k, shift in enumerate((0.0, 0.2, 0.6)):
+        corners = (BOX_CORNERS + np.array([shift, 0, k])).tolist()
+        places = {str(n): dict(zip("xyz", x, strict=True)) for n, x in enumerate(corners)}
+        data = {"attributes": {}, "vertex": places, "face": quads}
+        block = {"dtype": "compas_assembly.datastructures/Block", "data": data}
+        nodes[str(k)] = {"block": block, "is_support": k == 0}
+        lines = ["v " + " ".join(map(str, x)) for x in corners]
+        lines += ["f " + " ".join(str(n + 1) for n in quad) for quad in BOX_QUADS.tolist()]
+        (folder / "mesh" / f"m{k}.obj").write_text("\n".join(lines), "utf-8")
+    graph = {"dtype": "compas.datastructures/Graph", "data": {"node": nodes}}
+    kind = "compas_assembly.datastructures/Assembly"
+    compas = {"dtype": kind, "data": {"graph": graph}}
+    (folder / "compas.json").write_text(json.dumps(compas), "utf-8")
+    shutil.copy(ROOT / "examples" / "clamp.step", folder)
+    files = ["tower.kilter.json", "wall.kilter.json", "compas.json", "mesh", "bricks.txt"]
+    names = {file: kilter.load(folder / file).names for file in files}
+    return {**names, "clamp.step": ("base", "arm", "bolt", "nut")}
+
+
+def random_options(rng: np.random.Generator, file: str, names: tuple[str, ...]) -> list[str]:
+    """Random options of reading; a set may be invalid."""
+    pick = lambda: str(rng.choice(names))  # noqa: E731
+    number = lambda low, high: f"{rng.uniform(low, high):.17g}"  # noqa: E731
+    turned = ["--down", *(f"{x:.17g}" for x in [*rng.normal(0, 0.1, 2), -1.0])]
+    pattern = f"{pick()[:2]}*"
+    options: list[tuple[float, list[str]]] = [
+        (0.7, ["--ground", names[0], *([pick()] if rng.random() < 0.3 else [])]),
+        (0.3, ["--floor"] if rng.random() < 0.6 else ["--floor", number(-1, 0)]),
+        (0.25, ["--without", pattern if rng.random() < 0.3 else pick()]),
+        (0.5, turned if rng.random() < 0.7 else ["--up", str(rng.choice(["y", "z", "-x"]))]),
+        (0.5, ["--friction", number(0, 1)]),
+        (0.3, ["--density", number(100, 8000)]),
+        (0.3, ["--fasten", pick(), pattern]),
+        (0.2, ["--bond", pick(), pattern, number(0, 100)]),
+        (0.2, ["--fasten-suggested"]),
+        (0.2, ["--fasten-overlaps"]),
+        (0.3, ["--gap", number(1e-6, 1e-2)]),
+        (0.2, ["--angle", number(0.01, 3)]),
+        (0.2, ["--clearance", number(1e-6, 1e-2)]),
+        (0.2, ["--loose"]),
+    ]
+    if file in ("compas.json", "mesh"):
+        options.append((0.4, ["--units", str(rng.choice(["mm", "cm", "in"]))]))
+    if file == "compas.json":
+        options.append((0.3, ["--contacts", "geometry"]))
+    if file == "bricks.txt":
+        options += [
+            (0.4, ["--stud-pull", number(0, 2)]),
+            (0.3, ["--stud-shear", str(rng.choice(["mu", "unlimited", "0.7"]))]),
+            (0.3, ["--brick-sides", str(rng.choice(["face", "none"]))]),
+        ]
+    return [word for chance, words in options if rng.random() < chance for word in words]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, SETS, EACH))
+def test_random_options_answer_the_same_when_they_are_saved(first, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    files = write_files(tmp_path)
+    try:
+        import OCP  # noqa: F401
+    except ModuleNotFoundError:
+        del files["clamp.step"]
+    answers = 0
+    for k in range(first, first + EACH):
+        rng = np.random.default_rng([35, k])
+        file = list(files)[k % len(files)]
+        words = random_options(rng, file, files[file])
+        given = run(["check", file, *words, "--effort", "0", "--json"])
+        saved = run(["save", file, *words, "-o", "saved.json", "--quiet"])
+        line = shlex.join([file, *words])
+        if saved[0] == 2:
+            assert given[0] == 2, line
+            assert saved[2] == given[2].replace("check", "save"), line
+            continue
+        code, out, err = run(["check", "saved.json", "--effort", "0", "--json"])
+        assert code == given[0], (line, err, given[2])
+        assert err == given[2], line
+        if code != 2:
+            answers += 1
+            assert timeless(json.loads(out)) == timeless(json.loads(given[1])), line
+        plain = run(["check", file, "--effort", "0", "--json"])
+        code, bare, _ = run(["check", "saved.json", "--off", *OFF, "--effort", "0", "--json"])
+        assert code == plain[0], line
+        assert not bare or unnoted(bare) == unnoted(plain[1]), line
+        choices = kilter.Choices.read("saved.json")
+        run(["save", "saved.json", "-o", "again.json", "--quiet"])
+        assert kilter.Choices.read("again.json") == choices, line
+        with contextlib.suppress(KilterError):
+            verdict = kilter.check(kilter.load("saved.json"), effort=0)
+            assert timeless(verdict.to_dict()) == timeless(json.loads(out)), line
+    assert answers >= 1

@@ -435,7 +435,7 @@ def discrepancies(
     assembly: Assembly, contacts: ContactSet, regions: list[Region] | None = None
 ) -> list[str]:
     """Descriptions of lost, invented or wrong patches of a ContactSet."""
-    regions = oracle(assembly, contacts.tolerance) if regions is None else regions
+    regions = oracle(assembly, contacts.searched) if regions is None else regions
     found = _found(contacts)
     pairs = {tuple(r.parts) for r in regions} | {f[0] for f in found}
     wrong: list[str] = []

@@ -1,7 +1,5 @@
 """Random assemblies whose parts touch face to face, by family and seed, for the contact tests."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise

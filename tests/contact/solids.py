@@ -1,24 +1,16 @@
-"""Solids with exact faces for tests: profiles revolved about z, or extruded along y.
+"""Exact solids with round and free faces, and what their points and normals are by formula."""
 
-A profile is a closed list of corners, anticlockwise; two corners are connected by a straight side
-or, if a centre is given, by an arc. Sides become planes, cylinders and cones, arcs spheres and tori
-(revolved) or cylinders (extruded).
-"""
-
-from __future__ import annotations
-
+import dataclasses
 import itertools
+from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.assembly import Assembly, Part
 from kilter.assembly.polyhedra import polyhedron_moments
-from kilter.shape.primitives import Mesh
+from kilter.rigid import Pose
+from kilter.shape.primitives import Cylinder, Mesh
 from kilter.shape.solid import Solid, Surface
-
-__all__ = [
-    "arc", "ball", "bolt", "bore", "cone_frustum", "cone_socket", "extruded", "mesh_of", "peg",
-    "revolved", "socket", "torus", "trough",
-]  # fmt: skip
 
 
 def arc(center, start, end, pieces, *, left):
@@ -252,3 +244,212 @@ def trough(radius=1.0, half=np.pi / 3, depth=2.0, pieces=24, wall=0.5):
         [*line((-wide, low), (wide, low), (wide, z), (x, z)),
          *arc((0, 0), (x, z), (-x, z), pieces, left=False), *line((-wide, z))], depth,
     )  # fmt: skip
+
+
+def pin(name, radius, height, at=(0, 0, 0), **options):
+    """A solid cylinder about z."""
+    return Part(name, Cylinder(radius, height), Pose(at), **options)
+
+
+def as_solid(mesh: Mesh, free: np.ndarray, sagitta: float) -> Solid:
+    """A mesh as a solid: `free` triangles lie on a free form, the others on planes."""
+    corners = mesh.vertices[mesh.triangles]
+    out = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    out /= np.linalg.norm(out, axis=1)[:, None]
+    labels = np.full(len(corners), -1)
+    planes: list[Surface] = []
+    for k in np.flatnonzero(~free).tolist():
+        if labels[k] >= 0:
+            continue
+        level = np.abs((corners - corners[k, 0]) @ out[k]).max(axis=1) < 1e-9
+        labels[level & (out @ out[k] > 1 - 1e-9) & ~free] = len(planes)
+        planes.append(Surface("plane", corners[k, 0], out[k]))
+    starts = np.array([0, len(corners)])
+    volume, center, second, _ = polyhedron_moments(mesh.vertices, mesh.triangles, starts)
+    return Solid(
+        mesh.vertices,
+        mesh.triangles,
+        tuple(planes),
+        labels,
+        volume[0],
+        center[0],
+        second[0],
+        sagitta,
+    )
+
+
+def as_solids(assembly: Assembly, sagitta: float) -> Assembly:
+    """Blocks of a joint as solids whose joint is a free form."""
+    parts = []
+    for part in assembly.parts:
+        corners = part.shape.vertices[part.shape.triangles]
+        out = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        far = np.abs(part.shape.vertices[:, 2]).max()
+        level = (np.abs(corners[..., 2]) > far - 1e-9).all(axis=1)
+        free = (np.abs(out[:, 2]) > 1e-9) & ~level
+        parts.append(dataclasses.replace(part, shape=as_solid(part.shape, free, sagitta)))
+    return dataclasses.replace(assembly, parts=tuple(parts))
+
+
+def oval(sides: int, out: float = 0.0, *, a: float = 2.0, b: float = 1.0, phase: float = 0.0):
+    """Corners (n, 2) of an ellipse, moved out along its normals."""
+    t = phase + np.arange(sides) * 2 * np.pi / sides
+    normal = np.column_stack([b * np.cos(t), a * np.sin(t)])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    return np.column_stack([a * np.cos(t), b * np.sin(t)]) + out * normal
+
+
+def rings(*levels: tuple[np.ndarray, float]) -> np.ndarray:
+    """Outlines (n, 2) at heights, in order."""
+    return np.concatenate([np.column_stack([p, np.full(len(p), z)]) for p, z in levels])
+
+
+def band(low: int, high: int, sides: int) -> np.ndarray:
+    """Triangles between two outlines, given by their first corners, turned outwards."""
+    k = np.arange(sides)
+    m = (k + 1) % sides
+    one = np.column_stack([low + k, low + m, high + m])
+    return np.concatenate([one, np.column_stack([low + k, high + m, high + k])])
+
+
+def oval_plug(sides: int = 48, low: float = -1.0, high: float = 1.0, **outline: float) -> Solid:
+    """A plug over an oval; its side is a free form."""
+    points = oval(sides, **outline)
+    vertices = np.concatenate([rings((points, low), (points, high)), [[0, 0, low], [0, 0, high]]])
+    k = np.arange(sides)
+    m = (k + 1) % sides
+    bottom = np.column_stack([m, k, np.full(sides, 2 * sides)])
+    top = np.column_stack([k + sides, m + sides, np.full(sides, 2 * sides + 1)])
+    faces = np.concatenate([band(0, sides, sides), bottom, top])
+    free = np.arange(len(faces)) < 2 * sides
+    return as_solid(Mesh(vertices, faces), free, _sagitta(points))
+
+
+def oval_hole(sides: int = 48, low: float = -1.0, high: float = 1.0, **outline: float) -> Solid:
+    """A hole over an oval in an oval plate; its side and the rim of the plate are free forms."""
+    inner, outer = oval(sides, **outline), oval(sides, a=4.0, b=3.0)
+    vertices = rings((inner, low), (inner, high), (outer, low), (outer, high))
+    n = sides
+    hole, rim = band(0, n, n)[:, ::-1], band(2 * n, 3 * n, n)
+    faces = np.concatenate([hole, rim, band(2 * n, 0, n)[:, ::-1], band(3 * n, n, n)])
+    free = np.arange(len(faces)) < 4 * n
+    return as_solid(Mesh(vertices, faces), free, _sagitta(outer))
+
+
+def _sagitta(points: np.ndarray) -> float:
+    """Lower bound of the height of the outline over its chords: that of the most curved circle."""
+    step = np.roll(points, -1, axis=0) - points
+    bend = np.roll(step, -1, axis=0) - step
+    return float(np.linalg.norm(bend, axis=1).max() / 8)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """z = f(x, y), its slopes, and whether it is ruled along y."""
+
+    height: object
+    slope: object
+    ruled: bool
+
+
+def wave(rng, lean=0.0):
+    """Half a wave or more along x."""
+    size, number = rng.uniform(0.05, 0.15), rng.uniform(2.5, 5.0)
+    phase = rng.uniform(0, 2 * np.pi)
+    return Joint(
+        lambda x, y: size * np.sin(number * x + phase) + lean * x,
+        lambda x, y: (size * number * np.cos(number * x + phase) + lean, 0 * x),
+        True,
+    )
+
+
+def arc_joints(rng, lean=0.0):
+    """A piece of an ellipse, which no cylinder fits."""
+    width, height = rng.uniform(1.6, 3.0), rng.uniform(0.3, 0.6)
+    sign = rng.choice([-1.0, 1.0])
+    middle = rng.uniform(0.3, 0.7)
+
+    def root(x):
+        return np.sqrt(1 - ((x - middle) / width) ** 2)
+
+    return Joint(
+        lambda x, y: sign * height * root(x) + lean * x,
+        lambda x, y: (-sign * height * (x - middle) / width**2 / root(x) + lean, 0 * x),
+        True,
+    )
+
+
+def saddle(rng, lean=0.0):
+    """A surface with curvature in both directions."""
+    a, b, c = rng.uniform(0.1, 0.25), -rng.uniform(0.1, 0.25), rng.uniform(-0.1, 0.1)
+
+    def slope(x, y):
+        return 2 * a * (x - 0.5) + c * (y - 0.5) + lean, 2 * b * (y - 0.5) + c * (x - 0.5)
+
+    return Joint(
+        lambda x, y: a * (x - 0.5) ** 2 + b * (y - 0.5) ** 2 + c * (x - 0.5) * (y - 0.5) + lean * x,
+        slope,
+        False,
+    )
+
+
+JOINTS = {"wave": wave, "arc": arc_joints, "saddle": saddle}
+
+
+def cut(rng, span, count):
+    """Positions along a side, including its ends, moved at random between."""
+    step = (span[1] - span[0]) / count
+    places = np.linspace(*span, count + 1)
+    places[1:-1] += rng.uniform(-0.25, 0.25, count - 1) * step
+    return places
+
+
+def body(rng, joint, span, level, count):
+    """A block over `span` in x and 0 to 1 in y, from the joint to the plane z = level."""
+    x, y = cut(rng, span, count), cut(rng, (0.0, 1.0), count)
+    rows, columns = len(x), len(y)
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=2).reshape(-1, 2)
+    index = np.arange(rows * columns).reshape(rows, columns)
+    inner = index[1:-1, 1:-1].ravel()
+    grid[inner] += rng.uniform(-0.2, 0.2, (len(inner), 2)) / count
+    face = np.column_stack([grid, joint.height(*grid.T)])
+    far = np.column_stack([grid, np.full(len(grid), level)])
+    a, b, c, d = (
+        q.ravel() for q in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
+    )
+    turned = rng.random(len(a)) < 0.5
+    one = np.where(turned[:, None], np.column_stack([a, b, c]), np.column_stack([a, b, d]))
+    two = np.where(turned[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))
+    up = np.concatenate([one, two])
+    loop = np.concatenate([index[:, 0], index[-1, 1:], index[-2::-1, -1], index[0, -2:0:-1]])
+    after, n = np.roll(loop, -1), len(grid)
+    side = np.concatenate(
+        [np.column_stack([loop, loop + n, after + n]), np.column_stack([loop, after + n, after])]
+    )
+    # the joint faces up, the far plane down; a block above its joint is turned inside out
+    faces = np.concatenate([up, up[:, ::-1] + n, side])
+    return Mesh(np.concatenate([face, far]), faces if level < face[:, 2].min() else faces[:, ::-1])
+
+
+def blocks(rng, joint, *, count=(12, 15), pose=None, alike=False, lift=0.0):
+    """A held block below and a free block above, equally deep but less wide.
+
+    `alike`: both have the same triangles; `lift`: height of the upper block over the joint.
+    """
+    pose = pose or Pose()
+    seed, span = int(rng.integers(1 << 30)), (0.0, 1.0) if alike else (-0.2, 1.2)
+    below = body(np.random.default_rng(seed), joint, span, -1.5, count[0])
+    again = np.random.default_rng(seed + (not alike))
+    above = body(again, joint, (0.0, 1.0), 1.5, count[0 if alike else 1])
+    up = Pose(pose.apply([[0.0, 0.0, lift]])[0], pose.rotation)
+    return Assembly([Part("below", below, pose, grounded=True), Part("above", above, up)])
+
+
+def exact_normals(joint, points, pose):
+    """Exact unit normals, from below to above, at contact points in the world."""
+    local = (points - pose.position) @ pose.matrix
+    x, y = local[:, 0], local[:, 1]
+    slope_x, slope_y = joint.slope(x, y)
+    normal = np.column_stack([-slope_x, -slope_y, np.ones(len(x))])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    return normal @ pose.matrix.T

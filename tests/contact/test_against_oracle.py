@@ -1,7 +1,5 @@
 """Contacts of random and real assemblies against the brute-force oracle: none lost or invented."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Round fits with play: open as drawn, size on size if `--clearance` closes them; walls."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -73,7 +71,7 @@ def test_fit_with_play_is_open_and_says_by_how_much(name):
     assert contacts.overlaps == ()
     assert contacts.unsupported == ()
     (pair,) = contacts.open_pairs
-    assert (pair.kind, pair.parts) == ("clearance", (0, 1))
+    assert (pair.kind, pair.ends) == ("clearance", (0, 1))
     assert pair.gap == pytest.approx(PLAY, abs=1e-12)
 
 

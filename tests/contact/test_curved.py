@@ -1,7 +1,5 @@
 """Contacts between exact curved faces: positions, free motions, and the forces they hold."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -98,9 +96,9 @@ def test_loose_peg_lies_in_its_hole_along_a_line():
     parts = [base, Part("peg", peg(), Pose([0, 0, -0.2], LYING))]
     verdict = check(Assembly(parts))
     assert verdict.first_order == "stable"
-    assert verdict.contacts.patch_kind.tolist() == ["cylinder"]
-    assert np.sort(verdict.contacts.points[:, 1]) == pytest.approx([-1, 1])
-    assert verdict.contacts.points[:, 2] == pytest.approx([-1.2, -1.2])
+    assert verdict.contact_set.patch_kind.tolist() == ["cylinder"]
+    assert np.sort(verdict.contact_set.points[:, 1]) == pytest.approx([-1, 1])
+    assert verdict.contact_set.points[:, 2] == pytest.approx([-1.2, -1.2])
     assert check(Assembly(parts, gravity=[1e-6, 0, -G])).first_order == "unstable"
 
 
@@ -241,7 +239,7 @@ def test_four_spheres_roll_apart_without_friction_and_touch_where_they_should():
     assembly = four_spheres(friction_between=0, friction_ground=0)
     verdict = check(assembly)
     assert verdict.verdict == "unstable"
-    contacts = verdict.contacts
+    contacts = verdict.contact_set
     centers = np.array([part.pose.position for part in assembly.parts])
     assert len(contacts) == 6 + 3
     for (a, b), x in zip(contacts.patch_parts, contacts.points, strict=True):
@@ -250,7 +248,7 @@ def test_four_spheres_roll_apart_without_friction_and_touch_where_they_should():
     # held together by a ring around the three, they stay
     verdict = check(three_cylinders(friction_between=0, friction_ground=0))
     assert verdict.verdict == "unstable"
-    assert len(verdict.contacts) == 3 + 2
+    assert len(verdict.contact_set) == 3 + 2
 
 
 # cones, tori, bars --------------------------------------------------------------------
@@ -414,8 +412,8 @@ def test_ball_beside_the_middle_of_a_hole_touches_one_point_of_the_rim_and_falls
     parts = [held(bore()), Part("ball", Sphere(1.5), Pose(centre))]
     verdict = check(Assembly(parts))
     assert verdict.verdict == "unstable"
-    assert len(verdict.contacts) == 1
-    assert verdict.contacts.unsupported == ()
+    assert len(verdict.contact_set) == 1
+    assert verdict.contact_set.unsupported == ()
 
 
 @pytest.mark.slow
@@ -427,8 +425,8 @@ def test_ball_just_above_the_rim_of_a_hole_is_open_as_far_as_loose_data_would_re
     centre = [0, 0, 1 + np.sqrt((1.5 + gap) ** 2 - 1)]
     parts = [held(bore()), Part("ball", Sphere(1.5), Pose(centre))]
     verdict = check(Assembly(parts))
-    assert len(verdict.contacts) == 0
-    assert [pair.kind for pair in verdict.contacts.open_pairs] == kinds
+    assert len(verdict.contact_set) == 0
+    assert [pair.kind for pair in verdict.contact_set.open_pairs] == kinds
     assert verdict.verdict == ("undecided" if kinds else "unstable")
 
 
@@ -453,7 +451,7 @@ def test_free_form_is_listed_and_not_taken_for_its_triangles():
     )  # fmt: skip
     verdict = check(Assembly([FLOOR, Part("blob", free, Pose([0, 0, 0.5]))]))
     assert verdict.verdict == "undecided"
-    assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
+    assert [u.kind for u in verdict.contact_set.unsupported] == ["curved"]
     far = check(Assembly([FLOOR, Part("blob", free, Pose([0, 0, 0.6]))]))
     assert far.verdict == "unstable"
-    assert far.contacts.unsupported == ()
+    assert far.contact_set.unsupported == ()

@@ -1,8 +1,8 @@
 """Curved contacts in any pose, at any scale, with and without a gap: none lost, none invented."""
 
-from __future__ import annotations
-
+import importlib.util
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -364,3 +364,44 @@ def interfaces(value):
 def area(points):
     local = points - points[0]
     return 0.5 * np.linalg.norm(np.cross(local[:-1], local[1:]).sum(axis=0))
+
+
+FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "round_census.py"
+
+
+@pytest.fixture(scope="module")
+def census():
+    pytest.importorskip("OCP")
+    spec = importlib.util.spec_from_file_location("round_census", FILE)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["round_census"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(80))
+def test_round_bodies_touch_and_stay_as_closed_forms_say(census, seed):
+    _, _, wrong = census.asked(seed)
+    assert wrong == []
+
+
+FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
+
+
+@pytest.fixture(scope="module")
+def tangents():
+    pytest.importorskip("OCP")
+    sys.path.append(str(FOLDER))
+    spec = importlib.util.spec_from_file_location("tangent_census", FOLDER / "tangent_census.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["tangent_census"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_the_contact_point_of_two_bodies_is_that_of_their_nearest_points(tangents, seed):
+    scene = tangents.random_scene(np.random.default_rng(seed))
+    assert scene is None or tangents.judged(scene) == []

@@ -6,8 +6,8 @@ import shlex
 
 import numpy as np
 import pytest
+from solids import pin
 from transformations import scaled
-from tubes import pin, tube
 
 from kilter import InputError, Tolerance, check, fastened
 from kilter.analysis.verification import proof_tolerance, verify_proof
@@ -21,7 +21,7 @@ from kilter.contact.overlap import shared_body
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import Pose
-from kilter.scenes.pieces import block, floor, turn
+from kilter.scenes.pieces import block, floor, tube, turn
 from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
 from round_meshes import revolved
@@ -139,21 +139,21 @@ def test_thicker_shaft_is_an_interference_fit(turned):
     fits = coaxial_fits(assembly, [(1, 2)], Tolerance())
     assert len(fits) == 1
     fit = fits[0]
-    assert fit.parts == (2, 1)
+    assert fit.ends == (2, 1)
     assert fit.tight
     assert fit.interference == pytest.approx(0.02, rel=1e-9)
     assert fit.length == pytest.approx(2.0, rel=1e-9)
     found = detect.contacts(assembly)
     named = [overlap for overlap in found.overlaps if set(overlap.parts) == {1, 2}]
     assert [overlap.why for overlap in named] == ["interfere"]
-    assert any("interfere" in text for text in found.remarks())
+    assert any("interfere" in text for text in found.warnings)
     suggestion = suggest_joints(assembly, found)[0]
     assert suggestion.parts == ("bolt", "sleeve")
     assert suggestion.option == "--fasten bolt sleeve"
     assert suggestion.joint == {"parts": ["bolt", "sleeve"], "kind": "fixed"}
     joined = fastened(assembly, [("bolt", "sleeve")], contacts=found)
     assert suggest_joints(joined, found) == []
-    assert not any("interfere" in text for text in found.of(joined).remarks())
+    assert not any("interfere" in text for text in found.of(joined).warnings)
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -314,7 +314,7 @@ def test_volume_of_two_boxes_in_any_pose(factor):
 def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
     assembly = bolted(1.05)
     found = detect.contacts(assembly)
-    (overlap,) = [o for o in found.overlaps if set(o.parts) == {1, 2}]
+    (overlap,) = [o for o in found.overlaps if set(o.ends) == {1, 2}]
     # the triangles of the bolt reach beyond the ring, where their sides are not refined
     exact = np.pi * (1.05**2 - 1) * 2.0
     assert overlap.volume == pytest.approx(exact, rel=5e-4)
@@ -628,7 +628,7 @@ def test_copies_of_an_overlapping_pair_share_its_depth_and_volume():
     ]
     overlaps = detect.contacts(Assembly(parts)).overlaps
     (single,) = detect.contacts(Assembly(parts[:2])).overlaps
-    assert [overlap.parts for overlap in overlaps] == [(0, 1), (2, 3), (4, 5)]
+    assert [overlap.ends for overlap in overlaps] == [(0, 1), (2, 3), (4, 5)]
     for overlap in overlaps:
         assert overlap.depth == pytest.approx(single.depth, rel=1e-9)
         assert overlap.volume == pytest.approx(single.volume, rel=1e-9)

@@ -1,7 +1,5 @@
 """Round bodies on a table: their lowest points, their contacts, and their free motions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -128,8 +126,8 @@ def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
     verdict = check(on_table(shape, down, seed))
     assert verdict.first_order == "stable"
     assert (verdict.verdict == "balanced") == (name in ("capsule, standing", "torus, standing"))
-    assert verdict.contacts.unsupported == ()
-    assert np.abs(verdict.contacts.patch_gap).max() < 1e-13
+    assert verdict.contact_set.unsupported == ()
+    assert np.abs(verdict.contact_set.patch_gap).max() < 1e-13
     assert verdict.to_dict()["neutral"] == {"two_sided": count, "one_sided": 0}
 
 
@@ -174,7 +172,7 @@ def test_at_any_tilt_a_body_touches_in_one_exact_point_and_falls_unless_it_is_a_
     down = np.random.default_rng(seed).normal(size=3)
     assembly = on_table(shape, down, seed)
     verdict = check(assembly)
-    contacts = verdict.contacts
+    contacts = verdict.contact_set
     assert contacts.unsupported == ()
     assert len(contacts.points) == 1
     assert verdict.verdict == ("stable" if name == "ball" else "unstable")
@@ -192,7 +190,7 @@ def test_tilted_end_carries_what_stands_above_its_lowest_point_alone(shape):
     # a body balances on a rim where its centre of mass is straight above the point it touches in
     down = np.array([0.3, -0.4, -1.0])
     down /= np.linalg.norm(down)
-    touched = check(on_table(shape, down, 0)).contacts
+    touched = check(on_table(shape, down, 0)).contact_set
     pose = touched.assembly.parts[0].pose
     foot = pose.matrix.T @ (touched.points[0] - pose.position)
     for aside, word in ((0.0, "stable"), (1e-3, "unstable")):

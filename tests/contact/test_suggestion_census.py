@@ -1,17 +1,15 @@
 """Suggestions over random assemblies with known joints: these and no others."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
+from solids import pin
 from transformations import scaled
-from tubes import pin, tube
 
 from kilter import check, fastened
 from kilter.assembly import Assembly, Joint
 from kilter.contact import contacts
 from kilter.contact.fits.suggestions import suggest_joints
-from kilter.scenes.pieces import block, turn
+from kilter.scenes.pieces import block, tube, turn
 from kilter.scenes.transform import moved
 
 SCENES = 24
@@ -115,7 +113,7 @@ class Bench:
 @pytest.mark.slow
 @pytest.mark.parametrize("threads", [False, True])
 @pytest.mark.parametrize("seed", range(SCENES // 2))
-def test_suggestions_are_the_joints_that_it_was_built_with(seed: int, threads: bool) -> None:
+def test_suggestions_are_the_joints_that_it_was_built_with(seed, threads):
     bench = Bench(1000 * threads + seed)
     assembly = bench.build(threads)
     found = contacts(assembly)

@@ -1,7 +1,5 @@
 """A scene for each way in which contact searches have failed before."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from itertools import product
 
@@ -268,7 +266,7 @@ def test_strip_thinner_than_the_tolerance_is_no_patch():
 def test_identical_parts_are_reported_as_overlap():
     contacts = contacts_of(block([0, 0, 0], [1, 1, 1]), block([0, 0, 0], [1, 1, 1]))
     assert len(contacts) == 0
-    assert [tuple(sorted(o.parts)) for o in contacts.overlaps] == [(0, 1)]
+    assert [tuple(sorted(o.ends)) for o in contacts.overlaps] == [(0, 1)]
 
 
 @pytest.mark.parametrize("inner_first", [True, False])
@@ -276,7 +274,7 @@ def test_contained_part_is_reported_as_overlap(inner_first):
     pair = [block([1, 1, 1], [2, 2, 2]), block([0, 0, 0], [3, 3, 3])]
     contacts = contacts_of(*pair[:: 1 if inner_first else -1])
     assert len(contacts) == 0
-    assert [tuple(sorted(o.parts)) for o in contacts.overlaps] == [(0, 1)]
+    assert [tuple(sorted(o.ends)) for o in contacts.overlaps] == [(0, 1)]
 
 
 def test_part_in_the_hole_of_another_is_no_overlap():
@@ -418,7 +416,7 @@ def test_gap_is_judged_at_the_tolerance(scale, share, touches):
         assert contacts.patch_gap[0] == pytest.approx([gap, gap], rel=1e-9)
     elif share > 0:
         (near,) = contacts.rejected
-        assert tuple(sorted(near.parts)) == (0, 1)
+        assert tuple(sorted(near.ends)) == (0, 1)
         assert near.gap == pytest.approx(gap, rel=1e-9)
         assert "gap" in near.why
     else:

@@ -1,12 +1,13 @@
-"""Every code block of README and docs runs; every command and flag that they name exists."""
+"""Pages of the documentation run, and are those that their programs write."""
 
-from __future__ import annotations
-
+import json
 import re
 import shlex
 import shutil
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import kilter
@@ -14,6 +15,8 @@ from kilter.cli import main
 from kilter.cli.commands import COMMANDS, functions_of
 from kilter.cli.declarations import declared_of
 from kilter.cli.option_parser import with_values
+from kilter.scenes import scene
+from kilter.scenes.walls import wall
 
 ROOT = Path(__file__).resolve().parents[2]
 OTHERS = ("compas", "compas_assembly")
@@ -27,9 +30,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_python_of_a_page_runs(
-    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_python_of_a_page_runs(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}  # a later block may use the names of an earlier block
     for block in blocks(page, "python"):
@@ -43,7 +44,7 @@ def test_python_of_a_page_runs(
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_commands_of_a_page_exist_with_their_flags(page: Path) -> None:
+def test_commands_of_a_page_exist_with_their_flags(page):
     text = page.read_text(encoding="utf-8")
     # a sentence may begin with the name of the program: only lines of code blocks are commands
     typed = [
@@ -74,9 +75,7 @@ def named_commands(line: str) -> list[list[str]]:
 
 @pytest.mark.quick("gallery.md")
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_shell_of_a_page_runs_and_says_what_is_shown(
-    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_shell_of_a_page_runs_and_says_what_is_shown(page, tmp_path, monkeypatch, capsys):
     """Commands run in the order of the page; what a page shows of an answer is its beginning."""
     monkeypatch.chdir(tmp_path)
     text = page.read_text(encoding="utf-8")
@@ -92,9 +91,7 @@ def test_shell_of_a_page_runs_and_says_what_is_shown(
                 assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
 
 
-def test_the_first_verdict_on_a_step_file_is_that_of_the_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_first_verdict_on_a_step_file_is_that_of_the_page(tmp_path, monkeypatch, capsys):
     pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
     shutil.copy(ROOT / "examples/clamp.step", tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -131,9 +128,7 @@ def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_every_command_that_the_readme_lists_runs(
-    assemblies: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_command_that_the_readme_lists_runs(assemblies, capsys):
     listed = [
         line
         for block in blocks(ROOT / "README.md", "text")
@@ -149,7 +144,7 @@ def test_every_command_that_the_readme_lists_runs(
         assert code in (0, 1, 3), f"{line}: {capsys.readouterr().err}"
 
 
-def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
+def test_a_page_that_names_a_missing_flag_fails(tmp_path):
     page = tmp_path / "new.md"
     typed = "```sh\nkilter draw FILE --colour red\n```"
     for line in (typed, "see `kilter draw FILE --colour red`"):
@@ -161,7 +156,7 @@ def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
         test_commands_of_a_page_exist_with_their_flags(page)
 
 
-def test_each_key_of_an_answer_is_explained() -> None:
+def test_each_key_of_an_answer_is_explained():
     text = (ROOT / "docs" / "answers.md").read_text(encoding="utf-8")
     [table] = re.findall(r"\| key of `check --json` \|.*?\n\n", text, flags=re.S)
     cells = " ".join(re.findall(r"^\| (`.*?) \|", table, flags=re.M))
@@ -169,26 +164,24 @@ def test_each_key_of_an_answer_is_explained() -> None:
     assert sorted(named) == sorted(kilter.check(kilter.example("tower")).to_dict())
 
 
-def test_every_page_is_in_the_site() -> None:
+def test_every_page_is_in_the_site():
     nav = re.findall(r"([\w/-]+\.md)", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     docs = ROOT / "docs"
     assert sorted(nav) == sorted(p.relative_to(docs).as_posix() for p in docs.rglob("*.md"))
 
 
-def test_a_picture_of_a_page_is_small() -> None:
+def test_a_picture_of_a_page_is_small():
     for path in (ROOT / "docs" / "images").iterdir():
         assert path.stat().st_size < 150_000, path.name
 
 
-def test_links_between_pages_lead_somewhere() -> None:
+def test_links_between_pages_lead_somewhere():
     for page in PAGES:
         for target in re.findall(r"\]\((?!https?:)([^)#]+)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
-def test_the_verdict_shown_in_the_readme_is_what_kilter_says(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_verdict_shown_in_the_readme_is_what_kilter_says(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     [block] = [b for b in blocks(ROOT / "README.md", "text") if b.startswith("$ kilter check ")]
     shown = block.strip().splitlines()
@@ -198,9 +191,129 @@ def test_the_verdict_shown_in_the_readme_is_what_kilter_says(
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.json")), ids=lambda p: p.name)
-def test_an_example_is_what_its_scene_makes(path: Path) -> None:
+def test_an_example_is_what_its_scene_makes(path):
     from kilter.files import load, to_dict
     from kilter.scenes import scene
 
     made = scene(path.name.removesuffix(".kilter.json"))
     assert to_dict(load(path)) == to_dict(made)
+
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs/report.md").read_text(encoding="utf-8")
+
+
+def stated(pattern: str) -> float:
+    [number] = re.findall(pattern, PAGE)
+    return float(number)
+
+
+@pytest.mark.slow
+def test_a_cell_has_at_least_the_stated_size():
+    cell = kilter.check(scene("tower")).show()
+    least = stated(r"stored in the\nnotebook \(([\d.]+) MB and more\)")
+    assert least <= len(cell._repr_html_().encode()) / 1e6 < least + 0.1
+
+
+@pytest.mark.slow
+def test_a_page_of_ten_thousand_bricks_has_the_stated_size():
+    page = kilter.report(wall(100, 100)).html
+    size = stated(r"A page of 10,000 bricks has ([\d.]+) MB")
+    assert len(page.encode()) / 1e6 == pytest.approx(size, rel=0.1)
+
+
+NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
+LARGEST = 100_000
+"""Largest notebook [bytes]."""
+
+
+def cells(path: Path) -> list[dict[str, object]]:
+    return json.loads(path.read_text(encoding="utf-8"))["cells"]  # type: ignore[no-any-return]
+
+
+def test_there_is_a_notebook_for_each_user_and_for_the_paper():
+    names = {path.stem for path in NOTEBOOKS}
+    assert names == {"designer", "robot_planner", "architect", "paper_figures"}
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_small_and_complete(path):
+    assert path.stat().st_size < LARGEST
+    first, *others = cells(path)
+    assert "".join(first["source"]).startswith("# ")  # type: ignore[arg-type]
+    assert 'pip install "kilter[' in "".join(first["source"])  # type: ignore[arg-type]
+    code = [cell for cell in others if cell["cell_type"] == "code"]
+    assert all(cell["execution_count"] is None for cell in code)
+    outputs = [output for cell in code for output in cell["outputs"]]  # type: ignore[attr-defined]
+    assert not [output for output in outputs if output["output_type"] == "error"]
+    assert any("image/png" in output.get("data", {}) for output in outputs)
+    assert str(ROOT) not in json.dumps(outputs)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs_and_prints_the_kept_text(path, monkeypatch):
+    pytest.importorskip("nbclient", reason="pip install 'kilter[notebook]'")
+    pytest.importorskip("ipykernel", reason="pip install 'kilter[notebook]'")
+    pytest.importorskip("OCP", reason="pip install 'kilter[step]'")
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    from run_notebooks import main
+
+    monkeypatch.setattr(sys, "argv", ["run_notebooks.py", "--compare", path.stem])
+    assert main() == 0
+
+
+EXAMPLE = ROOT / "examples" / "clamp.step"
+
+
+@pytest.fixture
+def clamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A base, an arm with a hole on it, a bolt in the hole and a nut round the bolt."""
+    pytest.importorskip("OCP", reason="needs the extra kilter[step]")
+    monkeypatch.syspath_prepend(str(ROOT / "tests" / "files"))
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
+    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+    from step_maker import write_step
+
+    def cylinder(radius: float, low: float, high: float) -> object:
+        axis = gp_Ax2(gp_Pnt(0, 0, low), gp_Dir(0, 0, 1))
+        return BRepPrimAPI_MakeCylinder(axis, radius, high - low).Shape()
+
+    def box(low: tuple[float, ...], high: tuple[float, ...]) -> object:
+        return BRepPrimAPI_MakeBox(gp_Pnt(*low), gp_Pnt(*high)).Shape()
+
+    shaft = cylinder(4, 0, 40)
+    arm = BRepAlgoAPI_Cut(box((-10, -10, 0), (60, 10, 10)), shaft).Shape()
+    nut = BRepAlgoAPI_Cut(cylinder(7, 10, 16), shaft).Shape()
+    roots = [("base", box((-30, -30, -10), (70, 30, 0)), None), ("arm", arm, None)]
+    return write_step(tmp_path / "clamp.step", [*roots, ("bolt", shaft, None), ("nut", nut, None)])
+
+
+@pytest.mark.slow
+def test_the_example_is_what_is_made_here(clamp):
+    made, kept = (kilter.load(path, ground="base") for path in (clamp, EXAMPLE))
+    assert made.names == kept.names
+    for name in ("volume", "center", "inertia"):
+        assert np.array_equal(getattr(made.geometry, name), getattr(kept.geometry, name))
+    assert kilter.check(kept).stable
+
+
+@pytest.mark.slow
+def test_the_command_of_the_page_puts_the_nut_over_its_bolt(clamp, monkeypatch, capsys):
+    monkeypatch.chdir(clamp.parent)
+    page = (ROOT / "docs" / "planning-tutorial.md").read_text(encoding="utf-8")
+    [line] = re.findall(r"^kilter (plan examples/clamp\.step .*)$", page, flags=re.M)
+    words = shlex.split(line)
+    shutil.copytree(ROOT / "examples", clamp.parent / "examples")
+    assert main(words) == 0, capsys.readouterr().err
+    assert (clamp.parent / "clamp.html").stat().st_size > 1e5
+    capsys.readouterr()
+    assert main([*words[: words.index("-o")], "--json"]) == 0
+    steps = json.loads(capsys.readouterr().out)["steps"]
+    assert [step["parts"] for step in steps][-1] == ["nut"]
+    assert (steps[-1]["over"], steps[-1]["direction"]) == ("bolt", [0, 0, -1])
+    # without the word about the thread the nut is a ring that comes along any way that is free
+    screws = words.index("--screws")
+    assert main([*words[:screws], *words[screws + 3 : words.index("-o")], "--json"]) == 0
+    assert all(step["over"] is None for step in json.loads(capsys.readouterr().out)["steps"])

@@ -1,7 +1,5 @@
 """The page of known answers says what kilter finds today, of every case."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import re
@@ -18,7 +16,7 @@ PAGE = DOCS / "known-answers.md"
 PICTURES = DOCS / "images" / "known"
 
 
-def test_each_case_has_a_row() -> None:
+def test_each_case_has_a_row():
     rows = re.findall(r"^\| (R?\d+b?) \| (.*?) \|", PAGE.read_text(encoding="utf-8"), flags=re.M)
     assert rows == [(case.number, case.title) for case in [*CASES, *ROLLING]]
 
@@ -37,7 +35,7 @@ def drawing() -> Iterator[ModuleType]:
                 del sys.modules[name]
 
 
-def test_each_case_has_its_picture_as_its_scene_is_today(drawing: ModuleType) -> None:
+def test_each_case_has_its_picture_as_its_scene_is_today(drawing):
     """``python docs/draw_known_answers.py`` draws them anew."""
     cases = [*CASES, *ROLLING]
     assert {path.stem for path in PICTURES.iterdir()} == {case.number for case in cases}
@@ -48,7 +46,7 @@ def test_each_case_has_its_picture_as_its_scene_is_today(drawing: ModuleType) ->
         assert (PICTURES / name).read_text(encoding="utf-8") == drawing.drawn(case), name
 
 
-def test_what_a_scene_changes_is_seen_in_its_picture(drawing: ModuleType) -> None:
+def test_what_a_scene_changes_is_seen_in_its_picture(drawing):
     """A limit of another case moves its centre of mass, and the mark beside it."""
     [weeble] = [case for case in CASES if case.number == "09"]
     lower = dataclasses.replace(weeble, limit=0.7)
@@ -56,7 +54,7 @@ def test_what_a_scene_changes_is_seen_in_its_picture(drawing: ModuleType) -> Non
 
 
 @pytest.mark.slow
-def test_the_page_is_what_is_found_today() -> None:
+def test_the_page_is_what_is_found_today():
     """``python docs/build_known_answers.py`` writes it anew."""
     source = (DOCS / "build_known_answers.py").read_text(encoding="utf-8")
     space: dict[str, object] = {"__name__": "written", "__file__": str(DOCS / "x.py")}

@@ -1,7 +1,5 @@
 """README's thumbnails: each has its command, and the command draws the picture."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -10,12 +8,12 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs"))
 
-from draw_gallery import ENTRIES, FOLDER, Entry, draw, table, with_table  # noqa: E402
+from draw_gallery import ENTRIES, FOLDER, draw, table, with_table  # noqa: E402
 
 from kilter.scenes import SCENES  # noqa: E402
 
 
-def test_readme_has_the_table_of_twelve_thumbnails() -> None:
+def test_readme_has_the_table_of_twelve_thumbnails():
     assert len(ENTRIES) == 12
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert with_table(readme) == readme
@@ -24,7 +22,7 @@ def test_readme_has_the_table_of_twelve_thumbnails() -> None:
     assert table().count("<code>kilter ") == 12
 
 
-def test_each_thumbnail_is_a_small_picture_of_a_built_in_example() -> None:
+def test_each_thumbnail_is_a_small_picture_of_a_built_in_example():
     assert {path.stem for path in FOLDER.glob("*.webp")} == {entry.scene for entry in ENTRIES}
     for entry in ENTRIES:
         assert entry.scene in SCENES
@@ -33,5 +31,5 @@ def test_each_thumbnail_is_a_small_picture_of_a_built_in_example() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.scene)
-def test_the_command_of_a_thumbnail_draws_a_picture(entry: Entry, tmp_path: Path) -> None:
+def test_the_command_of_a_thumbnail_draws_a_picture(entry, tmp_path):
     assert draw(entry, tmp_path).read_bytes().startswith(b"\x89PNG")

@@ -1,7 +1,5 @@
 """The site is built without a warning, and asks for nothing from elsewhere."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
@@ -18,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.slow
-def test_the_site_is_built_strictly_and_works_offline(tmp_path: Path) -> None:
+def test_the_site_is_built_strictly_and_works_offline(tmp_path):
     site = tmp_path / "site"
     result = subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(site)],

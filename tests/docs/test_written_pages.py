@@ -1,7 +1,5 @@
 """Pages that programs write, features and defaults, are as the tests and the code give them."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -12,16 +10,16 @@ from build_defaults import page as defaults_page
 from build_features import MISSING, PAGE, page, sections
 
 
-def test_the_page_is_built_from_the_names_of_the_tests() -> None:
+def test_the_page_is_built_from_the_names_of_the_tests():
     assert PAGE.read_text(encoding="utf-8") == page()
 
 
-def test_the_page_has_features_and_what_is_missing() -> None:
+def test_the_page_has_features_and_what_is_missing():
     rows = sections()
     assert len(rows[MISSING]) >= 4
     assert sum(map(len, rows.values())) >= 25
 
 
-def test_the_page_of_defaults_has_those_of_the_code() -> None:
+def test_the_page_of_defaults_has_those_of_the_code():
     assert DEFAULTS.read_text(encoding="utf-8") == defaults_page()
     assert "| `require` | `'settles'` |" in defaults_page()

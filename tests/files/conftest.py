@@ -1,7 +1,5 @@
 """Fixtures that write small files for the tests of the readers."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Random files with known contents and known damage."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import fastjsonschema
 import pytest
+from shapely import Geometry
 
 import kilter
+from kilter.analysis.placing.polygon_sets import rings_of
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import schema, to_text
-from kilter.tell.json_answer import Answer
-from kilter.tell.record import SCHEMA_VERSION
-from kilter.tell.record import Answer as RecordedAnswer
+from kilter.files.packing_lists import PackedBox, PackingPlan
+from kilter.tell.record import SCHEMA_VERSION, Answer, Record, json_value
 from published import WRITERS, validator
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -26,7 +27,7 @@ INVALID = fastjsonschema.JsonSchemaValueException
 
 def test_the_published_schemas_are_those_of_the_models() -> None:
     """After a change of a model: python docs/build_schemas.py."""
-    from kilter.files.answer_schemas import build_all_schemas
+    from answer_schemas import build_all_schemas
 
     built = build_all_schemas()
     assert {name: schema(name) for name in built} == built
@@ -36,7 +37,7 @@ def test_the_published_schemas_are_those_of_the_models() -> None:
 
 
 def test_every_class_of_answers_is_validated() -> None:
-    bases = [Answer, RecordedAnswer]
+    bases = [Answer]
     for base in bases:
         bases += [kind for kind in base.__subclasses__() if not kind.answer]
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.answer}
@@ -67,6 +68,37 @@ def _wrong(data: dict[str, Any]) -> list[dict[str, Any]]:
     lacking = [{k: v for k, v in data.items() if k != key} for key in data]
     others = [data | {"answer": "another"}, data | {"schema": SCHEMA_VERSION + 1}]
     return [data | {"unlisted": None}, *others, *lacking[2:]]  # the first two keys are optional
+
+
+def test_each_key_of_an_answer_is_an_attribute_with_its_value(answers: dict[str, Answer]) -> None:
+    assembly = kilter.example("tower")
+    box = kilter.box_to_place([0.5, 0.5, 0.5], 1.0)
+    upper = PackedBox("b", (1, 1, 1), 1, (0.6, 0, 1), 2, max_load=1.0)
+    more = [
+        kilter.scene(assembly),
+        kilter.settle(assembly),
+        kilter.place(assembly, box),
+        kilter.place(assembly, box, at=[0, 0]),
+        kilter.check_plan(PackingPlan((PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1), upper), "m")),
+    ]
+    for answer in (*answers.values(), *more):
+        require_attributes(answer, answer.to_dict())
+
+
+def require_attributes(value: Any, data: Any) -> None:
+    """Require that each key of the data of a value, and of its pieces, is an attribute."""
+    if isinstance(value, Record):
+        for key, entry in data.items():
+            require_attributes(getattr(value, key), entry)
+    elif isinstance(value, Mapping):
+        for key, entry in data.items():
+            require_attributes(value[key], entry)
+    elif isinstance(value, list | tuple):
+        for one, entry in zip(value, data, strict=True):
+            require_attributes(one, entry)
+    else:
+        assert not isinstance(data, dict)  # a piece that is no record
+        assert (rings_of(value) if isinstance(value, Geometry) else json_value(value)) == data
 
 
 def test_an_unlisted_key_of_an_entry_fails(answers: dict[str, Answer]) -> None:

@@ -1,7 +1,5 @@
 """COMPAS assemblies: names, supports, polygons, faults."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path
@@ -31,7 +29,7 @@ def compas(nodes: dict[str, Any], **graph: Any) -> dict[str, Any]:
     return {"dtype": "compas_assembly.datastructures/Assembly", "data": {"graph": inner}}
 
 
-def test_blocks_are_parts_in_the_order_of_their_keys(write) -> None:
+def test_blocks_are_parts_in_the_order_of_their_keys(write):
     data = compas({k: {"block": block(float(k))} for k in ("10", "2", "0")})
     assembly = load(write("a.json", data), units="cm", density=2000)
     assert assembly.names == ("0", "2", "10")
@@ -40,14 +38,14 @@ def test_blocks_are_parts_in_the_order_of_their_keys(write) -> None:
     assert not any(part.grounded for part in assembly.parts)
 
 
-def test_names_that_blocks_share_give_way_to_keys(write) -> None:
+def test_names_that_blocks_share_give_way_to_keys(write):
     blocks = {"0": block(name="Block"), "1": block(1, name="Block"), "2": block(2, name="key")}
     assembly = load(write("a.json", compas({k: {"block": b} for k, b in blocks.items()})))
     assert assembly.names == ("0", "1", "key")
 
 
 @pytest.mark.parametrize("mark", ["node", "block", "default"])
-def test_supports_are_held(mark: str, write) -> None:
+def test_supports_are_held(mark, write):
     own = {"is_support": True} if mark == "block" else {}
     nodes = {"0": {"block": block(**own)}, "1": {"block": block(1), "is_support": False}}
     if mark == "node":
@@ -57,13 +55,13 @@ def test_supports_are_held(mark: str, write) -> None:
     assert [part.grounded for part in assembly.parts] == [True, False]
 
 
-def test_older_files_say_datatype_and_value(write) -> None:
+def test_older_files_say_datatype_and_value(write):
     graph = {"node": {"0": {"block": block()["data"]}}}
     data = {"datatype": "compas_assembly.datastructures/Assembly", "value": {"graph": graph}}
     assert load(write("a.json", data)).geometry.volume == pytest.approx([1])
 
 
-def test_files_of_2021_hold_the_nodes_in_the_assembly(write) -> None:
+def test_files_of_2021_hold_the_nodes_in_the_assembly(write):
     node = {"node": {"0": {"block": block()}, "1": {"block": block(1)}}}
     kind = "compas_assembly.datastructures/Assembly"
     files = [
@@ -75,7 +73,7 @@ def test_files_of_2021_hold_the_nodes_in_the_assembly(write) -> None:
     assert found[0].geometry.volume == pytest.approx([1, 1])
 
 
-def test_a_list_of_meshes_is_an_assembly(write) -> None:
+def test_a_list_of_meshes_is_an_assembly(write):
     mesh = {"dtype": "compas.datastructures/Mesh", "data": block(2, name="lid")["data"]}
     assembly = load(write("a.json", [block(), block(1), mesh]))
     assert assembly.names == ("0", "1", "lid")
@@ -83,20 +81,20 @@ def test_a_list_of_meshes_is_an_assembly(write) -> None:
     assert load(write("b.json", mesh)).names == ("lid",)
 
 
-def test_a_list_of_other_objects_is_refused(write) -> None:
+def test_a_list_of_other_objects_is_refused(write):
     point = {"dtype": "compas.geometry/Point", "data": [0, 0, 0]}
     with pytest.raises(InputError, match="not meshes"):
         load(write("a.json", [block(), point]))
 
 
-def test_densities_of_blocks_are_theirs(write) -> None:
+def test_densities_of_blocks_are_theirs(write):
     nodes = {"0": {"block": block(density=2.5)}, "1": {"block": block(1, density=None)}}
     assembly = load(write("a.json", compas(nodes)), density=3)
     assert assembly.geometry.mass == pytest.approx([2.5, 3])
 
 
 @pytest.mark.parametrize("density", [0, -1, "heavy", float("inf"), [1], True])
-def test_a_density_that_is_none_is_refused(density: Any, write) -> None:
+def test_a_density_that_is_none_is_refused(density, write):
     with pytest.raises(InputError, match="part 'stone': density is"):
         load(write("a.json", compas({"0": {"block": block(name="stone", density=density)}})))
 
@@ -120,7 +118,7 @@ def faced(frame: Any, points: Any = CORNERS) -> dict[str, Any]:
 
 @pytest.mark.parametrize("frame", [FRAME, DOWN, None], ids=["up", "down", "none"])
 @pytest.mark.parametrize("ends", [("0", "1"), ("1", "0")], ids=["upwards", "downwards"])
-def test_an_interface_pushes_the_blocks_apart(frame: Any, ends: tuple[str, str], write) -> None:
+def test_an_interface_pushes_the_blocks_apart(frame, ends, write):
     """The sense of the frame and of the edge has no effect, since writers differ."""
     path = write("a.json", stacked({"interfaces": [faced(frame)]}, *ends))
     assembly = load(path, contacts="file")
@@ -139,13 +137,13 @@ def test_an_interface_pushes_the_blocks_apart(frame: Any, ends: tuple[str, str],
     {"interfaces": [faced(FRAME, [{"dtype": "compas.geometry/Point", "data": p}
                                   for p in CORNERS])]},
 ])  # fmt: skip
-def test_older_interfaces(edge: dict[str, Any], write) -> None:
+def test_older_interfaces(edge, write):
     (contact,) = load(write("a.json", stacked(edge)), contacts="file").contacts
     assert contact.points.tolist() == CORNERS
     assert contact.normal.tolist() == [0, 0, 1]
 
 
-def test_interfaces_of_the_file_are_noted(write) -> None:
+def test_interfaces_of_the_file_are_noted(write):
     path = write("a.json", stacked({"interfaces": [faced(FRAME)]}))
     (note,) = load(path).notes
     assert note.startswith("the file has 1 interfaces")
@@ -162,12 +160,12 @@ def test_interfaces_of_the_file_are_noted(write) -> None:
     ({"interfaces": [faced({"xaxis": [1, 0, 0], "yaxis": [2, 0, 0]})]}, "no valid corners"),
     ({"interfaces": [faced({"xaxis": 5, "yaxis": [2, 0, 0]})]}, "no valid corners"),
 ])  # fmt: skip
-def test_interfaces_that_cannot_be_used_are_refused(edge: Any, words: str, write) -> None:
+def test_interfaces_that_cannot_be_used_are_refused(edge, words, write):
     with pytest.raises(InputError, match=words):
         load(write("a.json", stacked(edge)), contacts="file")
 
 
-def test_an_interface_of_a_block_that_is_not_there(write) -> None:
+def test_an_interface_of_a_block_that_is_not_there(write):
     data = compas({"0": {"block": block()}}, edge={"0": {"9": {"interface": faced(FRAME)}}})
     with pytest.raises(InputError, match="names the unknown block '9'"):
         load(write("a.json", data), contacts="file")
@@ -194,7 +192,7 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("data", "message"), FAULTS, ids=range(len(FAULTS)))
-def test_a_fault_names_file_and_block(data: Any, message: str, write) -> None:
+def test_a_fault_names_file_and_block(data, message, write):
     path: Path = write("a.json", data)
     with pytest.raises(InputError) as caught:
         load(path)
@@ -204,7 +202,7 @@ def test_a_fault_names_file_and_block(data: Any, message: str, write) -> None:
 
 
 @pytest.mark.parametrize(("units", "per_metre"), [("m", 1), ("mm", 1000), ("in", 1 / 0.0254)])
-def test_a_written_assembly_keeps_its_masses_in_every_unit(units: str, per_metre: float) -> None:
+def test_a_written_assembly_keeps_its_masses_in_every_unit(units, per_metre):
     """A ball becomes triangles, which enclose less than it: its density makes up for that."""
     table = Part("table", Box([2 * per_metre] * 3), grounded=True, density=700.0)
     ball = Part("ball", Sphere(0.1 * per_metre), [0, 0, 1.1 * per_metre], density=500.0)

@@ -1,7 +1,5 @@
 """Damaged and hostile files: exit 2, one sentence, no file left, little time and memory."""
 
-from __future__ import annotations
-
 import json
 import os
 import time
@@ -133,24 +131,24 @@ def write(name: str, content: str | bytes) -> str:
 
 
 @pytest.mark.parametrize(("name", "text", "words"), LISTS, ids=[row[0] for row in LISTS])
-def test_packing_lists(name: str, text: str | bytes, words: str, capsys: Any) -> None:
+def test_packing_lists(name, text, words, capsys):
     assert words in refused(capsys, "check-plan", write(name, text))
 
 
-def test_an_order_that_is_no_list(capsys: Any) -> None:
+def test_an_order_that_is_no_list(capsys):
     data = {**json.loads(order()), "second": 5}
     write("orders.json", json.dumps(data))
     words = refused(capsys, "check-plan", "orders.json", "--order", "second")
     assert "the order 'second' has no items" in words
 
 
-def test_a_table_may_end_its_lines_with_cr() -> None:
+def test_a_table_may_end_its_lines_with_cr():
     rows = (HEADER + "a,1,1,1,1,0,0,0\n").replace("\n", "\r")
     assert kilter.check_plan(write("plan.csv", rows)).stands
 
 
 @pytest.mark.parametrize(("text", "words"), PATHS, ids=range(len(PATHS)))
-def test_paths_of_carriers(text: str, words: str, capsys: Any) -> None:
+def test_paths_of_carriers(text, words, capsys):
     write("stack.json", json.dumps(STACK))
     write("path.csv", text)
     assert words in refused(capsys, "transport", "stack.json", "--path", "path.csv")
@@ -161,7 +159,7 @@ ROBOT = """<robot name="r"><link name="base"/><link name="tool"/><joint name="q"
 <limit lower="-1e305" upper="1e305" effort="1" velocity="1"/></joint></robot>"""
 
 
-def test_paths_of_robots(capsys: Any) -> None:
+def test_paths_of_robots(capsys):
     write("stack.json", json.dumps(STACK))
     write("robot.urdf", ROBOT)
     write("path.csv", "time,q\n0,0\n1e-5,1e304\n2e-5,-1e304\n")
@@ -170,31 +168,29 @@ def test_paths_of_robots(capsys: Any) -> None:
 
 
 @pytest.mark.parametrize(("name", "text", "words"), SEQUENCES, ids=range(len(SEQUENCES)))
-def test_sequences(name: str, text: str, words: str, capsys: Any) -> None:
+def test_sequences(name, text, words, capsys):
     write("stack.json", json.dumps(STACK))
     write(name, text)
     assert words in refused(capsys, "plan", "stack.json", "--sequence", name)
 
 
 @pytest.mark.parametrize(("name", "text", "words"), BRICKS, ids=range(len(BRICKS)))
-def test_models_of_bricks(name: str, text: str, words: str, capsys: Any) -> None:
+def test_models_of_bricks(name, text, words, capsys):
     assert words in refused(capsys, "check", write(name, text))
 
 
-def test_models_without_bricks_may_be_placed_without_end() -> None:
+def test_models_without_bricks_may_be_placed_without_end():
     text = doubling("0 end").replace("0 FILE m1.ldr", f"1 4 0 0 0 {UNIT} 3001.dat\n0 FILE m1.ldr")
     assert len(kilter.load(write("m.ldr", text)).parts) == 2
 
 
 @pytest.mark.parametrize(("name", "text", "words"), OTHERS, ids=range(len(OTHERS)))
-def test_kilter_files(
-    name: str, text: str, words: str, capsys: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_kilter_files(name, text, words, capsys, monkeypatch):
     monkeypatch.setattr("kilter.files.strict_json.MOST_VALUES", 1000)
     assert words in refused(capsys, "check", write(name, text))
 
 
-def test_a_name_of_70000_letters_is_cut(capsys: Any) -> None:
+def test_a_name_of_70000_letters_is_cut(capsys):
     data = json.loads(json.dumps(STACK).replace('"b"', f'"{"b" * 70_000}"'))
     data["parts"][1]["pose"]["position"] = [0, 0, 1.4]
     assert main(["check", write("stack.json", json.dumps(data))]) == 1
@@ -203,14 +199,14 @@ def test_a_name_of_70000_letters_is_cut(capsys: Any) -> None:
     assert len(answer.out) + len(answer.err) < 1200
 
 
-def test_a_path_of_a_file_of_4000_letters(capsys: Any) -> None:
+def test_a_path_of_a_file_of_4000_letters(capsys):
     assert "File name too long" in refused(capsys, "check", LONG + ".json")
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no endless file")
 @pytest.mark.parametrize("words", [["transport", "stack.json", "--path", "/dev/zero"],
                                    ["batch", "/dev/zero", "-o", "tables"]])  # fmt: skip
-def test_an_endless_file(words: list[str], capsys: Any) -> None:
+def test_an_endless_file(words, capsys):
     write("stack.json", json.dumps(STACK))
     assert "larger than 50 MB, the largest size that is read" in refused(capsys, *words)
 
@@ -242,12 +238,12 @@ def chain(count: int, name: str = "node {}") -> bytes:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("count", [8000, 30_000])
-def test_nodes_in_a_chain(count: int, capsys: Any) -> None:
+def test_nodes_in_a_chain(count, capsys):
     message = refused(capsys, "check", write("a.glb", chain(count)), "--floor")
     assert f"nodes of the GLB are nested deeper than {limits.DEEPEST}" in message
 
 
-def test_nodes_of_one_name_in_a_chain_keep_all_their_names() -> None:
+def test_nodes_of_one_name_in_a_chain_keep_all_their_names():
     """Only the whole path tells a node from the others."""
     solids, _ = read_glb(chain(limits.DEEPEST, "n"))
     assert [name for name, _ in solids] == ["/".join("n" * k) for k in range(1, len(solids) + 1)]
@@ -264,7 +260,7 @@ MODEL = (
 
 
 @pytest.mark.parametrize("packing", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2, zipfile.ZIP_DEFLATED])
-def test_a_damaged_member_of_a_3mf(packing: int, capsys: Any) -> None:
+def test_a_damaged_member_of_a_3mf(packing, capsys):
     with zipfile.ZipFile("a.3mf", "w", packing) as archive:
         archive.writestr("3D/3dmodel.model", MODEL)
     data = bytearray(Path("a.3mf").read_bytes())
@@ -273,7 +269,7 @@ def test_a_damaged_member_of_a_3mf(packing: int, capsys: Any) -> None:
     assert "the file is damaged: " in message
 
 
-def test_an_object_of_a_3mf_without_triangles_is_told(capsys: Any) -> None:
+def test_an_object_of_a_3mf_without_triangles_is_told(capsys):
     with zipfile.ZipFile("a.3mf", "w") as archive:
         archive.writestr("3D/3dmodel.model", MODEL)
     assert kilter.load("a.3mf").notes == ("1 objects without triangles are ignored",)
@@ -291,14 +287,14 @@ def components(levels: int) -> str:
 
 
 @pytest.mark.slow
-def test_components_of_a_3mf_in_a_chain(capsys: Any) -> None:
+def test_components_of_a_3mf_in_a_chain(capsys):
     with zipfile.ZipFile("a.3mf", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("3D/3dmodel.model", components(30_000))
     assert "nested deeper than 200" in refused(capsys, "check", "a.3mf", "--floor")
 
 
 @pytest.mark.parametrize("text", ["[1]", "[" * 100_000, '{"form": 5, "rows": "x"}', ""])
-def test_a_folder_of_another_batch(text: str, capsys: Any) -> None:
+def test_a_folder_of_another_batch(text, capsys):
     write("stack.json", json.dumps(STACK))
     write("list.txt", "stack.json\n")
     Path("tables").mkdir()
@@ -308,7 +304,7 @@ def test_a_folder_of_another_batch(text: str, capsys: Any) -> None:
 
 
 @pytest.mark.slow
-def test_a_batch_with_names_that_no_encoder_writes(capsys: Any) -> None:
+def test_a_batch_with_names_that_no_encoder_writes(capsys):
     """One such name ended the batch, and left its folder without a table."""
     write("stack.json", json.dumps(STACK))
     write("half.json", '{"kilter": 1, "file": "\\ud800.step"}')
@@ -331,7 +327,7 @@ STATES: list[dict[str, Any]] = [
 
 
 @pytest.mark.parametrize("options", STATES, ids=str)
-def test_states_with_wrong_types(options: dict[str, Any]) -> None:
+def test_states_with_wrong_types(options):
     with pytest.raises(InputError):
         kilter.states(scene("tower"), **options)
 
@@ -339,12 +335,12 @@ def test_states_with_wrong_types(options: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "names", [5, None, [5], [["cube-1"]], b"x", [b"x"], object()], ids=lambda n: type(n).__name__
 )
-def test_names_of_a_state_with_wrong_types(names: Any) -> None:
+def test_names_of_a_state_with_wrong_types(names):
     with pytest.raises(InputError, match="is no text; give a name, or a list"):
         kilter.states(scene("tower")).of(names)
 
 
-def test_places_on_two_bodies_at_the_same_place() -> None:
+def test_places_on_two_bodies_at_the_same_place():
     """No smaller cell of the map can be decided, so it is not halved: 27 s became 1 s."""
     data = json.loads(json.dumps(STACK))
     del data["parts"][1]["pose"]

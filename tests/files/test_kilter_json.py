@@ -1,15 +1,12 @@
 """The kilter file: every shape and entry is written and read back."""
 
 # ruff: noqa: E501 (a part is a line, as in the file)
-from __future__ import annotations
-
 import io
 import itertools
 import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -86,7 +83,7 @@ def full() -> Assembly:
     )
 
 
-def test_everything_reads_back_to_the_last_digit(tmp_path: Path) -> None:
+def test_everything_reads_back_to_the_last_digit(tmp_path):
     path = tmp_path / "a.kilter.json"
     dump(full(), path)
     again = load(path)
@@ -113,7 +110,7 @@ def test_everything_reads_back_to_the_last_digit(tmp_path: Path) -> None:
         ({"cells": [2]}, "brick"),
     ],
 )
-def test_a_brick_that_is_none(brick: dict[str, object], says: str) -> None:
+def test_a_brick_that_is_none(brick, says):
     part = {"name": "C1", "box": [16, 32, 9.6], "brick": brick}
     with pytest.raises(InputError) as caught:
         from_dict({"kilter": 1, "parts": [part]})
@@ -121,19 +118,19 @@ def test_a_brick_that_is_none(brick: dict[str, object], says: str) -> None:
     assert "C1" in str(caught.value)
 
 
-def test_a_brick_is_a_box() -> None:
+def test_a_brick_is_a_box():
     part = {"name": "C1", "sphere": {"radius": 1}, "brick": {"cells": [2, 4]}}
     with pytest.raises(InputError, match="give a box, or no brick"):
         from_dict({"kilter": 1, "parts": [part]})
 
 
-def test_a_planar_assembly_reads_back(tmp_path: Path) -> None:
+def test_a_planar_assembly_reads_back(tmp_path):
     assembly = Assembly([Part("C1", Prism([[0, 0], [4, 0], [4, 3]], 1))], planar=True)
     dump(assembly, tmp_path / "a.json")
     assert load(tmp_path / "a.json").planar
 
 
-def test_defaults_are_left_out() -> None:
+def test_defaults_are_left_out():
     assert to_dict(Assembly([Part("C1", Sphere(1))])) == {
         "kilter": 1,
         "units": "m",
@@ -181,7 +178,7 @@ part = st.builds(
     direction,
     st.sampled_from(["m", "cm", "mm", "in"]),
 )
-def test_any_assembly_reads_back(parts: list[Part], gravity: object, units: str) -> None:
+def test_any_assembly_reads_back(parts, gravity, units):
     assembly = Assembly(
         parts,
         units=units,
@@ -196,7 +193,7 @@ def test_any_assembly_reads_back(parts: list[Part], gravity: object, units: str)
 
 
 @given(direction)
-def test_a_unit_normal_stays_as_written(normal: object) -> None:
+def test_a_unit_normal_stays_as_written(normal):
     n = unit(normal).tolist()
     entry = {"parts": ["a", "b"], "points": [[0, 0, 0]], "normal": n}
     parts = [{"name": name, "box": [1, 1, 1]} for name in "ab"]
@@ -204,14 +201,14 @@ def test_a_unit_normal_stays_as_written(normal: object) -> None:
     assert from_dict(data).contacts[0].normal.tolist() == n
 
 
-def test_a_normal_of_another_length_is_made_one() -> None:
+def test_a_normal_of_another_length_is_made_one():
     entry = {"parts": ["a", "b"], "points": [[0, 0, 0]], "normal": [0, 0, 2]}
     parts = [{"name": name, "box": [1, 1, 1]} for name in "ab"]
     data = {"kilter": 1, "parts": parts, "contacts": [entry]}
     assert from_dict(data).contacts[0].normal.tolist() == [0, 0, 1]
 
 
-def test_the_file_of_the_interface(write) -> None:
+def test_the_file_of_the_interface(write):
     write("c1.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
     data = {
         "kilter": 1, "units": "mm", "gravity": [0, 0, -9.81], "friction": 0.0,
@@ -235,7 +232,7 @@ def test_the_file_of_the_interface(write) -> None:
     assert assembly.geometry.mass[1] == pytest.approx(7850 * 40 * 20 * 10 * 1e-9)
 
 
-def test_inline_faces_may_be_quads_and_concave() -> None:
+def test_inline_faces_may_be_quads_and_concave():
     corners = [[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]]  # a concave polygon
     vertices = [[x, y, z] for z in (0, 1) for x, y in corners]
     sides = [[k, (k + 1) % 5, (k + 1) % 5 + 5, k + 5] for k in range(5)]
@@ -247,23 +244,23 @@ def test_inline_faces_may_be_quads_and_concave() -> None:
 @pytest.mark.parametrize(
     "name", ["Größe 2", 'a"b\\c', "a/b", "零件", "tab\there", "🧱", "C 1", "*"]
 )
-def test_names_of_any_kind(name: str, tmp_path: Path) -> None:
+def test_names_of_any_kind(name, tmp_path):
     assembly = Assembly([Part(name, Sphere(1))])
     dump(assembly, tmp_path / "a.json")
     assert load(tmp_path / "a.json").names == (name,)
 
 
-def test_null_is_absent() -> None:
+def test_null_is_absent():
     part = {"name": "C1", "box": [1, 1, 1], "density": None, "pose": None, "mesh": None}
     assert from_dict({"kilter": 1, "parts": [part]}).parts[0].density is None
 
 
-def test_a_file_begins_with_a_byte_order_mark(write) -> None:
+def test_a_file_begins_with_a_byte_order_mark(write):
     text = '\ufeff{"kilter": 1, "parts": [{"name": "C1", "box": [1, 1, 1]}]}'
     assert load(write("a.json", text)).names == ("C1",)
 
 
-def test_standard_input(write, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_standard_input(write, monkeypatch):
     path = write(
         "c1.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
     )
@@ -273,14 +270,14 @@ def test_standard_input(write, monkeypatch: pytest.MonkeyPatch) -> None:
     assert load("-").source == "standard input"
 
 
-def test_the_schema_knows_every_key_that_is_written() -> None:
+def test_the_schema_knows_every_key_that_is_written():
     data, found = to_dict(full()) | {"planar": False}, schema()
     assert set(data) <= set(found["properties"])
     part = found["$defs"]["PartEntry"]["properties"]
     assert {key for entry in data["parts"] for key in entry} <= set(part)
 
 
-def test_importing_the_layer_is_light() -> None:
+def test_importing_the_layer_is_light():
     code = "import sys, kilter.files; print([m for m in ('pydantic', 'trimesh', 'shapely', 'scipy') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
@@ -289,7 +286,7 @@ def test_importing_the_layer_is_light() -> None:
 # density and units ---------------------------------------------------------------------
 
 
-def test_density_fills_what_has_neither_density_nor_mass(write) -> None:
+def test_density_fills_what_has_neither_density_nor_mass(write):
     parts = [
         {"name": "none", "box": [1, 1, 1]},
         {"name": "density", "box": [1, 1, 1], "density": 5},
@@ -299,7 +296,7 @@ def test_density_fills_what_has_neither_density_nor_mass(write) -> None:
     assert assembly.geometry.mass.tolist() == [7, 5, 5]
 
 
-def test_units_that_differ_from_the_file_are_refused(write) -> None:
+def test_units_that_differ_from_the_file_are_refused(write):
     path = write(
         "a.json", {"kilter": 1, "units": "mm", "parts": [{"name": "C1", "box": [1, 1, 1]}]}
     )
@@ -311,13 +308,13 @@ def test_units_that_differ_from_the_file_are_refused(write) -> None:
 
 
 @pytest.mark.parametrize("density", [-1, 0, float("nan"), "heavy", True])
-def test_a_density_that_is_none(density, write) -> None:
+def test_a_density_that_is_none(density, write):
     path = write("a.json", {"kilter": 1, "parts": [{"name": "C1", "box": [1, 1, 1]}]})
     with pytest.raises(InputError, match=r"density is .*; give a number above 0"):
         load(path, density=density)
 
 
-def test_unknown_units_are_refused_before_reading() -> None:
+def test_unknown_units_are_refused_before_reading():
     with pytest.raises(InputError, match="unknown units 'ft'; use one of"):
         load("absent.stl", units="ft")
 
@@ -325,7 +322,7 @@ def test_unknown_units_are_refused_before_reading() -> None:
 # meshes named by parts -----------------------------------------------------------------
 
 
-def test_a_mesh_file_is_read_once_and_in_the_units_of_the_assembly(write, tmp_path: Path) -> None:
+def test_a_mesh_file_is_read_once_and_in_the_units_of_the_assembly(write, tmp_path):
     import trimesh
 
     (tmp_path / "m").mkdir()
@@ -336,7 +333,7 @@ def test_a_mesh_file_is_read_once_and_in_the_units_of_the_assembly(write, tmp_pa
     assert assembly.parts[0].shape is assembly.parts[1].shape
 
 
-def test_several_objects_of_a_mesh_file_are_one_part(write, obj_box) -> None:
+def test_several_objects_of_a_mesh_file_are_one_part(write, obj_box):
     write("two.obj", "o a\n" + obj_box() + "o b\n" + obj_box(1, (3, 0, 0), 9))
     assembly = load(write("a.json", {"kilter": 1, "parts": [{"name": "P", "mesh": "two.obj"}]}))
     assert assembly.geometry.volume == pytest.approx([2])
@@ -346,9 +343,7 @@ def test_several_objects_of_a_mesh_file_are_one_part(write, obj_box) -> None:
 # writing -------------------------------------------------------------------------------
 
 
-def test_a_failed_write_leaves_the_old_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "a.json"
     path.write_text("old")
 
@@ -363,7 +358,7 @@ def test_a_failed_write_leaves_the_old_file(
 
 
 @pytest.mark.skipif(os.name != "posix", reason="rights and links of POSIX")
-def test_a_file_is_replaced_with_its_rights_and_through_a_link(tmp_path: Path) -> None:
+def test_a_file_is_replaced_with_its_rights_and_through_a_link(tmp_path):
     path, link = tmp_path / "a.json", tmp_path / "link.json"
     path.write_text("old")
     path.chmod(0o640)
@@ -374,7 +369,7 @@ def test_a_file_is_replaced_with_its_rights_and_through_a_link(tmp_path: Path) -
     assert path.stat().st_mode & 0o777 == 0o640
 
 
-def test_one_part_a_line(tmp_path: Path) -> None:
+def test_one_part_a_line(tmp_path):
     dump(full(), tmp_path / "a.json")
     lines = (tmp_path / "a.json").read_text(encoding="utf-8").split("\n")
     assert sum('"name"' in line for line in lines) == len(full().parts)
@@ -382,12 +377,12 @@ def test_one_part_a_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("where", ["absent/a.json", "."])
-def test_where_nothing_can_be_written(where: str, tmp_path: Path) -> None:
+def test_where_nothing_can_be_written(where, tmp_path):
     with pytest.raises(InputError, match=r"cannot be written: .*; check the folder"):
         dump(full(), tmp_path / where)
 
 
-def test_a_name_that_is_no_text(tmp_path: Path) -> None:
+def test_a_name_that_is_no_text(tmp_path):
     with pytest.raises(InputError, match=r"a\.json: cannot be written: .*; give names of valid"):
         dump(Assembly([Part("a\ud800", Sphere(1))]), tmp_path / "a.json")
     assert not list(tmp_path.iterdir())

@@ -1,8 +1,6 @@
 """Faults of a kilter file: each gives a single message with file, part and remedy."""
 
 # ruff: noqa: E501 (a row of a table is a line)
-from __future__ import annotations
-
 import contextlib
 import copy
 from typing import Any
@@ -85,7 +83,7 @@ PART = [
 
 @pytest.mark.quick(36)
 @pytest.mark.parametrize(("change", "message"), PART)
-def test_a_fault_of_a_part_names_it(change: dict[str, Any], message: str) -> None:
+def test_a_fault_of_a_part_names_it(change, message):
     data = copy.deepcopy(BASE)
     data["parts"][1] |= change
     if change.get("box", 1) is None:
@@ -134,7 +132,7 @@ TOP = [
 
 
 @pytest.mark.parametrize(("change", "message"), TOP)
-def test_a_fault_of_the_file_names_the_place(change: dict[str, Any], message: str) -> None:
+def test_a_fault_of_the_file_names_the_place(change, message):
     assert message in refused({**copy.deepcopy(BASE), **change})
 
 
@@ -157,7 +155,7 @@ FEATURE = [
 
 
 @pytest.mark.parametrize(("feature", "message"), FEATURE)
-def test_a_fault_of_a_feature_is_one_sentence(feature: Any, message: str) -> None:
+def test_a_fault_of_a_feature_is_one_sentence(feature, message):
     contact = {"parts": ["C1", "C2"], "points": [[0, 0, 0]], "normal": [0, 0, 1]}
     said = refused({**copy.deepcopy(BASE), "contacts": [{**contact, "feature": feature}]})
     assert message in said
@@ -165,12 +163,12 @@ def test_a_fault_of_a_feature_is_one_sentence(feature: Any, message: str) -> Non
 
 
 @pytest.mark.parametrize("data", [[], 5, None, "text", {}, {"kilte": 1}, {"parts": []}])
-def test_what_is_no_kilter_file(data: Any) -> None:
+def test_what_is_no_kilter_file(data):
     said = refused(data)
     assert "not a JSON object" in said or "key 'kilter' is missing" in said
 
 
-def test_a_mesh_file_of_a_part_that_is_damaged(write) -> None:
+def test_a_mesh_file_of_a_part_that_is_damaged(write):
     write("c.obj", "o tip\nv 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")
     path = write("a.json", {"kilter": 1, "parts": [{"name": "C1", "mesh": "c.obj"}]})
     with pytest.raises(
@@ -199,7 +197,7 @@ TEXT = [
 
 
 @pytest.mark.parametrize(("text", "message"), TEXT, ids=range(len(TEXT)))
-def test_a_fault_of_the_text(text: bytes, message: str, write) -> None:
+def test_a_fault_of_the_text(text, message, write):
     path = write("a.kilter.json", text)
     with pytest.raises(InputError) as caught:
         load(path)
@@ -227,7 +225,7 @@ json_value = st.recursive(
     | st.sampled_from(["mesh", "box", "cylinder", "pose", "polygon", "name", "mass"]),
     json_value,
 )
-def test_no_value_anywhere_gives_another_exception(key: str, value: Any) -> None:
+def test_no_value_anywhere_gives_another_exception(key, value):
     data = copy.deepcopy(BASE)
     target = (
         data

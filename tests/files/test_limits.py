@@ -1,7 +1,5 @@
 """Bounds on the memory, time and paths that a file may demand; the message states the bound."""
 
-from __future__ import annotations
-
 import json
 import os
 import time
@@ -57,11 +55,11 @@ def doubled(mesh: str, levels: int) -> str:
 
 
 @pytest.mark.slow
-def test_a_zip_unfolds_to_no_more_than_its_size_allows(tmp_path: Path) -> None:
+def test_a_zip_unfolds_to_no_more_than_its_size_allows(tmp_path):
     refused(threemf(tmp_path / "a.3mf", " " * 100_000_000), "a zip of 0.1 MB unpacks to 100 MB")
 
 
-def test_a_zip_may_unfold_as_far_as_meshes_do(tmp_path: Path) -> None:
+def test_a_zip_may_unfold_as_far_as_meshes_do(tmp_path):
     """Both sides of the limit: 16 MB for any zip, and a multiple of its size."""
     limits.require_unfolded(limits.SMALL, 1)
     limits.require_unfolded(limits.MOST_FOLD * 10**6, 10**6)
@@ -73,13 +71,13 @@ def test_a_zip_may_unfold_as_far_as_meshes_do(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mesh", [TETRAHEDRON, "<mesh/>"], ids=["meshes", "nothing"])
-def test_components_do_not_double_for_ever(mesh: str, tmp_path: Path, monkeypatch: Any) -> None:
+def test_components_do_not_double_for_ever(mesh, tmp_path, monkeypatch):
     assert len(kilter.load(threemf(tmp_path / "few.3mf", doubled(TETRAHEDRON, 4)))) == 16
     monkeypatch.setattr(limits.Tally.__init__, "__defaults__", ("triangles", 10_000))
     refused(threemf(tmp_path / "many.3mf", doubled(mesh, 40)), "more than 10,000 triangles")
 
 
-def test_an_xml_has_no_more_entries_than_are_read(tmp_path: Path, monkeypatch: Any) -> None:
+def test_an_xml_has_no_more_entries_than_are_read(tmp_path, monkeypatch):
     path = threemf(tmp_path / "a.3mf", doubled(TETRAHEDRON, 0))
     with zipfile.ZipFile(path) as archive:
         text = archive.read("3D/3dmodel.model")
@@ -90,7 +88,7 @@ def test_an_xml_has_no_more_entries_than_are_read(tmp_path: Path, monkeypatch: A
     refused(path, f"{count} tags and attributes; the limit is {count - 1}")
 
 
-def test_entities_are_not_read(tmp_path: Path) -> None:
+def test_entities_are_not_read(tmp_path):
     entities = "".join(f'<!ENTITY e{k + 1} "{f"&e{k};" * 10}">' for k in range(9))
     laughs = (
         f'<!DOCTYPE r [<!ENTITY e0 "ha">{entities}]><robot name="&e9;"><link name="a"/></robot>'
@@ -104,7 +102,7 @@ def test_entities_are_not_read(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("many", ["nodes", "primitives"])
-def test_one_mesh_of_a_glb_does_not_stand_a_million_times(many: str, tmp_path: Path) -> None:
+def test_one_mesh_of_a_glb_does_not_stand_a_million_times(many, tmp_path):
     count, corners = 20_000, 3000
     primitive = {"attributes": {"POSITION": 0}}
     header = {
@@ -129,7 +127,7 @@ def glb(header: dict[str, Any], binary: bytes) -> bytes:
     return b"glTF" + (2).to_bytes(4, "little") + (12 + len(body)).to_bytes(4, "little") + body
 
 
-def test_one_mesh_file_does_not_stand_a_million_times(tmp_path: Path, monkeypatch: Any) -> None:
+def test_one_mesh_file_does_not_stand_a_million_times(tmp_path, monkeypatch):
     (tmp_path / "tip.obj").write_text(
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "utf-8"
     )
@@ -142,7 +140,7 @@ def test_one_mesh_file_does_not_stand_a_million_times(tmp_path: Path, monkeypatc
     refused(path, "part 'p9': the file has more than 39 triangles")
 
 
-def test_a_file_larger_than_is_read_is_refused(tmp_path: Path, monkeypatch: Any) -> None:
+def test_a_file_larger_than_is_read_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "a.kilter.json"
     path.write_text('{"kilter": 1, "parts": [{"name": "a", "box": [1, 1, 1]}]}', "utf-8")
     size = path.stat().st_size
@@ -169,7 +167,7 @@ STEP = "ISO-10303-21;\n{}\nEND-ISO-10303-21;"
     ],
     ids=lambda value: value if len(value) < 20 else "",
 )
-def test_text_that_asks_for_much_time(name: str, text: str, words: str, tmp_path: Path) -> None:
+def test_text_that_asks_for_much_time(name, text, words, tmp_path):
     path = tmp_path / name
     path.write_text(text, "utf-8")
     refused(path, words)
@@ -186,7 +184,7 @@ def compas(vertex: dict[str, Any], node: str = "0") -> dict[str, Any]:
     return {"dtype": "compas_assembly.datastructures/Assembly", "data": {"graph": graph}}
 
 
-def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
+def test_numbers_of_thousands_of_digits(tmp_path):
     """A long number is rejected as a coordinate, and accepted in a name."""
     path = tmp_path / "a.json"
     path.write_text(json.dumps(compas({"x": 10**400})), "utf-8")
@@ -198,7 +196,7 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_robot_of_a_long_chain(tmp_path: Path) -> None:
+def test_a_robot_of_a_long_chain(tmp_path):
     """A chain written from its tip to its root: the parent of each link comes last."""
     links = [f'<link name="l{k}"/>' for k in range(5000)]
     links[-1] = (
@@ -237,12 +235,12 @@ def folders(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("file", ["a.kilter.json", "a.urdf"])
 @pytest.mark.parametrize("mesh", ["tip.obj", "below/tip.obj", "below/../tip.obj", "./tip.obj"])
-def test_a_file_names_files_of_its_folder(file: str, mesh: str, folders: Path) -> None:
+def test_a_file_names_files_of_its_folder(file, mesh, folders):
     assert len(kilter.load(named(folders / file, mesh))) == 1
 
 
 @pytest.mark.parametrize("file", ["a.kilter.json", "a.urdf"])
-def test_a_file_names_none_beyond_its_folder(file: str, folders: Path) -> None:
+def test_a_file_names_none_beyond_its_folder(file, folders):
     far = folders.parents[1] / "far" / "tip.obj"
     for mesh in ("../../far/tip.obj", str(far), "below/../../../far/tip.obj"):
         refused(named(folders / file, mesh), "leads out of the folder of the file")
@@ -255,7 +253,7 @@ def test_a_file_names_none_beyond_its_folder(file: str, folders: Path) -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="links and pipes of POSIX")
 @pytest.mark.parametrize("file", ["a.kilter.json", "a.urdf"])
-def test_links_lead_nowhere_else(file: str, folders: Path) -> None:
+def test_links_lead_nowhere_else(file, folders):
     (folders / "in.obj").symlink_to("below/tip.obj")
     (folders / "out.obj").symlink_to("../../far/tip.obj")
     (folders / "zero.obj").symlink_to("/dev/zero")
@@ -268,7 +266,7 @@ def test_links_lead_nowhere_else(file: str, folders: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
-def test_too_little_memory_is_one_sentence(tmp_path: Path) -> None:
+def test_too_little_memory_is_one_sentence(tmp_path):
     import subprocess
     import sys
 

@@ -1,7 +1,4 @@
-"""STL, 3MF and GLB: names, places, units, and damaged files."""
-
-# ruff: noqa: E501 (a row of a table is a line)
-from __future__ import annotations
+"""Mesh files: STL, OBJ, GLB and 3MF, their names, units and faults."""
 
 import io
 import json
@@ -18,6 +15,8 @@ from hypothesis import strategies as st
 
 from kilter.errors import InputError
 from kilter.files import load
+
+# ruff: noqa: E501 (a row of a table is a line)
 
 
 def moved(x: float = 0, y: float = 0, z: float = 0) -> np.ndarray:
@@ -49,7 +48,7 @@ def refused(path: Path, **options: Any) -> InputError:
 # STL -----------------------------------------------------------------------------------
 
 
-def test_a_binary_stl(write) -> None:
+def test_a_binary_stl(write):
     data = trimesh.creation.box((0.1, 0.2, 0.3)).export(file_type="stl")
     assembly = load(write("Plate.STL", data), units="mm")
     assert assembly.names == ("Plate",)
@@ -59,7 +58,7 @@ def test_a_binary_stl(write) -> None:
     assert assembly.geometry.single.all()
 
 
-def test_bodies_of_a_binary_stl_are_taken_apart_although_they_touch(write) -> None:
+def test_bodies_of_a_binary_stl_are_taken_apart_although_they_touch(write):
     boxes = [trimesh.creation.box((1, 1, 1), transform=moved(0, 0, k)) for k in range(3)]
     data = trimesh.util.concatenate(boxes).export(file_type="stl")
     assembly = load(write("stack.stl", data))
@@ -79,7 +78,7 @@ def ascii_stl(*solids: tuple[str, trimesh.Trimesh], number: str = "{!r}") -> str
     return "\n".join(lines) + "\n"
 
 
-def test_solids_of_an_ascii_stl_keep_their_names(write) -> None:
+def test_solids_of_an_ascii_stl_keep_their_names(write):
     text = ascii_stl(
         ("base", trimesh.creation.box((2, 2, 2))),
         ("", trimesh.creation.box((1, 1, 1), transform=moved(5))),
@@ -90,18 +89,18 @@ def test_solids_of_an_ascii_stl_keep_their_names(write) -> None:
     assert assembly.geometry.volume == pytest.approx([8, 1, 1])
 
 
-def test_one_solid_of_an_ascii_stl_takes_the_name_of_the_file(write) -> None:
+def test_one_solid_of_an_ascii_stl_takes_the_name_of_the_file(write):
     text = ascii_stl(("OpenSCAD_Model", trimesh.creation.box((2, 2, 2))))
     assert load(write("base.stl", text.upper().replace("E-", "e-"))).names == ("base",)
 
 
-def test_an_ascii_stl_whose_corners_make_no_whole_facets_is_refused(write) -> None:
+def test_an_ascii_stl_whose_corners_make_no_whole_facets_is_refused(write):
     text = "solid a\nfacet normal 0 0 1\n" + "vertex 0 0 1\n" * 4 + "endfacet\nendsolid a\n"
     with pytest.raises(InputError, match="4 corners are not a multiple of 3"):
         load(write("a.stl", text))
 
 
-def test_an_ascii_stl_with_exponents_is_as_exact_as_its_digits(write) -> None:
+def test_an_ascii_stl_with_exponents_is_as_exact_as_its_digits(write):
     box = trimesh.creation.box((1 / 3, 1 / 7, 30 / 7))
     assembly = load(write("a.stl", ascii_stl(("a", box), number="{:.6e}")))
     assert assembly.geometry.accuracy == pytest.approx([0.5e-6])
@@ -121,17 +120,17 @@ STL_FAULTS = [
 
 
 @pytest.mark.parametrize(("data", "message"), STL_FAULTS, ids=range(len(STL_FAULTS)))
-def test_a_damaged_stl(data: bytes, message: str, write) -> None:
+def test_a_damaged_stl(data, message, write):
     assert message in str(refused(write("a.stl", data)))
 
 
-def test_a_binary_stl_with_a_corner_that_is_not_finite(write) -> None:
+def test_a_binary_stl_with_a_corner_that_is_not_finite(write):
     data = bytearray(trimesh.creation.box().export(file_type="stl"))
     data[84 + 50 + 12 : 84 + 50 + 16] = struct.pack("<f", float("nan"))
     assert "triangle 1 has the corner [nan" in str(refused(write("a.stl", bytes(data))))
 
 
-def test_bytes_after_the_last_triangle_are_noted(write) -> None:
+def test_bytes_after_the_last_triangle_are_noted(write):
     data = trimesh.creation.box().export(file_type="stl") + b"more"
     assert load(write("a.stl", data)).notes == ("bytes after the last triangle are ignored",)
 
@@ -139,7 +138,7 @@ def test_bytes_after_the_last_triangle_are_noted(write) -> None:
 # GLB -----------------------------------------------------------------------------------
 
 
-def test_a_glb_names_its_parts_by_node(write) -> None:
+def test_a_glb_names_its_parts_by_node(write):
     assembly = load(write("a.glb", scene(node_names=True).export(file_type="glb")))
     assert assembly.names == ("screw 0", "screw 1", "screw 2", "plate")
     assert assembly.units == "m"
@@ -160,7 +159,7 @@ def gltf(edit: Any = None, mesh: trimesh.Trimesh | None = None) -> bytes:
     return head + text + rest
 
 
-def test_nodes_above_tell_parts_of_one_name_apart(write) -> None:
+def test_nodes_above_tell_parts_of_one_name_apart(write):
     def edit(header: dict[str, Any]) -> None:
         header["nodes"] = [
             {"name": "left", "children": [2, 3]},
@@ -176,7 +175,7 @@ def test_nodes_above_tell_parts_of_one_name_apart(write) -> None:
     assert names == ("left/bolt", "nut", "right/bolt", "right/bolt_2")
 
 
-def test_instances_of_a_mesh_stand_where_their_nodes_put_them(write) -> None:
+def test_instances_of_a_mesh_stand_where_their_nodes_put_them(write):
     def edit(header: dict[str, Any]) -> None:
         header["nodes"] = [
             {"mesh": 0, "name": "bolt", "children": [1, 2]},
@@ -193,7 +192,7 @@ def test_instances_of_a_mesh_stand_where_their_nodes_put_them(write) -> None:
     assert not assembly.geometry.warnings  # a mirrored mesh still faces outwards
 
 
-def test_primitives_of_one_mesh_are_one_part(write) -> None:
+def test_primitives_of_one_mesh_are_one_part(write):
     def edit(header: dict[str, Any]) -> None:
         first = header["meshes"][0]["primitives"][0]
         corners = header["accessors"][first["indices"]]
@@ -206,7 +205,7 @@ def test_primitives_of_one_mesh_are_one_part(write) -> None:
     assert assembly.geometry.volume == pytest.approx([1])
 
 
-def test_a_nameless_glb_takes_the_name_of_the_file(write) -> None:
+def test_a_nameless_glb_takes_the_name_of_the_file(write):
     def edit(header: dict[str, Any]) -> None:
         header["nodes"] = [{"mesh": 0}]
         header["scenes"] = [{"nodes": [0]}]
@@ -215,7 +214,7 @@ def test_a_nameless_glb_takes_the_name_of_the_file(write) -> None:
     assert load(write("box.glb", gltf(edit))).names == ("box",)
 
 
-def test_units_asked_for_a_glb_win_over_the_standard(write) -> None:
+def test_units_asked_for_a_glb_win_over_the_standard(write):
     assembly = load(write("a.glb", gltf()), units="mm")
     assert assembly.units == "mm"
     assert assembly.geometry.volume == pytest.approx([1])
@@ -249,11 +248,11 @@ GLB_EDITS = [
 
 @pytest.mark.quick(15)
 @pytest.mark.parametrize(("edit", "message"), GLB_EDITS, ids=range(len(GLB_EDITS)))
-def test_a_faulty_glb(edit: Any, message: str, write) -> None:
+def test_a_faulty_glb(edit, message, write):
     assert message in str(refused(write("a.glb", gltf(edit))))
 
 
-def test_a_glb_with_a_vertex_that_is_not_finite(write) -> None:
+def test_a_glb_with_a_vertex_that_is_not_finite(write):
     data = bytearray(gltf(lambda h: h["nodes"][-1].update(name="lid")))
     data[-96:-92] = struct.pack("<f", float("inf"))
     error = refused(write("a.glb", bytes(data)))
@@ -294,21 +293,21 @@ def item(key: str, x: float = 0) -> str:
     return f'<item objectid="{key}" transform="1 0 0 0 1 0 0 0 1 {x} 0 0"/>'
 
 
-def test_a_3mf_of_another_program(write) -> None:
+def test_a_3mf_of_another_program(write):
     assembly = load(write("a.3mf", scene().export(file_type="3mf")))
     assert assembly.names == ("bolt", "bolt_1", "bolt_2", "plate")
     assert assembly.units == "mm"
     assert assembly.geometry.center[:, 0] == pytest.approx([0, 3, 6, 0])
 
 
-def test_instances_of_a_3mf_object_are_numbered(write) -> None:
+def test_instances_of_a_3mf_object_are_numbered(write):
     body = built(item("1"), item("1", 5), objects=xml_object("1", "bolt"))
     assembly = load(write("a.3mf", model(body)))
     assert assembly.names == ("bolt", "bolt_2")
     assert assembly.geometry.center[:, 0] == pytest.approx([0, 5])
 
 
-def test_components_of_a_3mf_object_are_parts(write) -> None:
+def test_components_of_a_3mf_object_are_parts(write):
     path = 'p:path="/3D/Objects/other.model"'
     components = f'<component objectid="1"/><component objectid="7" {path} transform="0 1 0 -1 0 0 0 0 1 4 0 0"/>'
     objects = (
@@ -324,7 +323,7 @@ UNITS = [("micron", "mm", 1e-9), ("centimeter", "cm", 1), ("foot", "in", 12**3),
 
 
 @pytest.mark.parametrize(("unit", "units", "volume"), [*UNITS, ("", "mm", 1), ("inch", "in", 1)])
-def test_units_of_a_3mf(unit: str, units: str, volume: float, write) -> None:
+def test_units_of_a_3mf(unit, units, volume, write):
     text = f'unit="{unit}"' if unit else ""
     path = write("a.3mf", model(built(item("1"), objects=xml_object("1")), text))
     assembly = load(path)
@@ -359,11 +358,11 @@ THREEMF_FAULTS = [
 
 
 @pytest.mark.parametrize(("data", "message"), THREEMF_FAULTS, ids=range(len(THREEMF_FAULTS)))
-def test_a_damaged_3mf(data: bytes, message: str, write) -> None:
+def test_a_damaged_3mf(data, message, write):
     assert message in str(refused(write("a.3mf", data)))
 
 
-def test_a_zip_without_a_model(write) -> None:
+def test_a_zip_without_a_model(write):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("readme.txt", "hello")
@@ -390,9 +389,7 @@ GOOD = {
     put=st.binary(min_size=1, max_size=4),
     cut=st.booleans(),
 )
-def test_damage_anywhere_gives_no_other_exception(
-    suffix: str, at: int, put: bytes, cut: bool, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_damage_anywhere_gives_no_other_exception(suffix, at, put, cut, tmp_path_factory):
     data = GOOD[suffix]
     at %= len(data)
     path = tmp_path_factory.getbasetemp() / f"damaged{suffix}"
@@ -407,7 +404,7 @@ def test_damage_anywhere_gives_no_other_exception(
 
 
 @pytest.mark.parametrize(("name", "kind"), [("a.dxf", ".dxf"), ("noending", "(no ending)")])
-def test_an_unknown_ending_lists_what_is_read(name: str, kind: str, write) -> None:
+def test_an_unknown_ending_lists_what_is_read(name, kind, write):
     message = str(refused(write(name, "x")))
     assert f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb," in message
     endings = ".step, .stp, .xml, .mjcf, .urdf, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
@@ -415,18 +412,18 @@ def test_an_unknown_ending_lists_what_is_read(name: str, kind: str, write) -> No
 
 
 @pytest.mark.parametrize("name", ["plate.stl", "plate.json", "plate", "plate.step"])
-def test_a_missing_file_names_the_nearest(name: str, write) -> None:
+def test_a_missing_file_names_the_nearest(name, write):
     near = write("plates.stl", b"x")
     assert f"no such file; did you mean {near.name!r}?" in str(refused(near.with_name(name)))
 
 
 @pytest.mark.parametrize("source", ["", None, 5, "a\0b"])
-def test_what_is_no_path(source: Any) -> None:
+def test_what_is_no_path(source):
     with pytest.raises(InputError):
         load(source)
 
 
-def test_a_file_without_rights(write, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_without_rights(write, monkeypatch):
     def refuse(_: Path, mode: str) -> bytes:
         raise PermissionError(13, "Permission denied")
 
@@ -435,10 +432,120 @@ def test_a_file_without_rights(write, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "cannot be read: Permission denied; check" in str(refused(path))
 
 
-def test_density_of_meshes(write) -> None:
+def test_density_of_meshes(write):
     assembly = load(write("a.stl", GOOD[".stl"]), density=7850)
     assert assembly.geometry.mass == pytest.approx([7850])
 
 
-def test_a_part_named_ground_is_refused_with_the_file(write) -> None:
+def test_a_part_named_ground_is_refused_with_the_file(write):
     assert "the name 'ground' is reserved" in str(refused(write("ground.stl", GOOD[".stl"])))
+
+
+TIP = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+
+
+def test_objects_keep_their_names(write, obj_box):
+    text = "mtllib absent.mtl\no base plate\n" + obj_box(2) + "usemtl red\no Bolzen Ä\n"
+    assembly = load(write("a.obj", text + obj_box(1, (5, 0, 0), 9)))
+    assert assembly.names == ("base plate", "Bolzen Ä")
+    assert assembly.geometry.volume == pytest.approx([8, 1])
+    assert assembly.units == "m"
+    assert not any(part.grounded for part in assembly.parts)
+    assert assembly.source.endswith("a.obj")
+
+
+def test_nothing_is_printed_about_an_absent_material(write, capfd):
+    load(write("a.obj", "mtllib absent.mtl\nusemtl red\n" + TIP))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_objects_of_one_name_are_numbered(write, obj_box):
+    text = "".join(f"o bolt\n{obj_box(1, (3 * k, 0, 0), 8 * k + 1)}" for k in range(3))
+    assert load(write("a.obj", text)).names == ("bolt", "bolt_2", "bolt_3")
+
+
+def test_a_group_that_is_taken_up_again_goes_on(write):
+    vertices, faces = TIP.split("f", 1)
+    faces = ("f" + faces).strip().split("\n")
+    text = f"g a\n{vertices}{faces[0]}\ng b\ng a\n" + "\n".join(faces[1:])
+    assembly = load(write("a.obj", text))
+    assert assembly.names == ("a",)
+    assert assembly.geometry.volume == pytest.approx([1 / 6])
+
+
+def test_groups_within_objects_are_no_parts(write, obj_box):
+    head, tail = obj_box().split("f ", 1)
+    assert load(write("a.obj", f"o box\n{head}g bottom\nf {tail}")).names == ("box",)
+
+
+def test_a_file_without_names_takes_its_own(write, obj_box):
+    assert load(write("Block 7.obj", obj_box())).names == ("Block 7",)
+
+
+def test_separate_bodies_without_names_are_taken_apart(write, obj_box):
+    assembly = load(write("wall.obj", obj_box() + obj_box(1, (0, 0, 1), 9)))
+    assert assembly.names == ("wall_1", "wall_2")
+    assert assembly.geometry.volume == pytest.approx([1, 1])
+
+
+def test_every_form_of_a_corner(write):
+    text = "v 0 0 0 1 0 0\nv 1 0 0 1.0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvn 0 0 1\nvp 0\ns off\n"
+    text += "f -4 -2 -3\nf 1/1 2/1 4/1\nf 2/1/1 3/1/1 4/1/1\nf 1//1 4//1 \\\n 3//1 # last\nl 1 2\n"
+    assembly = load(write("a.OBJ", text.replace("\n", "\r\n")))
+    assert assembly.geometry.volume == pytest.approx([1 / 6])
+
+
+def test_a_concave_polygon_is_cut_right(write):
+    corners = [(0, 0), (4, 0), (4, 3), (2, 1), (0, 3)]
+    rows = [f"v {x} {y} {z}" for z in (0, 1) for x, y in corners]
+    sides = [f"f {k + 1} {(k + 1) % 5 + 1} {(k + 1) % 5 + 6} {k + 6}" for k in range(5)]
+    text = "\n".join([*rows, "f 5 4 3 2 1", "f 6 7 8 9 10", *sides])
+    assert load(write("a.obj", text)).geometry.volume == pytest.approx([8])
+
+
+def test_vertices_may_follow_the_faces(write):
+    vertices, faces = TIP.split("f", 1)
+    assert load(write("a.obj", "f" + faces + vertices)).names == ("a",)
+
+
+def test_a_file_that_is_not_utf8(write):
+    assert load(write("a.obj", b"o Gr\xfc\xdfe\n" + TIP.encode())).names == ("Grüße",)
+
+
+def test_a_name_with_the_sign_of_a_comment(write):
+    assert load(write("a.obj", "# made by hand\no part #3\n" + TIP)).names == ("part #3",)
+
+
+FAULTS = [
+    (
+        "v nan 0 0\n" + TIP.replace("f 1 3 2", "f 1 3 2"),
+        "line 2: vertex 1 is [nan, 0.0, 0.0]; give",
+    ),
+    (TIP + "v 0 inf 0\n", "line 10: vertex 5 is [0.0, inf, 0.0]; give finite"),
+    (TIP + "f 1 2 9\n", "line 10: the face names vertex 9, the file has 4; vertices are numbered"),
+    (TIP + "f 1 2 0\n", "line 10: the face names vertex 0, the file has 4"),
+    (TIP + "f 1 2 -5\n", "line 10: the face names vertex -5, the file has 4"),
+    (TIP + "f 1 2\n", "line 10: face is '1 2'; name three or more"),
+    (TIP + "f 1 2 x\n", "line 10: face is '1 2 x'; name three"),
+    (TIP + "f 1 2 1.5\n", "line 10: face is '1 2 1.5'"),
+    ("v 1 2\n" + TIP, "line 2: vertex is '1 2'; give three numbers"),
+    ("v 1,5 2 3\n" + TIP, "line 2: vertex is '1,5 2 3'; give three"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), FAULTS)
+def test_a_fault_names_file_object_and_line(text, message, write):
+    path = write("a.obj", "o tip\n" + text)
+    with pytest.raises(InputError) as caught:
+        load(path)
+    said = str(caught.value)
+    assert said.startswith(f"{path}: ")
+    assert message in said
+    assert caught.value.part in ("tip", None)
+    assert caught.value.part == "tip" or "vertex 5" in said  # a vertex that no face uses
+
+
+@pytest.mark.parametrize("text", ["# nothing\n", "v 0 0 0\n", "hello world\n"])
+def test_a_file_without_faces(text, write):
+    with pytest.raises(InputError, match=r"a\.obj: no faces; export solids"):
+        load(write("a.obj", text))

@@ -1,7 +1,5 @@
 """MJCF files that are damaged or hostile: a sentence, exit 2, and nothing else."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -106,9 +104,7 @@ def refused(path: Path, words: str, capfd: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("name", COUNTED)
-def test_counts_are_limited_before_anything_is_built(
-    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_counts_are_limited_before_anything_is_built(name, tmp_path, capfd):
     text, count = COUNTED[name]
     path = tmp_path / "bomb.xml"
     path.write_text(text)
@@ -116,9 +112,7 @@ def test_counts_are_limited_before_anything_is_built(
 
 
 @pytest.mark.parametrize("name", DAMAGED)
-def test_a_damaged_scene_is_a_sentence(
-    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_damaged_scene_is_a_sentence(name, tmp_path, capfd):
     text, words = DAMAGED[name]
     path = tmp_path / "scene.xml"
     path.write_text(text)
@@ -136,9 +130,7 @@ def test_a_damaged_scene_is_a_sentence(
     ],
 )
 @POSIX
-def test_a_pipe_is_not_opened(
-    element: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_pipe_is_not_opened(element, tmp_path, capfd):
     os.mkfifo(tmp_path / "pipe.stl")
     path = tmp_path / "scene.xml"
     path.write_text(mjcf(BOX, element))
@@ -146,9 +138,7 @@ def test_a_pipe_is_not_opened(
 
 
 @POSIX
-def test_a_pipe_in_a_folder_of_meshes_is_not_opened(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_pipe_in_a_folder_of_meshes_is_not_opened(tmp_path, capfd):
     os.mkfifo(tmp_path / "pipe.stl")
     refused(tmp_path, "'pipe.stl' is not a regular file; name a file", capfd)
 
@@ -160,9 +150,7 @@ def attaching(name: str, body: str = "") -> str:
     return mjcf(BOX + twice, f'<asset><model name="m" file="{name}"/></asset>')
 
 
-def test_a_model_that_attaches_itself_is_refused_and_the_next_one_is_read(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_model_that_attaches_itself_is_refused_and_the_next_one_is_read(tmp_path, capfd):
     """It crashed MuJoCo."""
     one, two, good = (tmp_path / f"{name}.xml" for name in ("one", "two", "good"))
     one.write_text(attaching("one.xml"))
@@ -174,9 +162,7 @@ def test_a_model_that_attaches_itself_is_refused_and_the_next_one_is_read(
     assert kilter.load(good).names == ("body_1",)
 
 
-def test_models_that_attach_one_another_are_counted_as_a_product(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_models_that_attach_one_another_are_counted_as_a_product(tmp_path, capfd):
     files = [tmp_path / f"m{k}.xml" for k in range(21)]
     for path, below in pairwise(files):
         path.write_text(attaching(below.name))
@@ -184,15 +170,13 @@ def test_models_that_attach_one_another_are_counted_as_a_product(
     refused(files[0], r"would make [34],\d{3},\d{3} parts; the limit is 50,000", capfd)
 
 
-def test_a_scene_that_includes_itself_is_refused(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_scene_that_includes_itself_is_refused(tmp_path, capfd):
     path = tmp_path / "scene.xml"
     path.write_text(mjcf(BOX + '<include file="scene.xml"/>'))
     refused(path, "MuJoCo rejects it: .*already included", capfd)
 
 
-def test_valid_scenes_with_includes_replicas_and_attached_models_are_read(tmp_path: Path) -> None:
+def test_valid_scenes_with_includes_replicas_and_attached_models_are_read(tmp_path):
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts" / "one.xml").write_text(f"<mujoco>{BOX}</mujoco>")
     (tmp_path / "two.xml").write_text(mjcf(BOX.replace("<body>", '<body name="b">')))
@@ -221,9 +205,7 @@ CRASHES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("how", CRASHES)
-def test_the_end_of_the_process_is_a_sentence(
-    how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_end_of_the_process_is_a_sentence(how, tmp_path, monkeypatch):
     code, words = CRASHES[how]
     (tmp_path / f"reader_{how}.py").write_text(
         "import os, signal\n"
@@ -245,9 +227,7 @@ def test_the_end_of_the_process_is_a_sentence(
     assert kilter.load(path).names == ("body_1",)
 
 
-def test_a_fault_in_the_process_stays_a_fault_of_kilter(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_fault_in_the_process_stays_a_fault_of_kilter(tmp_path, capsys, monkeypatch):
     path = tmp_path / "scene.xml"
     path.write_text(mjcf(BOX))
     monkeypatch.setattr(
@@ -257,7 +237,7 @@ def test_a_fault_in_the_process_stays_a_fault_of_kilter(
     assert "ReaderFault: TypeError" in capsys.readouterr().err
 
 
-def test_all_arrays_of_the_parts_are_read_only(tmp_path: Path) -> None:
+def test_all_arrays_of_the_parts_are_read_only(tmp_path):
     path = tmp_path / "scene.xml"
     path.write_text(
         mjcf(
@@ -271,7 +251,7 @@ def test_all_arrays_of_the_parts_are_read_only(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_no_log_and_no_text_of_a_library_is_left(tmp_path: Path) -> None:
+def test_no_log_and_no_text_of_a_library_is_left(tmp_path):
     """MuJoCo writes a log into the current folder and a warning to the error stream."""
     nan = '<body pos="nan 0 0"><freejoint/><geom size="1"/></body>'
     (tmp_path / "nan.xml").write_text(mjcf(nan))
@@ -288,7 +268,7 @@ def test_no_log_and_no_text_of_a_library_is_left(tmp_path: Path) -> None:
     os.remove(tmp_path / "MUJOCO_LOG.TXT")
 
 
-def test_memory_that_is_used_is_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_memory_that_is_used_is_measured(tmp_path, monkeypatch):
     path = tmp_path / "scene.xml"
     side = 1000
     plate = f'<mesh name="m" builtin="plate" params="{side} {side}"/>'

@@ -1,7 +1,5 @@
 """Random damaged files: read with the volumes of a second program, or rejected with a message."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +79,7 @@ def round_of(kind: str, seeds: range, folder: Path, capsys: pytest.CaptureFixtur
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["mesh", "STEP"])
-def test_a_short_round(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_short_round(kind, tmp_path, capsys):
     if kind == "STEP":
         pytest.importorskip("OCP")
     assert {"read", "mended"} <= round_of(kind, range(CASES[kind]), tmp_path, capsys)
@@ -91,9 +89,7 @@ def test_a_short_round(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize(
     ("kind", "first"), [(kind, SEEDS * k) for kind, count in BLOCKS.items() for k in range(count)]
 )
-def test_a_long_round(
-    kind: str, first: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_long_round(kind, first, tmp_path, capsys):
     if kind == "STEP":
         pytest.importorskip("OCP")
     seeds = range(max(first, CASES[kind]), first + SEEDS)

@@ -1,7 +1,5 @@
 """STEP: names, poses, units, exact faces, exact moments, and rejected files."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
@@ -82,7 +80,7 @@ def kinds(solid: Solid) -> Counter[str]:
 # the tree ------------------------------------------------------------------------------
 
 
-def test_parts_are_named_by_the_products_above_them(tmp_path: Path) -> None:
+def test_parts_are_named_by_the_products_above_them(tmp_path):
     nut, rod = box(1.0, 1.0, 1.0), box(1.0, 2.0, 3.0)
     pair = [("nut", nut, placement()), ("nut", nut, placement((5, 0, 0))), ("rod", rod, None)]
     tree = [("pair", pair, None), ("pair", pair, placement((0, 9, 0))), ("rod", rod, None)]
@@ -99,12 +97,12 @@ def test_parts_are_named_by_the_products_above_them(tmp_path: Path) -> None:
     assert len({id(shape) for shape in shapes}) == 2  # read once, shared
 
 
-def test_several_roots_and_names_beyond_ascii(tmp_path: Path) -> None:
+def test_several_roots_and_names_beyond_ascii(tmp_path):
     roots = [("Träger/links", box(1.0, 1.0, 1.0), None), ("板", box(2.0, 1.0, 1.0), None)]
     assert load(write_step(tmp_path / "ä.step", roots)).names == ("Träger/links", "板")
 
 
-def test_placements_turn_and_move(tmp_path: Path) -> None:
+def test_placements_turn_and_move(tmp_path):
     shape = box(1.0, 2.0, 3.0)
     turned = placement((10, 20, 30), HALF_TURN_X)
     inner = [("b", shape, turned)]
@@ -115,7 +113,7 @@ def test_placements_turn_and_move(tmp_path: Path) -> None:
     assert geometry.inertia[0] == pytest.approx(geometry.inertia[1])
 
 
-def test_several_solids_of_a_product_are_numbered(tmp_path: Path) -> None:
+def test_several_solids_of_a_product_are_numbered(tmp_path):
     both = compound([box(1.0, 1.0, 1.0), moved(box(1.0, 1.0, 1.0), placement((3, 0, 0)))])
     assembly = load(write_step(tmp_path / "a.step", [("pair", both, None)]))
     assert assembly.names == ("pair_1", "pair_2")
@@ -124,7 +122,7 @@ def test_several_solids_of_a_product_are_numbered(tmp_path: Path) -> None:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("units", ["mm", "cm", "m", "in"])
-def test_the_unit_of_the_file_is_kept(units: str, tmp_path: Path) -> None:
+def test_the_unit_of_the_file_is_kept(units, tmp_path):
     path = write_step(tmp_path / "a.step", [("a", box(1.0, 2.0, 3.0), None)], units)
     assembly = load(path)
     assert assembly.units == units
@@ -159,7 +157,7 @@ PLACES = [None, placement((100, -20, 7), (0.5, 0.1, -0.7, 0.3))]
 @pytest.mark.parametrize("place", PLACES, ids=["home", "away"])
 @pytest.mark.parametrize("hidden", [False, True], ids=["plain", "splines"])
 @pytest.mark.parametrize("name", SHAPES)
-def test_faces_and_volumes(name: str, hidden: bool, place: Any, tmp_path: Path) -> None:
+def test_faces_and_volumes(name, hidden, place, tmp_path):
     shape, volume, expected = SHAPES[name]
     shape = moved(shape, place) if place is not None else shape
     if hidden and name == "torus":
@@ -178,7 +176,7 @@ def test_faces_and_volumes(name: str, hidden: bool, place: Any, tmp_path: Path) 
     assert solid.sagitta < 0.02 * np.ptp(solid.vertices, axis=0).max()
 
 
-def test_numbers_of_the_faces(tmp_path: Path) -> None:
+def test_numbers_of_the_faces(tmp_path):
     solid = one(tmp_path, as_splines(drilled()))
     found = {s.kind: s for s in solid.surfaces}
     assert found["cylinder"].radius == pytest.approx(5, rel=1e-9)
@@ -188,7 +186,7 @@ def test_numbers_of_the_faces(tmp_path: Path) -> None:
     assert sum(s.axis for s in solid.surfaces if s.kind == "plane") == pytest.approx(0, abs=1e-12)
 
 
-def test_moments_of_a_cylinder(tmp_path: Path) -> None:
+def test_moments_of_a_cylinder(tmp_path):
     solid = one(tmp_path, moved(cylinder(2, 6), placement((50, 60, 70))))
     volume = 24 * PI
     assert solid.volume == pytest.approx(volume, rel=1e-13)
@@ -196,7 +194,7 @@ def test_moments_of_a_cylinder(tmp_path: Path) -> None:
     assert solid.second_moment == pytest.approx(volume * np.diag([1, 1, 3]), abs=1e-9)
 
 
-def test_a_face_of_no_known_kind_lies_on_none(tmp_path: Path) -> None:
+def test_a_face_of_no_known_kind_lies_on_none(tmp_path):
     from OCP.BRepBuilderAPI import BRepBuilderAPI_GTransform
     from OCP.gp import gp_GTrsf
 
@@ -212,7 +210,7 @@ def test_a_face_of_no_known_kind_lies_on_none(tmp_path: Path) -> None:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["cylinder", "sphere", "cone", "frustum", "drilled"])
-def test_the_triangles_alone_give_the_same_faces(name: str, tmp_path: Path) -> None:
+def test_the_triangles_alone_give_the_same_faces(name, tmp_path):
     """The surfaces recognised on the mesh of the solid agree with those of the file."""
     solid = one(tmp_path, SHAPES[name][0])
     surfaces, which, sagitta = recognise(solid.vertices, solid.triangles, solid.accuracy)
@@ -230,7 +228,7 @@ def test_the_triangles_alone_give_the_same_faces(name: str, tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-def test_what_is_no_solid_is_passed_over_and_named(tmp_path: Path) -> None:
+def test_what_is_no_solid_is_passed_over_and_named(tmp_path):
     edge = BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 0), gp_Pnt(1, 0, 0)).Shape()
     roots = [("a", box(1.0, 1.0, 1.0), None), ("skin", face_of(cylinder(1, 2)), None)]
     roots += [("line", edge, None)]
@@ -240,12 +238,12 @@ def test_what_is_no_solid_is_passed_over_and_named(tmp_path: Path) -> None:
     assert assembly.notes[0] == "ignored, not solids: 'line' (1 edge), 'skin' (1 shell)"
 
 
-def test_a_file_of_surfaces_only(tmp_path: Path) -> None:
+def test_a_file_of_surfaces_only(tmp_path):
     path = write_step(tmp_path / "a.step", [("skin", face_of(box(1.0, 1.0, 1.0)), None)])
     assert "no solid, only 'skin' (1 shell); export solids" in refused(path)
 
 
-def test_no_step_files(write: Any) -> None:
+def test_no_step_files(write):
     assert "not a STEP file" in refused(write("a.step", "hello"))
     assert "the file is empty" in refused(write("a.stp", ""))
     text = "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"
@@ -254,7 +252,7 @@ def test_no_step_files(write: Any) -> None:
     assert refused(write("c.step", text.replace("DATA;", "")))
 
 
-def test_a_file_that_is_cut_short(tmp_path: Path, capfd: Any) -> None:
+def test_a_file_that_is_cut_short(tmp_path, capfd):
     path = write_step(tmp_path / "a.step", [("a", drilled(), None)])
     data = path.read_bytes()
     for part in (0.1, 0.5, 0.99):
@@ -265,7 +263,7 @@ def test_a_file_that_is_cut_short(tmp_path: Path, capfd: Any) -> None:
     assert capfd.readouterr() == ("", "")
 
 
-def test_an_entity_that_is_missing(tmp_path: Path, capfd: Any) -> None:
+def test_an_entity_that_is_missing(tmp_path, capfd):
     """OCCT itself crashes on such a file."""
     path = write_step(tmp_path / "a.step", [("a", cylinder(2, 5), None)])
     text = path.read_text()
@@ -280,7 +278,7 @@ def test_an_entity_that_is_missing(tmp_path: Path, capfd: Any) -> None:
     assert capfd.readouterr() == ("", "")
 
 
-def test_files_that_a_file_names(tmp_path: Path) -> None:
+def test_files_that_a_file_names(tmp_path):
     parts = [("a", box(1.0, 1.0, 1.0), None), ("b", cylinder(1, 2), None)]
     path = write_step(tmp_path / "a.step", [("all", parts, None)], apart="part_")
     assert load(path).names == ("a", "b")
@@ -288,13 +286,13 @@ def test_files_that_a_file_names(tmp_path: Path) -> None:
     assert "names the file 'part_b.stp', which cannot be read; put it beside" in refused(path)
 
 
-def test_without_occt_it_says_what_to_install(tmp_path: Path, monkeypatch: Any) -> None:
+def test_without_occt_it_says_what_to_install(tmp_path, monkeypatch):
     path = write_step(tmp_path / "a.step", [("a", box(1.0, 1.0, 1.0), None)])
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert "pip install 'kilter[step]'" in refused(path)
 
 
-def test_occt_is_loaded_only_for_step_files() -> None:
+def test_occt_is_loaded_only_for_step_files():
     code = "import sys, kilter, kilter.files.step; print('OCP' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
@@ -304,7 +302,7 @@ def test_occt_is_loaded_only_for_step_files() -> None:
 
 
 @pytest.mark.slow
-def test_a_solid_of_a_file_as_the_shape_of_a_part(tmp_path: Path) -> None:
+def test_a_solid_of_a_file_as_the_shape_of_a_part(tmp_path):
     peg = cylinder(2, 6)
     write_step(tmp_path / "peg.stp", [("peg", peg, None)], "cm")
     tree = [("peg", peg, placement((9, 0, 0))), ("plate", box(1.0, 1.0, 1.0), None)]
@@ -339,7 +337,7 @@ def test_a_solid_of_a_file_as_the_shape_of_a_part(tmp_path: Path) -> None:
         assert message in str(caught.value)
 
 
-def test_a_solid_that_was_tampered_with_is_refused(tmp_path: Path) -> None:
+def test_a_solid_that_was_tampered_with_is_refused(tmp_path):
     assembly = load(write_step(tmp_path / "a.step", [("a", drilled(), None)]))
     good = to_dict(assembly)
     from_dict(good)
@@ -357,7 +355,7 @@ def test_a_solid_that_was_tampered_with_is_refused(tmp_path: Path) -> None:
         changed(vertices=solid["vertices"][:-1])
 
 
-def test_step_files_in_a_folder(tmp_path: Path, obj_box: Any) -> None:
+def test_step_files_in_a_folder(tmp_path, obj_box):
     peg = cylinder(1, 2)
     write_step(tmp_path / "b.step", [("b", peg, None)])
     both = [("x", peg, None), ("x", peg, placement((7, 0, 0)))]
@@ -375,7 +373,7 @@ def test_step_files_in_a_folder(tmp_path: Path, obj_box: Any) -> None:
 
 
 @pytest.mark.slow
-def test_two_hundred_parts_take_seconds_and_instances_nearly_nothing(tmp_path: Path) -> None:
+def test_two_hundred_parts_take_seconds_and_instances_nearly_nothing(tmp_path):
     first = drilled()
     different = [(f"p{k}", drilled(k) if k else first, None) for k in range(40)]
     same = [("p", first, placement((50 * k, 0, 0))) for k in range(200)]
@@ -390,9 +388,7 @@ def test_two_hundred_parts_take_seconds_and_instances_nearly_nothing(tmp_path: P
 
 
 @pytest.mark.slow
-def test_what_no_file_of_solids_says_is_told_where_nothing_holds(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_no_file_of_solids_says_is_told_where_nothing_holds(tmp_path, capsys):
     # an arm beside a post, as if screwed to it
     arm = moved(box(20, 9, 9), placement([20, 5, 15]))
     roots = [("post", box(20, 20, 30), None), ("arm", arm, None)]

@@ -1,16 +1,20 @@
-"""Damaged STEP files: which solids are read, and with which notes."""
+"""STEP files that are damaged, real, or read by a process of their own."""
 
-from __future__ import annotations
-
-import re
-from pathlib import Path
-from typing import Any
-
-import numpy as np
 import pytest
 
 pytest.importorskip("OCP")
 
+
+import importlib
+import os
+import re
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 from OCP.BRep import BRep_Builder
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepGProp import BRepGProp
@@ -27,18 +31,23 @@ from OCP.TopoDS import TopoDS, TopoDS_Shell, TopoDS_Solid
 from step_maker import as_splines, placement, write_step
 from test_step import drilled
 
+import kilter
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, Part
+from kilter.cli import main
+from kilter.contact import detect
 from kilter.contact.common.gaps import UNKNOWN
 from kilter.contact.detect import contacts
 from kilter.errors import InputError
-from kilter.files import from_dict, load, step_faces, to_dict
+from kilter.files import from_dict, load, step_faces, step_process, to_dict
 from kilter.files.occt import inside
+from kilter.files.step import read_step
 from kilter.files.step_bodies import step_bodies
 from kilter.files.step_solids import read_solid, stand_in
 from kilter.rigid import Pose
 from kilter.shape.closed import open_edges
 from kilter.shape.primitives import Box
+from kilter.shape.recognition import recognise
 from kilter.shape.solid import Solid
 
 
@@ -86,7 +95,7 @@ def area_of(face: Any) -> float:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SHAPES)
-def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> None:
+def test_faces_cut_here_meet_those_cut_by_occt(name, monkeypatch):
     """With each face in turn triangulated by kilter, the surface is closed with the same volume."""
     shape = SHAPES[name]
     whole = read_solid(shape).solid
@@ -111,7 +120,7 @@ def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> N
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_solid_whose_faces_are_all_cut_here(name: str, monkeypatch: Any) -> None:
+def test_a_solid_whose_faces_are_all_cut_here(name, monkeypatch):
     exact = read_solid(SHAPES[name]).solid
     monkeypatch.setattr(step_faces, "_occt_mesh", lambda face: None)
     found, note = read_solid(SHAPES[name])
@@ -124,7 +133,7 @@ def test_a_solid_whose_faces_are_all_cut_here(name: str, monkeypatch: Any) -> No
     assert sorted(s.kind for s in found.surfaces) == sorted(s.kind for s in exact.surfaces)
 
 
-def test_a_face_that_nothing_can_cut_is_a_hole(monkeypatch: Any) -> None:
+def test_a_face_that_nothing_can_cut_is_a_hole(monkeypatch):
     shape = box(2.0, 3.0, 4.0)
     own = step_faces._occt_mesh
 
@@ -144,7 +153,7 @@ def test_a_face_that_nothing_can_cut_is_a_hole(monkeypatch: Any) -> None:
 # solids that do not close -----------------------------------------------------------------------
 
 
-def test_faces_that_share_no_edges_are_sewn(tmp_path: Path) -> None:
+def test_faces_that_share_no_edges_are_sewn(tmp_path):
     assembly = load(write_step(tmp_path / "a.step", [("loose", apart(drilled()), None)]))
     (part,) = assembly.parts
     assert isinstance(part.shape, Solid)
@@ -155,7 +164,7 @@ def test_faces_that_share_no_edges_are_sewn(tmp_path: Path) -> None:
     assert part.shape.centroid == pytest.approx(sound.centroid)
 
 
-def test_a_shell_that_closes_is_a_solid_and_an_open_one_is_not(tmp_path: Path) -> None:
+def test_a_shell_that_closes_is_a_solid_and_an_open_one_is_not(tmp_path):
     faces = faces_of(box(2.0, 3.0, 4.0))
     skins = [("whole", shell_of(faces), None), ("lid", shell_of(faces[:4]), None)]
     assembly = load(write_step(tmp_path / "a.step", skins))
@@ -176,7 +185,7 @@ def open_box(path: Path, missing: int) -> Path:
     return path
 
 
-def test_a_solid_with_a_hole_reads_with_a_note(tmp_path: Path) -> None:
+def test_a_solid_with_a_hole_reads_with_a_note(tmp_path):
     assembly = load(open_box(tmp_path / "a.step", 1))
     (part,) = assembly.parts
     (note,) = assembly.notes
@@ -190,9 +199,7 @@ def test_a_solid_with_a_hole_reads_with_a_note(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("missing", "known"), [(0, True), (5, False)], ids=["side", "top"])
-def test_what_stands_on_it_is_certain_beside_the_hole_only(
-    missing: int, known: bool, tmp_path: Path
-) -> None:
+def test_what_stands_on_it_is_certain_beside_the_hole_only(missing, known, tmp_path):
     tub = load(open_box(tmp_path / "a.step", missing)).parts[0]
     cube = Part("cube", Box([1, 1, 1]), Pose([1, 1.5, 4.5]))
     assembly = Assembly([Part("tub", tub.shape, grounded=True), cube], units="mm")
@@ -205,7 +212,7 @@ def test_what_stands_on_it_is_certain_beside_the_hole_only(
 # stand-ins --------------------------------------------------------------------------------------
 
 
-def test_a_stand_in_is_the_hull_of_what_is_known() -> None:
+def test_a_stand_in_is_the_hull_of_what_is_known():
     solid, note = stand_in(box(2.0, 3.0, 4.0))
     assert solid is not None
     assert solid.stand_in
@@ -215,7 +222,7 @@ def test_a_stand_in_is_the_hull_of_what_is_known() -> None:
 
 
 @pytest.mark.slow
-def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path: Path) -> None:
+def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path):
     roots = [("base", box(4.0, 4.0, 1.0), None), ("stone", box(1, 1, 1), placement([1, 1, 1]))]
     path = write_step(tmp_path / "a.step", roots)
     steps: list[tuple[str, int]] = []
@@ -233,10 +240,10 @@ def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path: Path) -> None:
     touching = contacts(Assembly(parts))
     assert not len(touching)
     assert not touching.overlaps
-    assert [(pair.parts, pair.kind) for pair in touching.open_pairs] == [((0, 1), "near")]
+    assert [(pair.ends, pair.kind) for pair in touching.open_pairs] == [((0, 1), "near")]
 
 
-def test_a_solid_without_faces_has_no_volume() -> None:
+def test_a_solid_without_faces_has_no_volume():
     solid = TopoDS_Solid()
     BRep_Builder().MakeSolid(solid)
     assert read_solid(solid) == (None, "")
@@ -245,7 +252,7 @@ def test_a_solid_without_faces_has_no_volume() -> None:
 # left out before it is read ---------------------------------------------------------------------
 
 
-def test_without_leaves_solids_out_before_they_are_cut(tmp_path: Path) -> None:
+def test_without_leaves_solids_out_before_they_are_cut(tmp_path):
     roots = [(name, box(1.0, 1.0, 1.0 + k), None) for k, name in enumerate(("base", "a", "ab"))]
     path = write_step(tmp_path / "a.step", roots)
     steps: list[str] = []
@@ -258,3 +265,265 @@ def test_without_leaves_solids_out_before_they_are_cut(tmp_path: Path) -> None:
         load(path, without="*")
     with pytest.raises(InputError, match="no part is named 'abc'"):
         load(path, without=["a", "abc"])
+
+
+def box_process(path, *size):
+    """Write a STEP file of a box."""
+    write_step(path, [("block", BRepPrimAPI_MakeBox(*size).Shape(), placement())])
+    return path
+
+
+def depth(found):
+    return float(found.shapes[0].vertices[:, 2].max())
+
+
+@pytest.fixture
+def fresh():
+    step_process._end()
+    yield
+    step_process._end()
+
+
+@pytest.mark.slow
+def test_what_is_read_ahead_is_what_is_asked_for(fresh, tmp_path):
+    path = box_process(tmp_path / "one.step", 1.0, 2.0, 3.0)
+    step_process.begin_early(path)
+    process = step_process._kept[0]
+    assert process.ahead is not None
+    assert depth(read_step(path)) == pytest.approx(3.0)
+    assert step_process._kept == [process]
+    assert process.ahead is None
+    assert depth(read_step(path)) == pytest.approx(3.0)  # the file is requested again
+
+
+@pytest.mark.slow
+def test_another_file_and_another_state_of_it_are_read_anew(fresh, tmp_path):
+    one, other = (box_process(tmp_path / f"{n}.step", 1.0, 2.0, n) for n in (3.0, 4.0))
+    step_process.begin_early(one)
+    assert depth(read_step(other)) == pytest.approx(4.0)
+    step_process._end()
+    step_process.begin_early(one)
+    box_process(one, 1.0, 2.0, 5.0)
+    os.utime(one, ns=(1, 1))
+    assert depth(read_step(one)) == pytest.approx(5.0)
+    step_process._end()
+    step_process.begin_early(one)
+    left_out = read_step(one, without=("block",))
+    assert left_out.left_out == ("block",)
+
+
+@pytest.mark.slow
+def test_a_file_that_is_refused_leaves_nothing_behind(fresh, tmp_path):
+    bad, good = tmp_path / "bad.step", box_process(tmp_path / "good.step", 1.0, 2.0, 3.0)
+    bad.write_text(good.read_text().replace("END-ISO-10303-21", ""))
+    step_process.begin_early(bad)
+    with pytest.raises(InputError, match="incomplete"):
+        read_step(bad)
+    assert depth(read_step(good)) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("word", ["missing.step", "x" * 5000 + ".step"])
+def test_a_name_that_is_no_file_starts_nothing(fresh, word, capsys):
+    assert main(["check", word, "--floor"]) == 2
+    assert step_process._kept == []
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_what_comes_to_no_end_is_tried_once_more_and_refused(fresh, tmp_path, monkeypatch):
+    path = box_process(tmp_path / "one.step", 1.0, 2.0, 3.0)
+    made = []
+    start = step_process.ReaderProcess
+    monkeypatch.setattr(
+        step_process, "ReaderProcess", lambda module: made.append(module) or start(module)
+    )
+    with monkeypatch.context() as short:
+        short.setattr(step_process, "STALLS", 1e-4)
+        short.setattr(step_process, "STALLS_PER_MEGABYTE", 0.0)
+        with pytest.raises(InputError, match="OCCT crashes on it"):
+            read_step(path)
+    assert len(made) == 2
+    assert depth(read_step(path)) == pytest.approx(3.0)
+
+
+FILE = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
+
+
+FACES = {
+    "plate": {"plane": 6, "hollow cylinder": 6},
+    "l-bracket": {"plane": 8, "hollow cylinder": 4},
+    "bolt": {"plane": 3, "cylinder": 2},
+    "nut": {"plane": 6, "hollow cylinder": 1},
+    "rod": {"plane": 2, "cylinder": 1},
+}
+SPLINES = 1e-6
+"""Relative difference in volume between the file's splines and cylinders (2.6e-5 mm of 5 mm)."""
+
+
+@pytest.fixture(scope="module")
+def assembly() -> Assembly:
+    return load(FILE)
+
+
+def solid_of(assembly: Assembly, product: str) -> Solid:
+    name = next(n for n in assembly.names if n.split("/")[-1].split("_")[0] == product)
+    shape = assembly.parts[assembly.index_of(name)].shape
+    assert isinstance(shape, Solid)
+    return shape
+
+
+@pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
+def test_names_units_and_instances(assembly):
+    below = [f"nut-bolt-assembly_{k}/{part}" for k in (1, 2, 3) for part in ("bolt", "nut")]
+    sides = [f"l-bracket-assembly_{k}/{n}" for k in (1, 2) for n in [*below, "l-bracket"]]
+    rods = ["nut_1", "nut_2", "rod"]  # the only nut in the rod assembly
+    assert sorted(assembly.names) == sorted(["plate", *rods, *sides])
+    assert assembly.units == "mm"
+    assert assembly.notes == ()
+    assert len({id(part.shape) for part in assembly.parts}) == 5
+
+
+@pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
+@pytest.mark.parametrize("product", FACES)
+def test_every_face_is_known(product, assembly):
+    solid = solid_of(assembly, product)
+    found = Counter(f"hollow {s.kind}" if s.hollow else s.kind for s in solid.surfaces)
+    assert found == FACES[product]
+    assert (solid.triangle_surface >= 0).all()
+    assert solid.accuracy < 3e-5
+    radii = {round(s.radius, 5) for s in solid.surfaces if s.kind == "cylinder"}
+    assert radii == ({5.0, 7.5} if product == "bolt" else {5.0})
+    on_mesh = recognise(solid.vertices, solid.triangles, solid.accuracy)[0]
+    assert Counter(f"hollow {s.kind}" if s.hollow else s.kind for s in on_mesh) == FACES[product]
+
+
+@pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
+def test_volumes_by_formula(assembly):
+    def between(solid: Solid, normal: list[float]) -> np.ndarray:
+        """Heights of the planes perpendicular to a direction."""
+        planes = [s for s in solid.surfaces if s.kind == "plane"]
+        return np.sort([s.point @ normal for s in planes if abs(s.axis @ normal) > 0.999])
+
+    rod = solid_of(assembly, "rod")
+    assert rod.volume == pytest.approx(np.pi * 25 * 200, rel=SPLINES)
+    across, along = rod.volume * 25 / 4, rod.volume * 200**2 / 12
+    assert rod.second_moment == pytest.approx(
+        np.diag([across, across, along]), rel=SPLINES, abs=SPLINES * across
+    )
+    bolt = solid_of(assembly, "bolt")
+    low, middle, high = between(bolt, bolt.surfaces[0].axis.tolist())
+    head, shank = sorted((middle - low, high - middle))
+    assert bolt.volume == pytest.approx(np.pi * (7.5**2 * head + 25 * shank), rel=SPLINES)
+    plate = solid_of(assembly, "plate")
+    x, y, z = np.ptp(plate.vertices, axis=0)
+    assert plate.volume == pytest.approx(x * y * z - 6 * np.pi * 25 * z, rel=SPLINES)
+
+
+@pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
+@pytest.mark.slow
+def test_it_is_read_quickly_and_written_exactly(assembly):
+    start = time.process_time()
+    load(FILE)
+    assert time.process_time() - start < 4.0  # 0.5 s on a free core
+    written = to_dict(assembly)
+    assert to_dict(from_dict(written)) == written
+
+
+SPACESHIP = FILE.parent / "s1-tu-203" / "s1-tu-203.stp"
+OVERLAPS = {
+    ("foot_2/footback", "mainbodyback"): 97.4,
+    ("foot_2/footback", "mainbodyfront"): 81.3,
+    ("foot_2/footfront", "mainbodyfront"): 152.3,
+}
+"""Overlap volumes by exact Boolean operations of the faces [mm^3]."""
+
+
+@pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
+@pytest.mark.slow
+@pytest.mark.skipif(not SPACESHIP.is_file(), reason="real data is not here")
+def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does():
+    # mainbodyback has a solid cylinder of radius 73, mainbodyfront holes of 67 and 72 on its axis
+    assembly = load(SPACESHIP)
+    contacts = detect.contacts(assembly)
+    found = {
+        tuple(sorted(assembly.names[k] for k in overlap.parts)): overlap
+        for overlap in contacts.overlaps
+    }
+    assert set(found) == set(OVERLAPS)
+    for parts, volume in OVERLAPS.items():
+        assert found[parts].volume == pytest.approx(volume, rel=0.02)
+    # both are parts of the same foot, whose copy is placed correctly
+    asked = next(word for word in contacts.warnings if "in the right place" in word)
+    assert "is 'foot_2/footback' in the right place?" in asked
+    assert "its copy 'foot_1/footfront' overlaps nothing" in asked
+
+
+CLIPS = FILE.parents[1] / "voron" / "SKR_3_Din_Mount.step"
+
+
+@pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
+@pytest.mark.slow
+@pytest.mark.skipif(not CLIPS.is_file(), reason="real data is not here")
+def test_a_file_with_faces_that_the_mesher_leaves_out_is_read_whole():
+    assembly = load(CLIPS)
+    assert Counter(name[:-2] for name in assembly.names) == {"DIN Clips (3)": 2, "SKR Bracket": 2}
+    for part in assembly.parts:
+        shape = part.shape
+        assert isinstance(shape, Solid)
+        assert len(shape.holes) == 0
+        assert not shape.stand_in
+        assert len(open_edges(shape.vertices, shape.triangles)) == 0
+        corners = shape.vertices[shape.triangles]
+        cut = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+        assert shape.volume == pytest.approx(cut, rel=0.01)
+
+
+@pytest.mark.skipif(not FILE.is_file(), reason="real data is not here")
+@pytest.mark.slow
+def test_with_its_bolts_joined_it_is_stable_although_shafts_turn_in_their_bores():
+    held = load(FILE, ground=["plate"], friction=0.3)
+    verdict = kilter.check(kilter.fastened(held, suggested=True))
+    assert (verdict.verdict, verdict.level) == ("stable", "proved")
+
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+PLAYS = (20071, 20129, 20156, 20236, 20240, 20260)
+"""A cover hangs on snap hooks with play, beside threads, press fits and O-rings."""
+COPIES = (20120,)
+"""Drawing with a cover, an O-ring that overlaps its pin, and a block inside its variant."""
+MIRRORED = (20094, 20170)
+"""A mirrored sub-assembly; a part of it was drawn in inches."""
+
+
+@pytest.fixture
+def census(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The module of the census."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    return importlib.import_module("cad_census")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [*PLAYS, *COPIES, *MIRRORED])
+def test_the_known_outcome_follows_from_two_proposed_commands(seed, census, tmp_path):
+    case = census.examine(seed, tmp_path)
+    assert case.fault == ""
+    assert case.is_useful()
+    assert case.judgement() == "right"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", MIRRORED)
+def test_the_image_of_a_sub_assembly_has_its_volumes_and_lies_on_the_base(seed, census, tmp_path):
+    file = census.write_drawn(census.draw(seed), tmp_path / "drawn.step")
+    assembly = kilter.load(file)
+    geometry = assembly.geometry
+    volumes = dict(zip(assembly.names, geometry.volume, strict=True))
+    images = [name for name in assembly.names if "far_side" in name]
+    assert images
+    for name in images:
+        assert volumes[name] == pytest.approx(volumes[name.replace("far_side/", "")], rel=1e-9)
+    low, high = (dict(zip(assembly.names, ends, strict=True)) for ends in geometry.part_boxes)
+    for name in images:
+        assert (low[name][:2] >= low["base"][:2]).all()
+        assert (high[name][:2] <= high["base"][:2]).all()

@@ -1,25 +1,44 @@
-"""Densities and colours that STEP files state, and their use for masses and drawings."""
-
-from __future__ import annotations
-
-from pathlib import Path
+"""What a STEP file states: materials, layers, its accuracy; faces on the wrong side."""
 
 import pytest
 
 pytest.importorskip("OCP")
 
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
-from OCP.gp import gp_Pnt
-from step_maker import write_step
+
+from pathlib import Path
+
+import numpy as np
+from OCP.BRepAdaptor import BRepAdaptor_Surface
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeSphere
+from OCP.GeomAbs import GeomAbs_SurfaceType
+from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopoDS import TopoDS, TopoDS_Shape
+from step_maker import placement, write_step
 
 import kilter
 from kilter import Box, Part
+from kilter.analysis.check import check
+from kilter.assembly import Assembly
 from kilter.errors import InputError
+from kilter.files import checked_solid as checking
+from kilter.files import load
+from kilter.files.checked_solid import checked_solid
+from kilter.files.doubled_faces import has_doubled_faces
+from kilter.files.file_tolerances import DOUBLED
 from kilter.files.formats import assembly_of
 from kilter.files.kilter_json import from_dict, to_dict
+from kilter.files.occt import inside
+from kilter.files.stated_accuracy import stated_accuracy
 from kilter.files.step_bodies import step_bodies
+from kilter.files.step_repairs import _area, with_other_sides
+from kilter.files.step_solids import read_solid
 from kilter.files.step_statements import text_statements
+from kilter.rigid import Pose, quaternion_to_matrix
+from kilter.scenes.pieces import turn
+from kilter.shape.solid import Solid, Surface
 from kilter.show.colours import assembly_colours
+from sampled import sampled
 
 GRAM = "( MASS_UNIT() NAMED_UNIT(*) SI_UNIT($,.GRAM.) )"
 KILOGRAM = "(MASS_UNIT()NAMED_UNIT(*)SI_UNIT(.KILO.,.GRAM.))"
@@ -179,9 +198,7 @@ OTHER = """
         (OTHER, None),
     ],
 )
-def test_the_name_of_a_material_is_read_in_each_form(
-    text: str, name: str | None, tmp_path: Path
-) -> None:
+def test_the_name_of_a_material_is_read_in_each_form(text, name, tmp_path):
     path = tmp_path / "part.step"
     path.write_text(SHAPES + text)
     assert [one.material for one in text_statements(path).values()] == [name] * (name is not None)
@@ -201,16 +218,14 @@ LAYER = "#30=PRESENTATION_LAYER_ASSIGNMENT('walls','visible',({item}));"
         (LAYER.format(item="#74") + "#32=INVISIBILITY((#30));", None, False),
     ],
 )
-def test_layers_and_hidden_solids(
-    text: str, layer: str | None, hidden: bool, tmp_path: Path
-) -> None:
+def test_layers_and_hidden_solids(text, layer, hidden, tmp_path):
     path = tmp_path / "part.step"
     path.write_text(SHAPES + text)
     stated = [(one.layer, one.hidden) for one in text_statements(path).values()]
     assert stated == ([(layer, hidden)] if layer or hidden else [])
 
 
-def test_material_layer_and_visibility_of_a_file_of_occt(tmp_path: Path) -> None:
+def test_material_layer_and_visibility_of_a_file_of_occt(tmp_path):
     nodes = [
         (name, BRepPrimAPI_MakeBox(1.0 + k, 2.0, 3.0).Solid(), None)
         for k, name in enumerate("abcd")
@@ -237,7 +252,7 @@ def test_material_layer_and_visibility_of_a_file_of_occt(tmp_path: Path) -> None
     assert [part["material"] for part in answer["parts"]] == ["material of a", None, None, None]
 
 
-def test_the_message_on_a_missing_density_names_the_material() -> None:
+def test_the_message_on_a_missing_density_names_the_material():
     free = [
         Part("light", Box([1, 1, 1]), [0, 0, 2], material="oak"),
         Part("heavy", Box([1, 1, 1]), [0, 0, 1], density=7850.0, material="steel"),
@@ -249,6 +264,167 @@ def test_the_message_on_a_missing_density_names_the_material() -> None:
 
 
 @pytest.mark.parametrize("label", ["", 3])
-def test_a_label_that_is_no_name_is_refused(label: object) -> None:
+def test_a_label_that_is_no_name_is_refused(label):
     with pytest.raises(InputError, match=r"part 'p': layer is .*; give a name"):
         Part("p", Box([1, 1, 1]), layer=label)  # type: ignore[arg-type]
+
+
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if"
+MILLI = "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))"
+PLAIN = "( LENGTH_UNIT ( ) NAMED_UNIT ( * ) SI_UNIT ( $ , .METRE. ) )"
+INCHES = "(CONVERSION_BASED_UNIT('INCH',#9)LENGTH_UNIT()NAMED_UNIT(#8))"
+
+
+@pytest.mark.parametrize(("unit", "units", "factor"), [
+    (MILLI, "mm", 1), (MILLI, "cm", 0.1), (PLAIN, "mm", 1000),
+    (INCHES, "in", 1), (INCHES, "mm", 25.4),
+    ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MICRO.,.METRE.))", "mm", 1e-3),
+    ("(CONVERSION_BASED_UNIT('cubit',#9)LENGTH_UNIT())", "mm", 0),
+    ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.HECTO.,.METRE.))", "mm", 0),
+])  # fmt: skip
+def test_it_is_read_in_its_unit(unit, units, factor, tmp_path):
+    path = tmp_path / "a.step"
+    measure = "#7={}(LENGTH_MEASURE({}),#5,'distance_accuracy_value','');\n"
+    name = "UNCERTAINTY_MEASURE_WITH_UNIT"
+    rows = [measure.format(name, number) for number in ("2.E-3", "1.E-002", "-1.", "x", "1.E400")]
+    path.write_text(f"#5={unit};\n" + "".join(rows))
+    assert stated_accuracy([path], units) == pytest.approx(0.01 * factor)
+    assert stated_accuracy([tmp_path / "none.step"], units) == 0
+
+
+def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
+    """A cube whose centre of mass is `beyond` the edge of the block below it."""
+    roots = [
+        ("base", BRepPrimAPI_MakeBox(20.0, 20.0, 20.0).Shape(), None),
+        ("cube", BRepPrimAPI_MakeBox(10.0, 10.0, 10.0).Shape(), placement([15 + beyond, 5, 20])),
+    ]
+    text = write_step(path, [("all", roots, None)]).read_text()
+    assert "LENGTH_MEASURE(1.E-07)" in text
+    path.write_text(text.replace("LENGTH_MEASURE(1.E-07)", f"LENGTH_MEASURE({accuracy})"))
+    return load(path, ground="base")
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize(("beyond", "accuracy", "verdict"), [
+    (-0.004, "1.E-07", "stable"),
+    (-0.004, "0.01", "stable"),  # a stable nominal position is reported as stable
+    (0.004, "1.E-07", "unstable"),
+    (0.004, "0.01", "undecided"),
+    (0.1, "0.01", "unstable"),
+    (0.1, "100.", "undecided"),
+    (1.0, "100.", "unstable"),  # whatever accuracy the file states
+])  # fmt: skip
+def test_what_it_explains_is_not_proved_unstable(beyond, accuracy, verdict, tmp_path):
+    assembly = leaning(tmp_path / "a.step", beyond, accuracy)
+    found = check(assembly)
+    assert found.verdict == verdict
+    assert ("coordinates are not accurate enough" in found.sentence) == (verdict == "undecided")
+    written = to_dict(assembly)
+    assert to_dict(from_dict(written)) == written
+    assert check(from_dict(written)).verdict == verdict
+
+
+def test_what_falls_falls(tmp_path):
+    """A part without contacts falls, however coarse the stated accuracy is."""
+    assembly = leaning(tmp_path / "a.step", 0.004, "0.01")
+    base, cube = assembly.parts
+    stray = Part("stray", cube.shape, Pose([100, 0, 0]))
+    assert check(Assembly([base, cube, stray], units="mm")).verdict == "unstable"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
+def test_bolts_whose_heads_are_off_by_less_than_the_file_knows():
+    assembly = load(DATA / "dm1-id-214.stp", floor=True)
+    stated = [getattr(part.shape, "uncertainty", 0) for part in assembly.parts[:7]]
+    assert stated == pytest.approx([0.01 / 25.4] * 7)
+    found = check(assembly)
+    assert found.verdict == "undecided"
+    assert "0.000394 in" in found.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
+def test_files_that_a_file_names_state_it_too():
+    assembly = load(DATA / "s1-tu-203" / "s1-tu-203.stp")
+    assert assembly.parts[0].shape.uncertainty == pytest.approx(0.000785973431)
+
+
+RADIUS = 2.0
+SPHERE = GeomAbs_SurfaceType.GeomAbs_Sphere
+
+
+def cap(height: float, *, rest: bool) -> TopoDS_Shape:
+    """The part of a sphere above `height`, or the rest of the sphere, as a face."""
+    angle, axes = np.arcsin(height / RADIUS), gp_Ax2(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
+    ends = (-np.pi / 2, angle) if rest else (angle, np.pi / 2)
+    ball = BRepPrimAPI_MakeSphere(axes, RADIUS, *ends).Shape()
+    faces = map(TopoDS.Face, inside(ball, TopAbs_ShapeEnum.TopAbs_FACE))
+    return next(f for f in faces if BRepAdaptor_Surface(f).GetType() == SPHERE)
+
+
+@pytest.mark.parametrize("height", [0.2, 0.9, 1.7])
+def test_the_other_side_has_the_rest_of_the_area(height):
+    whole, small = 4 * np.pi * RADIUS**2, 2 * np.pi * RADIUS * (RADIUS - height)
+    other = with_other_sides(cap(height, rest=True))
+    assert _area(cap(height, rest=True)) == pytest.approx(whole - small)
+    assert _area(other) == pytest.approx(small)
+    assert with_other_sides(cap(height, rest=False)) is None
+
+
+def test_solids_without_such_faces_are_not_changed():
+    assert with_other_sides(BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape()) is None
+    assert ball_of(RADIUS).volume == pytest.approx(4 / 3 * np.pi * RADIUS**3)
+
+
+def ball_of(radius: float) -> Solid:
+    ball = BRepPrimAPI_MakeSphere(radius).Shape()
+    return read_solid(TopoDS.Solid(next(inside(ball, TopAbs_ShapeEnum.TopAbs_SOLID)))).solid
+
+
+def two_hemispheres(angle: float, *, hollow: bool = True) -> Solid:
+    """Half a sphere, and half of the same sphere turned by `angle` degrees with its faces inwards.
+
+    They share the part 1 - angle / 180 of their area.
+    """
+    solid = ball_of(1.0)
+    middles = solid.vertices[solid.triangles].mean(axis=1)
+    half = solid.triangles[middles[:, 2] > 0]
+    turned = solid.vertices @ quaternion_to_matrix(turn([1, 0, 0], angle)).T
+    triangles = np.concatenate([half, half[:, ::-1] + len(turned)])
+    on = np.repeat([0, 1], len(half))
+    sphere = Surface("sphere", [0, 0, 0], radius=1.0)
+    inner = Surface("sphere", [0, 0, 0], radius=1.0, hollow=hollow)
+    return Solid(
+        np.concatenate([solid.vertices, turned]), triangles, (sphere, inner), on,
+        1.0, [0, 0, 0], np.eye(3), sagitta=solid.sagitta,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("angle", sampled(3, [60.0, 80.0, 100.0, 5.0, 120.0, 175.0]))
+def test_faces_on_each_other_are_recognised_by_the_shared_area(angle):
+    assert has_doubled_faces(two_hemispheres(angle)) == (1 - angle / 180 > DOUBLED)
+
+
+def test_faces_with_material_on_the_same_side_are_no_error():
+    assert not has_doubled_faces(two_hemispheres(5.0, hollow=False))
+
+
+def test_a_solid_with_doubled_faces_is_rejected(monkeypatch):
+    ball = ball_of(1.0)
+    assert checked_solid(ball) is ball
+    monkeypatch.setattr(checking, "has_doubled_faces", lambda solid: True)
+    with pytest.raises(InputError, match="lie on each other"):
+        checked_solid(ball)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here: ../shared/data")
+def test_the_head_of_the_spaceship_has_the_mass_of_its_other_export():
+    wrong = load(DATA / "s1-c5-214" / "s1-c5-214.stp")
+    right = load(DATA / "s1-tu-203" / "s1-tu-203.stp")
+    mass = dict(zip(wrong.names, wrong.geometry.mass, strict=True))
+    known = dict(zip(right.names, right.geometry.mass, strict=True))
+    assert mass["HEAD_FRONT"] == pytest.approx(known["headfront"], rel=1e-4)
+    assert mass["HEAD_BACK"] == pytest.approx(known["headback"], rel=0.03)
+    assert any("HEAD_BACK" in note and "other side" in note for note in wrong.notes)

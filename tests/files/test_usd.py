@@ -1,7 +1,5 @@
 """USD scenes: shapes, transforms, units, bodies, masses, friction, joints, instances, layers."""
 
-from __future__ import annotations
-
 import hashlib
 import subprocess
 import sys
@@ -29,7 +27,7 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "s.usda"
 
 
-def test_exact_shapes_keep_their_faces_under_rotation_and_scale(path: Path) -> None:
+def test_exact_shapes_keep_their_faces_under_rotation_and_scale(path):
     stage = Stage(path)
     body = stage.body("a", (1, 2, 3), turn=(30, 40, 50), scale=(2, 2, 2))
     stage.shape(f"{body}/shape", "Cylinder", radius=0.5, height=3.0, axis="X")
@@ -56,9 +54,7 @@ def test_exact_shapes_keep_their_faces_under_rotation_and_scale(path: Path) -> N
 
 
 @pytest.mark.parametrize("kind", ["Sphere", "Cylinder", "Cube"])
-def test_a_sheared_or_stretched_shape_becomes_a_mesh_of_the_right_volume(
-    kind: str, path: Path
-) -> None:
+def test_a_sheared_or_stretched_shape_becomes_a_mesh_of_the_right_volume(kind, path):
     """Volumes: 4/3 pi a b c, pi a b h, size^3 by the determinant; the triangles are inscribed."""
     stage = Stage(path)
     values = {"Sphere": {"radius": 1.0}, "Cylinder": {"radius": 1.0, "height": 2.0}}
@@ -75,9 +71,7 @@ def test_a_sheared_or_stretched_shape_becomes_a_mesh_of_the_right_volume(
 
 
 @pytest.mark.parametrize(("scale", "orientation"), [(1, "rightHanded"), (-1, "rightHanded")])
-def test_a_mesh_keeps_its_outside_when_it_is_mirrored(
-    scale: int, orientation: str, path: Path
-) -> None:
+def test_a_mesh_keeps_its_outside_when_it_is_mirrored(scale, orientation, path):
     stage = Stage(path)
     body = stage.body("a", (0, 0, 0), scale=(scale, 1, 1))
     stage.mesh(f"{body}/m", CUBE, QUADS, orientation=orientation)
@@ -89,7 +83,7 @@ def test_a_mesh_keeps_its_outside_when_it_is_mirrored(
     assert part.pose.apply(surface(part.shape)[0])[:, 0].mean() == pytest.approx(0.5 * scale)
 
 
-def test_left_handed_faces_are_turned(path: Path) -> None:
+def test_left_handed_faces_are_turned(path):
     stage = Stage(path)
     body = stage.body("a", (0, 0, 0))
     stage.mesh(f"{body}/m", CUBE, [face[::-1] for face in QUADS], orientation="leftHanded")
@@ -102,7 +96,7 @@ def test_left_handed_faces_are_turned(path: Path) -> None:
     [(1.0, "m", 2.0), (0.01, "cm", 2.0), (0.001, "mm", 2.0), (0.3048, "m", 0.6096)],
 )
 @pytest.mark.parametrize("up", ["Y", "Z"])
-def test_units_and_up_axis(metres: float, units: str, size: float, up: str, path: Path) -> None:
+def test_units_and_up_axis(metres, units, size, up, path):
     stage = Stage(path, up=up, metres=metres)
     stage.box("a", (0, 0, 0), (2, 2, 2))
     stage.save()
@@ -114,7 +108,7 @@ def test_units_and_up_axis(metres: float, units: str, size: float, up: str, path
     assert assembly.gravity.tolist() == ([0, -9.81, 0] if up == "Y" else [0, 0, -9.81])
 
 
-def test_gravity_of_a_physics_scene(path: Path) -> None:
+def test_gravity_of_a_physics_scene(path):
     from pxr import UsdPhysics
 
     stage = Stage(path, metres=0.01)
@@ -126,7 +120,7 @@ def test_gravity_of_a_physics_scene(path: Path) -> None:
     assert kilter.load(path).gravity == pytest.approx([1.62, 0, 0])
 
 
-def test_bodies_colliders_and_decoration(path: Path) -> None:
+def test_bodies_colliders_and_decoration(path):
     stage = Stage(path)
     stage.box("floor", (0, 0, -0.5), (9, 9, 1), static=True)
     stage.box("lift", (3, 0, 0.5), (1, 1, 1), kinematic=True)
@@ -151,7 +145,7 @@ def test_bodies_colliders_and_decoration(path: Path) -> None:
     assert report.at_rest
 
 
-def test_guides_and_invisible_shapes_are_no_parts_unless_they_collide(path: Path) -> None:
+def test_guides_and_invisible_shapes_are_no_parts_unless_they_collide(path):
     stage = Stage(path)
     hull = stage.body("a", (0, 0, 0))
     stage.shape(f"{hull}/hull", "Cube", size=1.0, purpose="guide", visibility="invisible")
@@ -163,7 +157,7 @@ def test_guides_and_invisible_shapes_are_no_parts_unless_they_collide(path: Path
     assert (part.name, part.geometry, type(part.shape)) == ("a", "collider", Box)
 
 
-def test_a_stage_without_bodies_has_a_free_object_for_each_component(path: Path) -> None:
+def test_a_stage_without_bodies_has_a_free_object_for_each_component(path):
     from pxr import Usd
 
     stage = Stage(path)
@@ -183,7 +177,7 @@ def test_a_stage_without_bodies_has_a_free_object_for_each_component(path: Path)
     assert assembly["chair_0"].mass == pytest.approx(1000 * (1 + 0.125))
 
 
-def test_mass_density_and_centre(path: Path) -> None:
+def test_mass_density_and_centre(path):
     from pxr import UsdPhysics
 
     stage = Stage(path, metres=0.01)
@@ -201,7 +195,7 @@ def test_mass_density_and_centre(path: Path) -> None:
     assert assembly.geometry.center[2] == pytest.approx([100, 0, -2])
 
 
-def test_friction_of_materials(path: Path) -> None:
+def test_friction_of_materials(path):
     """The mean of two materials; the only material; nothing."""
     stage = Stage(path)
     ice, wood = (
@@ -222,7 +216,7 @@ def test_friction_of_materials(path: Path) -> None:
     assert found == pytest.approx(expected, rel=1e-6)
 
 
-def test_bare_pairs_have_the_friction_of_the_option(path: Path) -> None:
+def test_bare_pairs_have_the_friction_of_the_option(path):
     stage = Stage(path)
     stage.box("floor", (0, 0, -0.5), (9, 9, 1), static=True)
     stage.box("a", (0, 0, 0.5), (1, 1, 1))
@@ -234,7 +228,7 @@ def test_bare_pairs_have_the_friction_of_the_option(path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["Fixed", "Revolute", "Prismatic", "Spherical"])
-def test_joints(kind: str, path: Path) -> None:
+def test_joints(kind, path):
     from pxr import Gf, UsdPhysics
 
     stage = Stage(path)
@@ -279,7 +273,7 @@ def instanced(path: Path) -> None:
     stage.save()
 
 
-def test_instances_are_objects(path: Path) -> None:
+def test_instances_are_objects(path):
     instanced(path)
     assembly = kilter.load(path)
     assert assembly.names == (
@@ -306,7 +300,7 @@ def settled(assembly: kilter.Assembly) -> kilter.Assembly:
 
 
 @pytest.mark.parametrize("ending", [".usda", ".usdc", ".usd"])
-def test_new_poses_are_a_layer_and_the_file_stays(ending: str, path: Path) -> None:
+def test_new_poses_are_a_layer_and_the_file_stays(ending, path):
     from kilter.files.usd.usd_poses import write_usd_poses
 
     instanced(path)
@@ -322,7 +316,7 @@ def test_new_poses_are_a_layer_and_the_file_stays(ending: str, path: Path) -> No
     assert [p.shape for p in again] == [p.shape for p in assembly]
 
 
-def test_a_turned_object_in_scaled_and_turned_parents_lands_where_it_should(path: Path) -> None:
+def test_a_turned_object_in_scaled_and_turned_parents_lands_where_it_should(path):
     from pxr import Gf, UsdGeom
 
     from kilter.files.usd.usd_poses import write_usd_poses
@@ -345,7 +339,7 @@ def test_a_turned_object_in_scaled_and_turned_parents_lands_where_it_should(path
     assert part.shape.size == pytest.approx(assembly["a"].shape.size)  # type: ignore[union-attr]
 
 
-def test_a_prim_within_an_instance_cannot_be_moved(path: Path) -> None:
+def test_a_prim_within_an_instance_cannot_be_moved(path):
     from kilter.files.usd.usd_poses import write_usd_poses
 
     inner = Stage(path.with_name("pair.usda"))
@@ -379,9 +373,7 @@ def test_a_prim_within_an_instance_cannot_be_moved(path: Path) -> None:
         ("missing.usda", b'#usda 1.0\ndef "a" (references = @no.usda@) {\n}\n', "no.usda"),
     ],
 )
-def test_a_fault_of_a_file_is_one_sentence_on_one_line(
-    name: str, data: bytes, words: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_fault_of_a_file_is_one_sentence_on_one_line(name, data, words, tmp_path, capfd):
     (tmp_path / name).write_bytes(data)
     assert main(["scene", str(tmp_path / name), "--floor"]) == 2
     output = capfd.readouterr()
@@ -391,7 +383,7 @@ def test_a_fault_of_a_file_is_one_sentence_on_one_line(
         kilter.load(tmp_path / name)
 
 
-def test_faults_of_objects_name_the_object(path: Path) -> None:
+def test_faults_of_objects_name_the_object(path):
     stage = Stage(path)
     body = stage.body("odd", (0, 0, 0))
     stage.mesh(f"{body}/m", CUBE, [(0, 1, 99)])
@@ -401,7 +393,7 @@ def test_faults_of_objects_name_the_object(path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_without_usd_core_the_sentence_has_the_command(path: Path) -> None:
+def test_without_usd_core_the_sentence_has_the_command(path):
     Stage(path).save()
     (path.parent / "pxr.py").write_text("raise ImportError")
     code = (
@@ -415,7 +407,7 @@ def test_without_usd_core_the_sentence_has_the_command(path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_other_units_are_rejected(path: Path) -> None:
+def test_other_units_are_rejected(path):
     stage = Stage(path)
     stage.box("a", (0, 0, 0), (1, 1, 1))
     stage.save()
@@ -424,7 +416,7 @@ def test_other_units_are_rejected(path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_every_command_reads_usd(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_command_reads_usd(path, capsys):
     stage = Stage(path)
     stage.box("floor", (0, 0, -0.5), (9, 9, 1), static=True)
     stage.box("a", (0, 0, 0.5), (1, 1, 1))
@@ -434,7 +426,7 @@ def test_every_command_reads_usd(path: Path, capsys: pytest.CaptureFixture[str])
     assert "All" in capsys.readouterr().out or True
 
 
-def test_a_changed_file_is_read_anew(path: Path) -> None:
+def test_a_changed_file_is_read_anew(path):
     stage = Stage(path)
     stage.box("a", (0, 0, 0), (1, 1, 1))
     stage.save()
@@ -457,11 +449,11 @@ def found_faults(path: Path, **how: Any) -> None:
 
 
 @pytest.mark.slow
-def test_a_small_room_with_two_faults(path: Path) -> None:
+def test_a_small_room_with_two_faults(path):
     found_faults(path, count=12, floating=1, overlapping=1, seed=1)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_all_faults_of_a_room_are_found_and_no_others(seed: int, path: Path) -> None:
+def test_all_faults_of_a_room_are_found_and_no_others(seed, path):
     found_faults(path, count=200, floating=5, overlapping=5, seed=seed)

@@ -1,7 +1,5 @@
 """USD files that are damaged or hostile: a sentence, exit 2, and nothing else."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -219,9 +217,7 @@ def refused(path: Path, words: str, capfd: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("name", DAMAGED)
-def test_a_damaged_stage_is_a_sentence(
-    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_damaged_stage_is_a_sentence(name, tmp_path, capfd):
     inside, words = DAMAGED[name]
     path = tmp_path / "scene.usda"
     path.write_text(stage(inside))
@@ -229,18 +225,14 @@ def test_a_damaged_stage_is_a_sentence(
 
 
 @pytest.mark.parametrize("name", HEADS)
-def test_damaged_metadata_is_a_sentence(
-    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_damaged_metadata_is_a_sentence(name, tmp_path, capfd):
     head, words = HEADS[name]
     path = tmp_path / "scene.usda"
     path.write_text(stage(body(), head))
     refused(path, words, capfd)
 
 
-def test_text_that_is_not_utf_8_is_a_sentence(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_text_that_is_not_utf_8_is_a_sentence(tmp_path, capfd):
     path = tmp_path / "scene.usda"
     path.write_bytes(stage(FLOOR + body()).encode().replace(b'"a"', b'"\xff\xfe"'))
     refused(path, "the USD is invalid: |the file is damaged: ", capfd)
@@ -249,7 +241,7 @@ def test_text_that_is_not_utf_8_is_a_sentence(
     assert "Traceback" not in capfd.readouterr().err
 
 
-def test_joints_to_the_world_and_defaults_are_read(tmp_path: Path) -> None:
+def test_joints_to_the_world_and_defaults_are_read(tmp_path):
     path = tmp_path / "scene.usda"
     hinge = joint("Revolute", 'rel physics:body1 = </World/a>\nuniform token physics:axis = "Y"')
     path.write_text(stage(FLOOR + body() + hinge))
@@ -271,9 +263,7 @@ def bomb(levels: int, arc: str) -> str:
 
 
 @pytest.mark.parametrize("arc", ["references", "payload", "inherits", "specializes"])
-def test_arcs_that_double_the_prims_are_counted_before(
-    arc: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_arcs_that_double_the_prims_are_counted_before(arc, tmp_path, capfd):
     path = tmp_path / "bomb.usda"
     path.write_text(bomb(20, arc))
     refused(path, r"the file would make [\d,]{7,9} parts; the limit is 50,000", capfd)
@@ -281,9 +271,7 @@ def test_arcs_that_double_the_prims_are_counted_before(
     refused(path, "the file would make more than 10.15 parts", capfd)
 
 
-def test_files_that_double_one_another_are_counted_before(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_files_that_double_one_another_are_counted_before(tmp_path, capfd):
     for k in range(20):
         arcs = f"(prepend references = @./m{k + 1}.usda@)"
         inside = f'def "x" {arcs}\n{{\n}}\ndef "y" {arcs}\n{{\n}}\n'
@@ -292,7 +280,7 @@ def test_files_that_double_one_another_are_counted_before(
     refused(tmp_path / "m0.usda", "the file would make 1,048,576 parts; the limit", capfd)
 
 
-def test_files_that_name_one_another_in_a_loop_are_no_bomb(tmp_path: Path) -> None:
+def test_files_that_name_one_another_in_a_loop_are_no_bomb(tmp_path):
     path = tmp_path / "scene.usda"
     again = 'def "x" (prepend references = @./scene.usda@)\n{\n}\n'
     sub = HEAD.replace("upAxis", "subLayers = [@./scene.usda@]\n    upAxis")
@@ -304,7 +292,7 @@ def test_files_that_name_one_another_in_a_loop_are_no_bomb(tmp_path: Path) -> No
 
 @POSIX
 @pytest.mark.parametrize("arc", ["references", "payload", "subLayers"])
-def test_a_pipe_is_not_opened(arc: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_pipe_is_not_opened(arc, tmp_path, capfd):
     os.mkfifo(tmp_path / "pipe.usda")
     path = tmp_path / "scene.usda"
     head = HEAD.replace("upAxis", "subLayers = [@./pipe.usda@]\n    upAxis")
@@ -313,9 +301,7 @@ def test_a_pipe_is_not_opened(arc: str, tmp_path: Path, capfd: pytest.CaptureFix
     refused(path, "'pipe.usda' is not a regular file; name a file", capfd)
 
 
-def test_warnings_of_usd_are_a_single_note_with_their_number(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_warnings_of_usd_are_a_single_note_with_their_number(tmp_path, capfd):
     missing = "".join(
         f'def Xform "m{k}" (prepend references = </Nowhere{k}>)\n{{\n}}\n' for k in range(73)
     )

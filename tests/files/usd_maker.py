@@ -1,13 +1,9 @@
 """USD stages for tests, made with usd-core."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-__all__ = ["Stage", "faulty_room"]
 
 
 class Stage:

@@ -5,8 +5,6 @@ of up to 1e14 weights upon it. Motions: the largest power for an allowed violati
 the active rows met to the last place, and motions that open contacts upon it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,8 +12,6 @@ from scipy.optimize import linprog, nnls
 
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
-
-__all__ = ["forged_forces", "forged_motions"]
 
 SIDES = 8
 """Directions across a contact into which its cone is divided."""

@@ -5,8 +5,6 @@ paths, polygons, entries of another assembly, or evidence for an assembly of the
 Each gets a fresh digest, so that only the physics can refuse it.
 """
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import functools
@@ -27,8 +25,6 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, digest_of, make_proof
 from kilter.scenes import SCENES, scene
 from kilter.scenes.pieces import block
-
-__all__ = ["KINDS", "Forgery", "damaged", "forgeries", "signed"]
 
 Data = dict[str, Any]
 Random = np.random.Generator

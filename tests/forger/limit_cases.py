@@ -1,7 +1,5 @@
 """Random assemblies at a stated distance from a limit, whose verdict follows from a formula."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -14,8 +12,6 @@ from kilter.mechanics.mechanics_tolerances import EXCESS, EXCUSED, RULED_OUT, TO
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, prism
 from kilter.scenes.transform import moved
-
-__all__ = ["FAMILIES", "LimitCase", "limit_case"]
 
 G = 9.81
 MARGIN = 10.0

@@ -1,14 +1,18 @@
-"""False proofs of every kind, made from a seed: `verify` refuses them all."""
+"""False proofs from a seed are refused, and never both sides of a limit pass."""
 
-from __future__ import annotations
-
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
+from forged_evidence import forged_forces, forged_motions
 from forged_statements import KINDS, Forgery, forgeries
+from limit_cases import LimitCase, limit_case
 
 import kilter
+from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.program import build_program
 
 SEEDS: dict[str, int] = {
     "force": 20,
@@ -64,17 +68,79 @@ CASES = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "first"), CASES)
-def test_no_forgery_is_accepted(kind: str, first: int) -> None:
+def test_no_forgery_is_accepted(kind, first):
     last = min(first + BLOCKS.get(kind, 6), SEEDS[kind])
     tally = tried(kind, range(first, last))
     assert tally.attempts
     assert not tally.accepted
 
 
-def test_each_kind_has_a_forger() -> None:
+def test_each_kind_has_a_forger():
     assert set(SEEDS) == set(KINDS)
 
 
 @pytest.mark.parametrize("kind", ["motion", "plan", "no plan"])
-def test_a_few_forgeries_are_refused(kind: str) -> None:
+def test_a_few_forgeries_are_refused(kind):
     assert not tried(kind, [100]).accepted
+
+
+BLOCK = 10
+"""Cases of one test."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passed:
+    """Whether any forces, and any motion, pass as a proof of a case."""
+
+    case: LimitCase
+    forces: bool
+    motion: bool
+
+
+def both_tried(case: LimitCase, seed: int) -> Passed:
+    """Try kilter's own proof, and every forged one, of both kinds."""
+    rng = np.random.default_rng(seed)
+    touching = kilter.contacts(case.assembly)
+    inner = build_program(case.assembly, touching)
+    outer = build_program(case.assembly, touching, possible=True)
+    verdict = kilter.check(case.assembly, contacts=touching, require="equilibrium").verdict
+    forces = [check_forces(inner, *given).holds for given in forged_forces(inner, rng)]
+    motions = [check_motion(outer, given).holds for given in forged_motions(outer, rng)]
+    return Passed(
+        case,
+        any(forces) or verdict not in ("unstable", "undecided"),
+        any(motions) or verdict == "unstable",
+    )
+
+
+def require_one(seeds: Iterable[int], *, exact: bool) -> None:
+    """Require that at most one kind passes; print the band in which neither does."""
+    band = []
+    for seed in seeds:
+        case = limit_case(seed, exact=exact)
+        passed = both_tried(case, seed)
+        assert not (passed.forces and passed.motion), (seed, case)
+        if case.certain:
+            wrong = passed.motion if case.stays else passed.forces
+            assert not wrong, (seed, case)
+        if not (passed.forces or passed.motion):
+            band.append(case)
+    width = max((abs(case.beyond) for case in band), default=0.0)
+    words = f"{len(band)} cases, up to {width:.1e} of the weight from the limit: {band}"
+    sys.stdout.write(f"neither kind passes: {words}\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 300, BLOCK))
+def test_forces_and_a_motion_never_both_pass(first):
+    require_one(range(first, first + BLOCK), exact=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 160, BLOCK))
+def test_forces_and_a_motion_never_both_pass_for_coarse_data(first):
+    require_one(range(first, first + BLOCK), exact=False)
+
+
+def test_the_least_case_of_each_family():
+    require_one([4, 6], exact=True)

@@ -13,8 +13,6 @@ from kilter.scenes import rounds, stacks, walls
 from kilter.scenes.pieces import block
 from kilter.shape.primitives import Box
 
-__all__ = ["cylinders", "planar", "program", "random_block", "slope", "spheres", "tilted"]
-
 
 def program(assembly):
     return build_program(assembly, detect.contacts(assembly))

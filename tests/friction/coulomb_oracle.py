@@ -21,8 +21,6 @@ from scipy.sparse import csc_array
 from kilter.arrays import Array, across
 from kilter.mechanics.program import Program
 
-__all__ = ["Explained", "explained"]
-
 RESTS = 1e-6
 """Speed of a contact point, over the fastest part, that counts as rest [-]."""
 SHARE, ROUNDING = 1e-3, 1e-7

@@ -14,8 +14,6 @@ from witnessed import bare, openings
 
 from kilter.mechanics.rows import CONTACT
 
-__all__ = ["greatest_power", "standing"]
-
 
 def standing(seed, *, planar, parts=1, points=3, spread=0.9):
     """A random program under gravity: parts on others, points below their centres."""

@@ -14,8 +14,6 @@ import numpy as np
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, JOINT
 
-__all__ = ["Witnessed", "bare", "mass_matrix", "openings", "witnessed"]
-
 
 @dataclass(frozen=True)
 class Witnessed:

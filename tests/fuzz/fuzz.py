@@ -9,8 +9,6 @@ forked from this one, so that a case costs milliseconds, and which is ended wher
 takes too much memory. Faults are listed, and the exit code is 1 where there is any.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

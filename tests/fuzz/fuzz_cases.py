@@ -1,7 +1,5 @@
 """One case of each kind from its number: what is asked, and of what."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections.abc import Callable

@@ -4,8 +4,6 @@ The workbench serves in this process for all cases. Each case connects a page, s
 and then a valid message, whose answer shows that the server still lives.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Whole small files of every format that kilter reads: what mutations start from."""
 
-from __future__ import annotations
-
 import json
 import re
 from functools import cache

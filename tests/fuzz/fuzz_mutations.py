@@ -1,7 +1,5 @@
 """Damage to files: to bytes, words, the tree of a JSON, the members of a zip."""
 
-from __future__ import annotations
-
 import io
 import json
 import re

@@ -1,7 +1,5 @@
 """Commands with options at random, sensible and not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

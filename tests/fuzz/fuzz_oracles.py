@@ -184,7 +184,7 @@ def why_undecided(first: kilter.Verdict, second: kilter.Verdict) -> str:
 def _open_pairs(answer: kilter.Verdict) -> set[frozenset[str]]:
     """Names of parts, as they were before they had others."""
     names = [name.removeprefix("x-") for name in answer.assembly.names]
-    return {frozenset(names[k] for k in pair.parts) for pair in answer.contacts.open_pairs}
+    return {frozenset(names[k] for k in pair.ends) for pair in answer.contact_set.open_pairs}
 
 
 def _extreme(assembly: Assembly) -> str:
@@ -203,7 +203,7 @@ def _extreme(assembly: Assembly) -> str:
 
 def _unproved(verdict: kilter.Verdict, rng: Random) -> list[str]:
     """The proof of a verdict, where it is not verified; of every third."""
-    if rng.random() > 0.33 or verdict.certificate is None:
+    if rng.random() > 0.33 or verdict.evidence is None:
         return []
     found = kilter.verify(verdict.assembly, json.loads(json.dumps(verdict.proof())))
     return [] if found.holds else [f"proof of {verdict.verdict} refused: {found.reasons}"[:300]]

@@ -4,8 +4,6 @@ A sample has files by name. The first file is the one that is damaged; the other
 The words of the command name files as ``{folder}/name``.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 from functools import cache

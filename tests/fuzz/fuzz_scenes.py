@@ -1,7 +1,5 @@
 """Assemblies at random, far from anything that a person would draw."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A process that runs cases, forked from this one, and ended where a case breaks a limit."""
 
-from __future__ import annotations
-
 import gc
 import importlib
 import multiprocessing

@@ -1,7 +1,5 @@
 """A short round of the fuzzer, and what it found; ``python tests/fuzz/fuzz.py`` runs long ones."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math
@@ -45,7 +43,7 @@ def fuzz(*words: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
-def test_a_short_round_finds_no_fault_and_goes_on(tmp_path: Path) -> None:
+def test_a_short_round_finds_no_fault_and_goes_on(tmp_path):
     log = tmp_path / "log.json"
     for part in (2, 1):
         asked = [word for kind in KINDS for word in (f"--{kind}", str(ROUND[kind] // part))]
@@ -63,7 +61,7 @@ def scene_of(number: int) -> kilter.Assembly:
 
 
 @pytest.mark.slow
-def test_why_one_answer_is_undecided_has_a_name() -> None:
+def test_why_one_answer_is_undecided_has_a_name():
     """The masses of its parts are many orders apart: turned, they are proved to fall."""
     scene = scene_of(700649)
     undecided = kilter.check(scene, effort=EFFORT)
@@ -83,13 +81,13 @@ def test_why_one_answer_is_undecided_has_a_name() -> None:
 
 
 @pytest.mark.slow
-def test_forces_beyond_the_squares_of_numbers_are_not_polished() -> None:
+def test_forces_beyond_the_squares_of_numbers_are_not_polished():
     """Scene 705427: a start of the search for motions had some; numpy warned."""
     assert kilter.check(scene_of(705427), effort=EFFORT).verdict != "unstable"
 
 
 @pytest.mark.slow
-def test_what_moves_is_told_without_a_warning_where_masses_are_far_apart() -> None:
+def test_what_moves_is_told_without_a_warning_where_masses_are_far_apart():
     """Scene 700182: forces that a solver left at its end were beyond all numbers."""
     scene = scene_of(700182)
     for factor in (1.0, 1e-3, 1e2):
@@ -100,7 +98,7 @@ def test_what_moves_is_told_without_a_warning_where_masses_are_far_apart() -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", sorted((HERE / "found").iterdir()), ids=lambda path: path.name)
-def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
+def test_files_that_were_faults_once(path, tmp_path):
     copy = Path(shutil.copy(path, tmp_path))
     all_held, stands = ["--ground", "*"], ["--floor"]
     for command, *held in (
@@ -114,7 +112,7 @@ def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_an_arch_of_wedges_that_was_a_fault_once() -> None:
+def test_an_arch_of_wedges_that_was_a_fault_once():
     """Nine prisms over a half circle, a fifth as thick as its radius: no cone had a size."""
     angle = np.linspace(0, np.pi, 10)
     ring = [radius * np.column_stack([np.cos(angle), np.sin(angle)]) for radius in (0.9, 1.1)]
@@ -130,7 +128,7 @@ def test_an_arch_of_wedges_that_was_a_fault_once() -> None:
 
 
 @pytest.mark.slow
-def test_of_a_part_thinner_than_a_gap_no_share_is_told() -> None:
+def test_of_a_part_thinner_than_a_gap_no_share_is_told():
     """A sliver in a ball was refused in one frame: rounding was most of its volume."""
     ball = kilter.Part("ball", kilter.Sphere(0.03), pose=kilter.Pose([0.0, 0.0, 0.045]))
     for thick, refused in ((5e-11, False), (1e-3, True)):
@@ -150,7 +148,7 @@ SMALL = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shape", SMALL)
-def test_a_part_that_rounding_is_larger_than_is_refused(shape: str) -> None:
+def test_a_part_that_rounding_is_larger_than_is_refused(shape):
     """One was called unstable, others ended with a warning of numpy."""
     floor = kilter.Part("floor", kilter.Box([1.0, 1.0, 1.0]), grounded=True)
     for radius in (1e-13, 1e-16, 1e-18):
@@ -165,7 +163,7 @@ def test_a_part_that_rounding_is_larger_than_is_refused(shape: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(corpus()))
-def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
+def test_a_whole_file_is_answered_and_its_damage_is_seeded(name, tmp_path):
     path = tmp_path / name
     path.write_bytes(corpus()[name])
     words = ["check", str(path), "--quiet", "--effort", "0.5"]
@@ -189,7 +187,7 @@ def proved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, An
     return path, json.loads(path.with_name("proof.json").read_text("utf-8"))
 
 
-def test_a_proof_with_a_number_that_is_none_is_refused(proved: Any, tmp_path: Path) -> None:
+def test_a_proof_with_a_number_that_is_none_is_refused(proved, tmp_path):
     path, bundle = proved
     (tmp_path / "p.json").write_text(json.dumps({**bundle, "center": math.nan}), "utf-8")
     code, _, error = said(["verify", str(path), str(tmp_path / "p.json")])
@@ -197,7 +195,7 @@ def test_a_proof_with_a_number_that_is_none_is_refused(proved: Any, tmp_path: Pa
     assert "it is no JSON" in error
 
 
-def test_a_motion_that_leaves_a_part_out_does_not_prove_a_facet(proved: Any) -> None:
+def test_a_motion_that_leaves_a_part_out_does_not_prove_a_facet(proved):
     path, bundle = proved
     bundle = copy.deepcopy(bundle)
     facet = next(one for one in bundle["proofs"] if one["about"] == "facet")
@@ -207,7 +205,7 @@ def test_a_motion_that_leaves_a_part_out_does_not_prove_a_facet(proved: Any) -> 
     assert any("its motion leaves 'cube-2' out" in one for one in found.reasons)
 
 
-def test_a_fault_is_seen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_fault_is_seen(monkeypatch, tmp_path):
     import kilter.analysis.check
 
     def broken(*_: object, **__: object) -> None:
@@ -223,7 +221,7 @@ def test_a_fault_is_seen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
 
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["hangs", "dies", "takes memory", "prints"])
-def test_what_breaks_a_limit_is_seen(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_breaks_a_limit_is_seen(how, monkeypatch):
     import os
 
     import fuzz_worker

@@ -11,8 +11,6 @@ from kilter.assembly import Assembly, GivenContact, Load
 from kilter.contact import detect
 from kilter.mechanics.program import Program, build_program
 
-__all__ = ["by_points", "force_of", "leaning", "loaded", "program_of", "small_assembly"]
-
 
 def program_of(assembly: Assembly) -> Program:
     return build_program(assembly, detect.contacts(assembly))

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
-
 import numpy as np
 import pytest
 from margins import program_of, small_assembly
@@ -13,9 +10,8 @@ import kilter
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.stable_cone import stable_cone
-from kilter.cli import main
 from kilter.errors import InputError
-from kilter.scenes import arches, friction, paper, stacks, walls
+from kilter.scenes import arches, friction, stacks
 from kilter.scenes.pieces import block, floor
 
 
@@ -39,13 +35,6 @@ def test_a_block_on_a_table_has_a_circular_cone(mu):
     sine = found.facets @ [0, 0, -1.0]
     assert (np.degrees(np.arcsin(sine)) >= half - np.degrees(found.slack) - 1e-6).all()
     assert found.proved
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("gap", [2.0, 0.5, 0.02])
-def test_the_gap_is_what_was_asked_for(gap):
-    found = friction_cone(program_of(table(0.5)), gap_deg=gap)
-    assert np.degrees(found.gap) <= gap
 
 
 @pytest.mark.parametrize("mu", [0.2, 0.7])
@@ -109,24 +98,6 @@ def test_membership_agrees_with_judge(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_membership_agrees_with_judge_on_many_directions(name):
-    agrees_with_judge(SCENES[name](), 300, seed=1)
-
-
-@pytest.mark.slow
-def test_the_cone_grows_with_friction():
-    """The rays held with less friction are not excluded with more; some beyond are new."""
-    before = None
-    for mu in (0.1, 0.3, 0.6):
-        found = friction_cone(program_of(stacks.tower(2, friction=mu)))
-        if before is not None:
-            assert not beyond(found, before.cone.rays).any()
-            assert found.cone.half_angle_deg > before.cone.half_angle_deg
-        before = found
-
-
-@pytest.mark.slow
 def test_without_friction_it_is_the_polyhedral_cone_and_near_it_with_little():
     """Three boxes in a corner: a cone with a tip; friction 1e-3 widens it by about 0.057 deg."""
     from kilter.scenes import wedges
@@ -169,17 +140,6 @@ def test_loads_are_refused():
 
 
 @pytest.mark.slow
-def test_where_no_contact_has_friction_nothing_changes():
-    smooth = paper.figure_11()
-    region, same = kilter.region(smooth), kilter.region(smooth)
-    assert type(region) is type(same)
-    one, other = region.to_dict(), same.to_dict()
-    one.pop("seconds")
-    other.pop("seconds")
-    assert one == other
-
-
-@pytest.mark.slow
 def test_orient_takes_the_middle_and_says_what_it_promises():
     answer = kilter.orient(stacks.block_on_slope(35.0, friction=0.5))
     assert answer.found
@@ -187,36 +147,6 @@ def test_orient_takes_the_middle_and_says_what_it_promises():
     assert answer.down == pytest.approx(normal, abs=2e-3)
     assert answer.tilt_margin_deg == pytest.approx(np.degrees(np.arctan(0.5)), abs=0.1)
     assert "Forces that hold it exist" in answer.sentence
-
-
-@pytest.mark.slow
-def test_a_wall_of_a_few_bricks_leans_as_far_as_its_margin():
-    from kilter.analysis.margins.tilt import find_tilt_margin
-
-    wall = walls.wall(3, 2, friction=0.5)
-    program = program_of(wall)
-    found = friction_cone(program, gap_deg=0.2)
-    margin = np.degrees(find_tilt_margin(program).angle)
-    nearest = np.degrees(np.arcsin((found.cone.facets @ wall.down).min()))
-    assert margin - 0.2 <= nearest <= margin + 1e-6
-
-
-@pytest.mark.slow
-def test_commands_take_friction(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    kilter.dump(dataclasses.replace(table(0.0)), "slab.json")
-    assert main(["region", "slab.json", "--friction", "0.5", "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
-    assert answer["exact"] is False
-    assert 0 < answer["gap_deg"] <= 0.1
-    assert answer["kind"] == "cone"
-    assert answer["proved"]
-    assert main(["orient", "slab.json", "--friction", "0.5", "--quiet"]) == 0
-    assert "Forces that hold it exist" in capsys.readouterr().out
-    assert main(["region", "slab.json", "--friction", "0.5", "--quiet"]) == 0
-    assert "deg between rays (inside) and facets (outside)" in capsys.readouterr().out
-    assert main(["region", "slab.json", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["exact"] is True
 
 
 @pytest.mark.slow
@@ -251,12 +181,3 @@ def test_a_line_of_contact_has_a_fan(mu):
     assert region.proved
     assert np.abs(region.equations) == pytest.approx(np.array([[1, 0, 0]]), abs=1e-6)
     assert region.half_angle_deg == pytest.approx(np.degrees(np.arctan(mu)), abs=1e-3)
-
-
-@pytest.mark.slow
-def test_points_of_contact_have_a_ray():
-    parts = [floor([-5, -5], [5, 5]), block("slab", [-2, -2, 0], [2, 2, 0.5])]
-    contact = kilter.GivenContact(("floor", "slab"), [[0, 0, 0]], [0, 0, 1], 0.5)
-    region = kilter.region(kilter.Assembly(parts, contacts=[contact], detect=False))
-    assert (region.kind, region.dimension) == ("ray", 1)
-    assert region.rays == pytest.approx(np.array([[0, 0, -1]]), abs=1e-6)

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from judged import judged
-from margins import by_points, force_of, leaning, loaded, program_of, small_assembly
+from margins import by_points, force_of, leaning, program_of, small_assembly
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
@@ -16,17 +16,15 @@ from kilter.analysis import load_limit
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.limit_sides import LimitSides
 from kilter.analysis.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
-from kilter.analysis.margins import tilt
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.margin_question import PUSHED
 from kilter.analysis.margins.pushes import find_weakest_push
 from kilter.analysis.margins.tilt import (
     find_nearest_held,
     find_tilt_margin,
-    tilt_about,
 )
 from kilter.assembly import Load
-from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.scenes import arches, friction, rounds, scene, stacks, walls
 from kilter.tell.facts import facts
 from sampled import sampled
@@ -151,48 +149,6 @@ def test_a_staircase_is_at_its_limit_where_nothing_is_left_to_lean(count):
     assert factor(inside) == pytest.approx(arm / (count / 2), abs=1e-7)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("mu", [0.15, 0.6])
-def test_books_are_held_from_a_least_force(mu):
-    """Case S6, as a load factor of the force on the end plate: sliding, then opening joints."""
-    n, weight, thickness, height = 6, 9.81, 0.05, 0.25
-    least = max(n * weight / (2 * mu), n**2 * weight * thickness / (8 * height))
-    row = friction.books(n, force=2 * least, friction=mu)
-    program = program_of(row)
-    base = program.with_rows(applied=np.zeros_like(program.applied))
-    # how much of the force may be taken away
-    found = find_limit(program, -program.applied)
-    assert isinstance(found, Limit)
-    assert found.value == pytest.approx(0.5, abs=1e-7)
-    assert find_limit(base, 0.0 * program.applied) == NoLimit("none")  # it is not held without
-    for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
-        given = friction.books(n, force=share * least, friction=mu)
-        assert judged(given, effort=0.5).verdict in verdicts
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("mu", "degrees"), [(0.6, 10.4915), (0.15, 8.5308)])
-def test_a_wall_leans_out_of_its_plane(mu, degrees):
-    wall = walls.tilted_wall(0.0, friction=mu, courses=9, per_course=3)
-    found = tilt_about(program_of(wall), np.array([1.0, 0.0, 0.0]))
-    assert found.tilt_deg == pytest.approx(degrees, abs=5e-5)
-    assert found.limit.motion.holds
-    for step, verdicts in ((-0.01, HOLDS), (0.01, ("unstable",))):
-        tilted = walls.tilted_wall(degrees + step, friction=mu, courses=9, per_course=3)
-        assert judged(tilted, effort=0.5).verdict in verdicts
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("courses", [10, pytest.param(32, marks=pytest.mark.slow)])
-def test_tilt_margin_of_a_wall_is_that_of_its_depth(courses):
-    wall = walls.wall(courses, 3, friction=0.7)
-    depth, height = 0.1, courses * 0.06
-    found = find_tilt_margin(program_of(wall))
-    assert found.angle == pytest.approx(np.arctan(depth / height), abs=1e-8)
-    assert found.lower == pytest.approx(found.angle, abs=1e-8)
-    assert abs(found.down[1]) == pytest.approx(np.sin(found.angle), abs=1e-8)
-
-
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("pile", "least"),
@@ -214,18 +170,6 @@ def test_least_friction_of_a_squeezed_block_is_any_above_zero():
     found = find_least_friction(program_of(friction.h_block()))
     assert (found.value, found.attained) == (0.0, False)
     assert find_least_friction(program_of(friction.v_block())).attained
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("degrees", [5.0, 15.0])
-def test_least_friction_between_leaning_plates(degrees):
-    least = np.tan(np.radians(degrees))
-    found = find_least_friction(program_of(friction.a_block(degrees, planar=True)))
-    assert least <= found.value * (1 + 1e-12)
-    assert found.value < least + 2 / RULED_OUT  # forces up to this many weights count
-    for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
-        block = friction.a_block(degrees, friction=share * least)
-        assert judged(block, effort=0.5).verdict in verdicts
 
 
 @pytest.mark.slow
@@ -276,14 +220,6 @@ def test_the_conic_limit_is_where_the_verdict_changes(seed):
     assert low - 1e-6 <= limit.value <= high + 1e-6
     for step, stable in ((-1e-6, True), (1e-6, False)):
         assert judge(with_more(program, wrench, limit.value + step)).stable is stable
-
-
-@pytest.mark.slow
-def test_a_body_force_in_the_file_is_the_same_as_one_that_is_asked_about():
-    tower = stacks.tower(2, friction=2.0)
-    assert factor(tower) == pytest.approx(0.5, abs=1e-8)
-    assert judged(loaded(tower, X, 0.4999), effort=0.5).verdict in HOLDS
-    assert judged(loaded(tower, X, 0.5001), effort=0.5).verdict == "unstable"
 
 
 @pytest.mark.parametrize("planar", [False, True])
@@ -415,37 +351,12 @@ def test_a_push_that_is_not_resisted_says_why():
     assert any("it resists no push" in text for text in answer.warnings)
 
 
-@pytest.mark.slow
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("name", ["harmonic-stack", "tube", "channel", "paper-figure-11-turned"])
-def test_what_is_just_balanced_has_margins_of_exactly_zero(name):
-    answer = kilter.margin(scene(name), effort=0)
-    assert (answer.tilt_deg, answer.tilt.lower) == (0.0, 0.0)
-    assert np.array_equal(answer.tilt_down, answer.program.down)
-    assert {push.force for push in answer.pushes} == {0.0}
-
-
 @pytest.mark.parametrize("name", ["pit", "closed-frame"])
 def test_where_no_tilt_fails_there_is_no_direction_that_does(name):
     answer = kilter.margin(scene(name), effort=0)
     assert (answer.tilt_deg, answer.tilt_down) == (90.0, None)
     assert answer.to_dict()["tilt_down"] is None
     assert "at least 90 deg" in str(facts(answer.to_dict()))
-
-
-@pytest.mark.slow
-def test_a_limit_without_a_motion_is_no_right_angle(monkeypatch):
-    """What is held is proved, and that no more is held is not."""
-    real = tilt.find_limit
-
-    def without_motion(*given, **options):
-        return dataclasses.replace(real(*given, **options), mechanism=None, gap=np.inf)
-
-    monkeypatch.setattr(tilt, "find_limit", without_motion)
-    answer = kilter.margin(stacks.block_on_slope(0.0, friction=0.5), effort=0)
-    assert np.tan(np.radians(answer.tilt_deg)) == pytest.approx(0.5, abs=0.01)
-    assert answer.tilt_down is not None
-    assert "is not proved" in str(facts(answer.to_dict()))
 
 
 @pytest.mark.slow

@@ -20,27 +20,6 @@ from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.scenes import friction, scene, stacks
 from kilter.scenes.pieces import block, floor
 
-FEW = 40
-"""Programs that are enough; bisection of undecided ones took minutes for each of some."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    ["tilted-wall", "wall-with-opening", "wall-on-short-base", "inverted-triangle", "arch"],
-)
-def test_few_programs_close_in_on_it_and_both_sides_are_proved(name):
-    program = program_of(scene(name))
-    found = find_least_friction(program)
-    assert found.programs <= FEW
-    assert found.lower < found.value <= found.lower * (1 + 1e-6)
-    held, beyond = (
-        program.with_friction(found.value * (1 + 1e-8)),
-        program.with_friction(found.lower),
-    )
-    assert check_forces(held, found.forces.forces, found.forces.friction).holds
-    assert check_motion(beyond, found.motion.motion).holds
-
 
 @pytest.mark.slow
 def test_a_wall_over_an_opening_needs_a_fifth():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +16,8 @@ from kilter.analysis.margins.limit_level import (
     DECISION,
     NEAR,
     LevelDecisions,
-    LevelLimit,
     find_level_end,
 )
-from kilter.assembly import Load
 from kilter.cli import main
 from kilter.contact import contacts
 from kilter.scenes import friction, scene, stacks
@@ -73,36 +70,6 @@ def test_the_work_ends_the_bisection() -> None:
     level_limit = find_level_end(budget, reaches, 1.0)
     assert count == [1 - NEAR, 0.5, 0.25]
     assert (level_limit.inside, level_limit.outside) == (0.25, 0.5)
-
-
-def sides(assembly: Assembly, limit: LevelLimit, changed, shift: float = 1e-3):
-    """The levels just inside and just outside a limit at "settles"."""
-    values = limit.inside * (1 - shift), limit.outside * (1 + shift)
-    return [holds(kilter.check(changed(assembly, value)).level, "settles") for value in values]
-
-
-def aside(assembly: Assembly, factor: float) -> Assembly:
-    size = float(np.linalg.norm(assembly.gravity))
-    return replace(assembly, gravity=assembly.gravity + factor * size * np.array([1.0, 0, 0]))
-
-
-@pytest.mark.slow
-def test_a_block_on_a_slope_settles_up_to_every_limit_of_equilibrium() -> None:
-    block = stacks.block_on_slope(20.0, friction=0.5)
-    margin = kilter.margin(block, require="settles", push=[1, 0, 0])
-    limits = margin.at_level
-    assert limits is not None
-    assert limits.friction is not None
-    assert limits.friction.inside == pytest.approx(np.tan(np.radians(20.0)), rel=1e-6)
-    assert limits.tilt_deg is not None
-    assert limits.tilt_deg.inside == pytest.approx(np.degrees(np.arctan(0.5)) - 20.0, abs=1e-6)
-    assert sides(block, limits.load_factor[1], aside) == [True, False]
-    push = margin.pushes[0]
-
-    def pushed(assembly: Assembly, size: float) -> Assembly:
-        return replace(assembly, loads=[Load(push.part, force=size * push.direction)])
-
-    assert sides(block, limits.pushes[push.part], pushed, shift=0.02) == [True, False]
 
 
 @pytest.mark.slow
@@ -198,25 +165,3 @@ def test_every_question_of_a_decision_is_charged() -> None:
     # the charge itself counts in the total a second time
     assert search.work.total - before == pytest.approx(2 * charged - DECISION, rel=0.2)
     assert charged > DECISION
-
-
-@pytest.mark.slow
-def test_limits_that_lack_work_are_one_warning_and_no_words_of_each_limit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    kilter.dump(stacks.block_on_slope(20.0, friction=0.5), "a.kilter.json")
-    command = ["margin", "a.kilter.json", "--require", "settles", "--effort", "0", "--loads"]
-    command += ["--push", "1", "0", "0", "--about", "0", "1", "0"]
-    monkeypatch.setattr("kilter.analysis.margins.level_limits.LEAST_UNITS", 1.0)
-    assert main([*command, "--json"]) == 0
-    at_level = json.loads(capsys.readouterr().out)["at_level"]
-    limits = [at_level[key] for key in ("tilt_deg", "about_deg", "friction")]
-    limits += [*at_level["load_factor"], *at_level["pushes"].values(), *at_level["loads"].values()]
-    assert sum(limit["why"] == "effort" for limit in limits) > 3
-    assert main(command) == 0
-    out, error = capsys.readouterr()
-    assert error.count("the work limit was reached before these limits at the level settles") == 1
-    assert "work limit" not in out
-    assert main([*command, "--quiet"]) == 0
-    assert "work limit" not in "".join(capsys.readouterr())

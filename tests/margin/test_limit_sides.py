@@ -13,7 +13,6 @@ from kilter.analysis.limit_sides import limit_sides
 from kilter.analysis.load_limit import (
     EXACT,
     Limit,
-    NoLimit,
     SharedCones,
     find_limit,
     gravity_wrench,
@@ -137,24 +136,3 @@ def test_limits_of_one_program_share_their_start(monkeypatch, mu):
         assert len(taken) < cold
     assert len(set(numbers)) == 1
     assert values == pytest.approx([values[0]] * 3, abs=1e-9)
-
-
-@pytest.mark.slow
-def test_a_start_of_what_is_not_held_proves_nothing():
-    program = program_of(walls.wall_of(50, friction=0.6).with_down([0.0, 0.5, -1.0]))
-    shared = SharedCones(program)
-    for aside in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]):
-        wrench = gravity_wrench(program, np.array(aside))
-        found = limit_of(program, wrench, most=1.0, shared=shared)
-        assert isinstance(found, NoLimit) or found.value < 0
-
-
-@pytest.mark.slow
-def test_from_a_start_that_leads_nowhere_it_begins_anew(monkeypatch):
-    monkeypatch.setattr(load_limit, "_in_cones", unasked)
-    program = program_of(walls.wall_of(50, friction=0.6))
-    wrench = gravity_wrench(program, np.array([0.6, 0.8, 0.0]))
-    alone, shared = limit_of(program, wrench, most=10.0), SharedCones(program)
-    begun = on_one_thread(lambda: shared.start)()
-    shared.__dict__["start"] = type(begun)(begun.x * np.nan, begun.s, begun.y, begun.mean)
-    assert limit_of(program, wrench, most=10.0, shared=shared).value == alone.value

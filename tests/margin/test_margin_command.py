@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import kilter
@@ -13,54 +12,12 @@ from kilter import Assembly, Box, Part, Sphere
 from kilter.cli import main
 from kilter.scenes import scene, stacks
 
-KEYS = {
-    "joints",
-    "verdict", "sentence", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg",
-    "tilt_upper_deg", "tilt_down",
-    "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
-    "bond", "bond_limit", "clamped_by",
-    "load_limits", "pushes", "loads", "missing", "uncertainty", "helps", "warnings", "seconds",
-    "exact", "open_pairs", "level", "require", "at_level", "tilt_outside",
-}  # fmt: skip
-
 
 @pytest.fixture
 def tower(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     monkeypatch.chdir(tmp_path)
     kilter.dump(stacks.tower(2, friction=0.6), "tower.json")
     return "tower.json"
-
-
-def answered(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
-    capsys.readouterr()
-    assert main([*words, "--json"]) == 0
-    out, error = capsys.readouterr()
-    assert error == ""
-    return json.loads(out)
-
-
-@pytest.mark.slow
-def test_json_has_all_keys_and_the_numbers_of_a_tower(tower, capsys):
-    answer = answered(
-        capsys, "margin", tower, "--push", "1", "0", "0", "--about", "0", "1", "0",
-        "--part", "cube-2", "--effort", "0.5",
-    )  # fmt: skip
-    assert set(answer) == KEYS
-    assert answer["tilt_deg"] == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
-    assert answer["about"]["tilt_deg"] == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
-    assert answer["load_factor"] == pytest.approx([-0.5, 0.5], abs=1e-7)
-    assert answer["friction"] == 0.0
-    assert [push["part"] for push in answer["pushes"]] == ["cube-2"]
-    assert np.linalg.norm(answer["tilt_down"]) == pytest.approx(1.0)
-
-
-@pytest.mark.slow
-def test_the_text_says_what_starts_to_move(tower, capsys):
-    assert main(["margin", tower, "--quiet", "--effort", "0.5"]) == 0
-    text = capsys.readouterr().out
-    assert "26.5651 deg to the nearest direction of gravity that fails" in text
-    assert "start to move" in text
-    assert "no friction is needed" in text
 
 
 @pytest.mark.quick(1)
@@ -114,27 +71,6 @@ def test_a_load_on_a_held_or_unknown_part_is_refused(tower, capsys, part):
     assert part in capsys.readouterr().err
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("made", "code"),
-    [
-        (lambda: stacks.block_on_slope(50.0, friction=0.3), 1),
-        (lambda: stacks.block_on_slope(10.0, friction=0.3), 0),
-        (lambda: scene("squeezed-block"), 3),
-    ],
-    ids=["falls", "holds", "lower level"],
-)
-def test_the_exit_code_is_that_of_check(tmp_path, monkeypatch, capsys, made, code):
-    monkeypatch.chdir(tmp_path)
-    kilter.dump(made(), "a.json")
-    for command in ("check", "margin"):
-        capsys.readouterr()
-        assert main([command, "a.json", "--json", "--quiet"]) == code
-        answer = json.loads(capsys.readouterr().out)
-        if command == "margin":
-            assert next(iter(answer)) == "verdict"
-
-
 @pytest.mark.parametrize(
     ("name", "friction", "moved"),
     [
@@ -158,18 +94,6 @@ def test_an_assembly_without_reserve_is_reported_with_the_option_that_helps(
         assert "next: kilter margin a.json --friction 0.3\n" in text
         assert main(["margin", "a.json", "--friction", "0", "--quiet"]) == 0
         assert "next: kilter margin a.json --friction 0.3\n" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_the_next_margin_asks_the_same_question_with_friction(tower, capsys):
-    kilter.dump(stacks.tower(2), "tower.json")
-    asked = ["--push", "1", "0", "0", "--part", "cube-1", "--loads", "--mu-range", "0.5", "1"]
-    assert main(["margin", tower, *asked, "--quiet"]) == 0
-    *_, line, _ = capsys.readouterr().out.splitlines()
-    words = line.removeprefix("next: kilter ").split()
-    assert words == ["margin", tower, *asked, "--friction", "0.3"]
-    assert main([*words, "--quiet"]) == 0
-    assert "at its limit" not in capsys.readouterr().out
 
 
 def test_a_ball_with_friction_is_at_its_limit_without_that_option(tmp_path, monkeypatch, capsys):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -14,7 +13,6 @@ import kilter
 from kilter import Assembly, Bond, Box, Load, Part, Pose
 from kilter.analysis.margins.margin import margin
 from kilter.assembly.bricks.brick_assembly import bricks_of
-from kilter.cli import main
 from kilter.tell.tables import load_table
 
 sys.path.append(str(Path(__file__).parents[1] / "bricks"))
@@ -79,20 +77,6 @@ def test_loads_of_bricks_are_those_of_the_program_apart(tmp_path):
             heavier = rows.copy()
             heavier[k, 5] += share * found[f"2x4-{k + 1}"].load / 9.8
             assert (least_share(heavier, pull=rules.pull) < 1) is (share < 1)
-
-
-@pytest.mark.slow
-def test_every_load_is_proved_on_both_sides(tmp_path, capsys):
-    path, proof = tmp_path / "stair.txt", tmp_path / "proof.json"
-    path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(4)))
-    words = ["margin", str(path), "--loads", "--part", "2x4-4", "--proof", str(proof), "--quiet"]
-    assert main(words) == 0
-    assert (
-        "Greatest additional load that each part carries, straight down" in capsys.readouterr().out
-    )
-    told = json.loads(proof.read_text())["proofs"]
-    assert sorted(one["held"] for one in told if one["about"] == "load on 2x4-4") == [False, True]
-    assert kilter.verify(path, proof).holds
 
 
 def test_what_falls_takes_no_load():

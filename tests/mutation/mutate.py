@@ -11,8 +11,6 @@ command fails; so does a reason whose mutant is killed.
     --seconds S what the tests of one mutant may take before it counts as killed
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import functools

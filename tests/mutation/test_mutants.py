@@ -1,7 +1,5 @@
 """Mutants themselves: what is made of a few lines, and that one is seen by a test and put back."""
 
-from __future__ import annotations
-
 import ast
 import tomllib
 from pathlib import Path
@@ -18,7 +16,7 @@ def decides(power: float, least: float = 0.5) -> bool:
 '''
 
 
-def test_every_mutant_is_one_change_and_runs() -> None:
+def test_every_mutant_is_one_change_and_runs():
     found = {one.name.removeprefix("decides: "): one for one in mutants(SOURCE)}
     assert set(found) == {
         "power > least -> power >= least",
@@ -39,7 +37,7 @@ def test_every_mutant_is_one_change_and_runs() -> None:
 
 
 @pytest.mark.slow
-def test_reasons_are_of_modules_and_mutants_that_are_there() -> None:
+def test_reasons_are_of_modules_and_mutants_that_are_there():
     guards = tomllib.loads((HERE / "guards.toml").read_text(encoding="utf-8"))
     reasons = tomllib.loads((HERE / "survivors.toml").read_text(encoding="utf-8"))
     assert set(reasons) <= set(guards)

@@ -1,7 +1,5 @@
 """Fixture for objects of other libraries: an object and its file give the same answer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Masses and friction of MuJoCo models by the engine, beside those of kilter; random models."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from pathlib import Path
 from typing import Any

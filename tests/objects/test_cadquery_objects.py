@@ -1,7 +1,5 @@
 """Objects of CadQuery: exact faces, and the same answer as through the STEP file it writes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -32,7 +30,7 @@ def box(x: float, y: float, z: float) -> Any:
     return cq.Workplane().box(x, y, z)
 
 
-def test_a_rod_stands_on_a_base(agree: Agree) -> None:
+def test_a_rod_stands_on_a_base(agree):
     made = cq.Assembly(name="all").add(box(40, 40, 10), name="base")
     made = made.add(cq.Workplane().cylinder(30, 5), name="rod", loc=at(z=20))
     found = agree(made, write(made), "rod.step", "stable", ground="base")
@@ -42,15 +40,13 @@ def test_a_rod_stands_on_a_base(agree: Agree) -> None:
 
 
 @pytest.mark.parametrize(("reach", "verdict"), [(9.9, "stable"), (10.1, "unstable")])
-def test_a_box_tips_where_its_centre_passes_the_edge(
-    agree: Agree, reach: float, verdict: str
-) -> None:
+def test_a_box_tips_where_its_centre_passes_the_edge(agree, reach, verdict):
     made = cq.Assembly(name="all").add(box(20, 20, 20), name="low")
     made = made.add(box(20, 20, 20), name="high", loc=at(reach, z=20))
     agree(made, write(made), "boxes.step", verdict, ground="low")
 
 
-def test_an_assembly_within_an_assembly_is_where_it_is_put(agree: Agree) -> None:
+def test_an_assembly_within_an_assembly_is_where_it_is_put(agree):
     pair = cq.Assembly(name="pair", loc=cq.Location((0, 0, 6), (0, 0, 1), 45))
     pair = pair.add(box(10, 10, 2), name="plate")
     pair = pair.add(cq.Workplane().cylinder(6, 1), name="pin", loc=at(z=4))
@@ -59,7 +55,7 @@ def test_an_assembly_within_an_assembly_is_where_it_is_put(agree: Agree) -> None
     assert found.geometry.center[found.index_of("pin")] == pytest.approx([0, 0, 10])
 
 
-def test_a_workplane_and_a_shape(agree: Agree) -> None:
+def test_a_workplane_and_a_shape(agree):
     made = box(10, 10, 10).faces(">Z").workplane().hole(4)
     one = cq.Assembly(name="all").add(made, name="drilled")
     found = agree(one, write(one), "part.step", "stable", floor=True)
@@ -68,13 +64,13 @@ def test_a_workplane_and_a_shape(agree: Agree) -> None:
     assert kilter.check(found).stable
 
 
-def test_shapes_by_name(agree: Agree) -> None:
+def test_shapes_by_name(agree):
     found = kilter.load({"table": box(9, 9, 1), "cup": box(1, 1, 1).translate((0, 0, 1))},
                         ground="table")  # fmt: skip
     assert found.names == ("table", "cup")
     assert kilter.check(found).stable
 
 
-def test_what_is_no_solid_is_refused() -> None:
+def test_what_is_no_solid_is_refused():
     with pytest.raises(InputError, match=r"^no solid, only .*; export solids, not surfaces"):
         kilter.load(cq.Workplane().rect(1, 1))

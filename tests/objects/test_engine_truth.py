@@ -1,7 +1,5 @@
 """Masses, inertia, friction and filters of MuJoCo models against the engine and closed forms."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -55,13 +53,13 @@ SLOPES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SLOPES)
-def test_a_body_slides_by_the_friction_of_the_geoms_that_touch(name: str) -> None:
+def test_a_body_slides_by_the_friction_of_the_geoms_that_touch(name):
     slides, rests = (kilter.load(on_slope(*words)) for words in SLOPES[name])
     assert kilter.check(slides).verdict == "unstable"
     assert kilter.check(rests).verdict == "stable"
 
 
-def test_friction_of_geoms_is_kept_by_the_file_and_the_option_says_so(tmp_path: Path) -> None:
+def test_friction_of_geoms_is_kept_by_the_file_and_the_option_says_so(tmp_path):
     assembly = kilter.load(on_slope(MU(0.1), MU(0.1), MU(1)))
     path = tmp_path / "shoe.kilter.json"
     kilter.dump(assembly, path)
@@ -70,7 +68,7 @@ def test_friction_of_geoms_is_kept_by_the_file_and_the_option_says_so(tmp_path: 
     assert any("keeps its own coefficient" in note for note in again.notes)
 
 
-def test_the_torque_of_a_turning_disc_is_that_of_its_stated_inertia() -> None:
+def test_the_torque_of_a_turning_disc_is_that_of_its_stated_inertia():
     """24 N m are needed, and friction gives mu m g r = 8.24 N m: a factor of .343."""
     inertial = '<inertial pos="0 0 0" mass="10" diaginertia="1.6 1.6 3"/>'
     disc = '<geom type="cylinder" size=".28 .05" friction=".3"/>'
@@ -98,7 +96,7 @@ def tipping(body: str) -> float:
 
 
 @pytest.mark.parametrize("inertia", [0.05, 5.0])
-def test_a_plate_tips_over_an_edge_by_its_stated_inertia(inertia: float) -> None:
+def test_a_plate_tips_over_an_edge_by_its_stated_inertia(inertia):
     """43.6 and 3.63 rad/s^2."""
     stated = f'<inertial pos="0 0 0" mass="10" diaginertia="{inertia} {inertia} {inertia}"/>'
     plate = BODY.format("b", ".2 0 .1", "<freejoint/>" + stated, SOLE.format(SLICK))
@@ -106,7 +104,7 @@ def test_a_plate_tips_over_an_edge_by_its_stated_inertia(inertia: float) -> None
     assert tipping(plate) == pytest.approx(wanted, rel=1e-9)
 
 
-def test_a_bar_with_heavy_ends_tips_by_the_masses_of_its_geoms() -> None:
+def test_a_bar_with_heavy_ends_tips_by_the_masses_of_its_geoms():
     """Two cubes of 5 kg: m g d / (I + m d^2); a uniform bar would tip faster."""
     end = '<geom type="box" size=".1 .1 .1" pos="{} 0 0" mass="5" condim="1"/>'
     bar = '<geom type="box" size="1 .05 .1" mass="1e-9" condim="1"/>'
@@ -118,7 +116,7 @@ def test_a_bar_with_heavy_ends_tips_by_the_masses_of_its_geoms() -> None:
 
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(100))
-def test_a_random_model_has_the_masses_and_the_friction_of_the_engine(seed: int) -> None:
+def test_a_random_model_has_the_masses_and_the_friction_of_the_engine(seed):
     model = mujoco.MjModel.from_xml_string(random_model(seed))
     data, assembly = placed(model), kilter.load(model)
     assert mass_differences(model, data, assembly) == []
@@ -129,7 +127,7 @@ FILES = sorted(Path(mujoco.__file__).parent.rglob("*.xml"))
 
 
 @pytest.mark.slow
-def test_files_of_the_package_have_the_masses_and_the_friction_of_the_engine() -> None:
+def test_files_of_the_package_have_the_masses_and_the_friction_of_the_engine():
     """A file without bodies is refused; a file with height fields is compared without them."""
     compared = 0
     for path in FILES:
@@ -160,9 +158,7 @@ STATED = '<inertial pos="{} 0 0" mass="{}" diaginertia=".2 .2 .2"/>'
     ],
     ids=["massless child", "child without geoms", "frame", "mass above", "two parts"],
 )
-def test_the_mass_of_every_body_belongs_to_a_part_that_moves_with_it(
-    inside: str, parts: set[str]
-) -> None:
+def test_the_mass_of_every_body_belongs_to_a_part_that_moves_with_it(inside, parts):
     hinge = '<joint type="hinge" axis="0 1 0" pos="-.5 0 0"/>'
     model = model_of(BODY.format("b", "0 0 0", hinge, inside))
     assembly = kilter.load(model)
@@ -173,7 +169,7 @@ def test_the_mass_of_every_body_belongs_to_a_part_that_moves_with_it(
 
 
 @pytest.mark.parametrize(("share", "falls"), [(0.0, True), (0.99, True), (1.0, False)])
-def test_gravity_compensation_relieves_the_weight(share: float, falls: bool) -> None:
+def test_gravity_compensation_relieves_the_weight(share, falls):
     """A slide that points up falls unless its whole weight is compensated."""
     slide = '<joint type="slide" axis="0 0 1"/>'
     made = BODY.format("b", "0 0 0", slide, BOX.format("")).replace(
@@ -187,7 +183,7 @@ def test_gravity_compensation_relieves_the_weight(share: float, falls: bool) -> 
     assert sum(load.force[2] for load in assembly.loads) == pytest.approx(data.qfrc_passive[0])
 
 
-def test_a_held_body_needs_no_compensation_of_its_weight() -> None:
+def test_a_held_body_needs_no_compensation_of_its_weight():
     made = BODY.format("b", "0 0 0", "<freejoint/>", BOX.format("")).replace(
         '"b"', '"b" gravcomp="1"'
     )
@@ -213,7 +209,7 @@ NOTES = {
 
 
 @pytest.mark.parametrize("note", NOTES)
-def test_a_note_names_a_feature_that_kilter_does_not_have(note: str) -> None:
+def test_a_note_names_a_feature_that_kilter_does_not_have(note):
     geom, rest, flag = NOTES[note]
     flags = f'<option><flag {flag}="disable"/></option>' if flag else ""
     found = kilter.load(model_of(FLOOR.format("") + FREE.format(geom), rest + flags))
@@ -224,7 +220,7 @@ def test_a_note_names_a_feature_that_kilter_does_not_have(note: str) -> None:
         assert len(kilter.contacts(found)) == 0
 
 
-def test_a_model_without_gravity_is_refused() -> None:
+def test_a_model_without_gravity_is_refused():
     for rest, option in (
         ('<option><flag gravity="disable"/></option>', ""),
         ("", 'gravity="0 0 0"'),

@@ -1,9 +1,6 @@
 """Objects of trimesh: the same answer as through the file that trimesh writes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,22 +34,20 @@ def stack(*nodes: tuple[str, Any, np.ndarray], units: str | None = None) -> Any:
     return made
 
 
-def test_a_tower_stands(agree: Agree) -> None:
+def test_a_tower_stands(agree):
     made = stack(("low", box([1, 1, 1]), at()), ("high", box([1, 1, 1]), at(z=1)))
     found = agree(made, made.export, "tower.glb", "stable", ground="low")
     assert set(found.names) == {"low", "high"}
 
 
 @pytest.mark.parametrize(("reach", "verdict"), [(0.49, "stable"), (0.51, "unstable")])
-def test_a_box_tips_where_its_centre_passes_the_edge(
-    agree: Agree, reach: float, verdict: str
-) -> None:
+def test_a_box_tips_where_its_centre_passes_the_edge(agree, reach, verdict):
     made = stack(("table", box([1, 1, 1]), at()), ("book", box([1, 1, 0.25]), at(reach, z=0.625)))
     agree(made, made.export, "book.glb", verdict, ground="table")
 
 
 @pytest.mark.slow
-def test_a_block_slides_down_a_plane_that_is_turned(agree: Agree) -> None:
+def test_a_block_slides_down_a_plane_that_is_turned(agree):
     tilt = 0.2
     up = np.array([np.sin(tilt), 0, np.cos(tilt)])
     made = stack(
@@ -63,13 +58,13 @@ def test_a_block_slides_down_a_plane_that_is_turned(agree: Agree) -> None:
     assert friction.stable
 
 
-def test_one_mesh_of_two_bodies_is_taken_apart(agree: Agree) -> None:
+def test_one_mesh_of_two_bodies_is_taken_apart(agree):
     both = trimesh.util.concatenate([box([1, 1, 1]), box([1, 1, 1]).apply_translation([0.2, 0, 1])])
     found = agree(both, both.export, "part.stl", "stable", floor=True)
     assert len(found.parts) == 3
 
 
-def test_a_mesh_in_millimetres_says_so(agree: Agree) -> None:
+def test_a_mesh_in_millimetres_says_so(agree):
     mesh = box([40, 20, 10])
     mesh.metadata["name"] = "brick"
     mesh.units = "mm"
@@ -82,7 +77,7 @@ def test_a_mesh_in_millimetres_says_so(agree: Agree) -> None:
         kilter.load(mesh, units="m")
 
 
-def test_primitives_keep_their_exact_faces() -> None:
+def test_primitives_keep_their_exact_faces():
     place = at(z=2.5)
     made = stack(
         ("table", trimesh.primitives.Box([4, 4, 1]), at()),
@@ -99,7 +94,7 @@ def test_primitives_keep_their_exact_faces() -> None:
     assert isinstance(part.shape, kilter.Mesh)
 
 
-def test_a_scene_comes_back_as_it_was() -> None:
+def test_a_scene_comes_back_as_it_was():
     made = scene("tower")
     scene_of = made.to_trimesh()
     again = kilter.load(scene_of, ground=[part.name for part in made.parts if part.grounded])
@@ -111,7 +106,7 @@ def test_a_scene_comes_back_as_it_was() -> None:
     assert kilter.check(again).verdict == kilter.check(made).verdict
 
 
-def test_numbers_that_all_are_float32_are_taken_for_such() -> None:
+def test_numbers_that_all_are_float32_are_taken_for_such():
     corners = box([0.1, 0.1, 0.1])
     exact = kilter.load(corners).parts[0].shape.accuracy
     corners.vertices = corners.vertices.astype(np.float32)
@@ -125,12 +120,12 @@ def test_numbers_that_all_are_float32_are_taken_for_such() -> None:
         (lambda: trimesh.Scene(), "the trimesh Scene has no faces; give a"),
     ],
 )
-def test_what_is_no_solid_is_refused(value: Callable[[], Any], words: str) -> None:
+def test_what_is_no_solid_is_refused(value, words):
     with pytest.raises(InputError, match=words):
         kilter.load(value())
 
 
-def test_parts_are_where_their_pose_says(tmp_path: Path) -> None:
+def test_parts_are_where_their_pose_says(tmp_path):
     pose = Pose([1, 2, 3], [0.5, 0.5, 0.5, 0.5])
     made = kilter.Assembly([kilter.Part("a", kilter.Box([1, 2, 3]), pose)], units="cm")
     again = kilter.load(made.to_trimesh())

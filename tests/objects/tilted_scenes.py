@@ -5,8 +5,6 @@ bodies stands a second body. The slope is at random. A verdict counts if it is t
 and above the slope, so that the limit is not near.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import mujoco

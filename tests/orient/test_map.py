@@ -16,7 +16,7 @@ from kilter.mechanics.forms import displacement
 from kilter.scenes import paper, scene, stacks, wedges
 from kilter.solvers.highs import solve_linear
 
-BIG = {"wall", "wall-with-lintel", "pierced-wall", "box-pile", "short-base-turned", "corner-wedges"}
+BIG = {"short-base-turned"}
 SMALL = [name for name in ALL if name not in BIG]
 
 
@@ -36,12 +36,6 @@ def test_z_from_the_map_is_that_of_lp_9(name):
     assert z_error(name, 100) <= 1e-8
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(ALL)[::6])
-def test_z_from_the_map_is_that_of_lp_9_on_1000_directions(name):
-    assert z_error(name, 1000) <= 1e-8
-
-
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["paper-figure-8", "arch-7", "tower", "wedge-on-wedge"])
 def test_z_is_that_of_lp_9_as_published(name):
@@ -58,12 +52,6 @@ def test_z_is_that_of_lp_9_as_published(name):
 def test_about_one_program_a_vertex_and_a_facet(name):
     found = stability_map(program_of(name))
     assert found.programs <= 1.1 * (len(found.vertices) + len(found.normals)) + 12
-
-
-@pytest.mark.slow
-def test_about_one_program_a_vertex_and_a_facet_of_corner_wedges():
-    found = stability_map(program_of("corner-wedges"))
-    assert found.programs <= 1.1 * (len(found.vertices) + len(found.normals))
 
 
 @pytest.mark.quick(2)
@@ -85,16 +73,6 @@ def test_vertices_facets_and_partitions_fit_together(name):
         rays = found.partition(vertex)
         g = random.dirichlet(np.ones(len(rays)), size=5) @ rays
         assert ((g @ found.vertices.T).argmax(axis=1) == vertex).all()
-
-
-@pytest.mark.slow
-def test_partitions_are_where_one_displacement_is_optimal():
-    program = program_of("paper-figure-8")
-    found, work = stability_map(program), VirtualWork(program)
-    g = on_facets(program, 200)
-    mine = found.vertices[(g @ found.vertices.T).argmax(axis=1)] / found.mass
-    theirs = np.array([work.solve(d).q for d in g])
-    assert np.abs(mine - theirs).max() < 1e-8
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,8 @@ import json
 import numpy as np
 import pytest
 from free_form import free_form_on_a_floor
-from hypothesis import given
-from hypothesis import strategies as st
 from transformations import as_single
-from transformations import scaled as resized
-from turning import ALL, UNSTABLE, angle_from_down, slot_and_float
+from turning import ALL, angle_from_down, slot_and_float
 
 import kilter
 from kilter import InputError, Load, check
@@ -76,14 +73,6 @@ def test_a_cone_has_its_widest_margin():
     assert answer.tilt_margin_deg == pytest.approx(np.degrees(np.arcsin(1 / np.sqrt(3))), abs=1e-6)
 
 
-# the contacts of the ladder bring their own friction
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [n for n in ALL if n not in {*UNSTABLE, "ladder"}])
-def test_what_is_found_is_proved(name):
-    assembly = ALL[name]().with_friction(0.0)
-    proved(assembly, orient(assembly))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["joint", "walk"])
 @pytest.mark.parametrize("name", ["wedge-on-wedge", "pile-turned", "floating-block"])
@@ -133,7 +122,7 @@ def test_a_direction_found_without_friction_holds_with_it():
     assert smooth.found
     assert rough.found
     assert rough.friction
-    assert rough.region.contains(smooth.down)
+    assert rough.stable_region.contains(smooth.down)
     assert rough.tilt_margin_deg > smooth.tilt_margin_deg
 
 
@@ -162,21 +151,6 @@ def test_upside_down_is_a_half_turn(planar):
     answer = proved(assembly, orient(assembly))
     about = [0, 0, 1, 0] if planar else [0, 1, 0, 0]
     assert np.abs(answer.rotation) == pytest.approx(about, abs=1e-12)
-
-
-@pytest.mark.slow
-@given(
-    axis=st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda a: np.linalg.norm(a) > 0.1),
-    degrees=st.floats(-180, 180),
-    size=st.sampled_from([0.001, 1.0, 1000.0]),
-)
-def test_it_turns_with_the_assembly(axis, degrees, size):
-    assembly = paper.two_blocks_in_an_l(60)
-    quaternion = turn(axis, degrees)
-    carried = resized(moved(assembly, quaternion, [3.0, -1.0, 2.0]), size)
-    down = orient(carried).down
-    expected = quaternion_to_matrix(quaternion) @ orient(assembly).down
-    assert np.degrees(np.linalg.norm(down - expected)) < 1e-6
 
 
 @pytest.mark.slow

@@ -66,18 +66,6 @@ def test_held_parts_are_walls(tmp_path: Path) -> None:
     assert check_plan(plan, held=held).first is None
 
 
-def test_each_state_equals_check(tmp_path: Path) -> None:
-    rows = "a,600,400,200,5,0,0,0,0\nb,600,400,200,5,0,0,200,90\nc,300,300,100,2,350,50,400,0\n"
-    path = written(tmp_path, HEADER + rows)
-    checked = check_plan(path, friction=0.3)
-    assembly = kilter.load(path, floor=True, friction=0.3)
-    for k, item in enumerate(checked.items):
-        later = [box.name for box in checked.plan.boxes[k + 1 :]]
-        state = assembly.without(later) if later else assembly
-        verdict = kilter.check(state)
-        assert (item.verdict, item.level) == (verdict.verdict, verdict.level)
-
-
 def test_the_units_of_a_table(tmp_path: Path) -> None:
     text = "length [cm];width [cm];height [cm];weight [kg];x;y;z\n60;40;20;5;0;0;0\n"
     plan = load_plan(written(tmp_path, text))
@@ -133,18 +121,6 @@ def test_exit_codes_and_json(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     out = capsys.readouterr().out
     assert out.startswith("Item 2, 'b', falls: the centre of 'b' lies 50 mm beside")
     assert "the plan names no walls" in out
-
-
-@pytest.mark.slow
-def test_a_plan_of_bed_bpp() -> None:
-    """Known: without friction the pile first cannot stand at item 25."""
-    if not DATA.exists():
-        pytest.skip("../shared/data is not here")
-    assert check_plan(DATA, order="00100408").first == 25
-    with pytest.raises(InputError, match="has 4 orders"):
-        load_plan(DATA)
-    with pytest.raises(InputError, match="has no order 'x'"):
-        load_plan(DATA, order="x")
 
 
 def test_a_level_below_the_required_level_is_named() -> None:

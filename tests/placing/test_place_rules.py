@@ -45,24 +45,6 @@ def counts_of_page(benchmark: ModuleType):
     return counts
 
 
-@pytest.mark.slow
-def test_two_stacks(benchmark: ModuleType) -> None:
-    """The row of kilter is 0 / 0; each stricter share of support accepts fewer places."""
-    counts = benchmark.counted([1, 2])
-    assert counts.stands > 0
-    assert counts.falls > 0
-    assert counts.stands + counts.falls + counts.undecided == 2 * benchmark.PLACES
-    assert counts.rechecked >= 15
-    assert counts.disagreements == 0
-    assert (counts.accepted_falls["kilter"], counts.rejected_stands["kilter"]) == (0, 0)
-    assert counts.accepted_falls["LBCP"] == 0
-    assert counts.rejected_stands["centre over the hull of its contact"] == 0
-    shares = ["60 % support", "75 % support", "full support"]
-    rejected = [counts.rejected_stands[rule] for rule in shares]
-    assert rejected == sorted(rejected)
-    assert rejected[-1] > 0
-
-
 def test_rules_and_program_on_a_counterbalanced_plank(benchmark: ModuleType) -> None:
     """A load x beyond the edge stands up to W (L / 2 - e) / w = 0.16; LBCP ends at the edge."""
     block, plank = [0, 0, 0, 1, 1, 0.5], [0.3, 0, 0.5, 1, 1, 0.125]

@@ -7,8 +7,6 @@ import numpy as np
 from kilter import Assembly, Part
 from kilter.scenes.pieces import block, cells, floor
 
-__all__ = ["hooked"]
-
 TONGUE = np.zeros((4, 4, 1), dtype=bool)
 """Cells of a plate that reaches by a tongue into a notch of the other."""
 TONGUE[:2], TONGUE[2, 1] = True, True

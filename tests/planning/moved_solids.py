@@ -8,8 +8,6 @@ import numpy as np
 
 from kilter.contact.common.distances import PartSolids
 
-__all__ = ["deepest", "places_along", "shared", "skin"]
-
 
 def shared(solids: PartSolids, p: int, q: int, offset: np.ndarray) -> float:
     """Volume that part p, moved by an offset, shares with part q."""

@@ -9,8 +9,6 @@ import kilter
 from kilter.analysis.verification import verify_bundle
 from kilter.mechanics.proof import digest_of
 
-__all__ = ["Proof", "proof_of", "reasons", "signed"]
-
 Proof = dict[str, Any]
 
 

@@ -7,8 +7,6 @@ import numpy as np
 from kilter import Assembly
 from kilter.scenes.pieces import block
 
-__all__ = ["leaning"]
-
 
 def leaning(degrees: float, friction: float = 0.0) -> Assembly:
     """On a bed, A leans on B and B on a stop, as gravity leans by an angle towards the stop."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ import kilter
 from kilter import Assembly, InputError, PlanRules
 from kilter.analysis.planning.order.carried_accelerations import SIDES, extreme_accelerations
 from kilter.cli import main
-from kilter.scenes import scene
 from kilter.scenes.pieces import block
 
 G = 9.81
@@ -83,28 +81,6 @@ def test_a_post_is_held_until_its_blocks_stand() -> None:
     other["rules"]["carried"] = [[0.4 * G, 0, 0]]
     wrong = reasons(order, signed(other))
     assert "at an acceleration that the rules do not require" in wrong
-
-
-@pytest.mark.slow
-def test_each_state_carries_random_accelerations_by_check() -> None:
-    order = kilter.plan(post_in_a_vice(), PlanRules(carried=0.2 * G))
-    assert order.found
-    rng = np.random.default_rng(3)
-    for step in order.steps:
-        state = order.states.sub_assembly(step.state)
-        for angle in rng.uniform(0, 2 * np.pi, 4):
-            away = 0.2 * G * np.array([np.cos(angle), np.sin(angle), 0])
-            felt = dataclasses.replace(state, gravity=state.gravity - away)
-            assert kilter.check(felt, require="equilibrium").level is not None
-
-
-@pytest.mark.slow
-def test_the_proof_of_a_plan_in_every_direction() -> None:
-    order = kilter.plan(scene("tower"), PlanRules(carried=0.1), friction=0.5)
-    assert order.found
-    proof = proof_of(order)
-    assert sum(entry["about"] == "carried" for entry in proof["proofs"]) == 16 * 6
-    assert not reasons(order, proof)
 
 
 def test_the_command_states_what_is_carried(

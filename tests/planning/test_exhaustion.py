@@ -11,10 +11,9 @@ from read_proofs import Proof, proof_of, reasons, signed
 from slopes import leaning
 
 import kilter
-from kilter import Assembly, Order
+from kilter import Order
 from kilter.analysis.planning.order.exhaustion import MOST_SETS, leads_nowhere
 from kilter.scenes.arches import arch
-from kilter.scenes.pieces import block
 
 SLIDES = float(np.tan(np.radians(30.0)))
 """Friction with which what is not leaned on slides above 30 degrees [-]."""
@@ -48,24 +47,6 @@ def test_what_comes_first_slides_above_the_angle_of_friction(degrees: float, ver
     order = kilter.plan(leaning(degrees, SLIDES), kilter.PlanRules(before=[("A", "B")], hold=0))
     assert order.verdict == verdict
     assert not wrong(order)
-
-
-@pytest.mark.slow
-def test_none_is_proved_where_a_path_was_asked() -> None:
-    """A box in a closed one of two grounded halves stands: only the walls are in its way."""
-    sides = [
-        block(f"wall-{axis}-{sign}", low, high, grounded=True)
-        for axis, sign, low, high in [
-            ("x", "-", [-1, -2, -1], [0, 3, 3]),
-            ("x", "+", [1.5, -2, -1], [3, 3, 3]),
-            ("y", "-", [0, -2, -1], [1.5, 0, 3]),
-            ("y", "+", [0, 1.5, -1], [1.5, 3, 3]),
-            ("z", "-", [0, 0, -1], [1.5, 1.5, 0]),
-            ("z", "+", [0, 0, 2], [1.5, 1.5, 3]),
-        ]
-    ]
-    order = kilter.plan(Assembly([*sides, block("box", [0.2, 0.2, 0], [1.2, 1.2, 1])]))
-    assert order.verdict == "none-found"
 
 
 def test_of_too_many_sets_nothing_is_said() -> None:

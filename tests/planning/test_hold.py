@@ -19,7 +19,6 @@ from kilter.analysis.verification import verify_bundle
 from kilter.cli import main
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
-from kilter.scenes.friction import books
 from kilter.scenes.pieces import block, floor
 from kilter.work import Work
 
@@ -92,14 +91,6 @@ def test_fingers_cannot_hold_more_than_ten_voussoirs_from_one_side() -> None:
     assert "even with all 11 candidates as supports" in none.to_dict()["sentence"]
 
 
-@pytest.mark.slow
-def test_grips_are_the_fewest_holds_of_states() -> None:
-    made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
-    found = kilter.hold(made)
-    assert found.least == kilter.states(made).fewest_holds().least == 2
-    assert rechecked(found) == ""
-
-
 def hanging(mu: float = 0.5) -> tuple[Assembly, float]:
     """A cube of 10 N beside a held wall, and nothing under it."""
     made = Assembly(
@@ -130,15 +121,6 @@ def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
     assert (found.verdict, found.least, found.fewest) == ("held", least, True)
     pull = sum(support.force[2] for support in found.supports)
     assert pull == pytest.approx(weight, rel=1e-6)
-    assert rechecked(found) == ""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("share", "verdict"), [(0.17, "held"), (0.16, "impossible")])
-def test_magnets_of_which_all_together_are_too_weak(share: float, verdict: str) -> None:
-    made, weight = hanging(0.0)
-    found = kilter.hold(made, candidates=magnets(6, share * weight))
-    assert found.verdict == verdict
     assert rechecked(found) == ""
 
 
@@ -292,40 +274,6 @@ def test_fewest_supports_are_those_of_enumeration() -> None:
     assert len({verdict for verdict, _ in agree(range(8))}) == 2
 
 
-@pytest.mark.slow
-def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
-    answers = agree(range(60))
-    assert len(answers) > 54
-    held = [least for verdict, least in answers if verdict == "held"]
-    assert min(held.count(k) for k in (0, 1, 2)) > 2
-    assert len(answers) - len(held) > 5
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("why", "change"),
-    [
-        ("fewer than 2 supports may be enough", lambda p: p["proofs"].pop()),
-        ("differ from the candidates that it names", lambda p: p["proofs"][0]["supports"].pop()),
-        (
-            "differ from the candidates that it names",
-            lambda p: p["rules"]["candidates"][2].update(part="voussoir-0"),
-        ),
-        ("it has no proof that the fewest supports hold it", lambda p: p["rules"].update(least=3)),
-    ],
-)
-def test_a_change_is_refused(why: str, change: Callable[[Proof], object]) -> None:
-    made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
-    assert why in rechecked(kilter.hold(made), change)
-
-
-@pytest.mark.slow
-def test_a_proof_by_forces_is_no_proof_that_fewer_do_not_hold() -> None:
-    made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
-    with pytest.raises(kilter.InputError, match=r"proofs\[0\]\.proof\.motion is missing"):
-        rechecked(kilter.hold(made), lambda p: p["proofs"][0].update(about="not fewer"))
-
-
 def test_out_of_effort_a_bound_is_told() -> None:
     made = part_of_an_arch(20, 14, sides="left")
     found = kilter.hold(made, candidates=under(made, "prop"), effort=0.0001)
@@ -440,19 +388,6 @@ def test_the_supports_raise_the_assembly_to_the_required_level() -> None:
     held = block.with_grounded([support.part for support in settled.supports or ()])
     assert kilter.check(held, require="settles").stable
     assert not kilter.check(block, require="settles").stable
-
-
-@pytest.mark.slow
-def test_a_grip_on_a_loaded_part_carries_its_load() -> None:
-    """Books between a wall and a plate that a load presses: a grip replaces that load."""
-    row = books(2)
-    fixture = kilter.hold(row, require="settles")
-    assert fixture.verdict == "held"
-    assert rechecked(fixture) == ""
-    loaded = {load.part for load in row.loads}
-    gripped = row.with_grips(loaded)
-    assert not gripped.loads
-    assert all(gripped.parts[gripped.index[name]].grounded for name in loaded)
 
 
 @pytest.mark.slow

@@ -99,12 +99,6 @@ def test_fewest_holds_are_those_of_enumeration() -> None:
     assert len(set(agree(8, verify=True))) > 1
 
 
-@pytest.mark.slow
-def test_fewest_holds_of_many_states_are_those_of_enumeration() -> None:
-    sizes = agree(120, verify=False)
-    assert min(sizes.count(size) for size in (0, 1, 2)) > 6
-
-
 @pytest.mark.parametrize(("friction", "sides", "most"), [(0.6, "one", 1), (0.6, "both", 2)])
 def test_an_arch_built_from_one_side_or_both(friction: float, sides: str, most: int) -> None:
     """Most holds over the orders of `plan`'s known answers: 1 from one side, 2 from both."""

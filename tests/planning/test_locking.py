@@ -9,11 +9,10 @@ from scipy.optimize import linprog
 
 import kilter
 from kilter import Assembly, Part
-from kilter.analysis.planning.order.locking import find_locked, multipliers_of, opening, shuts
-from kilter.analysis.planning.order.removal import Removal
+from kilter.analysis.planning.order.locking import multipliers_of, opening, shuts
 from kilter.analysis.planning.states.states import states
 from kilter.scenes import scene
-from kilter.scenes.pieces import block, cells, floor, turned_parts
+from kilter.scenes.pieces import block, turned_parts
 
 
 def boxed(*, above: float = 1.0) -> Assembly:
@@ -43,34 +42,6 @@ def test_a_closed_box_locks(name: str) -> None:
 def test_a_lid_a_little_off_locks_nothing() -> None:
     order = kilter.plan(boxed(above=1.01))
     assert (order.verdict, order.locked) == ("none-found", ())
-
-
-@pytest.mark.slow
-def test_each_is_locked_by_the_other() -> None:
-    """Two plates that hook into each other leave only as one; what lies above them is no part."""
-    tongue = np.zeros((4, 4, 1), dtype=bool)
-    tongue[:2], tongue[2, 1] = True, True
-    grid = np.arange(5.0)
-    walls = [
-        block("west", [-1, 0, 0], [0, 4, 1]), block("east", [4, 0, 0], [5, 4, 1]),
-        block("back", [-1, -1, 0], [5, 0, 1]),
-        block("ledge-w", [-1, 0, 1], [1, 4, 2]), block("ledge-e", [3, 0, 1], [5, 4, 2]),
-    ]  # fmt: skip
-    parts = [
-        floor([-3, -3], [7, 7]),
-        *(Part(p.name, p.shape, p.pose, grounded=True) for p in walls),
-        Part("A", cells(grid, grid, [0, 1], tongue)),
-        Part("B", cells(grid, grid, [0, 1], ~tongue)),
-        block("loose", [-1, 1, 2], [0, 2, 3]),
-    ]
-    order = kilter.plan(Assembly(parts))
-    assert [one.part for one in order.locked] == [6, 7]
-    proof = proof_of(order)
-    assert not reasons(order, proof)
-    assert "none can move before another" in order.to_dict()["sentence"]
-    assert kilter.plan(Assembly(parts), kilter.PlanRules(together=True)).found
-    del proof["proofs"][0]
-    assert "the proof for 'B' has other parts than the base" in reasons(order, proof)
 
 
 @pytest.mark.parametrize("change", ["zero", "fewer", "other"])
@@ -119,13 +90,6 @@ def test_a_flat_cone_of_normals_locks_within_its_angle() -> None:
     for lean, locks in ((1e-1, True), (1e-3, True), (1e-5, False), (0.0, False)):
         pair = np.array([[lean, 1, 0, 0, 0, 0], [-lean, 1, 0, 0, 0, 0]])
         assert (multipliers_of(np.vstack([axes, pair, -pair])) is not None) == locks
-
-
-@pytest.mark.slow
-def test_nothing_is_locked_where_there_is_an_order() -> None:
-    for name in ("tower", "pit-wedges", "paper-figure-9", "diamond"):
-        made = states(scene(name))
-        assert not find_locked(made, Removal(made.contacts))
 
 
 def test_rows_open_as_a_part_moves_away() -> None:

@@ -9,7 +9,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from read_proofs import proof_of, reasons
 
@@ -21,7 +20,6 @@ from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube
-from kilter.scenes.walls import wall_of
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
@@ -55,13 +53,6 @@ def test_most_parts_held_at_once(name: str, held: int) -> None:
     rechecked(order)
 
 
-@pytest.mark.slow
-def test_a_wall_of_five_hundred_bricks() -> None:
-    """Within the usual effort."""
-    order = kilter.plan(wall_of(500))
-    assert (order.holds_max, order.level, len(order.steps)) == (0, "proved", 517)
-
-
 def test_the_wedge_that_leaves_first_is_the_only_one_that_can() -> None:
     assert kilter.plan(scene("pit-wedges")).steps[-1].part == "wedge-3"
 
@@ -83,20 +74,6 @@ def test_an_arch_needs_one_part_held_and_that_is_proved(
         rechecked(one)
         proof["proofs"][0]["change"]["held"].pop()
         assert "is not proved to fall" in reasons(none, proof)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("count", "ratio", "held"),
-    [(9, 0.3, 4), pytest.param(20, 0.2, 11, marks=pytest.mark.slow)],
-)
-def test_fewest_held_steps_of_an_arch(count: int, ratio: float, held: int) -> None:
-    """All voussoirs that do not stand alone, less the keystone: no order has fewer."""
-    for hold in (1, 2):
-        order = kilter.plan(
-            arch(count, ratio=ratio, friction=0.6), kilter.PlanRules(fewest="held-steps", hold=hold)
-        )
-        assert (order.held_steps, order.fewest.least) == (held, "as-tried")
 
 
 @pytest.mark.slow
@@ -170,56 +147,6 @@ def test_the_finished_assembly_is_a_state_of_its_plan(name: str, require: str) -
     assert order.found
     assert order.to_dict()["finished"] == {"verdict": verdict.verdict, "level": verdict.level}
     assert (order.level, order.holds) == ("equilibrium", False)
-
-
-@pytest.mark.slow
-def test_two_steps_exchanged_are_refused() -> None:
-    order = kilter.plan(scene("tower"))
-    proof = rechecked(order)
-    steps = [k for k, one in enumerate(proof["proofs"]) if one["about"] == "step"]
-    first, second = (proof["proofs"][k] for k in steps[1:3])
-    first["parts"], second["parts"] = second["parts"], first["parts"]
-    why = reasons(order, proof)
-    assert "touches no standing part" in why
-    assert "its state differs from the parts that stand before the step" in why
-
-
-def test_a_way_that_is_not_free_is_refused() -> None:
-    order = kilter.plan(scene("tower"))
-    proof = rechecked(order)
-    step = next(one for one in proof["proofs"] if one["about"] == "step")
-    step["legs"] = [[[0.0, 0.0, -1.0], None]]
-    assert "a part blocks the path" in reasons(order, proof)
-
-
-def key_in_a_slot() -> Assembly:
-    """A slab in a channel with a roof, and a key that bars its mouth and lifts out."""
-    walls = [
-        block("left", [-1, 0, 0], [0, 4, 2]),
-        block("right", [4, 0, 0], [5, 4, 2]),
-        block("back", [-1, 4, 0], [5, 5, 2]),
-        block("roof-left", [-1, 0, 1.001], [1, 4, 2]),
-    ]
-    held = [floor([-3, -3], [7, 7]), *walls[:3]]
-    return Assembly(
-        [
-            *(Part(p.name, p.shape, p.pose, grounded=True) for p in held),
-            block("bar", [0, 1, 1], [4, 4, 2]),
-            block("slab", [0, 1, 0], [4, 4, 1]),
-            block("key", [0, 0, 0], [4, 1, 2]),
-        ]
-    )
-
-
-@pytest.mark.slow
-def test_what_bars_the_way_leaves_first() -> None:
-    """The key lifts out, then what lies on the slab, then the slab: by upward ways alone."""
-    order = kilter.plan(key_in_a_slot(), kilter.PlanRules(directions=[[0, 0, 1]]))
-    parts = [step.part for step in order.steps]
-    assert parts.index("slab") < parts.index("bar")
-    assert all(step.direction == (0.0, 0.0, -1.0) for step in order.steps)
-    sideways = kilter.plan(key_in_a_slot(), kilter.PlanRules(directions=[[0, -1, 0]]))
-    assert [step.part for step in sideways.steps][-1] == "key"
 
 
 def test_a_way_of_two_pieces() -> None:
@@ -358,76 +285,6 @@ def test_wrong_input() -> None:
         kilter.plan(tower, kilter.PlanRules(screws=[("cube-1", "cube-2")]))
     with pytest.raises(InputError, match="held from the start"):
         kilter.plan(tower, kilter.PlanRules(before=[("cube-1", "base")]))
-
-
-@pytest.mark.slow
-def test_of_two_that_are_alike_the_first_leaves_first() -> None:
-    """The flanks of an arch fall alike once its crown is out, whatever motion is found for each."""
-    order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
-    assert [step.part for step in order.steps[::-1][:2]] == ["voussoir-2", "voussoir-3"]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
-def test_a_real_assembly_without_holds() -> None:
-    made = kilter.load(DATA / "learn2assemble" / "tetris-2", ground=["0"])
-    order = kilter.plan(made)
-    assert (order.holds_max, order.level, len(order.steps)) == (0, "proved", 16)
-    rechecked(order)
-
-
-@pytest.mark.slow
-def test_a_bridge_of_levers_has_its_weights_first() -> None:
-    """Each arm tips about its pier unless a weight is on its tail; the weights stand alone."""
-    parts = []
-    for side, x in (("left", lambda x: x), ("right", lambda x: 10 - x)):
-        for name, start, end, low, high, grounded in [
-            ("pier", 0.0, 1.5, 0.0, 1.0, True),
-            ("tower", -3.0, -0.5, 0.0, 1.3, True),
-            ("arm", 0.0, 4.0, 1.0, 1.3, False),
-            ("weight", -3.0, 0.5, 1.3, 2.3, False),
-        ]:
-            xs = sorted([x(start), x(end)])
-            low_corner, high_corner = [xs[0], 0.0, low], [xs[1], 1.0, high]
-            parts.append(block(f"{name}-{side}", low_corner, high_corner, grounded=grounded))
-    bridge = Assembly([*parts, block("deck", [3.5, 0, 1.3], [6.5, 1, 1.6])], friction=0.6)
-    order = kilter.plan(bridge)
-    assert (order.verdict, order.holds_max, len(order.steps)) == ("found", 0, 5)
-    rechecked(order)
-    upwards = ["arm-left", "arm-right", "deck", "weight-left", "weight-right"]
-    held = kilter.plan(bridge, kilter.PlanRules(sequence=upwards))
-    assert (held.verdict, held.holds_max) == ("found", 2)
-    assert kilter.plan(bridge, kilter.PlanRules(sequence=upwards, hold=1)).verdict == "fails"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
-def test_a_real_bridge_without_holds_that_needs_two_by_height() -> None:
-    file = DATA / "compas_cra" / "bridge.json"
-    bridge = kilter.load(file, ground=["0", "1"], friction=0.6)
-    order = kilter.plan(bridge)
-    assert (order.verdict, order.holds_max, len(order.steps)) == ("found", 0, 14)
-    rechecked(order)
-    free = np.flatnonzero(~bridge.geometry.grounded)
-    height = bridge.geometry.center[free, 2].round(6)
-    upwards = [bridge.names[k] for k in free[np.argsort(height, kind="stable")]]
-    held = kilter.plan(bridge, kilter.PlanRules(sequence=upwards))
-    assert (held.verdict, held.holds_max) == ("found", 2)
-    rechecked(held)
-    assert kilter.plan(bridge, kilter.PlanRules(sequence=upwards, hold=1)).verdict == "fails"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
-def test_a_dome_needs_one_stone_held() -> None:
-    dome = kilter.load(DATA / "learn2assemble" / "dome", ground=["72"], friction=0.55)
-    none = kilter.plan(dome, kilter.PlanRules(hold=0))
-    assert (none.verdict, len(none.falling)) == ("impossible", 36)
-    rechecked(none)
-    order = kilter.plan(dome)
-    assert (order.verdict, order.holds_max) == ("found", 1)
-    assert order.held_steps <= 5
-    rechecked(order)
 
 
 @pytest.mark.slow

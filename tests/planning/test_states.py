@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,14 +16,9 @@ from kilter.analysis.planning.states.states import States
 from kilter.analysis.verification import verify_proof
 from kilter.contact.kept_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
-from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
-from kilter.mechanics.program import Program
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.stacks import block_on_slope
-from kilter.solvers.clarabel import solve_conic
-
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 
 def irregular(seed: int) -> Assembly:
@@ -77,12 +71,6 @@ def test_states_agree_with_check_on_both_sides() -> None:
     assert {True, False} <= set(verdicts)
 
 
-@pytest.mark.slow
-def test_many_states_of_irregular_assemblies_agree_with_check() -> None:
-    verdicts = [one for seed in range(16) for one in agree(seed, 6)]
-    assert min(verdicts.count(True), verdicts.count(False)) > 20
-
-
 def agree_under(seed: int, count: int) -> list[bool | None]:
     """Verdicts under random gravity and friction, each held against `check` of a new assembly."""
     random = np.random.default_rng(seed)
@@ -113,12 +101,6 @@ def agree_under(seed: int, count: int) -> list[bool | None]:
 def test_states_under_other_gravity_and_friction_agree_with_check() -> None:
     verdicts = [one for seed in range(4) for one in agree_under(seed, 4)]
     assert {True, False} <= set(verdicts)
-
-
-@pytest.mark.slow
-def test_many_states_under_other_gravity_and_friction_agree_with_check() -> None:
-    verdicts = [one for seed in range(12) for one in agree_under(seed, 8)]
-    assert min(verdicts.count(True), verdicts.count(False)) > 12
 
 
 @pytest.mark.parametrize(("degrees", "stable"), [(21.7, True), (21.9, False)])
@@ -241,62 +223,12 @@ def test_wrong_input() -> None:
         bool(found.of())
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
-@pytest.mark.parametrize(("name", "base"), [("tetris-2", "0"), ("dome", "72")])
-def test_states_of_real_assemblies_agree_with_check(name: str, base: str) -> None:
-    whole = kilter.load(DATA / "learn2assemble" / name).with_grounded([base]).with_friction(0.55)
-    found, random = kilter.states(whole), np.random.default_rng(3)
-    for _ in range(12):
-        state = random_state(random, found)
-        told = kilter.check(found.sub_assembly(state), require="equilibrium", effort=0)
-        assert state.stable == (None if told.verdict == "undecided" else told.stable)
-
-
 def test_what_falls_is_named_where_check_decided() -> None:
     verdict = kilter.check(scene("paper-figure-8"))
     program = verdict.program
     present = np.ones(len(program.names), dtype=bool)
     state = kilter.State(program.names, present, program.free, False, program, verdict=verdict)
     assert state.moving == verdict.moving == ["C2", "C3"]
-
-
-def by_clarabel(program: Program) -> bool | None:
-    """Whether forces in exact cones hold it, by Clarabel alone; None where it has no proof."""
-    wide = cone_problem(program)
-    answer = solve_conic(load_factor_in_cones(wide))
-    factor = float(answer.x[-1])
-    if factor > 0.5:
-        forces = check_forces(program, *wide.decoded(answer.x[:-1] / factor))
-        return True if forces.holds else None
-    over = answer.multipliers[: len(wide.problem.right)]
-    motion = check_motion(program, wide.problem.motion(wide.problem.over_weight(over)))
-    return False if motion.holds else None
-
-
-def layers(found: States, random: np.random.Generator) -> np.ndarray:
-    """Parts from the bottom up, as many as may be, those of a layer in any order."""
-    geometry = found.assembly.geometry
-    free = np.flatnonzero(~geometry.grounded)
-    height = geometry.center[free] @ -found.assembly.down
-    height = height + 0.02 * np.ptp(height) * random.normal(size=len(free))
-    count = int(random.integers(4, len(free) + 1))
-    present = geometry.grounded.copy()
-    present[free[np.argsort(height)[:count]]] = True
-    return present
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
-def test_states_of_a_dome_are_those_of_another_solver_in_exact_cones() -> None:
-    dome = kilter.load(DATA / "learn2assemble" / "dome", ground=["72"], friction=0.55)
-    found, random, answers = kilter.states(dome), np.random.default_rng(0), []
-    nothing = np.zeros(len(dome), dtype=bool)
-    for _ in range(180):
-        state = found.judge(layers(found, random), nothing)
-        assert state.stable == by_clarabel(state.program)
-        answers.append(state.stable)
-    assert min(answers.count(True), answers.count(False)) > 50
 
 
 def test_large_states_are_judged_in_cones_and_small_ones_by_the_kept_program() -> None:

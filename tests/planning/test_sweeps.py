@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,14 +14,10 @@ import kilter
 from kilter import Assembly, Box, Cylinder, Order, Part, Pose
 from kilter.analysis.planning.order.removal import Leg
 from kilter.analysis.planning.order.sweeps import Sweeps
-from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
 from kilter.contact.common.distances import PartSolids
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube
-
-Direction = tuple[float, float, float]
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 
 def sampled(
@@ -93,26 +88,6 @@ def test_paths_against_parts_moved_step_by_step() -> None:
     assert min(answers.count(True), answers.count(False)) > 15
 
 
-@pytest.mark.slow
-def test_many_paths_against_parts_moved_by_five_hundredths_of_the_way() -> None:
-    answers = []
-    for seed in range(6):
-        family = ("pile", "arch", "wedge")[seed % 3]
-        answers += held_against_samples(random_turned(family, seed), seed, 60, 500)
-    assert min(answers.count(True), answers.count(False)) > 90
-
-
-@pytest.mark.slow
-def test_hundreds_of_blocked_ways_are_blocked() -> None:
-    """None is free by more than the tolerance: on each the parts share volume somewhere."""
-    blocked, seed = 0, 100
-    while blocked < 300:
-        family = ("pile", "arch", "wedge")[seed % 3]
-        made = random_turned(family, seed)
-        blocked += held_against_samples(made, seed, 80, 100, blocked_only=True).count(True)
-        seed += 1
-
-
 def entered(order: Order, count: int) -> list[str]:
     """Steps whose parts, at so many places of their way, enter what stands beyond the tolerance.
 
@@ -151,24 +126,6 @@ def test_every_place_of_every_way_of_a_plan_is_free(name: str) -> None:
         assert entered(dataclasses.replace(order, steps=(cut,)), 500) == ["inside into lip"]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", ["wall", "box-pile", "laden-slab", "diamond", "arch-20", "tetris-2", "dome"]
-)
-def test_every_place_of_every_way_of_large_plans_is_free(name: str) -> None:
-    folder = DATA / "learn2assemble" / name
-    if name in ("tetris-2", "dome"):
-        if not folder.is_dir():
-            pytest.skip("real assemblies are not here")
-        base = "72" if name == "dome" else "0"
-        made = kilter.load(folder, ground=[base], friction=0.55)
-    else:
-        made = arch(20, ratio=0.2, friction=0.6) if name == "arch-20" else scene(name)
-    order = kilter.plan(made)
-    assert order.found
-    assert entered(order, 500) == []
-
-
 def clamp() -> Assembly:
     """An arm on a base, a bolt through both, a nut on the arm."""
     bolt = Part("bolt", Cylinder(4, 40), Pose([0, 0, 20]))
@@ -186,19 +143,6 @@ def test_every_place_of_the_way_of_a_nut_is_free() -> None:
     wrong = dataclasses.replace(order.steps[-1], legs=down)
     swapped = dataclasses.replace(order, steps=(*order.steps[:-1], wrong))
     assert "nut into arm" in entered(swapped, 500)
-
-
-@pytest.mark.slow
-def test_every_place_of_every_way_of_a_step_file_with_screws_is_free() -> None:
-    pytest.importorskip("OCP")
-    file = DATA / "cax-if" / "as1-oc-214.stp"
-    if not file.is_file():
-        pytest.skip("real assemblies are not here")
-    made = kilter.load(file, ground=["plate"], friction=0.3)
-    order = kilter.plan(made, kilter.PlanRules(screws=[("*bolt", "*nut"), ("rod", "nut_*")]))
-    assert order.found
-    assert sum(step.over is not None for step in order.steps) == 8
-    assert entered(order, 500) == []
 
 
 @pytest.mark.slow
@@ -240,32 +184,3 @@ def test_a_path_ends_where_it_ends(distance: float, stops: bool) -> None:
     assert sweeps.pair_stops(0, 1, (0.0, 0.0, 1.0), distance=distance) == stops
     aside = np.array([1.5, 0.0, 0.0])
     assert not sweeps.pair_stops(0, 1, (0.0, 0.0, 1.0), distance=distance, start=aside)
-
-
-@pytest.mark.slow
-def test_a_set_of_parts_stops_what_one_of_them_stops() -> None:
-    made = scene("wall")
-    sweeps, up = Sweeps(kilter.contacts(made)), (0.0, 0.0, 1.0)
-    random, count = np.random.default_rng(0), len(made)
-    for _ in range(30):
-        present, part = random.random(count) < 0.4, int(random.integers(count))
-        each = [sweeps.pair_stops(part, k, up) for k in np.flatnonzero(present) if k != part]
-        assert sweeps.stops(part, bits_of(present), up) == any(each)
-    assert members(bits_of(present), count).tolist() == np.flatnonzero(present).tolist()
-    assert (mask_of(bits_of(present), count) == present).all()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["box-pile", "diamond", "pit-wedges"])
-def test_parts_aside_are_left_out_for_good(name: str) -> None:
-    """What stops a part is what any pair says, though boxes leave most of them out."""
-    contacts = kilter.contacts(scene(name))
-    count = len(contacts.assembly)
-    quick, slow = Sweeps(contacts), Sweeps(contacts)
-    directions = [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.48, -0.6, 0.64)]
-    for part in range(0, count, 3):
-        for d in directions:
-            pairs = [other for other in range(count) if other != part]
-            stops = any(slow.pair_stops(part, other, d) for other in pairs)
-            assert quick.stops(part, (1 << count) - 1, d) == stops
-    assert 2 * quick.tests < slow.tests

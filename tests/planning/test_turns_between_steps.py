@@ -60,30 +60,6 @@ def test_turns_that_are_not_proved_are_refused(change: str) -> None:
     assert why in reasons(order, proof)
 
 
-@pytest.mark.slow
-def test_a_run_takes_another_direction_for_what_comes_before() -> None:
-    """One pair leans on a stop along x, one along y, each by a wall: turned level but once."""
-    made = Assembly(
-        [
-            block("bed", [-3, -12, -1], [6, 4, 0], grounded=True),
-            block("stop-x", [2, 0, 0], [3, 1, 1], grounded=True),
-            block("wall-x", [0, 1, 0], [2, 2, 1], grounded=True),
-            block("A", [0, 0, 0], [1, 1, 1]),
-            block("B", [1, 0, 0], [2, 1, 1]),
-            block("stop-y", [0, -8, 0], [1, -7, 1], grounded=True),
-            block("wall-y", [1, -10, 0], [2, -8, 1], grounded=True),
-            block("C", [0, -10, 0], [1, -9, 1]),
-            block("D", [0, -9, 0], [1, -8, 1]),
-        ],
-        gravity=[4.0, 4.0, -8.0],
-    )
-    order = kilter.plan(made, kilter.PlanRules(before=[*FIRST, ("C", "D")], turn=True))
-    assert (order.turns, order.holds_max) == (1, 0)
-    assert not reasons(order, proof_of(order))
-    level = [step.part for step in order.steps if step.turned is not None]
-    assert {"B", "D"} <= set(level)
-
-
 def test_a_common_direction_of_two_slopes() -> None:
     """A slides by any lean; the two together by one away from the stop."""
     made = states(leaning(30.0))

@@ -1,19 +1,14 @@
 """Directions that are stable for all of a list of assemblies."""
 
-import itertools
-
-import numpy as np
 import pytest
-from cones import BUILDERS, directions, region_of, same_rays
-from transformations import as_single
+from cones import same_rays
 
 import kilter
 from kilter.analysis.regions.region import common_region
 from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.errors import InputError
-from kilter.scenes import paper, rails, stacks, wedges
-from kilter.scenes.transform import moved
+from kilter.scenes import paper, rails, wedges
 
 PAIRS = [
     ("-x +x -z", "-x -z +z", "fan"),
@@ -34,31 +29,6 @@ def test_intersections(one: str, other: str, kind: str) -> None:
     region = common_region(both)
     assert region.kind == kind
     assert common_region(both[::-1]).kind == kind
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("names", list(itertools.combinations(BUILDERS, 2))[::9])
-def test_stable_for_all_is_stable_for_each(names: tuple[str, str]) -> None:
-    each = [region_of(name) for name in names]
-    region = common_region([part.assemblies[0] for part in each])
-    asked = np.vstack([directions(part, 300) for part in [*each, region]])
-    planes = np.vstack([[*part.cone.equations, *part.cone.facets] for part in [*each, region]])
-    near = np.abs(asked @ planes.T).min(axis=1) < 1e-6 * np.linalg.norm(asked, axis=1)
-    wanted = np.all([part.contains(asked) for part in each], axis=0)
-    assert (region.contains(asked) == wanted)[~near].all()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("rounded", [False, True])
-def test_knife_edges_that_agree(rounded: bool) -> None:
-    """Steps of one plan: their one direction is the same but for rounding."""
-    turn = [0.3, -0.5, 0.2, 0.7]
-    steps = [moved(stacks.tower(count), turn) for count in (1, 2, 3)]
-    if rounded:
-        steps = [as_single(step) for step in steps]
-    region = common_region(steps)
-    assert region.kind == "ray"
-    assert np.linalg.norm(region.rays[0] - steps[0].down) < 10 * region.cone.blur
 
 
 @pytest.mark.slow

@@ -32,13 +32,6 @@ def test_directions_one_by_one(name: str) -> None:
     assert not disagreements(region, directions(region, 100))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [*KINDS, *MORE])
-def test_thousands_of_directions_one_by_one(name: str) -> None:
-    region = region_of(name)
-    assert not disagreements(region, directions(region, 2_000, seed=1))
-
-
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_the_answer_describes_itself(name: str) -> None:
@@ -78,13 +71,3 @@ def test_planar_kinds() -> None:
         assert np.abs(region.equations[:, 1]).max() == 1.0  # y, always
         assert np.abs(region.rays[:, 1]).max(initial=0.0) == 0.0
         assert not disagreements(region, directions(region, 50))
-
-
-@pytest.mark.slow
-def test_grooves_of_many_angles() -> None:
-    for angle in (5.0, 20.0, 45.0, 70.0, 85.0):
-        fan = kilter.region(rails.groove(angle))
-        assert (fan.kind, fan.half_angle_deg) == ("fan", pytest.approx(angle, abs=1e-9))
-        wedge = kilter.region(rails.groove(angle, ends=2))
-        assert (wedge.kind, wedge.half_angle_deg) == ("wedge", pytest.approx(angle, abs=1e-9))
-        assert kilter.region(rails.groove(angle, ends=1)).kind == "cone"

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import copy
 import json
-from pathlib import Path
 
-import numpy as np
 import pytest
 from random_turned import random_turned, springer_arch
 
 import kilter
-from kilter.cli import main
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import rails, stacks
@@ -46,26 +43,6 @@ def test_a_region_is_rechecked(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["arch", "planar arch", "stack"])
-def test_a_margin_is_rechecked(name: str) -> None:
-    assembly = CASES[name]()
-    found = kilter.margin(assembly, push=[1, 0, 0], effort=0)
-    data = through_json(found.proof())
-    answer = kilter.verify(assembly, data)
-    assert answer.holds, answer.reasons
-    sides: dict[str, dict[bool, float]] = {}
-    for entry in data["proofs"]:
-        sides.setdefault(entry["about"], {})[entry["held"]] = entry["value"]
-    limits = {"tilt": np.radians(found.tilt_deg), "friction": found.friction}
-    for what, value in limits.items():
-        assert {abs(side - value) < 1e-5 for side in sides[what].values()} == {True}
-    for what, side in sides.items():
-        # at least so much friction, at least so much of a load against the push
-        assert (side[True] < side[False]) == (what not in ("friction", "least load factor"))
-    assert len(sides) == 4 + sum(np.isfinite(push.force) for push in found.pushes)
-
-
-@pytest.mark.slow
 def test_one_number_flipped_is_caught() -> None:
     assembly = CASES["arch"]()
     data = through_json(kilter.region(assembly).proof())
@@ -95,19 +72,6 @@ def test_one_number_flipped_is_caught() -> None:
     assert not broken("facet", still).holds
     other = springer_arch(4, 0.24, friction=0.7)
     assert not kilter.verify(other, data).holds
-
-
-@pytest.mark.slow
-def test_commands_write_and_recheck(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file, proof = str(tmp_path / "a.kilter.json"), str(tmp_path / "p.json")
-    kilter.dump(stacks.block_on_slope(10.0, friction=0.5), file)
-    for command in (["region"], ["margin", "--down", "0.1", "0", "-1", "--effort", "0"]):
-        assert main([*command[:1], file, *command[1:], "--proof", proof, "--quiet"]) == 0
-        assert "written to" in capsys.readouterr().out
-        assert main(["verify", file, proof, "--quiet"]) == 0
-        capsys.readouterr()
-    Path(proof).write_text(json.dumps({"kilter_proofs": 1, "kind": "region", "proofs": []}))
-    assert main(["verify", file, proof, "--quiet"]) == 2
 
 
 def test_what_cannot_be_written_is_said() -> None:

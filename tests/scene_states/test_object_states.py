@@ -221,7 +221,7 @@ def test_each_state_at_rest_is_a_verdict_with_forces(seed: int) -> None:
             )
             assert verdict.moving
     holding = [verdict for verdict in report.verdicts if verdict.level is not None]
-    assert all(verdict.certificate is not None for verdict in holding)
+    assert all(verdict.evidence is not None for verdict in holding)
 
 
 def test_the_order_of_the_parts_does_not_matter() -> None:

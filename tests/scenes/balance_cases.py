@@ -5,8 +5,6 @@ shapes of the parts are placeholders, only the centre of mass matters. `CASES` a
 friction, the parts of `ROLLING` do not slip. Lengths are in m, masses in kg, z is up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -18,8 +16,6 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly, Feature, GivenContact, Part
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box, Sphere
-
-__all__ = ["CASES", "ROLLING", "Case", "State"]
 
 State = Literal["minimum", "free", "balanced"]
 

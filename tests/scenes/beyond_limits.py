@@ -5,8 +5,6 @@ stack, the lean of a wall. The limit is bracketed by proofs, forces on one side 
 other. The assembly then lies beyond it by a relative distance (thickness) or by an angle [rad].
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -21,8 +19,6 @@ from kilter.scenes.arches import arch_with_held_ends
 from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved
 from kilter.scenes.walls import wall
-
-__all__ = ["FAMILIES", "BeyondLimit", "beyond_limit", "thinnest_arch"]
 
 FAMILIES = ("arch", "stack", "wall")
 BRACKET = 1e-7

@@ -1,7 +1,5 @@
 """Stacks of boxes on a held deck, whose limits of acceleration are closed forms."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,6 +1,4 @@
-"""A solid whose faces have no contact formula: its contacts are open pairs."""
-
-from __future__ import annotations
+"""A free form on a floor, and a tower with a gap."""
 
 import math
 
@@ -28,3 +26,11 @@ def free_form_on_a_floor() -> Assembly:
     """A free-form ball on a held plate; their contact is an open pair."""
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     return Assembly([floor, Part("ball", free_form_ball(), Pose([0, 0, RADIUS]))])
+
+
+def tower() -> Assembly:
+    """Blocks a, b and c above each other; a gap of 0.01 is below c, which is 0.2 off the middle."""
+    a = Part("a", Box([2, 2, 1]), Pose([0, 0, 0.5]))
+    b = Part("b", Box([1, 1, 1]), Pose([0, 0, 1.5]))
+    c = Part("c", Box([1, 1, 1]), Pose([0.2, 0, 2.51]))
+    return Assembly([a, b, c])

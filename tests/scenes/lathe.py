@@ -8,8 +8,6 @@ If the profile is traversed with the material on its left, Gauss's theorem gives
 Each integral uses Gauss-Legendre nodes on every line or arc and is exact to rounding.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,8 +18,6 @@ from kilter.arrays import Array, Index
 from kilter.assembly import Part
 from kilter.rigid import Pose
 from kilter.shape.solid import Solid, Surface
-
-__all__ = ["turned_part"]
 
 NODES = 40
 """Nodes of the quadrature on a line or arc."""

@@ -1,7 +1,5 @@
 """Random bonded blocks in any orientation, with their contact areas computed from the sizes."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 from typing import Any
@@ -13,8 +11,6 @@ from kilter.assembly import Assembly, Bond, FrictionPair, Load, Part
 from kilter.assembly.bonds import KINDS
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-
-__all__ = ["Bonded", "Touch", "random_bonded"]
 
 THIN = 0.05
 """Least side of the contact rectangle of two blocks [length unit]."""

@@ -1,7 +1,5 @@
 """Random programs whose contacts fit badly: fits of 1e-9 to 1e-3 and masses from 1 to 1e6."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -13,8 +11,6 @@ from kilter.assembly import Assembly
 from kilter.contact import contacts
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes.transform import moved
-
-__all__ = ["FIT", "HEAVIEST", "random_fit"]
 
 FIT = (1e-9, 1e-3)
 """Least and greatest error of a normal [rad], and of a point over the radius of a part [-]."""

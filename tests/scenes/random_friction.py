@@ -1,7 +1,5 @@
 """Random assemblies near the limits of friction: stacks, arches, ladders, fences."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -12,8 +10,6 @@ from kilter.scenes.arches import arch
 from kilter.scenes.friction import a_block, bracket, h_block, ladder, trough, v_block
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.wedges import keystone
-
-__all__ = ["FAMILIES", "posts", "random_assembly"]
 
 FAMILIES = ("stack", "keystone", "arch", "ladder", "fence", "squeezed", "trough", "bracket")
 

@@ -4,8 +4,6 @@ A part is moved along the normal of a contact by 1.5 to 50 gap tolerances of the
 narrow gap or a small overlap replaces the contact.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,8 +19,6 @@ from kilter.scenes.friction import a_block, h_block, trough, v_block
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.wedges import keystone
 from kilter.shape.primitives import Box
-
-__all__ = ["PUSHED_FAMILIES", "Pushed", "pushed_assembly"]
 
 PUSHED_FAMILIES = ("stack", "bridge", "fence", "frame", "wedge", "arch", "ladder", "friction")
 Touching = Callable[[Assembly], tuple[Index, Array, Array]]

@@ -3,8 +3,6 @@
 Sizes, angles and coefficients are irregular, so that no limit lies on an axis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import combinations
 
@@ -17,8 +15,6 @@ from kilter.scenes.friction import a_block, bracket, h_block, trough, v_block
 from kilter.scenes.pieces import block, floor, prism, turn
 from kilter.scenes.wedges import corner_wedges, keystone
 from kilter.shape.primitives import Cylinder, Sphere
-
-__all__ = ["TURNED", "random_turned", "springer_arch"]
 
 Random = np.random.Generator
 

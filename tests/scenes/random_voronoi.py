@@ -1,7 +1,5 @@
 """Random masonry: cells of a 3D Voronoi diagram cut from a box, with exactly shared faces."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,8 +7,6 @@ from scipy.spatial import ConvexHull, Voronoi
 
 from kilter import Assembly, Mesh, Part
 from kilter.arrays import Array
-
-__all__ = ["random_voronoi"]
 
 FRICTION = (0.0, 0.2, 0.5, 0.84, 1.0)
 """Coefficients of friction of masonry, and none [-]."""

@@ -5,16 +5,12 @@ polygons of neighbouring rings are turned by half a block, so the blocks of a ri
 the next ring in planes that intersect: each such pair overlaps by a few thousandths of its size.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np
 
 from kilter import Assembly, Mesh, Part
 from kilter.arrays import Array
-
-__all__ = ["staggered_dome"]
 
 RADII = (2.8, 3.2)
 """Inner and outer radius [m]."""

@@ -4,8 +4,6 @@ Scaling, reordering and renaming change no verdict. `tilted` rotates only gravit
 rounds the coordinates to those of a binary STL file. `kilter.scenes.transform` has rigid motions.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -20,8 +18,6 @@ from kilter.rigid import Pose, quaternion_to_matrix
 from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved_features, require_about_y
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
-
-__all__ = ["as_single", "has_box", "mirrored", "permuted", "renamed", "scaled", "split", "tilted"]
 
 
 def tilted(assembly: Assembly, axis: ArrayLike, degrees: float) -> Assembly:

@@ -31,7 +31,7 @@ def linkage(seed: int) -> str:
     made = random_linkage(seed)
     curvatures = made.curvatures()
     verdict = verified(made.assembly)
-    found, wanted = verdict.second_order, expected(curvatures)
+    found, wanted = verdict.second_order_answer, expected(curvatures)
     if found is None:
         return "right" if not len(curvatures) else "wrong"
     word = "balanced" if wanted == "balanced" else "stable"

@@ -146,4 +146,8 @@ def random_pair(seed: int) -> Pair:
 
 def state_of(assembly: Assembly) -> str:
     verdict = kilter.check(assembly)
-    return verdict.verdict if verdict.second_order is None else verdict.second_order.state
+    return (
+        verdict.verdict
+        if verdict.second_order_answer is None
+        else verdict.second_order_answer.state
+    )

@@ -13,8 +13,6 @@ from kilter import Assembly, Box, Cylinder, Part, Pose, Prism, Sphere
 from kilter.arrays import Array
 from kilter.scenes.transform import moved
 
-__all__ = ["elsewhere", "random_grid"]
-
 Shape = Box | Cylinder | Prism | Sphere
 
 FLOOR = Part("floor", Box([12, 12, 1]), Pose([0, 0, -0.5]), grounded=True)

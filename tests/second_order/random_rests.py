@@ -15,8 +15,6 @@ from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array
 from kilter.scenes.transform import moved
 
-__all__ = ["random_rest"]
-
 Random = np.random.Generator
 Made = list[Part]
 

@@ -74,7 +74,7 @@ def survived(made: Round, seed: int, radii: tuple[float, ...]) -> str:
     """The state of an assembly; its energy is compared with it."""
     assert np.abs(made.open(np.zeros(6 * len(made.masses)))).max() < 1e-12
     decision, problem = decided(made)
-    second = kilter.check(made.assembly).second_order
+    second = kilter.check(made.assembly).second_order_answer
     assert second is not None
     state: str = second.state if decision.state == "open" else decision.state
     if state == "open":

@@ -15,8 +15,8 @@ from kilter.shape.primitives import Box, Cylinder, Sphere
 def state_of(assembly: Assembly) -> str:
     verdict = kilter.check(assembly)
     assert verdict.first_order == "stable"
-    assert verdict.second_order is not None
-    return verdict.second_order.state
+    assert verdict.second_order_answer is not None
+    return verdict.second_order_answer.state
 
 
 def sides(case: Case, off: float) -> list[tuple[float, str]]:
@@ -39,7 +39,7 @@ def test_a_known_case_has_its_state(case: Case) -> None:
 def test_free_motions_are_those_of_the_reference(case: Case) -> None:
     for parameter, state in sides(case, 0.05):
         verdict = kilter.check(case.build(parameter))
-        second = verdict.second_order
+        second = verdict.second_order_answer
         assert second is not None
         assert second.neutral >= second.free + second.blocked
         if state != "balanced":
@@ -72,7 +72,7 @@ def test_a_balanced_assembly_says_so_at_once() -> None:
 def test_a_ball_in_a_bowl_swings_as_a_pendulum_does() -> None:
     """Without friction the ball does not roll: a pendulum of length R - r."""
     case = next(case for case in CASES if case.number == "03")
-    second = kilter.check(case.build(0.0)).second_order
+    second = kilter.check(case.build(0.0)).second_order_answer
     assert second is not None
     assert second.rate == pytest.approx(np.sqrt(9.81 / 0.6), rel=1e-6)
 
@@ -81,7 +81,7 @@ def test_a_large_wall_does_not_wait() -> None:
     wall = kilter.example("wall", size=(6, 5))
     top = float(wall.geometry.part_boxes[1][:, 2].max())
     ball = Part("ball", Sphere(0.05), Pose([0.01, 0, top + 0.05]))
-    second = kilter.check(Assembly([*wall.parts, ball])).second_order
+    second = kilter.check(Assembly([*wall.parts, ball])).second_order_answer
     assert second is not None
     assert second.state == "open"
     assert "free parts touch each other" in second.why

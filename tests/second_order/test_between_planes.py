@@ -29,7 +29,7 @@ BALLS = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k])) for k in range(2)
 def test_balls_upright_between_two_walls_fall_along_them() -> None:
     assembly = Assembly([FLOOR, *WALLS, *BALLS])
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert second.state == "balanced"
     proof = found.proof()
@@ -48,7 +48,7 @@ def test_balls_upright_between_two_walls_fall_along_them() -> None:
 def test_balls_upright_in_a_square_tube_stay() -> None:
     assembly = Assembly([FLOOR, *WALLS, *ENDS, *BALLS])
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert (second.state, second.neutral, second.free) == ("minimum", 6, 6)
     assert kilter.verify(assembly, found.proof()).holds

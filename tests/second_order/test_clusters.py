@@ -22,7 +22,7 @@ Z = np.array([0.0, 0.0, 1.0])
 
 
 def answer(assembly: Assembly, *, effort: float = 1.0) -> SecondOrder:
-    second = kilter.check(assembly, effort=effort).second_order
+    second = kilter.check(assembly, effort=effort).second_order_answer
     assert second is not None
     return second
 

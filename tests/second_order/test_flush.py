@@ -42,8 +42,8 @@ def answers(parts: list[Part]) -> list[SecondOrder]:
         verdict = kilter.check(assembly)
         assert verdict.verdict in ("stable", "balanced")
         assert kilter.verify(assembly, verdict.proof()).holds
-        assert verdict.second_order is not None
-        found.append(verdict.second_order)
+        assert verdict.second_order_answer is not None
+        found.append(verdict.second_order_answer)
     return found
 
 
@@ -66,7 +66,7 @@ def test_within_the_edge_it_slides_and_beyond_it_falls(
     for order in itertools.permutations(build(width, off)):
         verdict = kilter.check(Assembly(order))
         assert verdict.stable == (off < 0)
-        second = verdict.second_order
+        second = verdict.second_order_answer
         assert off > 0 or (second is not None and second.state == "free")
 
 

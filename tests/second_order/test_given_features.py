@@ -182,7 +182,7 @@ def test_the_contact_of_the_page_is_a_ball_in_a_bowl() -> None:
     for hollow, state in ((-0.5, "minimum"), (0.5, "balanced"), (-2.0, "open")):
         contact["feature"][0]["curvature"] = hollow
         whole = {"kilter": 1, "parts": parts, "contacts": [contact], "detect": False}
-        second = kilter.check(from_dict(whole, folder=".", source="page")).second_order
+        second = kilter.check(from_dict(whole, folder=".", source="page")).second_order_answer
         assert second is not None
         assert second.state == state
         if state != "open":  # the ball may spin

@@ -21,7 +21,7 @@ G = 9.81
 
 
 def rate_of(assembly: kilter.Assembly) -> float:
-    second = kilter.check(assembly, require="equilibrium").second_order
+    second = kilter.check(assembly, require="equilibrium").second_order_answer
     assert second is not None
     assert second.state == "balanced"
     assert second.rate is not None

@@ -60,7 +60,7 @@ def test_grooves_towards_the_middle_hold_a_plate() -> None:
     force = 2.0 * 9.81 / (6 * np.sqrt(0.5))
     assert judge_held(program, Held(np.full(6, force))) == ""
     assert judge_held(program, Held(np.full(6, force * (1 + 1e-6))))
-    second = kilter.check(coupling(RADIAL)).second_order
+    second = kilter.check(coupling(RADIAL)).second_order_answer
     assert second is not None
     assert (second.state, second.neutral) == ("minimum", 0)
 
@@ -93,7 +93,7 @@ def test_where_nothing_is_neutral_no_gap_is_asked(
     monkeypatch.setattr(whole, "features_of", None)
     monkeypatch.setattr(whole, "find_critical", None)
     verdict = kilter.check(scene(name))
-    assert verdict.second_order is None
+    assert verdict.second_order_answer is None
     counted = find_neutral(verdict.program)
     assert counted is not None
     assert counted.two_sided == counted.one_sided == 0
@@ -104,14 +104,14 @@ def test_a_wall_asks_no_gap_and_no_program(bricks: int, monkeypatch: pytest.Monk
     monkeypatch.setattr(whole, "features_of", None)
     for module in (critical, level_rest_search):
         monkeypatch.setattr(module, "carrying_forces", None)
-    second = kilter.check(wall_of(bricks)).second_order
+    second = kilter.check(wall_of(bricks)).second_order_answer
     assert second is not None
     assert second.state == "free"
 
 
 def test_what_is_held_beside_others_has_its_proof() -> None:
     row = side_by_side([coupling(RADIAL), case_of("03").build(0.0), coupling(RADIAL)])
-    second = kilter.check(row).second_order
+    second = kilter.check(row).second_order_answer
     assert second is not None
     assert [one.neutral for one in second.clusters] == [0, 5, 0]
     assert second.state == "minimum"

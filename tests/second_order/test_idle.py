@@ -18,7 +18,7 @@ BALL = Part("ball", Sphere(1.0), Pose([0, 0, 1]))
 
 
 def second_of(assembly: Assembly) -> SecondOrder:
-    second = kilter.check(assembly).second_order
+    second = kilter.check(assembly).second_order_answer
     assert second is not None
     return second
 
@@ -48,8 +48,8 @@ def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open() ->
     for parts in ([FLOOR, *walls, ball], [FLOOR, WALL, *walls[1:2], ball]):
         assembly = Assembly(parts)
         found = kilter.check(assembly)
-        assert found.second_order is not None
-        assert found.second_order.state == "free", found.second_order.why
+        assert found.second_order_answer is not None
+        assert found.second_order_answer.state == "free", found.second_order_answer.why
         assert kilter.verify(assembly, found.proof()).holds
 
 
@@ -60,8 +60,8 @@ def test_contacts_of_unknown_features_are_left_out_too() -> None:
     high = Part("high", Box([1, 1, 1]), Pose([1.0, 0, 0.5]))
     assembly = Assembly([FLOOR, low, high], contacts=[touch])
     found = kilter.check(assembly)
-    assert found.second_order is not None
-    assert found.second_order.state == "free", found.second_order.why
+    assert found.second_order_answer is not None
+    assert found.second_order_answer.state == "free", found.second_order_answer.why
     proof = found.proof()
     assert kilter.verify(assembly, proof).holds
     if "motion" in proof["second_order"] and "idle" in proof["second_order"]:

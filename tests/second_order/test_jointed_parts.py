@@ -37,8 +37,8 @@ def second(assembly: Assembly) -> SecondOrder:
     """The answer of second order; its proof holds, too."""
     verdict = kilter.check(assembly)
     assert kilter.verify(assembly, verdict.proof()).holds
-    assert verdict.second_order is not None
-    return verdict.second_order
+    assert verdict.second_order_answer is not None
+    return verdict.second_order_answer
 
 
 @pytest.mark.parametrize("kind", MOVING)

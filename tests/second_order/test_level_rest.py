@@ -36,7 +36,7 @@ def rest_of(assembly: Assembly) -> LevelRest | None:
 
 
 def answer(assembly: Assembly) -> SecondOrder:
-    second = kilter.check(assembly).second_order
+    second = kilter.check(assembly).second_order_answer
     assert second is not None
     return second
 
@@ -64,7 +64,7 @@ def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
 def test_where_loads_must_be_shared_a_program_shares_them(name: str) -> None:
     """A stack at its limit, held down by others over an opening; the counts of motions agree."""
     verdict = kilter.check(scene(name))
-    second = verdict.second_order
+    second = verdict.second_order_answer
     assert second is not None
     counted = find_neutral(verdict.program)
     assert counted is not None
@@ -120,7 +120,7 @@ def test_points_on_one_line_hold_no_tilt() -> None:
     board = Part("b", Box([1, 1, 0.1]), Pose([0, 0, 1.05]))
     assembly = Assembly([lying, board])
     assert rest_of(assembly) is None
-    second = kilter.check(assembly).second_order
+    second = kilter.check(assembly).second_order_answer
     assert second is None or second.state != "free"
 
 

@@ -42,7 +42,7 @@ def proved(problem: Stationary, faces: Faces) -> LockedTurns:
 def test_figure_9_in_space_slides_and_does_not_turn() -> None:
     assembly = figure_9()
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert (second.state, second.neutral, second.free, second.blocked) == ("free", 6, 5, 1)
     proof = found.proof()

@@ -51,7 +51,7 @@ def test_what_stands_on_a_round_face_is_free(more: list[Part], neutral: int) -> 
     assembly = Assembly([TABLE, CAN, *more])
     assert len(kilter.contacts(assembly).possible)  # corners around the rim
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert (second.state, second.neutral, second.free) == ("free", neutral, neutral)
     assert kilter.verify(assembly, found.proof()).holds
@@ -65,8 +65,8 @@ def test_a_ball_on_a_can_on_a_ball_is_balanced() -> None:
     ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))
     can = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 1.5]))
     found = kilter.check(Assembly([TABLE, ball, can]))
-    assert found.second_order is not None
-    assert found.second_order.state == "balanced"
+    assert found.second_order_answer is not None
+    assert found.second_order_answer.state == "balanced"
 
 
 def test_of_pairs_that_are_left_open_nothing_is_said_or_proved() -> None:
@@ -78,8 +78,8 @@ def test_of_pairs_that_are_left_open_nothing_is_said_or_proved() -> None:
     assert contacts.open_pairs
     assert "is open" in unmodelled(more, contacts)
     found = kilter.check(more)
-    assert found.second_order is not None
-    assert found.second_order.state == "open"
+    assert found.second_order_answer is not None
+    assert found.second_order_answer.state == "open"
     own = copy.deepcopy(found.proof())
     own["second_order"] = proof["second_order"]
     own["digest"] = digest_of(own)
@@ -131,7 +131,7 @@ def test_pairs_left_open_for_another_reason_than_their_edges_are_not_known() -> 
 def refused(assembly: Assembly, of: Assembly, state: str = "open") -> tuple[str, ...]:
     """The reasons against the proof of an assembly for another, which has no proof of its own."""
     verdict = kilter.check(assembly)
-    second, proof = verdict.second_order, verdict.proof()
+    second, proof = verdict.second_order_answer, verdict.proof()
     assert second is not None
     assert (second.state, proof["second_order"]) == (state, None)
     data = copy.deepcopy(kilter.check(of).proof()["second_order"])
@@ -178,8 +178,8 @@ def test_a_weight_above_the_centre_may_tip_what_is_a_minimum_without_it() -> Non
     above = replace(bowl, loads=[Load("b", DOWN, point=center + DOWN / -1e4)])
     assert any(OFF_CENTRE in one for one in refused(above, bowl, "balanced"))
     through = kilter.check(replace(bowl, loads=[Load("b", DOWN, point=center)]))
-    assert through.second_order is not None
-    assert through.second_order.state == "minimum"
+    assert through.second_order_answer is not None
+    assert through.second_order_answer.state == "minimum"
     assert kilter.verify(through.assembly, through.proof()).holds
 
 
@@ -190,15 +190,15 @@ def test_a_load_on_the_mast_of_a_weeble_is_above_the_centre_of_both() -> None:
     tied = [Joint(("ball", one), "fixed") for one in ("low", "mast")]
     weeble = Assembly([TABLE, ball, low, mast], joints=tied)
     assert refused(replace(weeble, loads=[Load("mast", DOWN)]), weeble, "balanced")
-    second = kilter.check(weeble).second_order
+    second = kilter.check(weeble).second_order_answer
     assert second is not None
     assert second.state == "free"
 
 
 def test_a_weight_on_top_of_what_stands_on_a_level_face_leaves_it_free() -> None:
     found = kilter.check(replace(BLOCK, loads=[Load("block", DOWN, point=[0, 0, 1])]))
-    assert found.second_order is not None
-    assert found.second_order.state == "free"
+    assert found.second_order_answer is not None
+    assert found.second_order_answer.state == "free"
     assert kilter.verify(found.assembly, found.proof()).holds
 
 

@@ -34,7 +34,7 @@ def logs() -> Assembly:
 
 def path_of(assembly: Assembly, work: Work | None = None) -> tuple[SecondOrder, PathPlaces]:
     verdict = kilter.check(assembly)
-    found = verdict.second_order
+    found = verdict.second_order_answer
     assert found is not None
     assert found.state == "balanced"
     path = find_path_places(verdict.assembly, found, work=work)
@@ -115,12 +115,12 @@ def test_less_work_is_a_shorter_path_that_begins_the_same() -> None:
 
 def test_there_is_none_of_what_is_at_rest_or_of_given_contacts() -> None:
     verdict = kilter.check(case_of("02").build(0.0))
-    assert verdict.second_order is not None
-    assert verdict.second_order.state == "balanced"
-    assert find_path_places(verdict.assembly, verdict.second_order) is None
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.state == "balanced"
+    assert find_path_places(verdict.assembly, verdict.second_order_answer) is None
     upright = kilter.check(scene("tower"))
-    assert upright.second_order is not None
-    assert find_path_places(upright.assembly, upright.second_order) is None
+    assert upright.second_order_answer is not None
+    assert find_path_places(upright.assembly, upright.second_order_answer) is None
 
 
 @pytest.mark.slow
@@ -177,7 +177,7 @@ def followed(seed: int) -> float | None:
     """Length of the fall of a random assembly without overlaps [width of the part], or None."""
     assembly = random_balance(seed)
     verdict = kilter.check(assembly)
-    second = verdict.second_order
+    second = verdict.second_order_answer
     if second is None or second.state != "balanced" or second.decision is None:
         return None  # some fall by rule, without a path
     found, path = path_of(assembly)

@@ -37,13 +37,13 @@ def test_random_rests_have_no_contradiction(seed: int | str) -> None:
     number = int(str(seed).split()[-1])
     assembly = random_grid(number) if grid else random_rest(number)[1]
     verdict = kilter.check(assembly)
-    second = verdict.second_order
+    second = verdict.second_order_answer
     assert kilter.verify(assembly, verdict.proof()).holds
     if second is not None and second.state != "open":
         assert contradicts(assembly, second, number)[0] == ""
     for other in (Assembly(assembly.parts[::-1]), elsewhere(assembly)) if grid else ():
         there = kilter.check(other)
         assert kilter.verify(other, there.proof()).holds
-        told = [one.second_order.state if one.second_order else one.verdict
+        told = [one.second_order_answer.state if one.second_order_answer else one.verdict
                 for one in (verdict, there)]  # fmt: skip
         assert told[0] == told[1] or "open" in told

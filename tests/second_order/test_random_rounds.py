@@ -25,7 +25,7 @@ def test_clusters_rise_and_fall_as_their_energy_does_together(seeds: tuple[int, 
     made = [random_round(seed) for seed in seeds]
     together = beside(*made)
     alone = [decided(one)[0].state for one in made]
-    second = kilter.check(together.assembly).second_order
+    second = kilter.check(together.assembly).second_order_answer
     assert second is not None
     assert [one.state for one in second.clusters] == alone
     assert second.state == joined_state(alone) == survived(together, 0, RADII[1:2])

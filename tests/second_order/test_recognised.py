@@ -101,7 +101,7 @@ def test_radii_that_are_nearly_alike_are_open() -> None:
     """If the surfaces may not separate, the gap has no second derivative."""
     cup = mesh_rounds.held(solids.socket(1.004, 2.0, 2.0, -0.1, sides=FINE, rings=FINE // 4))
     nearly = Assembly([as_mesh(one) for one in (cup, ball(1.0, FINE, [0, 0, -0.004]))])
-    second = kilter.check(nearly).second_order
+    second = kilter.check(nearly).second_order_answer
     assert second is not None
     found, why = second.state, second.why
     assert found == "open", why

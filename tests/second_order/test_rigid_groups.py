@@ -27,7 +27,7 @@ def tie(*names: str) -> list[Joint]:
 
 
 def second_of(assembly: Assembly) -> SecondOrder:
-    second = kilter.check(assembly).second_order
+    second = kilter.check(assembly).second_order_answer
     assert second is not None
     return second
 
@@ -74,7 +74,7 @@ def test_a_weeble_stands_while_its_centre_is_below_the_middle_of_its_ball(off: f
         ),
     ):  # fmt: skip
         found = kilter.check(assembly)
-        second = found.second_order
+        second = found.second_order_answer
         assert second is not None
         assert second.state == ("free" if off > 0 else "balanced")
         assert (second.neutral, second.free, second.blocked) == (5, 3, 2)
@@ -86,7 +86,7 @@ def test_what_falls_has_a_place_where_the_parts_of_a_group_moved_as_one() -> Non
     rod = Part("rod", Cylinder(0.1, 1.0), Pose([0, 0, 1.5]))
     assembly = Assembly([FLOOR, BALL, rod], joints=tie("ball", "rod"))
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert second.state == "balanced"
     assert second.configuration is not None
@@ -156,7 +156,7 @@ def test_what_is_tied_to_the_ground_is_held() -> None:
         program = build_program(assembly, kilter.contacts(assembly))
         merged = groups.merged(program, assembly)
         assert not merged.free[-2:].any()
-        second = kilter.check(assembly).second_order
+        second = kilter.check(assembly).second_order_answer
         assert (None if second is None else second.moving.tolist()) == (
             [1] if len(parts) == 4 else None
         )

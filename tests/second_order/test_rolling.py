@@ -124,8 +124,8 @@ def test_a_check_says_whether_friction_holds() -> None:
     board = rolling_case("R1")
     low, high = (kilter.check(in_the_plane(board.build(h))) for h in (0.9, 1.1))
     for verdict in (low, high):
-        assert verdict.second_order is not None
-        assert verdict.second_order.state == "balanced"
+        assert verdict.second_order_answer is not None
+        assert verdict.second_order_answer.state == "balanced"
     assert low.to_dict()["second_order"]["rolling"] == "holds"
     assert "friction holds b against small pushes" in low.sentence
     assert high.to_dict()["second_order"]["rolling"] == "falls"

@@ -41,11 +41,11 @@ def on_table(part: Part) -> Assembly:
 def test_a_roly_poly_stands_up_to_r_over_root_two_and_falls_beyond(part: Part, state: str) -> None:
     assembly = on_table(part)
     verdict = kilter.check(assembly)
-    assert verdict.second_order is not None
-    assert verdict.second_order.state == state
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.state == state
     assert kilter.verify(assembly, verdict.proof()).holds
     if state == "balanced":
-        configuration = verdict.second_order.configuration
+        configuration = verdict.second_order_answer.configuration
         assert configuration is not None
         shift, turn = configuration.motion[1, :3], turn_of(configuration.motion[1, 3:])
         # the lowest point of the exact body, turned, lies over the table, and its centre is lower

@@ -92,7 +92,7 @@ def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
     """Relative to the blocks its gaps curve strongly, and far from it there is room below."""
     assembly = in_a_hollow(0.01, 5)
     verdict = kilter.check(assembly)
-    proof, second = verdict.proof(), verdict.second_order
+    proof, second = verdict.proof(), verdict.second_order_answer
     assert second is not None
     assert second.problem is not None
     assert second.state == "free"

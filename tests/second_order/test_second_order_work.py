@@ -31,7 +31,7 @@ def bowls(count: int) -> Assembly:
 
 def test_without_work_it_is_open_and_states_why() -> None:
     verdict = kilter.check(case("03"), effort=0.0)
-    second = verdict.second_order
+    second = verdict.second_order_answer
     assert second is not None
     assert (second.state, second.why) == ("open", SPENT)
     phrase = f"whether a small push makes b fall: {SPENT}"
@@ -44,7 +44,7 @@ def test_without_time_it_is_open_and_states_why() -> None:
     """The check itself has no time limit: a busy machine would end its first program, too."""
     verdict = kilter.check(case("03"))
     second = find_second_order(
-        verdict.assembly, verdict.contacts, verdict.program, work=Work(1e6, time_limit=0.0)
+        verdict.assembly, verdict.contact_set, verdict.program, work=Work(1e6, time_limit=0.0)
     )
     assert second is not None
     assert (second.state, second.why) == ("open", LATE)
@@ -54,26 +54,26 @@ def test_without_time_it_is_open_and_states_why() -> None:
 
 def test_parts_on_level_faces_are_free_without_any_work() -> None:
     verdict = kilter.check(kilter.example("tower"), effort=0)
-    assert verdict.second_order is not None
-    assert verdict.second_order.state == "free"
-    assert verdict.second_order.left_open(verdict.program.names) == ""
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.state == "free"
+    assert verdict.second_order_answer.left_open(verdict.program.names) == ""
 
 
 @pytest.mark.slow
 def test_many_clusters_share_the_work_and_level_strict_does_more() -> None:
     balls = bowls(60)
     usual, strict = kilter.check(balls), kilter.check(balls, require="strict")
-    assert usual.second_order is not None
-    assert strict.second_order is not None
-    states = [cluster.state for cluster in usual.second_order.clusters]
+    assert usual.second_order_answer is not None
+    assert strict.second_order_answer is not None
+    states = [cluster.state for cluster in usual.second_order_answer.clusters]
     decided = states.index("open")
     assert states == ["minimum"] * decided + ["open"] * (60 - decided)
     assert 5 < decided < 30
-    assert usual.second_order.why == SPENT
-    left = usual.second_order.left_open(usual.program.names)
+    assert usual.second_order_answer.why == SPENT
+    left = usual.second_order_answer.left_open(usual.program.names)
     first = " or ".join([f"{decided}, {decided + 1}, {decided + 2}", f"{57 - decided} more"])
     assert left == f"whether a small push makes {first} fall: {SPENT}"
-    assert strict.second_order.state == "minimum"
+    assert strict.second_order_answer.state == "minimum"
 
 
 def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(
@@ -81,7 +81,7 @@ def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(
 ) -> None:
     balls = bowls(3)
     monkeypatch.setattr("kilter.second_order.searches.held_search.judge_held", None)
-    second = kilter.check(balls).second_order
+    second = kilter.check(balls).second_order_answer
     assert second is not None
     assert [cluster.state for cluster in second.clusters] == ["minimum"] * 3
 
@@ -90,16 +90,19 @@ def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(
 def test_near_a_limit_the_usual_work_is_enough() -> None:
     """The hardest known case, as near to its limit as its proof resolves."""
     verdict = kilter.check(case("39", 0.5 - 1e-6))
-    assert verdict.second_order is not None
-    assert verdict.second_order.state == "minimum"
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.state == "minimum"
 
 
 def test_friction_that_is_left_open_is_named() -> None:
     verdict = kilter.check(next(one for one in ROLLING if one.number == "R2").build(0.9))
-    assert verdict.second_order is not None
-    assert verdict.second_order.rolling is not None
-    assert (verdict.second_order.state, verdict.second_order.rolling.state) == ("balanced", "open")
-    left = verdict.second_order.left_open(verdict.program.names)
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.rolling is not None
+    assert (verdict.second_order_answer.state, verdict.second_order_answer.rolling.state) == (
+        "balanced",
+        "open",
+    )
+    left = verdict.second_order_answer.left_open(verdict.program.names)
     assert left.startswith("whether friction holds ")
 
 

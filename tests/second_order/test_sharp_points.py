@@ -57,8 +57,8 @@ def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(
 ) -> None:
     """Each box slides and turns: three motions for each box, flush or not."""
     found = kilter.check(Assembly([FLOOR, *boxes(*count)]))
-    second = found.second_order
-    alone = kilter.check(Assembly([FLOOR, *boxes(*count, apart=0.25)])).second_order
+    second = found.second_order_answer
+    alone = kilter.check(Assembly([FLOOR, *boxes(*count, apart=0.25)])).second_order_answer
     assert second is not None
     assert alone is not None
     free = 3 * int(np.prod(count))
@@ -70,7 +70,7 @@ def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(
 @pytest.mark.parametrize("count", [(2, 2, 1), (3, 3, 1), (2, 2, 2), (5, 5, 2)])
 def test_in_a_tray_that_they_fill_nothing_moves(count: tuple[int, int, int]) -> None:
     held = kilter.check(Assembly([FLOOR, *tray(*count), *boxes(*count)]))
-    assert held.second_order is None
+    assert held.second_order_answer is None
     assert kilter.verify(held.assembly, held.proof()).holds
 
 
@@ -83,7 +83,7 @@ def test_without_a_wall_they_slide_towards_it(
     """Along x or y; without two adjacent walls each box slides on its own."""
     walls = [wall for k, wall in enumerate(tray(*count)) if k not in gone]
     found = kilter.check(Assembly([FLOOR, *walls, *boxes(*count)]))
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     free = each * int(np.prod(count))
     assert (second.state, second.neutral, second.free) == ("free", free, free)
@@ -235,10 +235,10 @@ def test_a_box_between_two_corners_goes_between_them() -> None:
     ]
     assembly = Assembly([FLOOR, *held, Part("c", Box([1, 1, 1]), Pose([0, 0, 0.5]))])
     found = kilter.check(assembly)
-    assert found.second_order is not None
-    assert (found.second_order.state, found.second_order.free) == ("free", 3)
-    assert found.second_order.motion is not None
-    x, y = found.second_order.motion[3, :2]
+    assert found.second_order_answer is not None
+    assert (found.second_order_answer.state, found.second_order_answer.free) == ("free", 3)
+    assert found.second_order_answer.motion is not None
+    x, y = found.second_order_answer.motion[3, :2]
     assert x * y < 0
     assert kilter.verify(assembly, found.proof()).holds
 
@@ -259,10 +259,10 @@ def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
     assembly = Assembly(parts[::-1] if turned else parts)
     assert any(one.kind == "degenerate" for one in kilter.contacts(assembly).open_pairs)
     found = kilter.check(assembly)
-    alone = kilter.check(Assembly(over_an_edge(beside=False))).second_order
-    assert found.second_order is not None
+    alone = kilter.check(Assembly(over_an_edge(beside=False))).second_order_answer
+    assert found.second_order_answer is not None
     assert alone is not None
-    assert (found.second_order.state, alone.state) == ("balanced", "balanced")
+    assert (found.second_order_answer.state, alone.state) == ("balanced", "balanced")
     assert kilter.verify(assembly, found.proof()).holds
 
 

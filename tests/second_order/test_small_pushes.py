@@ -71,8 +71,8 @@ def balls(*, held: bool = False, at: tuple[float, float] = (0, 0), on: float = 0
 def test_a_ball_falls_off_a_ball(mu: float, held: bool) -> None:
     verdict = pushed(balls(held=held), mu)
     assert (verdict.verdict, verdict.level, verdict.why) == ("balanced", "equilibrium", "balanced")
-    assert verdict.second_order is not None
-    assert (verdict.second_order.rolling is None) == (mu == 0)
+    assert verdict.second_order_answer is not None
+    assert (verdict.second_order_answer.rolling is None) == (mu == 0)
     if mu:
         assert "friction cannot hold" in verdict.sentence
 
@@ -129,9 +129,9 @@ def test_friction_holds_a_slab_on_a_held_roller_if_it_is_thinner_than_the_roller
 ) -> None:
     """B / 2 < R; at equality it falls, at fourth order."""
     verdict = pushed([roller(radius, held=True), slab(radius, 0.5)], 0.5)
-    assert verdict.second_order is not None
-    assert verdict.second_order.rolling is not None
-    assert verdict.second_order.rolling.state == state
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.rolling is not None
+    assert verdict.second_order_answer.rolling.state == state
     assert verdict.verdict == ("stable" if state == "holds" else "balanced")
     assert pushed([roller(radius, held=True), slab(radius, 0.5)], 0.0).verdict == "balanced"
 
@@ -156,8 +156,8 @@ def test_a_seesaw_stays_level_if_its_pivot_is_above_its_centre(above: float, sta
     beam = Part("beam", Box([4, 0.3, 0.2]), Pose([0, 0, 2]))
     pivot = Joint(("beam", "ground"), "revolute", point=[0, 0, 2 + above], axis=[0, 1, 0])
     verdict = pushed([beam], 0.5, [pivot])
-    assert verdict.second_order is not None
-    assert verdict.second_order.state == state
+    assert verdict.second_order_answer is not None
+    assert verdict.second_order_answer.state == state
     assert verdict.verdict == ("balanced" if state == "balanced" else "stable")
 
 

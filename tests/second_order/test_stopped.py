@@ -42,7 +42,7 @@ def overhanging(height: float, *, stop: float | None = STOP, slid: float = 0.0) 
 
 
 def state(assembly: Assembly) -> str:
-    second = kilter.check(assembly).second_order
+    second = kilter.check(assembly).second_order_answer
     assert second is not None
     return second.state
 
@@ -111,7 +111,7 @@ WALLS = [
 def test_what_rolls_on_a_table_is_free_beside_a_wall(parts: list[Part], neutral: int) -> None:
     assembly = on_table(*parts)
     found = kilter.check(assembly)
-    second = found.second_order
+    second = found.second_order_answer
     assert second is not None
     assert (second.state, second.neutral, second.free) == ("free", neutral, neutral)
     assert kilter.verify(assembly, found.proof()).holds
@@ -120,7 +120,7 @@ def test_what_rolls_on_a_table_is_free_beside_a_wall(parts: list[Part], neutral:
 def test_between_two_walls_that_press_nothing_it_rolls_along() -> None:
     right = Part("right", Box([1, 10, 10]), Pose([1.5, 0, 5]), grounded=True)
     ball = Part("ball", Sphere(1.0), Pose([0, 0, 1]))
-    second = kilter.check(on_table(ball, WALLS[0], right)).second_order
+    second = kilter.check(on_table(ball, WALLS[0], right)).second_order_answer
     assert second is not None
     assert (second.state, second.neutral, second.free) == ("free", 4, 4)
 

@@ -16,8 +16,6 @@ from scipy.spatial import ConvexHull
 
 from kilter import Assembly
 
-__all__ = ["balances", "separation"]
-
 SIDES = 32
 """Sides of the pyramid inside a cone of forces."""
 

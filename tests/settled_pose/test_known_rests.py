@@ -330,19 +330,6 @@ def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth: float, offered:
     assert ("--settle" in options) == offered
 
 
-@pytest.mark.slow
-def test_the_figure_of_many_moved_parts_shows_those_that_move_most() -> None:
-    """Sixty-one boxes hang by different gaps: all move, and sixty have an outline."""
-    pytest.importorskip("matplotlib")
-    from kilter.show.overlay import GHOSTS
-
-    boxes = [box(f"b{k}", [1, 1, 1], [2 * k, 0, 0.5 + 1e-5 * (k + 1)]) for k in range(GHOSTS + 1)]
-    floor = box("floor", [4 * GHOSTS + 8, 4, 1], [2 * GHOSTS, 0, -0.5], grounded=True)
-    figure = kilter.draw(kilter.settle(Assembly([floor, *boxes])))
-    legends = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-    assert any(f"of the {GHOSTS} parts that move most" in text for text in legends)
-
-
 def test_a_decided_check_offers_no_movement() -> None:
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5])])
     assert not kilter.check(drawn).remedies
@@ -357,28 +344,6 @@ def test_a_time_limit_ends_the_search_with_a_sentence(
     kilter.dump(disturbed(arch(20).with_friction(0.6), 1e-3, 0)[0], file)
     assert main(["settle", str(file), "--time-limit", "0", "--quiet"]) == 4
     assert "the time limit of 0 s was reached" in capsys.readouterr().out
-
-
-VAULT = Path(__file__).parents[2].parent / "shared/data/compas_assembly/crossvault.json"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not VAULT.exists(), reason="needs the cross vault of ../shared")
-@pytest.mark.parametrize(
-    ("friction", "state"), [(0.4, "falls"), (0.5, "at-rest"), (0.84, "at-rest")]
-)
-def test_a_cross_vault_rests_where_its_own_interfaces_hold(friction: float, state: str) -> None:
-    """184 stones that overlap by up to 0.7 mm; the file lists interfaces without a gap."""
-    interfaces = kilter.load(VAULT, contacts="file").with_friction(friction)
-    listed = kilter.check(interfaces, require="equilibrium")
-    answer = settle(kilter.load(VAULT, contacts="geometry"), friction=friction)
-    assert answer.state == state
-    if state == "at-rest":
-        assert answer.after == listed.verdict == "potentially-stable"
-        assert answer.distance.max() < 5e-4
-        assert answer.closed.deepest_overlap <= answer.tolerance
-    else:
-        assert listed.verdict == "unstable"
 
 
 def test_levels_above_the_required_level_are_not_asked() -> None:

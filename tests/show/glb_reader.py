@@ -1,7 +1,5 @@
 """Reader of GLB files, written from the glTF standard."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

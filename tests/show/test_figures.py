@@ -1,8 +1,12 @@
-"""Figures: drawings agree with the answers, names are text, files have the given format."""
+"""Figures: drawings, numbers by hand, plans."""
 
-from __future__ import annotations
+import pytest
+
+pytest.importorskip("matplotlib")
+
 
 import dataclasses
+import math
 import re
 import subprocess
 import sys
@@ -10,20 +14,21 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
-import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.patches import FancyArrowPatch
+from matplotlib.text import Text
 
 import kilter
-from kilter import Assembly, Box, Part, Pose, Sphere
+from kilter import Assembly, Box, Part, Pose, Prism, Sphere
 from kilter.cli import main
 from kilter.files import to_text
 from kilter.scenes import scene
-from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
-from kilter.show.scene import build_things
-
-pytest.importorskip("matplotlib")
-
+from kilter.scenes.arches import arch
+from kilter.scenes.pieces import block
 from kilter.show.canvas import encode_figure, label
 from kilter.show.figures import draw_assembly, draw_region
+from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
+from kilter.show.scene import build_things
 
 HOSTILE = [
     "<script>alert(1)</script>",
@@ -59,9 +64,7 @@ def named(names: list[str]) -> Assembly:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "paper-figure-8", "keystone", "ladder"])
 @pytest.mark.parametrize("angles", [(-32, 22), (140, 60), (75, -35)])
-def test_nothing_is_painted_over_what_lies_in_front_of_it(
-    name: str, angles: tuple[float, float]
-) -> None:
+def test_nothing_is_painted_over_what_lies_in_front_of_it(name, angles):
     # independent method: rays from the eye, and the depths of all triangles that they meet
     geometry, camera = scene(name).geometry, Camera.at(*angles)
     polygons: list[Polygon] = []
@@ -96,7 +99,7 @@ def depth(polygon: Polygon, point: np.ndarray, camera: Camera) -> float | None:
     return float((polygon.corners[0] - ray) @ polygon.normal) / facing
 
 
-def test_polygons_that_cross_each_other_are_cut() -> None:
+def test_polygons_that_cross_each_other_are_cut():
     def square(tilt: float) -> np.ndarray:
         return np.array([[-1, -1, -tilt], [1, -1, tilt], [1, 1, tilt], [-1, 1, -tilt]], float)
 
@@ -118,7 +121,7 @@ def test_polygons_that_cross_each_other_are_cut() -> None:
 
 
 @pytest.mark.slow
-def test_arrows_are_the_accelerations_of_the_answer() -> None:
+def test_arrows_are_the_accelerations_of_the_answer():
     verdict = kilter.check(scene("paper-figure-8"))
     figure = draw_assembly(verdict, view=(0.0, 0.0))
     arrows = [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
@@ -134,7 +137,7 @@ def test_arrows_are_the_accelerations_of_the_answer() -> None:
 
 
 @pytest.mark.slow
-def test_arrows_and_displaced_parts_are_whole() -> None:
+def test_arrows_and_displaced_parts_are_whole():
     """The springers of an arch with little friction move out of the picture of the parts alone."""
     figure = draw_assembly(kilter.check(scene("arch"), friction=0.3))
     [axes] = [axes for axes in figure.axes if axes.collections]
@@ -149,7 +152,7 @@ def test_arrows_and_displaced_parts_are_whole() -> None:
 
 
 @pytest.mark.slow
-def test_a_stable_assembly_has_forces_and_no_motion() -> None:
+def test_a_stable_assembly_has_forces_and_no_motion():
     verdict = kilter.check(scene("tower"))
     figure = draw_assembly(verdict)
     assert not [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
@@ -158,7 +161,7 @@ def test_a_stable_assembly_has_forces_and_no_motion() -> None:
 
 
 @pytest.mark.slow
-def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
+def test_a_ball_that_falls_is_outlined_where_it_comes_to():
     base = Part("base", Sphere(1.0), grounded=True)
     verdict = kilter.check(Assembly([base, Part("ball", Sphere(0.5), Pose([0, 0, 1.5]))]))
     end = np.zeros((2, 6))
@@ -176,7 +179,7 @@ def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("down", [[0, 0, 1], [1, 0, 0], [0.3, -0.5, 0.2]])
-def test_gravity_points_down_on_the_page(down: list[float]) -> None:
+def test_gravity_points_down_on_the_page(down):
     block = Part("held", Box([1, 1, 1]), Pose([0, 0, 5]), grounded=True)
     falling = Part("falling", Box([1, 1, 1]))
     verdict = kilter.check(Assembly([block, falling]).with_down(down))
@@ -189,7 +192,7 @@ def test_gravity_points_down_on_the_page(down: list[float]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["floating-block", "closed-frame", "corner-wedges", "channel",
                                   "paper-figure-10", "paper-figure-11", "tower"])  # fmt: skip
-def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
+def test_the_region_on_the_sphere_is_the_region(name):
     region = kilter.region(scene(name))
     figure = draw_region(region)
     for axes, k in zip(figure.axes, (0, 1), strict=True):
@@ -213,7 +216,7 @@ def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
+def test_hostile_names_are_text(recwarn):
     verdict = kilter.check(named(HOSTILE))
     figure = draw_assembly(verdict)
     svg = encode_figure(figure, ".svg").decode("utf-8")
@@ -232,20 +235,20 @@ def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
     assert not recwarn.list
 
 
-def test_a_notebook_shows_hostile_names_as_text() -> None:
+def test_a_notebook_shows_hostile_names_as_text():
     verdict = kilter.check(named(HOSTILE).with_down([1, 0, -1]))
     text = verdict._repr_html_()
     assert "<script" not in text
     assert "&lt;script&gt;" in text
     assert "\u202e" not in text
     assert len(text) < 8000
-    told = dataclasses.replace(verdict, sentence="<img src=x onerror=alert(1)>", warnings=("<b>",))
+    told = dataclasses.replace(verdict, sentence="<img src=x onerror=alert(1)>", notes=("<b>",))
     assert "<img" not in told._repr_html_()
     assert "<b>" not in told._repr_html_()
 
 
 @pytest.mark.slow
-def test_answers_show_themselves_in_a_notebook() -> None:
+def test_answers_show_themselves_in_a_notebook():
     region = kilter.region(scene("paper-figure-10"))
     assert "fan" in region._repr_html_()
     assert "45 deg" in region._repr_html_()
@@ -257,13 +260,13 @@ def test_answers_show_themselves_in_a_notebook() -> None:
     assert figure._repr_png_().startswith(b"\x89PNG")
 
 
-def test_a_label_is_short() -> None:
+def test_a_label_is_short():
     assert len(label("x" * 10_000)) <= 24
     assert label("a\tb") == "a\ufffdb"
 
 
 @pytest.mark.slow
-def test_import_stays_light_and_pyplot_is_never_touched() -> None:
+def test_import_stays_light_and_pyplot_is_never_touched():
     code = (
         "import sys, kilter; assert 'matplotlib' not in sys.modules\n"
         "v = kilter.check(kilter.example('tower')); v._repr_html_()\n"
@@ -288,9 +291,7 @@ def wall(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("suffix", "start"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("PDF", b"%PDF")]
 )
-def test_draw_writes_each_kind_of_figure(
-    wall: Path, suffix: str, start: bytes, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_draw_writes_each_kind_of_figure(wall, suffix, start, capsys):
     out = wall.parent / f"f.{suffix}"
     assert main(["draw", str(wall), "-o", str(out)]) == 0
     assert out.read_bytes().startswith(start)
@@ -303,7 +304,7 @@ def test_draw_writes_each_kind_of_figure(
 
 
 @pytest.mark.slow
-def test_draw_what_region(wall: Path) -> None:
+def test_draw_what_region(wall):
     assert main(["draw", str(wall), "--what", "region", "-o", "r.svg", "--quiet"]) == 0
     assert "One direction of gravity is stable" in Path("r.svg").read_text(encoding="utf-8")
 
@@ -320,9 +321,7 @@ def test_draw_what_region(wall: Path) -> None:
         (["-o", "f.png", "--what", "sphere"], "sphere"),
     ],
 )
-def test_draw_refuses(
-    wall: Path, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_draw_refuses(wall, options, said, capsys):
     before = wall.read_bytes()
     assert main(["draw", str(wall), *options]) == 2
     error = capsys.readouterr().err
@@ -331,7 +330,7 @@ def test_draw_refuses(
     assert wall.read_bytes() == before
 
 
-def test_an_input_is_never_written_over(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_input_is_never_written_over(wall, capsys):
     odd = wall.rename(wall.with_name("input.svg"))
     before = odd.read_bytes()
     assert main(["draw", str(odd), "-o", "./input.svg"]) == 2
@@ -339,9 +338,7 @@ def test_an_input_is_never_written_over(wall: Path, capsys: pytest.CaptureFixtur
     assert odd.read_bytes() == before
 
 
-def test_draw_says_what_to_install(
-    wall: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_draw_says_what_to_install(wall, monkeypatch, capsys):
     from kilter.show import canvas
 
     monkeypatch.setattr(canvas.importlib.util, "find_spec", lambda name: None)
@@ -349,7 +346,7 @@ def test_draw_says_what_to_install(
     assert "pip install 'kilter[figures]'" in capsys.readouterr().err
 
 
-def test_straps_are_lines_in_the_figure_and_in_the_page() -> None:
+def test_straps_are_lines_in_the_figure_and_in_the_page():
     deck = Part("deck", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     crate = Part("crate", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     path = [("ground", [2, 0, 0]), ("crate", [0.5, 0, 1])]
@@ -357,6 +354,143 @@ def test_straps_are_lines_in_the_figure_and_in_the_page() -> None:
     verdict = kilter.check(load)
     words = [text.get_text() for text in draw_assembly(verdict).legends[0].get_texts()]
     assert "1 strap" in words
-    things = build_things(load, verdict.contacts)
+    things = build_things(load, verdict.contact_set)
     line = np.array(things["straps"][0]) + things["center"]
     assert np.allclose(line, [[2, 0, 0], [0.5, 0, 1]])
+
+
+G = 9.81
+FRONT = (0.0, 0.0)
+"""Azimuth and elevation of an eye that sees x to the right and z upward."""
+
+
+def labels(figure: object) -> str:
+    return " | ".join(t.get_text() for t in figure.findobj(Text) if t.get_text())
+
+
+@pytest.mark.slow
+def test_a_cube_past_an_edge_has_arrows_of_its_acceleration_and_of_its_turn():
+    table = block("table", [-3000, -1000, -1000], [0, 1000, 0], grounded=True)
+    past = block("past", [-400, -500, 0], [600, 500, 1000], density=500.0)
+    verdict = kilter.check(Assembly([table, past], units="mm"))
+    figure = draw_assembly(verdict, view=FRONT)
+    turn = G * 0.1 / (1 / 6 + 0.1**2)
+    assert f"longest {0.1 * turn / G:.3g} g" in labels(figure)
+    assert f"fastest {turn:.3g} rad/s²" in labels(figure)
+    drawn = [one for one in figure.axes[0].findobj(FancyArrowPatch) if one.get_zorder() == 5]
+    straight, round_ = sorted(drawn, key=lambda one: len(one.get_path().vertices))[:2]
+    if straight._posA_posB is None:
+        straight, round_ = round_, straight
+    start, end = np.array(straight._posA_posB)
+    middle = Camera.at(*FRONT).flat(np.array([[100.0, 0, 500]]))[0]
+    assert start == pytest.approx(middle)
+    # the centre drops vertically
+    assert (end - start)[0] == pytest.approx(0, abs=1e-9)
+    assert (end - start)[1] < 0
+    # about +y, away from the eye: clockwise, three quarters of a circle about the centre
+    around = round_._path_original.vertices - middle
+    radius = np.linalg.norm(around, axis=1)
+    assert radius == pytest.approx(np.full(len(radius), radius[0]), rel=1e-6)
+    angle = np.unwrap(np.arctan2(around[:, 1], around[:, 0]))
+    assert (np.diff(angle) < 0).all()
+    assert angle[0] - angle[-1] == pytest.approx(1.5 * math.pi, rel=1e-6)
+
+
+@pytest.mark.parametrize("at", [-300, 300])
+def test_forces_on_a_beam_are_lines_in_proportion_at_their_ridges(at):
+    triangle = [[-100, -100], [100, -100], [0, 0]]
+    left, right = (
+        Part(name, Prism(triangle, 400.0), Pose([x, 0, 0]), grounded=True)
+        for name, x in (("left", -1000), ("right", 2000))
+    )
+    beam = Part("beam", Box([5000, 200, 200]), [at, 0, 100], density=500.0)
+    verdict = kilter.check(Assembly([left, right, beam], units="mm", friction=0.4))
+    figure = draw_assembly(verdict, view=FRONT)
+    shares = sorted([(2000 - at) / 3000, (at + 1000) / 3000])
+    assert f"largest {shares[1] * 100 * G:.4g} N" in labels(figure)
+    found = [
+        one.get_segments()
+        for one in figure.axes[0].findobj(LineCollection)
+        if one.get_zorder() == 5
+    ]
+    [segments] = [np.array(one) for one in found if len(one) == 2]
+    lengths = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    middles = segments.mean(axis=1)
+    assert lengths[1] / lengths[0] == pytest.approx(shares[0] / shares[1], rel=1e-6)
+    stronger = -1000 if at < 500 else 2000
+    flat = Camera.at(*FRONT).flat(np.array([[stronger, 0, 0], [1000 - stronger, 0, 0]], float))
+    assert middles == pytest.approx(flat, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_the_boundary_of_carried_accelerations_and_its_weakest_direction():
+    base = block("base", [-500, -500, -10], [500, 500, 0], grounded=True)
+    box = Part("box", Box([100, 200, 300]), [0, 0, 150])
+    answer = kilter.transport(Assembly([base, box], units="mm", friction=0.8))
+    axes = kilter.draw(answer).axes[0]
+    boundary = max(
+        (line.get_xydata() for line in axes.lines if line.get_linewidth() == 1.6), key=len
+    )
+    tips = np.array([50, 100]) / 150  # along x and along y [g]
+    slides = np.linalg.norm(boundary, axis=1) / 0.8
+    assert np.maximum(np.abs(boundary / tips).max(axis=1), slides) == pytest.approx(
+        np.ones(len(boundary)), rel=1e-6
+    )
+    [arrow] = [one for one in axes.texts if getattr(one, "arrow_patch", None)]
+    assert np.abs(arrow.xy) == pytest.approx([tips[0], 0], abs=1e-6)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        "acceleration along x [g]", "acceleration along y [g]",
+    )  # fmt: skip
+    rings = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 0.8]
+    radii = [np.unique(np.linalg.norm(ring, axis=1).round(9)) for ring in rings]
+    ticks = np.concatenate(radii)
+    assert np.diff(ticks) == pytest.approx(np.full(len(ticks) - 1, ticks[0]))
+
+
+@pytest.mark.slow
+def test_the_movement_to_the_pose_at_rest_is_magnified_by_the_stated_factor():
+    table = block("table", [-500, -500, -10], [500, 500, 0], grounded=True)
+    hangs = Part("hangs", Box([100, 100, 100]), [0, 0, 50.5])
+    figure = kilter.draw(kilter.settle(Assembly([table, hangs], units="mm")), view=FRONT)
+    [factor] = re.findall(r"movements x (\d+)", labels(figure))
+    [outline] = [
+        one for one in figure.axes[0].findobj(LineCollection) if one.get_linestyle() != [(0, None)]
+    ]
+    corners = np.concatenate(outline.get_segments())
+    # drawn at 0.5 above the table, it moves down by half a millimetre
+    assert corners[:, 1].min() == pytest.approx(0.5 - 0.5 * float(factor), abs=1e-6)
+    assert np.ptp(corners, axis=0) == pytest.approx([100, 100], abs=1e-3)
+
+
+@pytest.mark.slow
+def test_a_picture_a_step_and_who_is_held(tmp_path):
+    order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
+    figure = kilter.draw(order, tmp_path / "plan.svg")
+    assert len(figure.axes) == len(order.steps) == 9
+    svg = (tmp_path / "plan.svg").read_text(encoding="utf-8")
+    for k, step in enumerate(order.steps, 1):
+        assert f"{k}  {step.part}" in svg
+        assert not step.held or f"hold {step.held[0]}" in svg
+    assert svg.count("hold voussoir") == order.held_steps > 0
+
+
+@pytest.mark.slow
+def test_the_part_that_comes_stands_back_along_its_way():
+    figure = kilter.draw(kilter.plan(scene("tower")), view=(0, 0))
+    for axes in figure.axes:
+        low, high = axes.get_ylim()
+        [arrow] = [text for text in axes.texts if text.arrow_patch is not None]
+        (x, y), (u, v) = arrow.xyann, arrow.xy
+        assert abs(x - u) < 1e-9
+        assert low < v < y < high
+
+
+@pytest.mark.slow
+def test_names_are_no_formulas_and_the_same_plan_gives_the_same_bytes():
+    base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    cube = Part("$x^2$ <b>", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    pictures = [
+        encode_figure(kilter.draw(kilter.plan(Assembly([base, cube]))), ".svg") for _ in range(2)
+    ]
+    assert pictures[0] == pictures[1]
+    assert "$x^2$ &lt;b&gt;" in pictures[0].decode()

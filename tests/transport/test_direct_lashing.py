@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lashings import direct, random_direct
-from strap_program import least_share
+from lashings import direct, least_share, random_direct
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Strap

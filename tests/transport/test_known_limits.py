@@ -8,7 +8,6 @@ from boxes_on_deck import portal, random_stack, stack_on_deck
 
 import kilter
 from kilter.analysis.load_limit import Limit
-from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.transport.carried_set import CarriedSet
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.contact import contacts
@@ -121,13 +120,6 @@ def test_middle_of_a_roll_beside_a_sideways_acceleration() -> None:
         assert _holds(assembly, motion) == held
 
 
-def test_half_of_gravity_is_a_tilt_of_26_565_degrees() -> None:
-    """A box of b / h = 1 / 2 carries 0.5 g and this tilt, and not more."""
-    assembly = stack_on_deck([[1, 1, 2]], 0.8)
-    limit = _limit(assembly, CarrierMotion([G, 0, 0]))
-    assert np.degrees(np.arctan(limit)) == pytest.approx(26.56505, abs=1e-5)
-
-
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("assembly", "expected"),
@@ -154,16 +146,6 @@ def test_a_slice_lies_between_its_polygon_and_its_lines(seed: int) -> None:
         along = np.array([*point, 0.0]) * program.g
         assert _holds(assembly, CarrierMotion((1 - SIDE) * along))
         assert not _holds(assembly, CarrierMotion((1 + SIDE) * along))
-
-
-@pytest.mark.slow
-def test_it_agrees_with_the_tilt_margin() -> None:
-    """The tilt margin is the arc tangent of the least acceleration."""
-    assembly = stack_on_deck([[0.5, 0.7, 0.4], [0.6, 0.3, 0.5]], 0.35)
-    program = build_program(assembly, contacts(assembly))
-    least = CarriedSet(program).least()
-    assert np.arctan(least.value) == pytest.approx(find_tilt_margin(program).angle, abs=1e-6)
-    assert least.value == pytest.approx(0.35, rel=1e-6)
 
 
 def test_rest_that_is_not_held_carries_nothing() -> None:

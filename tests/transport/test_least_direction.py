@@ -21,7 +21,6 @@ from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes import scene
 
 SWEEP = 2 * np.pi * np.arange(720) / 720
 """Directions of the sweep [rad]."""
@@ -83,16 +82,6 @@ def test_a_block_tips_over_its_nearest_edge_or_slides(
     assert found["-y"]["alpha0"] == pytest.approx(min(depth / height, mu), abs=1e-7)
     assert found["least"]["alpha0"] == pytest.approx(min(width, depth, mu * height) / height)
     assert found["least"]["upper"] >= found["least"]["alpha0"] * (1 - 1e-9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["pier-in-wind", "eccentric-pier"])
-def test_the_least_is_at_most_the_least_of_the_axes(name: str) -> None:
-    found = multipliers(scene(name))
-    alpha = {key: entry["alpha0"] for key, entry in found.items()}
-    assert alpha["least"] <= min(alpha.values()) + 1e-9
-    if name == "eccentric-pier":
-        assert alpha["least"] == pytest.approx(4.811, abs=5e-4)
 
 
 def test_the_multipliers_are_proved_in_the_file_and_their_mass_is_recomputed() -> None:

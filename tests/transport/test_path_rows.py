@@ -100,26 +100,6 @@ def test_constraints_need_velocities(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_toppra_finds_the_fastest_straight_motion() -> None:
-    """From rest to rest over a length with at most mu g: 2 sqrt(length / (mu g))."""
-    toppra = pytest.importorskip("toppra")
-    flat = stack_on_deck([[0.4, 0.4, 0.1]], MU)
-    answer = kilter.transport(flat, path=path_from_poses(TIME, _straight(2.0)))
-    rows, bounds = answer.rows()
-
-    class Carried(toppra.constraint.LinearConstraint):
-        def compute_constraint_params(self, path: object, gridpoints: np.ndarray) -> tuple:
-            unit = np.tile(np.eye(bounds.shape[1]), (len(bounds), 1, 1))
-            return rows[..., 0], rows[..., 1], -bounds, unit, 0 * bounds, None, None
-
-    path = toppra.SplineInterpolator(TIME, _straight(2.0))
-    planner = toppra.algorithm.TOPPRA([Carried()], path, gridpoints=TIME)
-    assert planner.compute_trajectory(0, 0).duration == pytest.approx(
-        2 * np.sqrt(2.0 / (MU * G)), rel=1e-6
-    )
-
-
-@pytest.mark.slow
 def test_the_example_runs_with_the_planners_that_are_installed() -> None:
     pytest.importorskip("toppra")
     done = subprocess.run(

@@ -70,16 +70,6 @@ def test_circle_at_fixed_heading_and_along_it() -> None:
     assert not answer.speed.between_samples
 
 
-@pytest.mark.slow
-def test_quintic_through_its_poses() -> None:
-    """Cubic splines through 201 poses; the samples bound the factor from above."""
-    share = np.linspace(0, 1, 201)
-    along = 2 * (10 * share**3 - 15 * share**4 + 6 * share**5)
-    place = np.column_stack([along, 0 * along, 0 * along])
-    expected = np.sqrt(MU * G * 1.5**2 / (2 * 10 / np.sqrt(3)))
-    assert _factor(path_from_poses(1.5 * share, place)) == pytest.approx(expected, rel=1e-3)
-
-
 @pytest.mark.parametrize("degrees", [8, -25])
 def test_slopes(degrees: float) -> None:
     """Down a steep slope the box needs the acceleration, so the squared factors are an interval.

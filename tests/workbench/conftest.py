@@ -1,7 +1,5 @@
 """A workbench whose process serves all tests of a module, and a page with Figure 8 opened anew."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

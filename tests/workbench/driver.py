@@ -1,7 +1,5 @@
 """A page of the workbench without a browser: it talks to the server through the WebSocket."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Callable

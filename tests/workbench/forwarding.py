@@ -6,8 +6,6 @@ the workbench below this path and removes the path, as jupyter-server-proxy does
 hosted editors do. WebSockets pass through.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import re

@@ -1,6 +1,4 @@
-"""A session through the WebSocket: answers equal those of `check`, tabs, save, files, faults."""
-
-from __future__ import annotations
+"""A session of the workbench: its state, files, exports and settled poses."""
 
 import json
 import os
@@ -13,20 +11,22 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from driver import Page
+from driver import Message, Page
 from forwarding import Forwarding
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Origin
 
 import kilter
+from kilter import Assembly, Box, Joint, Load, Part, Pose
 from kilter.analysis.check import check_equilibrium
 from kilter.cli import main
 from kilter.scenes import scene
+from kilter.scenes.walls import wall_of
 from kilter.workbench.server import Workbench
 
 
-def test_held_parts_change_the_verdict_and_undo_takes_it_back(page: Page) -> None:
+def test_held_parts_change_the_verdict_and_undo_takes_it_back(page):
     assert page.last["answer"]["check"]["verdict"] == "unstable"
     held = page.after(do="hold", parts=["C3"], on=True)
     command = page.last["session"]["command"]
@@ -38,7 +38,7 @@ def test_held_parts_change_the_verdict_and_undo_takes_it_back(page: Page) -> Non
 
 
 @pytest.mark.slow
-def test_the_saved_choices_give_the_same_answer(page: Page, folder: Path) -> None:
+def test_the_saved_choices_give_the_same_answer(page, folder):
     page.after(do="friction", mu=0.4)
     page.after(do="hold", parts=["C2"], on=True)
     shown = page.after(do="load", part="C3", force=[0, 0, -2])
@@ -51,7 +51,7 @@ def test_the_saved_choices_give_the_same_answer(page: Page, folder: Path) -> Non
     assert shown["given"]["sentence"] == verdict.sentence
 
 
-def test_a_second_page_shows_the_same_state(page: Page, bench: Workbench) -> None:
+def test_a_second_page_shows_the_same_state(page, bench):
     page.after(do="hold", parts=["C2"], on=True)
     other = Page(bench)
     other.hear(lambda message: message.get("is") == "answer")
@@ -63,7 +63,7 @@ def test_a_second_page_shows_the_same_state(page: Page, bench: Workbench) -> Non
     other.close()
 
 
-def test_tabs_have_answer_and_command(page: Page) -> None:
+def test_tabs_have_answer_and_command(page):
     page.after(do="hold", parts=["C2"], on=True)
     for name in ("orient", "margin", "hold", "plan", "contacts", "transport"):
         assert page.say(do="ask", tab=name)["ok"]
@@ -73,9 +73,7 @@ def test_tabs_have_answer_and_command(page: Page) -> None:
         assert "<" in tab["html"]
 
 
-def test_the_map_of_places_is_that_of_its_command(
-    page: Page, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_map_of_places_is_that_of_its_command(page, folder, capsys, monkeypatch):
     kilter.dump(scene("tower"), folder / "tower.kilter.json")
     assert page.say(do="open", file="tower.kilter.json")["ok"]
     page.answer()
@@ -92,7 +90,7 @@ def test_the_map_of_places_is_that_of_its_command(
 
 
 @pytest.mark.parametrize("options", [{}, {"size": [1, 1, 1]}, {"size": [1, 1, -1], "mass": 1}])
-def test_a_wrong_box_to_place_is_a_sentence(page: Page, options: dict[str, Any]) -> None:
+def test_a_wrong_box_to_place_is_a_sentence(page, options):
     page.after(do="hold", parts=["C2"], on=True)
     page.say(do="ask", tab="place", options=options)
     tab = page.hear(lambda message: message.get("is") == "tab")
@@ -100,7 +98,7 @@ def test_a_wrong_box_to_place_is_a_sentence(page: Page, options: dict[str, Any])
     assert tab["error"]
 
 
-def test_two_states_are_compared(page: Page) -> None:
+def test_two_states_are_compared(page):
     page.after(do="hold", parts=["C2"], on=True)
     page.after(do="hold", parts=["C3"], on=True)
     page.say(do="compare", a=0, b=2)
@@ -108,7 +106,7 @@ def test_two_states_are_compared(page: Page) -> None:
     assert tab["sentence"] == "The verdict changes from unstable to stable."
 
 
-def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -> None:
+def test_a_problem_is_a_sentence_and_the_scene_stays(page, folder):
     data = json.loads((folder / "f8.kilter.json").read_text())
     for part in data["parts"]:
         part.pop("grounded", None)
@@ -120,7 +118,7 @@ def test_a_problem_is_a_sentence_and_the_scene_stays(page: Page, folder: Path) -
     assert page.after(do="floor", on=True)["is"] == "answer"
 
 
-def test_a_wrong_request_is_refused_in_a_sentence(page: Page) -> None:
+def test_a_wrong_request_is_refused_in_a_sentence(page):
     """The other pages, and the next message, are not disturbed."""
     for request, said in (
         ({"do": "open", "file": "../../etc/passwd"}, "there is no file"),
@@ -158,7 +156,7 @@ def test_a_wrong_request_is_refused_in_a_sentence(page: Page) -> None:
     assert page.after(do="hold", parts=["C2"], on=True)["is"] == "answer"
 
 
-def test_the_first_answer_has_the_verdict_and_leaves_the_displacements_to_the_second() -> None:
+def test_the_first_answer_has_the_verdict_and_leaves_the_displacements_to_the_second():
     assembly = scene("paper-figure-8")
     found = kilter.contacts(assembly)
     quick, complete = check_equilibrium(assembly, found), kilter.check(assembly)
@@ -172,14 +170,14 @@ def test_the_first_answer_has_the_verdict_and_leaves_the_displacements_to_the_se
     assert "displacement" not in vars(quick)  # its program was not solved
 
 
-def test_an_example_opens(page: Page) -> None:
+def test_an_example_opens(page):
     assert page.say(do="open", example="tower")["ok"]
     assert page.answer()["check"]["verdict"] == "stable"
     assert page.last["session"]["file"] == "tower.kilter.json"
 
 
 @pytest.mark.slow
-def test_changes_survive_the_end_of_the_server(tmp_path: Path) -> None:
+def test_changes_survive_the_end_of_the_server(tmp_path):
     kilter.dump(scene("paper-figure-8"), tmp_path / "f8.kilter.json")
     for count in (0, 1):
         with Workbench(tmp_path / "f8.kilter.json") as bench:
@@ -195,7 +193,7 @@ def test_changes_survive_the_end_of_the_server(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="the process is killed with a POSIX signal")
-def test_a_killed_worker_is_started_again(page: Page, bench: Workbench) -> None:
+def test_a_killed_worker_is_started_again(page, bench):
     assert bench.session is not None
     before = bench.session.jobs.worker.pid
     os.kill(before, signal.SIGKILL)
@@ -207,7 +205,7 @@ def test_a_killed_worker_is_started_again(page: Page, bench: Workbench) -> None:
 
 
 @pytest.mark.slow
-def test_a_changed_file_is_read_again(page: Page, folder: Path) -> None:
+def test_a_changed_file_is_read_again(page, folder):
     page.after(do="hold", parts=["C2"], on=True)
     data = json.loads((folder / "f8.kilter.json").read_text())
     data["parts"] = [part for part in data["parts"] if part["name"] != "C3"]
@@ -229,7 +227,7 @@ def fetched(bench: Workbench, path: str, **headers: str) -> tuple[int, bytes]:
 
 
 @pytest.mark.slow
-def test_exports_are_those_of_the_commands(page: Page, bench: Workbench, folder: Path) -> None:
+def test_exports_are_those_of_the_commands(page, bench, folder):
     page.after(do="hold", parts=["C3"], on=True)
     query = f"?token={bench.token}"
     code, proof = fetched(bench, f"/export/proof.json{query}")
@@ -268,13 +266,8 @@ ACTIONS = [
 @pytest.mark.slow
 @pytest.mark.parametrize("actions", ACTIONS, ids=lambda actions: actions[0]["do"])
 def test_the_shown_command_prints_the_whole_answer(
-    actions: list[dict],
-    page: Page,
-    bench: Workbench,
-    folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    actions, page, bench, folder, monkeypatch, capsys
+):
     for action in actions:
         page.after(**action)
     page.say(do="save")
@@ -290,7 +283,7 @@ def test_the_shown_command_prints_the_whole_answer(
 
 
 @pytest.mark.slow
-def test_figure_film_and_plan_are_exported(page: Page, bench: Workbench) -> None:
+def test_figure_film_and_plan_are_exported(page, bench):
     query = f"?token={bench.token}"
     code, film = fetched(bench, f"/export/film.glb{query}")
     assert (code, film[:4]) == (200, b"glTF")
@@ -304,7 +297,7 @@ def test_figure_film_and_plan_are_exported(page: Page, bench: Workbench) -> None
     assert (code, report[:15]) == (200, b"<!doctype html>")
 
 
-def test_only_this_machine_with_the_token_is_answered(bench: Workbench) -> None:
+def test_only_this_machine_with_the_token_is_answered(bench):
     query = f"/?token={bench.token}"
     own = f"127.0.0.1:{bench.port}"
     assert fetched(bench, query)[0] == 200
@@ -340,7 +333,7 @@ FOREIGN = (
 """Origins that no workbench of these tests accepts."""
 
 
-def test_a_proxy_is_answered_under_the_names_that_the_user_allows(folder: Path) -> None:
+def test_a_proxy_is_answered_under_the_names_that_the_user_allows(folder):
     with Workbench(None, folder=folder, hosts=["Hub.example.org"]) as bench:
         query = f"/?token={bench.token}"
         name = "hub.example.org"
@@ -365,13 +358,13 @@ def test_a_proxy_is_answered_under_the_names_that_the_user_allows(folder: Path) 
 @pytest.mark.parametrize(
     "name", ["", "*", "https://hub.example.org", "hub.example.org:8443", "a/b"]
 )
-def test_a_host_that_is_no_name_is_refused(name: str, folder: Path) -> None:
+def test_a_host_that_is_no_name_is_refused(name, folder):
     with pytest.raises(kilter.InputError, match="is no name of a host"):
         Workbench(None, folder=folder, hosts=[name])
 
 
 @pytest.mark.slow
-def test_the_page_works_through_a_forwarded_port_and_below_a_path(folder: Path) -> None:
+def test_the_page_works_through_a_forwarded_port_and_below_a_path(folder):
     kilter.dump(scene("paper-figure-8"), folder / "f8.kilter.json")
     with Workbench(None, folder=folder) as bench:
         for options in ({}, {"prefix": "/user/x/proxy/8899"}):
@@ -393,7 +386,7 @@ def uploaded(bench: Workbench, name: str, data: bytes) -> tuple[int, dict]:
             return error.code, json.load(error)
 
 
-def test_an_uploaded_file_opens(page: Page, bench: Workbench, folder: Path) -> None:
+def test_an_uploaded_file_opens(page, bench, folder):
     data = (folder / "f8.kilter.json").read_bytes()
     assert uploaded(bench, "dropped.kilter.json", data) == (200, {"file": "dropped.kilter.json"})
     assert page.say(do="open", file="dropped.kilter.json")["ok"]
@@ -404,9 +397,7 @@ def test_an_uploaded_file_opens(page: Page, bench: Workbench, folder: Path) -> N
         assert reply["error"]
 
 
-def test_changes_of_an_uploaded_file_outlive_it(
-    page: Page, bench: Workbench, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_changes_of_an_uploaded_file_outlive_it(page, bench, folder, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     data = (folder / "f8.kilter.json").read_bytes()
     for name, count in (("first.kilter.json", 0), ("second.kilter.json", 1)):
@@ -421,7 +412,7 @@ def test_changes_of_an_uploaded_file_outlive_it(
     assert len(list(tmp_path.rglob("*.json"))) == 1
 
 
-def test_a_wrong_file_leaves_the_open_file_open(page: Page, bench: Workbench) -> None:
+def test_a_wrong_file_leaves_the_open_file_open(page, bench):
     assert uploaded(bench, "wrong.step", b"not a step file")[0] == 200
     reply = page.say(do="open", file="wrong.step")
     assert not reply["ok"]
@@ -430,6 +421,183 @@ def test_a_wrong_file_leaves_the_open_file_open(page: Page, bench: Workbench) ->
     assert page.after(do="hold", parts=["C3"], on=True)["is"] == "answer"
 
 
-def test_a_port_that_is_taken_is_named(bench: Workbench) -> None:
+def test_a_port_that_is_taken_is_named(bench):
     with pytest.raises(kilter.InputError, match=f"port {bench.port} is not available"):
         Workbench(None, port=bench.port)
+
+
+DEPTH = 1e-3
+"""Depth of each overlap, and height of each hanging part [m]."""
+
+
+def sunken(**more: Any) -> Assembly:
+    """A block sunk into the base, and a block sunk into this block."""
+    base = Part("base", Box([6, 6, 1]), Pose([0, 0, -0.5]), grounded=True)
+    low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5 - DEPTH]))
+    high = Part("high", Box([1, 1, 1]), Pose([0.2, 0, 1.5 - 2 * DEPTH]))
+    return Assembly([base, low, high], friction=0.5, **more)
+
+
+def opened(page: Page, folder: Path, assembly: Assembly, name: str) -> Message:
+    """Open an assembly in the workbench; return its answer."""
+    kilter.dump(assembly, folder / name)
+    assert page.say(do="open", file=name)["ok"]
+    return page.answer()
+
+
+def settle(page: Page) -> Message:
+    """Settle the parts, and wait for the complete answer, or for the refusal."""
+    state = page.last["session"]["state"]
+    assert page.say(do="settle")["ok"]
+    ended = page.hear(
+        lambda m: (m.get("is") == "session" and m["state"] > state) or m.get("is") == "tab"
+    )
+    return ended if ended["is"] == "tab" else page.answer()
+
+
+def without_seconds(text: str) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(text)
+    del data["seconds"]
+    return data
+
+
+def exported(bench: Workbench) -> dict[str, Any]:
+    """The answer of the present state, as the page downloads it."""
+    address = f"http://127.0.0.1:{bench.port}/export/answer.json?token={bench.token}"
+    with urllib.request.urlopen(address, timeout=60) as answer:
+        return without_seconds(answer.read())
+
+
+@pytest.mark.slow
+def test_the_settled_state_is_saved_and_repeated_by_the_command(
+    page, bench, folder, monkeypatch, capsys
+):
+    drawn = opened(page, folder, sunken(), "sunken.kilter.json")
+    assert drawn["check"]["verdict"] == "undecided"
+    assert drawn["settle"]["parts"] == "2 overlapping pairs"
+    assert drawn["settle"]["result"] == "at rest after moving 0.002 m, then stable"
+    answer = settle(page)
+    assert answer["check"]["verdict"] == "stable"
+    assert answer["settle"] is None
+    poses = page.last["session"]["choices"]["poses"]
+    assert poses["low"]["position"] == pytest.approx([0, 0, 0.5], abs=1e-8)
+    assert poses["high"]["position"] == pytest.approx([0.2, 0, 1.5], abs=1e-8)
+    assert page.last["session"]["command_needs_save"]
+    page.say(do="save")
+    shown = exported(bench)
+    monkeypatch.chdir(folder)
+    capsys.readouterr()
+    assert main([*shlex.split(page.last["session"]["command"])[1:], "--json"]) == 0
+    assert without_seconds(capsys.readouterr().out) == shown
+    assert main(["check", "sunken.kilter.json", "--settle", "--json"]) == 0
+    settled = without_seconds(capsys.readouterr().out)
+    same = ("verdict", "level", "guarantee", "contacts", "open_pairs", "down", "neutral")
+    assert {key: settled[key] for key in same} == {key: shown[key] for key in same}
+    assert settled["sentence"] == f"Settled by 0.002 m: {shown['sentence']}"
+
+
+@pytest.mark.slow
+def test_the_movement_is_undone_redone_restored_and_shown_by_a_second_page(page, bench, folder):
+    drawn = opened(page, folder, sunken(), "twice.kilter.json")
+    before = page.last["session"]["choices"]
+    at_rest = settle(page)
+    moved = page.last["session"]["choices"]
+    other = Page(bench)
+    other.hear(lambda m: m.get("is") == "answer")
+    assert other.last["session"]["choices"] == moved
+    assert other.last["answer"]["check"] == at_rest["check"]
+    other.close()
+    assert page.after(do="undo")["check"] == drawn["check"]
+    assert page.last["session"]["choices"] == before
+    assert page.after(do="redo")["check"] == at_rest["check"]
+    assert page.last["session"]["choices"] == moved
+    # the changes are kept in a file: the reopened file has them
+    page.say(do="close")
+    page.say(do="open", file="twice.kilter.json")
+    assert page.answer()["check"] == at_rest["check"]
+    assert page.last["session"]["choices"] == moved
+    assert page.after(do="poses", poses=None)["check"] == drawn["check"]
+    assert "poses" not in page.last["session"]["choices"]
+
+
+@pytest.mark.slow
+def test_a_load_of_the_choices_moves_with_its_part(page, folder):
+    opened(page, folder, sunken(), "loaded.kilter.json")
+    tip = [0.2, 0, 2 - 2 * DEPTH]
+    page.after(do="load", part="high", force=[0, 0, -1], point=tip)
+    page.after(do="load", part="high", force=[0, 0, -2])
+    assert settle(page)["check"]["verdict"] == "stable"
+    first, second = page.last["session"]["choices"]["loads"]
+    assert first["point"] == pytest.approx([0.2, 0, 2], abs=1e-8)
+    assert "point" not in second
+    page.after(do="undo")
+    assert page.last["session"]["choices"]["loads"][0]["point"] == tip
+
+
+REFUSED = {
+    "does not fit": (
+        Assembly(
+            [
+                Part("left", Box([1, 1, 1]), Pose([-1, 0, 0.5]), grounded=True),
+                Part("right", Box([1, 1, 1]), Pose([1, 0, 0.5]), grounded=True),
+                Part("wedged", Box([1.001, 1, 1]), Pose([0, 0, 0.5])),
+            ]
+        ),
+        "do not fit",
+    ),
+    "at rest": (
+        sunken().with_poses({"low": Pose([0, 0, 0.5]), "high": Pose([0.2, 0, 1.5])}),
+        "at rest as drawn",
+    ),
+    "load of the file": (
+        sunken(loads=[Load("high", [0, 0, -1], point=[0.2, 0, 2 - 2 * DEPTH])]),
+        "the loads of the file move",
+    ),
+    "joint of the file": (
+        sunken(joints=[Joint(["low", "ground"], "prismatic", [0, 0, 0.5], [0, 0, 1])]),
+        "the joints of the file move",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.quick("does not fit")
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_refusal_is_a_sentence_and_changes_nothing(name, page, folder):
+    assembly, said = REFUSED[name]
+    opened(page, folder, assembly, "refused.kilter.json")
+    before = page.last["session"]["state"]
+    reply = settle(page)
+    assert (reply["is"], reply["name"]) == ("tab", "settle")
+    assert said in reply["error"]
+    assert page.last["session"]["state"] == before
+
+
+@pytest.mark.slow
+def test_another_change_and_a_stop_end_the_search(page, folder):
+    wall = wall_of(300)
+    lifted = {part.name: Pose(part.pose.position * [1, 1, 1 + DEPTH]) for part in wall.parts[1:]}
+    opened(page, folder, wall.with_poses(lifted), "wall.kilter.json")
+    assert page.say(do="settle")["ok"]
+    page.hear(lambda m: m.get("is") == "progress" and m["what"] == "settle" and m["working"])
+    assert page.say(do="stop")["ok"]
+    stopped = page.hear(lambda m: m.get("is") == "tab")
+    assert (stopped["name"], stopped["error"]) == ("settle", "the computation was stopped")
+    assert page.say(do="settle")["ok"]
+    assert page.after(do="friction", mu=0.6)["is"] == "answer"
+    assert set(page.last["session"]["choices"]) == {"kilter", "file", "sha256", "friction"}
+
+
+@pytest.mark.slow
+def test_poses_do_not_fit_another_content_of_the_file(page, folder):
+    opened(page, folder, sunken(), "changed.kilter.json")
+    page.after(do="friction", mu=0.7)
+    settle(page)
+    wide = sunken().with_poses({"base": Pose([0, 0, -0.7])})
+    kilter.dump(wide, folder / "changed.kilter.json")
+    page.hear(lambda m: m.get("is") == "session" and "was read again" in m["message"])
+    session = page.last["session"]
+    assert session["message"].endswith(
+        "these changes do not fit any more: settle: parts move by up to 0.002 m"
+    )
+    assert session["choices"]["friction"] == 0.7
+    assert "poses" not in session["choices"]

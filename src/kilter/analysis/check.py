@@ -13,37 +13,29 @@ could hold it, the verdict is undecided, and the answer gives the reason.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import partial
-
-from numpy.typing import ArrayLike
 
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.analysis.decision.ordinary_contacts import (
     trial_words,
 )
 from kilter.analysis.verdict.remarks import gaps_under_straps, loose_parts, remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
+from kilter.assembly.question import Question, question
 from kilter.assembly.strap_ends import end_words, with_named_ends
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact import ContactSet, detect
 from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
-from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.tell.levels import REQUIRE, VerdictWord, level_rank, require_level
+from kilter.tell.levels import VerdictWord, level_rank, require_level
 from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
 from kilter.tell.second_order_words import balanced_sentence, push_open_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
-from kilter.validate import number
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT, Work, facts_of, units_of
 
 __all__ = ["check", "check_equilibrium", "check_level"]
 
@@ -54,22 +46,11 @@ FAR_APART = 1e9
 """Ratio of the largest to the least mass above which accelerations of light parts are inexact."""
 
 
-@guarded
-@on_one_thread
+@question()
 def check(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    require: str = REQUIRE,
     measures: bool = False,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Verdict:
     """Decide whether an assembly stays together under gravity, and prove the answer.
 
@@ -78,33 +59,11 @@ def check(
     assembly : Assembly, or path
         At least one part must be held. The assembly contains friction and the direction of
         gravity: ``check(assembly.with_friction(0.6).with_down([0.1, 0, -1]))``.
-    friction : float, optional
-        Coefficient of the contacts without a coefficient of their own [-].
-    down : array_like, shape (3,), optional
-        Direction of gravity, whose magnitude stays [-].
-    ground : str or iterable of str
-        Parts that are also held; ``*`` and ``?`` are wildcards.
-    floor : bool or float, optional
-        True adds a held table under the lowest point; a number is its height [length].
-    contacts : ContactSet, optional
-        Contacts of this assembly; by default they are detected from its geometry.
-    tolerance : Tolerance, optional
-        Tolerances of the detection: gap, angle and clearance. By default those of the assembly.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Verdict.stable` is true from this level.
     measures : bool
         Whether to report z, kappa and the displacements although friction plays a part. They do
         not include friction.
-    effort : float
-        Work limit; each further unit allows about ten times more work [-]. It concerns the
-        guarantee of friction: the search for a motion, and the proof that no motion exists. 0 is
-        quick and 1 is usual. Work is counted in operations, not in time. At the limit the guarantee
-        is open.
-    time_limit : float, optional
-        Time limit [s]. At the limit the answer contains the proofs completed until then, and a
-        warning. The clock is read between steps, so such an answer may differ from run to run.
-    progress : callable, optional
-        Function that is called with the name of each stage.
 
     Returns
     -------
@@ -129,32 +88,20 @@ def check(
     >>> verdict.verdict, verdict.moving
     ('unstable', ['C2', 'C3'])
     """
-    tell = progress or (lambda stage: None)
-    if contacts is not None and not isinstance(contacts, ContactSet):
-        raise InputError(f"contacts are {contacts!r:.60}", hint="give what kilter.contacts returns")
-    require = require_level(require, strict=True)
-    work = _work(effort, time_limit, progress)
-    assembly = asked_assembly(
-        assembly, "check", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    assembly, require = asked.assembly, require_level(asked.require, strict=True)
+    work = asked.work(facts=True)
     assembly.require_grounded()
     seconds: dict[str, float] = {}
     started = time.perf_counter()
     _ = assembly.geometry
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
+    contacts = detect.touching(asked)
     require_apart(assembly, contacts)
     ends = with_named_ends(assembly)
     if len(ends) > 1:
-        again = partial(
-            check, tolerance=tolerance, require=require, measures=measures, effort=effort,
-            time_limit=time_limit, progress=progress,
-        )  # fmt: skip
-        return _worst_end(assembly, [again(end, contacts=contacts.of(end)) for end in ends])
+        each = [asked.but(assembly=end, contacts=contacts.of(end)) for end in ends]
+        return _worst_end(assembly, [check(end, measures=measures) for end in each])
     seconds["contacts"] = time.perf_counter() - started
-    tell("verdict")
+    asked.tell("verdict")
     started = time.perf_counter()
     decision = decide(assembly, contacts, require=require, work=work)
     seconds["solve"] = time.perf_counter() - started
@@ -162,10 +109,10 @@ def check(
     cut = (CUT,) if work.cut else ()
     return replace(
         verdict,
-        warnings=(*verdict.warnings, *cut),
+        notes=(*verdict.notes, *cut),
         seconds=seconds,
-        effort=effort,
-        time_limit=time_limit if work.cut else None,
+        effort=asked.effort,
+        time_limit=asked.time_limit if work.cut else None,
         measures=measures,
         decision=decision,
         seconds_left=work.seconds,
@@ -208,14 +155,7 @@ def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
 
 
 @on_one_thread
-def check_level(
-    assembly: Assembly,
-    contacts: ContactSet,
-    *,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    progress: Callable[[str], None] | None = None,
-) -> Verdict:
+def check_level(asked: Question) -> Verdict:
     """Decide whether a level is reached: the answer of `check`, without what cannot change this.
 
     The deciding open pairs of an undecided assembly are left out. At "settles" most of the proof
@@ -224,12 +164,8 @@ def check_level(
 
     Parameters
     ----------
-    assembly : Assembly
-        At least one part is held.
-    contacts : ContactSet
-        The contacts of this assembly.
-    require, effort, progress : optional
-        As in `check`.
+    asked : Question
+        The assembly, its contacts, and the level; at least one part is held.
 
     Raises
     ------
@@ -241,26 +177,27 @@ def check_level(
     >>> from kilter.contact import contacts
     >>> from kilter.scenes import scene
     >>> tower = scene("tower")
-    >>> check_level(tower, contacts(tower)).verdict
+    >>> check_level(Question(assembly=tower, contacts=contacts(tower))).verdict
     'stable'
     """
-    require = require_level(require, strict=True)
+    assembly, contacts = asked.assembly, detect.touching(asked)
+    require = require_level(asked.require, strict=True)
     assembly.require_grounded()
     require_apart(assembly, contacts)
     ends = with_named_ends(assembly)
     if len(ends) > 1:
-        again = partial(check_level, require=require, effort=effort, progress=progress)
-        return _worst_end(assembly, [again(end, contacts.of(end)) for end in ends])
+        each = [asked.but(assembly=end, contacts=contacts.of(end)) for end in ends]
+        return _worst_end(assembly, list(map(check_level, each)))
     decision = decide(
         assembly,
         contacts,
         require=require,
-        work=_work(effort, None, progress),
+        work=asked.but(time_limit=None).work(facts=True),
         question=False,
         level_only=require == "settles",
     )
     verdict = _verdict(decision, assembly, contacts, require)
-    return replace(verdict, effort=effort, decision=decision)
+    return replace(verdict, effort=asked.effort, decision=decision)
 
 
 def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:
@@ -271,8 +208,8 @@ def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:
     why = "all ends lead to this verdict" if same else "another end leads to a better verdict"
     return replace(
         worst,
-        warnings=(
-            *worst.warnings,
+        notes=(
+            *worst.notes,
             f"both ends of each strap without a named tensioned end were tried, and the worst "
             f"result counts: {words}; {why}",
         ),
@@ -282,27 +219,19 @@ def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:
 def _verdict(decision: Decision, assembly: Assembly, contacts: ContactSet, require: str) -> Verdict:
     """The verdict of a decision, with its sentence and warnings, but without remedies."""
     return Verdict(
-        VerdictWord(decision.verdict),
-        _sentence(decision, assembly, contacts),
-        assembly,
-        contacts,
-        decision.program,
-        decision.judgement,
-        decision.friction,
-        tuple(_warnings(assembly, contacts, decision)),
-        {},
-        question=decision.question,
+        verdict=VerdictWord(decision.verdict),
+        sentence=_sentence(decision, assembly, contacts),
         require=require,
-        second_order=decision.second_order,
+        seconds={},
+        assembly=assembly,
+        contact_set=contacts,
+        program=decision.program,
+        judgement=decision.judgement,
+        friction_answer=decision.friction,
+        notes=tuple(_warnings(assembly, contacts, decision)),
+        question=decision.question,
+        second_order_answer=decision.second_order,
     )
-
-
-def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:
-    """Validate effort and time limit [s] of a check, and return them as its work limit."""
-    effort = number(effort, "effort", lowest=0)
-    if time_limit is not None:
-        time_limit = number(time_limit, "time_limit", lowest=0)
-    return Work(units_of(effort), progress, time_limit=time_limit, facts=facts_of(progress))
 
 
 def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> str:
@@ -310,7 +239,8 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     if decision.verdict == "undecided":
         if decision.question is None:
             return f"Undecided: {'; '.join(decision.reasons)}."
-        pairs = open_pairs_answer(assembly, contacts, decision.question)
+        listed = answered_pairs(assembly, contacts, decision.question)
+        pairs = [pair.to_dict() for pair in listed]
         return undecided_sentence(pairs, assembly.units, more=decision.reasons)
     friction = decision.friction
     coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)

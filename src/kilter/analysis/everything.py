@@ -7,7 +7,6 @@ and forces for every ray. `notes` lists the omitted answers.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
@@ -26,13 +25,13 @@ from kilter.analysis.turning.stability_map import StabilityMap, stability_map
 from kilter.analysis.verdict.displacement import find_displacement
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
-from kilter.assembly import Assembly, require_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly import Assembly
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError, SolverError, TimeLimitReached
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.answer.path_places import PathPlaces, find_path_places
-from kilter.threads import on_one_thread
-from kilter.work import EFFORT, stop_after
+from kilter.work import stop_after
 
 __all__ = [
     "Answered",
@@ -194,25 +193,16 @@ class Everything:
         return f"Everything({self.given.check['verdict']!r}, {len(self.assembly.parts)} parts)"
 
 
-@on_one_thread
-def everything(
-    assembly: Assembly,
-    *,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    margins: bool = False,
-    progress: Tell | None = None,
-) -> Everything:
+@question(lacks="require")
+def everything(asked: Question, *, margins: bool = False) -> Everything:
     """Compute all answers about an assembly that a page shows.
 
     Parameters
     ----------
     assembly : Assembly
         It has at least one held part.
-    contacts, tolerance, effort, time_limit, progress
-        The parameters of `kilter.check`. Here the time limit covers all answers together.
+    time_limit : float, optional
+        Time limit of all answers together [s].
     margins : bool
         Whether margins, and changes of models of bricks, are computed without a limit of size.
 
@@ -231,33 +221,25 @@ def everything(
     >>> everything(scene("tower"))
     Everything('stable', 6 parts)
     """
-    tell = progress or (lambda stage: None)
-    started = time.perf_counter()
-    require_assembly(assembly, "report")
+    assembly, tell = asked.assembly, asked.tell
     assembly.require_grounded()
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
-    left = None if time_limit is None else max(started + time_limit - time.perf_counter(), 0.0)
-    verdict = check(assembly, contacts=contacts, effort=effort, time_limit=left, progress=progress)
+    contacts = detect.touching(asked)
+    verdict = check(asked.but(contacts=contacts))
     tell("motion")
     given = full_answer(verdict)
     notes: list[str] = []
-    deadline = None if time_limit is None else started + time_limit
 
     def in_time(name: str, step: Callable[..., T], *arguments: Any) -> T | None:
         """Run a step of the page's computation; return None and add a note after the time limit."""
-        left = None if deadline is None else max(deadline - time.perf_counter(), 0.0)
         try:
-            with stop_after(left):
+            with stop_after(asked.seconds_left):
                 return step(*arguments)
         except TimeLimitReached:
             notes.append(f"{name} left out, because the time limit was reached")
             return None
 
     directions = in_time(
-        "the stable region is", _directions, assembly, contacts, effort, tell, notes
+        "the stable region is", _directions, assembly, contacts, asked.effort, tell, notes
     )
     stable, recommended, none = directions or (None, None, False)
     rests = rays = vertex_map = None
@@ -285,7 +267,7 @@ def only_given(verdict: Verdict) -> Everything:
     """The answer of a check alone, for a page that shows nothing else."""
     return Everything(
         assembly=verdict.assembly,
-        contacts=verdict.contacts,
+        contacts=verdict.contact_set,
         given=full_answer(verdict),
         recommended=None,
         region=None,
@@ -304,7 +286,7 @@ def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
     answer, down = verdict.to_dict(), verdict.assembly.down
     if answer["forces"] is None:
         return Answered(down, answer, None, sentence)
-    second = verdict.second_order
+    second = verdict.second_order_answer
     path = None if second is None else find_path_places(verdict.assembly, second)
     index, patches = verdict.assembly.index, answer["forces"]["patches"]
     parts = [[index[n] for n in patch["parts"]] for patch in patches for _ in patch["points"]]
@@ -316,7 +298,7 @@ def full_answer(verdict: Verdict, sentence: str = "") -> Answered:
     )
     uses = [patch["utilisation"] for patch in patches for _ in patch["points"]]
     balance = replace(balance, use=np.array(uses, dtype=np.float64))
-    if verdict.assembly.bonds and verdict.known_forces is not None:
+    if verdict.assembly.bonds and verdict.forces is not None:
         rows = verdict.forces.rows[np.argsort(verdict.forces.patch_of, kind="stable")]
         balance = replace(balance, pull=verdict.program.pull[rows])
     return Answered(down, answer, balance, sentence, path)
@@ -354,7 +336,11 @@ def _directions(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
             verdict = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
-            return answer.region, full_answer(verdict, answer.sentence), answer.verdict == "none"
+            return (
+                answer.stable_region,
+                full_answer(verdict, answer.sentence),
+                answer.verdict == "none",
+            )
         tell("stable region")
         stable = _region(assembly, contacts, notes)
     except InputError as error:

@@ -13,9 +13,9 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
@@ -49,13 +49,10 @@ from kilter.mechanics.proof_form import MalformedProof, require_form
 from kilter.mechanics.recheck import proof_forces, recheck
 from kilter.second_order.proofs.push_recheck import rests_without_friction, wrong_about_push
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
-from kilter.tell.json_answer import AnswerInWords
 from kilter.tell.levels import holds as holds_at
 from kilter.tell.levels import level_of, level_rank, require_level
+from kilter.tell.record import AnswerInWords, UnitWord
 from kilter.values.guesses import guarded
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.other_data import VerifyData
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
@@ -63,76 +60,42 @@ NEEDS_FORCES = "its second order needs a proof by forces without friction"
 """Objection to second-order proofs of clusters that only friction holds."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Verification(AnswerInWords):
-    """Result of the verification of a proof: the level that it proves, and its errors.
-
-    Attributes
-    ----------
-    holds : bool
-        Whether the proof holds at the required level.
-    verdict : str
-        The statement of the proof: a verdict, or the kind of a bundle of proofs.
-    level : str or None
-        Level that was recomputed: "equilibrium", "settles", "proved" or "strict"; of a bundle the
-        lowest of its states that stay. None for a motion, or without a valid proof.
-    claimed : str or None
-        Level that the file claims; None if it claims that the assembly falls.
-    require : str or None
-        The required level; by default the claimed level.
-    reasons : tuple of str
-        Reasons why the proof does not hold; empty if it holds.
-    residual : float or None
-        Largest imbalance of a part over its weight [-]; None without forces.
-    power : float or None
-        Power of the motion if the fastest part moves at 1 m/s [W]; None without a motion.
-    notes : tuple of str
-        Further verified statements, and statements that a proof file cannot prove.
-    held : tuple of str
-        Names of the held parts.
-    gravity : tuple of float
-        Gravity vector [m/s^2].
-    units : str
-        Length unit of the assembly.
-    options, tolerance : dict
-        Options with which the file was read for the proof, and tolerances of contact detection.
-    """
+class Verification(AnswerInWords, kw_only=False):
+    """Result of the verification of a proof: the level that it proves, and its errors."""
 
     answer: ClassVar[str] = "verify"
 
     holds: bool
+    """Whether the proof holds at the required level."""
     verdict: str
+    """The statement of the proof: a verdict, or the kind of a bundle of proofs."""
     level: str | None
-    claimed: str | None
-    require: str | None
-    reasons: tuple[str, ...]
-    residual: float | None
-    power: float | None
-    notes: tuple[str, ...]
-    held: tuple[str, ...]
-    gravity: tuple[float, ...]
-    units: str
-    options: Mapping[str, Any]
-    tolerance: Mapping[str, Any]
+    """Level that was recomputed, of a bundle the lowest of its states that stay.
 
-    def to_dict(self) -> VerifyData:
-        """The verification result as JSON data, as ``kilter verify --json`` prints it."""
-        return {
-            "holds": self.holds,
-            "verdict": self.verdict,
-            "level": self.level,
-            "claimed": self.claimed,
-            "require": self.require,
-            "residual": self.residual,
-            "power": self.power,
-            "reasons": list(self.reasons),
-            "notes": list(self.notes),
-            "held": list(self.held),
-            "gravity": list(self.gravity),
-            "units": self.units,
-            "options": dict(self.options),
-            "tolerance": dict(self.tolerance),
-        }
+    It is null for a motion, and without a valid proof.
+    """
+    claimed: str | None
+    """Level that the file claims; null if it claims that the assembly falls."""
+    require: str | None
+    """The required level; null: the claimed level."""
+    reasons: tuple[str, ...]
+    """Reasons why the proof does not hold; empty if it holds."""
+    residual: float | None
+    """Largest imbalance of a part over its weight [-]; null without forces."""
+    power: float | None
+    """Power of the motion if its fastest part moves at 1 m/s [W]; null without a motion."""
+    notes: tuple[str, ...]
+    """Further verified statements, and statements that a proof file cannot prove."""
+    held: tuple[str, ...]
+    """Names of the held parts."""
+    gravity: tuple[float, float, float]
+    """Gravity [m/s^2]."""
+    units: UnitWord
+    """Length unit of the assembly."""
+    options: Mapping[str, Any]
+    """Options with which the file was read for the proof."""
+    tolerance: Mapping[str, float | None]
+    """Tolerances of contact detection."""
 
     def __repr__(self) -> str:
         lower = f"only {self.level} is proved" if self.level and not self.reasons else ""
@@ -352,11 +315,7 @@ def verify_bundle(
         max(residual, default=None),
         min(power, default=None),
         (*notes, *(f"{count} x {statement}" for statement, count in counts.items())),
-        held=tuple(part.name for part in assembly if part.grounded),
-        gravity=tuple(assembly.gravity.tolist()),
-        units=assembly.units,
-        options=proof["options"],
-        tolerance=proof["tolerance"],
+        **_circumstances(assembly, proof),
     )
 
 
@@ -422,11 +381,12 @@ def verify_proof(
     assembly, contacts = named, contacts.of(named)
     result = recheck(assembly, contacts, proof)
     reasons, notes = list(result.reasons), [*result.notes, *ends]
+    friction = proof.get("friction")
     program = build_program(assembly, contacts)
-    friction, second = proof.get("friction"), proof.get("second_order")
     if not reasons and friction is not None and friction["guarantee"] == "proved":
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
+    second = proof.get("second_order")
     if not reasons and second is not None:
         reasons = _wrong_second_order(assembly, contacts, program, proof)
         notes += [] if reasons else [f"second order: {second['state']}"]
@@ -435,8 +395,8 @@ def verify_proof(
     if not reasons and "forces" in proof:
         rough = program if friction is not None else program.frictionless
         forces, _, _ = proof_forces(rough, proof)
-        subject = assembly, contacts, rough, forces, proof["verdict"], second
-        beyond = wrong_about_push(*subject, curves=friction is None)
+        question = (assembly, contacts, rough, forces, proof["verdict"], second)
+        beyond = wrong_about_push(*question, curves=friction is None)
         if beyond and claimed == "equilibrium":
             reasons, level = beyond, None
         elif beyond:
@@ -459,18 +419,14 @@ def verify_proof(
         result.residual,
         result.power,
         tuple(notes),
-        held=tuple(part.name for part in assembly if part.grounded),
-        gravity=tuple(assembly.gravity.tolist()),
-        units=assembly.units,
-        options=proof["options"],
-        tolerance=proof["tolerance"],
+        **_circumstances(assembly, proof),
     )
 
 
 def _wrong_second_order(
     assembly: Assembly, contacts: ContactSet, program: Program, proof: dict[str, Any]
 ) -> list[str]:
-    """Reasons why the second-order part of a proof does not hold."""
+    """Reasons why the statement of second order does not hold."""
     second = proof["second_order"]
     if "forces" not in proof:
         return [NEEDS_FORCES]
@@ -480,6 +436,17 @@ def _wrong_second_order(
     forces, _, _ = proof_forces(program, proof)
     rest = rests_without_friction(assembly, contacts, program, forces, second)
     return [] if rest else [NEEDS_FORCES]
+
+
+def _circumstances(assembly: Assembly, proof: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields of an answer: the held parts, gravity, units, options and tolerances."""
+    return {
+        "held": tuple(part.name for part in assembly if part.grounded),
+        "gravity": tuple(assembly.gravity.tolist()),
+        "units": assembly.units,
+        "options": proof["options"],
+        "tolerance": proof["tolerance"],
+    }
 
 
 STRICT = ("minimum", "free")

@@ -1,7 +1,7 @@
 """Assemblies: parts, held parts, interactions, and the geometry and mass properties of parts."""
 
 from kilter.assembly.assembly import Assembly, require_assembly
-from kilter.assembly.bonds import Bond
+from kilter.assembly.bonds import Bond, BondEntry
 from kilter.assembly.feature import Feature
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, JointEntry, Load
 from kilter.assembly.part import GROUND, Part
@@ -11,6 +11,7 @@ __all__ = [
     "GROUND",
     "Assembly",
     "Bond",
+    "BondEntry",
     "Feature",
     "FrictionPair",
     "GivenContact",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from inspect import signature
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from kilter.cli.arguments import ToleranceOptions, reading_of, straps_of
 from kilter.cli.exit_codes import VERDICT
 from kilter.cli.known_facts import known_words
 from kilter.cli.output import (
@@ -21,21 +21,23 @@ from kilter.cli.output import (
     write_whole,
     writes_json,
 )
-from kilter.cli.quantities import material_of
 from kilter.cli.quick_scipy import import_scipy_quickly
+from kilter.cli.tolerance_options import ToleranceOptions, straps_of
 from kilter.errors import InputError, TimeLimitReached, shell_words
+from kilter.files.reading_options import ReadingOptions
+from kilter.tell.record import Record
 from kilter.work import facts_of, stop_after
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kilter.assembly import Assembly, Strap
+    from kilter.cli.output import Progress
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
-    from kilter.tell.answer_data.other_data import IncompleteData
     from kilter.tell.tables import Table
 
-__all__ = ["Asked"]
+__all__ = ["Asked", "tell_cut"]
 
 TOUCHING = ("gap", "angle", "clearance", "loose")
 """Options of the tolerance."""
@@ -43,6 +45,19 @@ NOTHING_TYPED = ToleranceOptions()
 """Tolerance options of a command line that has none."""
 WORDS_SHARE, MOST_WORDS = 0.2, 1.0
 """Time that is kept for printing the answer: share of a time limit [-], and at most this [s]."""
+
+
+class Incomplete(Record):
+    """Data that a command prints if the time limit ended its computation without an answer."""
+
+    verdict: Literal["undecided"] = "undecided"
+    """Always this word."""
+    sentence: str
+    """The answer in a sentence."""
+    time_limit: float | None
+    """The time limit [s]; null without a --time-limit."""
+    warnings: tuple[str, ...] = ()
+    """No warnings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +76,8 @@ class Asked:
         Tolerance of contact detection.
     touch : ToleranceOptions
         Options of the tolerance, as they are typed.
-    effort : float
-        Limit of the work of searches with friction.
+    effort : float or None
+        Limit of the work of searches with friction; None for a command without.
     limit : float or None
         Limit of the time for a file, its reading included [s].
     begun : float
@@ -86,7 +101,7 @@ class Asked:
     typed: Reading
     tolerance: Tolerance
     touch: ToleranceOptions
-    effort: float
+    effort: float | None
     limit: float | None
     begun: float
     json: bool
@@ -110,25 +125,20 @@ class Asked:
         """
         import_scipy_quickly()
         from kilter.files.choices_off import require_off
+        from kilter.files.reading import Reading
 
-        reading = reading_of(
-            *(given[key] for key in ("ground", "floor", "without", "down", "friction")),
-            *(given[key] for key in ("units", "density")),
-            *(given[key] for key in ("fasten", "fasten_suggested", "fasten_overlaps")),
-            *(given[key] for key in ("up", "contacts", "keyframe", "base")),
-            *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides", "bond")),
-            *(given[key] for key in ("off", "release")),
-            *(given.get(key) for key in ("mass", "load", "accelerate")),
+        reading = Reading(
+            **{each.name: given[each.name] for each in fields(ReadingOptions) if each.name in given}
         )
         touching = [name for name in TOUCHING if given[name] not in (None, False)]
         require_off(reading.off, (), touching)
         entries = {} if given["straps"] is None else straps_of(given["straps"])
         if given["material"]:
-            entries["materials"] = [material_of(words) for words in given["material"]]
+            entries["materials"] = list(given["material"])
         if entries:
             reading = replace(reading, entries=entries)
-        touch = ToleranceOptions(*(given[name] for name in TOUCHING))
-        effort = _not_negative(given.get("effort", 0.0), "--effort", "N")
+        touch = ToleranceOptions(**{name: given[name] for name in TOUCHING})
+        effort = given.get("effort")
         limit = given.get("time_limit")
         asked = cls(
             file=given.get("file", ""),
@@ -137,7 +147,7 @@ class Asked:
             straps=given["straps"],
             tolerance=touch.tolerance(),
             touch=touch,
-            effort=effort,
+            effort=None if effort is None else _not_negative(effort, "--effort", "N"),
             limit=None if limit is None else _not_negative(limit, "--time-limit", "SECONDS"),
             begun=perf_counter(),
             json=given.get("json", False),
@@ -159,28 +169,21 @@ class Asked:
         computing = self.limit - min(WORDS_SHARE * self.limit, MOST_WORDS)
         return max(computing - (perf_counter() - self.begun), 0.0)
 
-    def tell_cut(self, reached: TimeLimitReached) -> int:
-        """Print the facts known when the time limit was reached; return the exit code.
-
-        Parameters
-        ----------
-        reached : TimeLimitReached
-            The error that ended the computation.
-        """
-        limit = "the time limit" if self.limit is None else f"the time limit of {self.limit:g} s"
-        sentence = f"Undecided: {limit} was reached before the answer was complete."
-        known = known_words()
-        facts = f"{known[:1].upper()}{known[1:]}." if known else ""
-        sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
-        answer: IncompleteData = {
-            "verdict": "undecided",
-            "sentence": sentence,
-            "time_limit": self.limit,
-            "warnings": [],
+    def shared(
+        self, find: Callable[..., Any], contacts: ContactSet | None, progress: Progress
+    ) -> dict[str, Any]:
+        """The shared keywords of a function of the Python API, with the values of these options."""
+        values = {
+            "contacts": contacts,
+            "tolerance": self.tolerance,
+            "effort": self.effort,
+            "time_limit": self.time_limit,
+            "progress": progress,
         }
-        emit(as_json(answer) if self.writes_json else sentence, self.output)
-        tell_written(self.output, "incomplete answer", self.quiet)
-        return VERDICT["undecided"]
+        known = signature(find).parameters
+        return {
+            name: value for name, value in values.items() if name in known and value is not None
+        }
 
     @property
     def writes_json(self) -> bool:
@@ -356,6 +359,26 @@ class Asked:
         if self.straps is not None:
             words += ["--straps", str(self.straps)]
         return shell_words(["kilter", name, self.file, *words, *self.touch.words(), *rest])
+
+
+def tell_cut(
+    reached: TimeLimitReached,
+    time_limit: float | None,
+    *,
+    as_data: bool,
+    output: Path | None,
+    quiet: bool,
+) -> int:
+    """Print the facts known when the time limit [s] was reached; return the exit code."""
+    limit = "the time limit" if time_limit is None else f"the time limit of {time_limit:g} s"
+    sentence = f"Undecided: {limit} was reached before the answer was complete."
+    known = known_words()
+    facts = f"{known[:1].upper()}{known[1:]}." if known else ""
+    sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
+    answer = Incomplete(sentence=sentence, time_limit=time_limit)
+    emit(as_json(answer.to_dict()) if as_data else sentence, output)
+    tell_written(output, "incomplete answer", quiet)
+    return VERDICT["undecided"]
 
 
 def _not_negative(value: float, option: str, unit: str) -> float:

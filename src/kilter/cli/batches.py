@@ -6,16 +6,16 @@ import re
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import SOME_ERRORS, WRITTEN
 from kilter.cli.options import FORM, Json, Require, asks
 from kilter.cli.output import as_json, emit
-from kilter.tell.levels import REQUIRE, require_level
+from kilter.tell.levels import require_level
 from kilter.tell.numbers import count
+from kilter.values.declaration import REQUIRED, option
 
 __all__ = ["batch"]
 
@@ -23,45 +23,30 @@ SHOWN = 20
 """Largest number of listed errors; errors with the same beginning count as a single error."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class BatchOptions:
+    """Options of `batch`."""
+
+    output: Path = option(
+        "-o --output DIR",
+        "Folder of the tables. Existing rows of the same batch are kept.",
+        FORM,
+        default=REQUIRED,
+    )
+    processes: int | None = option(
+        "--processes N", "Number of processes on this machine; the number of cores by default."
+    )
+    chunk: int = option("--chunk N", "Number of rows in each table file.", default=1000)
+    cluster: str | None = option(
+        "--cluster ADDRESS",
+        "Dask scheduler whose workers compute the verdicts, instead of processes on this machine.",
+    )
+    require: str = Require()
+    json: bool = Json()
+
+
 @asks(searches=True, answers=False)
-def batch(
-    asked: Asked,
-    output: Annotated[
-        Path,
-        Option(
-            "-o",
-            "--output",
-            metavar="DIR",
-            help="Folder of the tables. Existing rows of the same batch are kept.",
-            panel=FORM,
-            show_default=False,
-        ),
-    ],
-    processes: Annotated[
-        int | None,
-        Option(
-            "--processes",
-            metavar="N",
-            help="Number of processes on this machine; the number of cores by default.",
-            show_default=False,
-        ),
-    ] = None,
-    chunk: Annotated[
-        int, Option("--chunk", metavar="N", help="Number of rows in each table file.")
-    ] = 1000,
-    cluster: Annotated[
-        str | None,
-        Option(
-            "--cluster",
-            metavar="ADDRESS",
-            help="Dask scheduler whose workers compute the verdicts, instead of processes on this "
-            "machine.",
-            show_default=False,
-        ),
-    ] = None,
-    require: Require = REQUIRE,
-    json: Json = False,
-) -> int:
+def batch(asked: Asked, options: BatchOptions) -> int:
     """Check many assemblies and write their verdicts to a folder of tables.
 
     FILE is a folder of assemblies, or a text file with a path in each line. The tables are Parquet
@@ -75,30 +60,36 @@ def batch(
     from kilter.analysis.many.batch import run_batch
     from kilter.analysis.many.batch_rows import BatchQuestion
 
+    level = require_level(options.require)
     question = BatchQuestion(
-        asked.reading, asked.tolerance, require_level(require), asked.effort, asked.time_limit
+        asked.reading,
+        asked.tolerance,
+        level,
+        asked.effort or 0.0,
+        asked.time_limit,
     )
     quiet = asked.quiet or not sys.stderr.isatty()
     result = run_batch(
         asked.file,
-        output,
+        options.output,
         question,
-        processes=processes,
-        chunk=chunk,
-        cluster=cluster,
+        processes=options.processes,
+        chunk=options.chunk,
+        cluster=options.cluster,
         progress=None if quiet else _RateLine(),
     )
-    errors = result.counts["error"]
-    if json:
+    errors = result.counts.get("error", 0)
+    if options.json:
         emit(as_json(result.to_dict()), None)
     else:
-        counts = ", ".join(f"{number:,} {word}" for word, number in result.counts.most_common())
+        counts = ", ".join(f"{number:,} {word}" for word, number in result.counts.items())
         before = ""
         if result.found_there:
             before = f" ({result.found_there:,} of them from an earlier run)"
         rows, files = count(result.rows, "row", grouped=True), count(len(result.files), "file")
-        head = f"{output}: {rows} in {files}{before}: {counts}"
-        emit("\n".join([head, *_error_lines(result.errors, errors)]), None)
+        first = [(entry.file, entry.error) for entry in result.errors]
+        head = f"{options.output}: {rows} in {files}{before}: {counts}"
+        emit("\n".join([head, *_error_lines(first, errors)]), None)
     return SOME_ERRORS if errors else WRITTEN
 
 

@@ -2,57 +2,20 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import Field, dataclass, fields
 from enum import StrEnum
 from types import NoneType
-from typing import Any, get_args, get_origin
+from typing import Any, get_args, get_origin, get_type_hints
 
+from kilter.cli.quantities import READS
 from kilter.errors import InputError
+from kilter.values.declaration import REQUIRED, Declaration
 
-__all__ = ["Argument", "Declaration", "Declared", "Option", "declared_of"]
+__all__ = ["Declared", "declared_in", "declared_of"]
 
 NUMBERS = {float: "a number", int: "a whole number"}
 """Types of numbers, each in words."""
-
-
-@dataclass(frozen=True, slots=True)
-class Declaration:
-    """An option, or an argument (without names), of a command.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Names of the option on the command line, the long one last.
-    help : str
-        Its sentence in the help text of the command.
-    metavar : str
-        Its values in the help text, such as "X Y Z". An option with several names ends with "...".
-    panel : str
-        Heading of its group in the help text.
-    show_default : bool
-        Whether the help text has its default.
-    reads : callable or None
-        Function that converts a word to a value, in place of the type.
-    """
-
-    names: tuple[str, ...]
-    help: str = ""
-    metavar: str = ""
-    panel: str = "Options"
-    show_default: bool = True
-    reads: Callable[[str], Any] | None = None
-
-
-def Option(*names: str, **settings: Any) -> Any:
-    """Declare an option of a command."""
-    return Declaration(names, **settings)
-
-
-def Argument(**settings: Any) -> Any:
-    """Declare an argument of a command: a word that follows no option."""
-    return Declaration((), panel="Arguments", **settings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +33,7 @@ class Declared:
     repeats : bool
         Whether the option may be given several times.
     default : object
-        Value of an option that is not given; `inspect.Parameter.empty` where one is required.
+        Value of an option that is not given; `REQUIRED` where one is required.
     """
 
     name: str
@@ -79,19 +42,10 @@ class Declared:
     repeats: bool
     default: Any
 
-    @classmethod
-    def of(cls, parameter: inspect.Parameter) -> Declared:
-        """Take apart the annotation of a parameter: an annotated type, optional or not."""
-        annotated, declaration = get_args(parameter.annotation)
-        [kind] = (
-            [one for one in get_args(annotated) or (annotated,) if one is not NoneType]
-            if (NoneType in get_args(annotated))
-            else [annotated]
-        )
-        repeats = get_origin(kind) is list
-        kind = get_args(kind)[0] if repeats else kind
-        kinds = get_args(kind) if get_origin(kind) is tuple else (kind,)
-        return cls(parameter.name, declaration, kinds, repeats, parameter.default)
+    @property
+    def required(self) -> bool:
+        """Whether the option, or the argument, must be given."""
+        return self.default is REQUIRED
 
     @property
     def is_flag(self) -> bool:
@@ -129,7 +83,8 @@ class Declared:
             return words
         if not self.repeats:
             return self._once(words)
-        return [self._once(each) for each in words]
+        values = [self._once(each) for each in words]
+        return tuple(values) if isinstance(self.default, tuple) else values
 
     def _once(self, words: str | Sequence[str]) -> Any:
         if isinstance(words, str):
@@ -137,8 +92,8 @@ class Declared:
         return tuple(map(self._single, words, self.kinds))
 
     def _single(self, word: str, kind: Any) -> Any:
-        if self.declaration.reads is not None:
-            return self.declaration.reads(word)
+        if self.declaration.reads:
+            return READS[self.declaration.reads](word)
         try:
             return kind(word)
         except ValueError:
@@ -149,7 +104,26 @@ class Declared:
             ) from None
 
 
+def declared_in(record: type) -> list[Declared]:
+    """The options of a record: its fields with a declaration."""
+    kinds = get_type_hints(record)
+    return [_declared(each, kinds[each.name]) for each in fields(record) if each.metadata]
+
+
+def _declared(entry: Field[Any], annotation: Any) -> Declared:
+    """The option of a field: types of its values, and whether it repeats, from its annotation."""
+    declaration = entry.metadata["option"]
+    kind = annotation
+    if NoneType in get_args(annotation):
+        kind = next(one for one in get_args(annotation) if one is not NoneType)
+    repeats = get_origin(kind) is list or Ellipsis in get_args(kind)
+    kind = get_args(kind)[0] if repeats else kind
+    kinds = get_args(kind) if get_origin(kind) is tuple else (kind,)
+    kinds = (str,) if declaration.reads else kinds
+    return Declared(entry.name, declaration, kinds, repeats, entry.default)
+
+
 def declared_of(command: Callable[..., int]) -> list[Declared]:
-    """The parameters of the function of a command, whose annotations are declarations."""
-    parameters = inspect.signature(command, eval_str=True).parameters.values()
-    return [Declared.of(parameter) for parameter in parameters]
+    """The options and arguments of the function of a command."""
+    declared: list[Declared] = command.declared  # type: ignore[attr-defined]
+    return declared

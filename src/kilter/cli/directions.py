@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Argument, Option
 from kilter.cli.each import code_of
 from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, asks
@@ -14,6 +14,7 @@ from kilter.cli.order_files import as_typed
 from kilter.cli.output import Progress
 from kilter.errors import InputError
 from kilter.tell.levels import holds
+from kilter.values.declaration import argument, option
 from kilter.work import stop_after
 
 if TYPE_CHECKING:
@@ -32,19 +33,21 @@ class Method(StrEnum):
     WALK = "walk"
 
 
-@asks(timed=True)
-def orient(
-    asked: Asked,
-    method: Annotated[
-        Method,
-        Option(
-            "--method",
-            help="Algorithm if no direction is stable: 'joint' solves a program for each facet of "
-            "the directions, 'walk' is the published search.",
-            panel=FORM,
-        ),
-    ] = Method.JOINT,
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class OrientOptions:
+    """Options of `orient`."""
+
+    method: Method = option(
+        "--method",
+        "Algorithm if no direction is stable: 'joint' solves a program for each facet of the "
+        "directions, 'walk' is the published search.",
+        FORM,
+        default=Method.JOINT,
+    )
+
+
+@asks()
+def orient(asked: Asked, options: OrientOptions) -> int:
     """Find the stable orientation of an assembly with the widest tilt margin.
 
     With friction: the middle of the directions for which forces that hold it exist. 'kilter check
@@ -59,40 +62,32 @@ def orient(
         assembly, contacts = asked.read(progress)
         answer = find(
             assembly,
-            contacts=contacts,
-            tolerance=asked.tolerance,
-            method=method.value,
-            time_limit=asked.time_limit,
-            progress=progress,
+            method=options.method.value,
+            **asked.shared(find, contacts, progress),
         )
     asked.tell(answer.to_dict())
     return ORIENT[answer.verdict]
 
 
-@asks(timed=True, proves=True)
-def region(
-    asked: Asked,
-    files: Annotated[
-        list[str],
-        Argument(metavar="FILE...", help="An assembly; several with --common."),
-    ],
-    common: Annotated[
-        bool,
-        Option(
-            "--common",
-            help="The directions that are stable for all files, so that no reorientation is "
-            "needed between them.",
-        ),
-    ] = False,
-    rests: Annotated[
-        bool,
-        Option(
-            "--rests",
-            help="Also list the directions at which the energy has a strict minimum, with the "
-            "largest tilt and the period of the slowest swing of each. Without friction only.",
-        ),
-    ] = False,
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class RegionOptions:
+    """Options of `region`."""
+
+    files: list[str] = argument("FILE...", "An assembly; several with --common.")
+    common: bool = option(
+        "--common",
+        "The directions that are stable for all files, so that no reorientation is needed "
+        "between them.",
+    )
+    rests: bool = option(
+        "--rests",
+        "Also list the directions at which the energy has a strict minimum, with the largest "
+        "tilt and the period of the slowest swing of each. Without friction only.",
+    )
+
+
+@asks(proves=True)
+def region(asked: Asked, options: RegionOptions) -> int:
     """Find every stable direction of gravity of an assembly, with a proof of each boundary.
 
     With friction: every direction for which forces that hold it exist, bounded by rays inside and
@@ -101,147 +96,99 @@ def region(
     from kilter.analysis.regions.region import common_region
     from kilter.analysis.regions.region import region as find
 
-    if common and asked.proof is not None:
+    if options.common and asked.proof is not None:
         raise InputError(
             "--proof is not possible with --common", hint="write the proof of each file by itself"
         )
-    if common and rests:
+    if options.common and options.rests:
         raise InputError(
             "--rests is not possible with --common", hint="run it for each file by itself"
         )
-    if len(files) > 1 and not common:
+    if len(options.files) > 1 and not options.common:
         raise InputError(
-            f"{len(files)} files are given", hint="add --common, or give a single file"
+            f"{len(options.files)} files are given", hint="add --common, or give a single file"
         )
-    tolerance = asked.tolerance
     with Progress(asked.quiet) as progress:
-        given = [asked.of_file(file).read(progress) for file in files]
-        if common:
+        given = [asked.of_file(file).read(progress) for file in options.files]
+        if options.common:
             assemblies = [assembly for assembly, _ in given]
             with stop_after(asked.time_limit):
-                answer = common_region(assemblies, tolerance=tolerance, progress=progress)
+                shared = asked.shared(common_region, None, progress)
+                answer = common_region(assemblies, **shared)
         else:
             [(assembly, contacts)] = given
             answer = find(
                 assembly,
-                contacts=contacts,
-                rests=rests,
-                tolerance=tolerance,
-                time_limit=asked.time_limit,
-                progress=progress,
+                rests=options.rests,
+                **asked.shared(find, contacts, progress),
             )
-    data, request = answer.to_dict(), asked if common else asked.of_file(files[0])
+    data, request = answer.to_dict(), asked if options.common else asked.of_file(options.files[0])
     request.tell(data, after=request.keep_proof(answer.proof, data))
     return VERDICT["undecided"] if answer.pairs_decide else WRITTEN
 
 
+@dataclass(frozen=True, kw_only=True)
+class MarginOptions:
+    """Options of `margin`."""
+
+    push: tuple[float, float, float] | None = option(
+        "--push X Y Z",
+        "Load factor of a body force in this direction, in units of the weight of each part; "
+        "by default the load factor of the given loads.",
+        ASKED,
+    )
+    about: tuple[float, float, float] | None = option(
+        "--about X Y Z",
+        "Also compute how far gravity may turn about this horizontal axis, by the right-hand "
+        "rule; the opposite axis is the other sense. Only without loads and bonds.",
+        ASKED,
+    )
+    part: list[str] | None = option(
+        "--part NAME",
+        "Compute the greatest push that this part resists, and the gain in tilt or load if it"
+        " is held. Repeatable; all parts by default if there are at most 20.",
+        ASKED,
+    )
+    loads: bool = option(
+        "--loads",
+        "Also compute the greatest additional load straight down that each part can carry; "
+        "with --part only for those parts.",
+        ASKED,
+    )
+    bracket: bool = option(
+        "--bracket",
+        "Also compute bounds of the largest load factor if slipping contacts do not dilate. "
+        "The load factor itself is the associative limit, which assumes dilation.",
+        ASKED,
+    )
+    require: str = option(
+        "--require LEVEL",
+        "Level of the limits: equilibrium, settles, proved or strict. Other commands require "
+        "settles. Here the default is lower, because only limits of equilibrium have a proof "
+        "from both sides; a higher level adds a search.",
+        FORM,
+        default="equilibrium",
+    )
+    mass_range: tuple[float, float] | None = option(
+        "--mass-range LOW HIGH",
+        "Factors between which the mass of every free part varies independently, as 0.9 1.1.",
+        UNSURE,
+    )
+    com_range: float | None = option(
+        "--com-range LENGTH",
+        "Largest error of every coordinate of every centre of mass (file units).",
+        UNSURE,
+    )
+    mu_range: tuple[float, float] | None = option(
+        "--mu-range LOW HIGH", "Factors between which every friction coefficient varies.", UNSURE
+    )
+    normal_tilt: float | None = option(
+        "--normal-tilt DEG", "Largest tilt of every contact normal, in any direction [deg].", UNSURE
+    )
+
+
 @asks(searches=True, proves=True)
-def margin(
-    asked: Asked,
-    push: Annotated[
-        tuple[float, float, float] | None,
-        Option(
-            "--push",
-            metavar="X Y Z",
-            help="Load factor of a body force in this direction, in units of the weight of each "
-            "part; by default the load factor of the given loads.",
-            panel=ASKED,
-            show_default=False,
-        ),
-    ] = None,
-    about: Annotated[
-        tuple[float, float, float] | None,
-        Option(
-            "--about",
-            metavar="X Y Z",
-            help="Also compute how far gravity may turn about this horizontal axis, by the "
-            "right-hand rule; the opposite axis is the other sense. Only without loads and bonds.",
-            panel=ASKED,
-            show_default=False,
-        ),
-    ] = None,
-    part: Annotated[
-        list[str] | None,
-        Option(
-            "--part",
-            metavar="NAME",
-            help="Compute the greatest push that this part resists, and the gain in tilt or load "
-            "if it is held. Repeatable; all parts by default if there are at most 20.",
-            panel=ASKED,
-            show_default=False,
-        ),
-    ] = None,
-    loads: Annotated[
-        bool,
-        Option(
-            "--loads",
-            help="Also compute the greatest additional load straight down that each part can "
-            "carry; with --part only for those parts.",
-            panel=ASKED,
-        ),
-    ] = False,
-    bracket: Annotated[
-        bool,
-        Option(
-            "--bracket",
-            help="Also compute bounds of the largest load factor if slipping contacts do not "
-            "dilate. The load factor itself is the associative limit, which assumes dilation.",
-            panel=ASKED,
-        ),
-    ] = False,
-    require: Annotated[
-        str,
-        Option(
-            "--require",
-            metavar="LEVEL",
-            help="Level of the limits: equilibrium, settles, proved or strict. Other commands "
-            "require settles. Here the default is lower, because only limits of equilibrium have "
-            "a proof from both sides; a higher level adds a search.",
-            panel=FORM,
-        ),
-    ] = "equilibrium",
-    mass_range: Annotated[
-        tuple[float, float] | None,
-        Option(
-            "--mass-range",
-            metavar="LOW HIGH",
-            help="Factors between which the mass of every free part varies independently, as "
-            "0.9 1.1.",
-            panel=UNSURE,
-            show_default=False,
-        ),
-    ] = None,
-    com_range: Annotated[
-        float | None,
-        Option(
-            "--com-range",
-            metavar="LENGTH",
-            help="Largest error of every coordinate of every centre of mass (file units).",
-            panel=UNSURE,
-            show_default=False,
-        ),
-    ] = None,
-    mu_range: Annotated[
-        tuple[float, float] | None,
-        Option(
-            "--mu-range",
-            metavar="LOW HIGH",
-            help="Factors between which every friction coefficient varies.",
-            panel=UNSURE,
-            show_default=False,
-        ),
-    ] = None,
-    normal_tilt: Annotated[
-        float | None,
-        Option(
-            "--normal-tilt",
-            metavar="DEG",
-            help="Largest tilt of every contact normal, in any direction [deg].",
-            panel=UNSURE,
-            show_default=False,
-        ),
-    ] = None,
-) -> int:
+def margin(asked: Asked, options: MarginOptions) -> int:
     """Find the limits up to which an assembly holds: tilt, friction, load factor and pushes.
 
     Up to each limit forces that hold it exist (level equilibrium). Beyond it no such forces exist,
@@ -254,40 +201,36 @@ def margin(
     """
     from kilter.analysis.margins.margin import margin as find
 
-    ranges = _ranges(mass_range, com_range, mu_range, normal_tilt)
+    ranges = _ranges(options.mass_range, options.com_range, options.mu_range, options.normal_tilt)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         answer = find(
             assembly,
-            push=push,
-            about=about,
-            pushed=part,
-            loads=loads,
+            push=options.push,
+            about=options.about,
+            pushed=options.part,
+            loads=options.loads,
             ranges=ranges,
-            bracket=bracket,
-            require=require,
-            contacts=contacts,
-            tolerance=asked.tolerance,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            progress=progress,
+            bracket=options.bracket,
+            require=options.require,
+            **asked.shared(find, contacts, progress),
         )
     data = answer.to_dict()
     typed = as_typed(
-        push=push,
-        about=about,
-        part=part,
-        loads=loads,
-        bracket=bracket,
-        mass_range=mass_range,
-        com_range=com_range,
-        mu_range=mu_range,
-        normal_tilt=normal_tilt,
-        require=None if require == "equilibrium" else require,
+        push=options.push,
+        about=options.about,
+        part=options.part,
+        loads=options.loads,
+        bracket=options.bracket,
+        mass_range=options.mass_range,
+        com_range=options.com_range,
+        mu_range=options.mu_range,
+        normal_tilt=options.normal_tilt,
+        require=None if options.require == "equilibrium" else options.require,
     )
     asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
     verdict = answer.check
-    lowest = verdict.require if require == "equilibrium" else require
+    lowest = verdict.require if options.require == "equilibrium" else options.require
     reached = holds(verdict.level, lowest)
     return code_of({"verdict": verdict.verdict, "level": verdict.level, "holds": reached})
 

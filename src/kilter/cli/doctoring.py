@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
+
 from kilter.cli.exit_codes import DOCTOR
-from kilter.cli.options import Json, Output
+from kilter.cli.options import Json, Output, takes
 from kilter.cli.output import as_json, emit, writes_json
 
 __all__ = ["doctor"]
 
 
-def doctor(json: Json = False, output: Output = None) -> int:
+@dataclass(frozen=True, kw_only=True)
+class DoctorOptions:
+    """Options of `doctor`."""
+
+    json: bool = Json()
+    output: Path | None = Output()
+
+
+@takes
+def doctor(options: DoctorOptions) -> int:
     """Test whether this installation works: versions, solvers, extras, STEP, page, terminal.
 
     Each part computes something with a known result. The test uses no network. Copy its text into
@@ -21,5 +33,8 @@ def doctor(json: Json = False, output: Output = None) -> int:
     from kilter.tell.health_text import health_text
 
     answer = look().to_dict()
-    emit(as_json(answer) if writes_json(json, output) else health_text(answer), output)
+    emit(
+        as_json(answer) if writes_json(options.json, options.output) else health_text(answer),
+        options.output,
+    )
     return DOCTOR[answer["works"]]

@@ -24,7 +24,7 @@ def code_of(answer: Answer) -> int:
     """Exit code of an answer of `check`: a verdict, or data with a verdict."""
     if answer["level"] is None:
         return VERDICT[answer["verdict"]]
-    return HOLDS if answer["holds"] else LOWER
+    return HOLDS if answer["stable"] else LOWER
 
 
 def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answer]) -> int:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLD, HOLDS, INTERRUPTED, LOWER
 from kilter.cli.options import Code, Forward, Require, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
-from kilter.tell.levels import REQUIRE
+from kilter.values.declaration import option
 
 if TYPE_CHECKING:
     from kilter.contact.supports import Support
@@ -21,35 +21,27 @@ __all__ = ["hold"]
 MAY = "Candidates for supports"
 
 
+@dataclass(frozen=True, kw_only=True)
+class HoldOptions:
+    """Options of `hold`."""
+
+    candidates: list[str] | None = option(
+        "--candidates grips|props|fingers|FILE.json",
+        "Possible supports. grips: every part gripped. props: a prop under every part. "
+        "fingers: a finger on every free flat face. FILE.json: a list of supports (kind, "
+        "part, point, direction, mu, capacity, on). Repeatable; grips by default.",
+        MAY,
+    )
+    most: int | None = option(
+        "--most K", "Largest number of supports in the answer; no limit by default.", MAY
+    )
+    code: str | None = Code()
+    forward: tuple[float, float, float] = Forward()
+    require: str = Require()
+
+
 @asks(searches=True, proves=True)
-def hold(
-    asked: Asked,
-    candidates: Annotated[
-        list[str] | None,
-        Option(
-            "--candidates",
-            metavar="grips|props|fingers|FILE.json",
-            help="Possible supports. grips: every part gripped. props: a prop under every part. "
-            "fingers: a finger on every free flat face. FILE.json: a list of supports (kind, part, "
-            "point, direction, mu, capacity, on). Repeatable; grips by default.",
-            panel=MAY,
-            show_default=False,
-        ),
-    ] = None,
-    most: Annotated[
-        int | None,
-        Option(
-            "--most",
-            metavar="K",
-            help="Largest number of supports in the answer; no limit by default.",
-            panel=MAY,
-            show_default=False,
-        ),
-    ] = None,
-    code: Code = None,
-    forward: Forward = (1.0, 0.0, 0.0),
-    require: Require = REQUIRE,
-) -> int:
+def hold(asked: Asked, options: HoldOptions) -> int:
     """Find the fewest supports that hold an assembly together, and prove that fewer do not.
 
     For a half-built assembly, leave out the missing parts with --without. With --straps, the
@@ -62,10 +54,10 @@ def hold(
     from kilter.analysis.planning.hold.hold import hold as find
 
     straps = None
-    if code is not None and asked.reading.accelerate is not None:
+    if options.code is not None and asked.reading.accelerate is not None:
         raise InputError("--code and --accelerate are given together", hint="give one")
     if asked.straps is not None:
-        if candidates:
+        if options.candidates:
             raise InputError("--straps and --candidates are given together", hint="give one")
         asked, straps = asked.without_straps()
     with Progress(asked.quiet) as progress:
@@ -73,18 +65,16 @@ def hold(
         fixture = find(
             assembly,
             straps=straps,
-            code=code,
-            forward=forward,
+            code=options.code,
+            forward=options.forward,
             candidates=[
-                candidate for word in candidates or ("grips",) for candidate in _candidates(word)
+                candidate
+                for word in options.candidates or ("grips",)
+                for candidate in _candidates(word)
             ],
-            most=most,
-            require=require,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            contacts=contacts,
-            tolerance=asked.tolerance,
-            progress=progress,
+            most=options.most,
+            require=options.require,
+            **asked.shared(find, contacts, progress),
         )
     answer: Any = fixture.to_dict()
     proved = fixture.verdict != "undecided"

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Argument, Option
 from kilter.cli.each import check_each, code_of
 from kilter.cli.exit_codes import HOLDS, INVALID, LOWER, WRITTEN
-from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks
+from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks, takes
 from kilter.cli.output import (
     Progress,
     as_json,
@@ -23,13 +23,12 @@ from kilter.cli.output import (
     writes_json,
 )
 from kilter.errors import InputError, visible
-from kilter.tell.levels import REQUIRE
+from kilter.values.declaration import argument, option
 
 if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
-    from kilter.tell.answer_data.check_data import CheckData
 
 __all__ = ["check", "contacts", "example", "verify"]
 
@@ -37,45 +36,33 @@ SMALL = 400
 """Largest number of parts of an example whose verdict is printed when it is written."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class CheckOptions:
+    """Options of `check`."""
+
+    files: list[str] = Files()
+    require: str = Require()
+    measures: bool = option(
+        "--measures",
+        "With friction: also compute z, kappa and the displacements of the displacement "
+        "program, which ignore friction.",
+        FORM,
+    )
+    forces: bool = option(
+        "--forces", "List the contact forces of an equilibrium, the greatest first.", FORM
+    )
+    settled: bool = option(
+        "--settle",
+        "Check the pose at rest near the drawn pose, as 'kilter settle' finds it.",
+        TOUCH,
+    )
+    suggest: bool = option(
+        "--suggest-joints", "List the pairs that look fastened, each with the joint to add.", FORM
+    )
+
+
 @asks(searches=True, proves=True)
-def check(
-    asked: Asked,
-    files: Files,
-    require: Require = REQUIRE,
-    measures: Annotated[
-        bool,
-        Option(
-            "--measures",
-            help="With friction: also compute z, kappa and the displacements of the displacement "
-            "program, which ignore friction.",
-            panel=FORM,
-        ),
-    ] = False,
-    forces: Annotated[
-        bool,
-        Option(
-            "--forces",
-            help="List the contact forces of an equilibrium, the greatest first.",
-            panel=FORM,
-        ),
-    ] = False,
-    settled: Annotated[
-        bool,
-        Option(
-            "--settle",
-            help="Check the pose at rest near the drawn pose, as 'kilter settle' finds it.",
-            panel=TOUCH,
-        ),
-    ] = False,
-    suggest: Annotated[
-        bool,
-        Option(
-            "--suggest-joints",
-            help="List the pairs that look fastened, each with the joint to add.",
-            panel=FORM,
-        ),
-    ] = False,
-) -> int:
+def check(asked: Asked, options: CheckOptions) -> int:
     """Decide whether an assembly stays together under gravity, and if not, which parts move.
 
     The verdict is of first order. If motions without any first-order change of energy remain (see
@@ -95,40 +82,36 @@ def check(
     from kilter.tell.tables import forces_table
     from kilter.tell.text import suggestions_text
 
-    if len(files) > 1:
-        if asked.proof is not None or forces or suggest:
+    if len(options.files) > 1:
+        if asked.proof is not None or options.forces or options.suggest:
             alone = "--proof" if asked.proof is not None else "--forces and --suggest-joints"
             raise InputError(
-                f"{len(files)} files are given", hint=f"give a single file with {alone}"
+                f"{len(options.files)} files are given", hint=f"give a single file with {alone}"
             )
-        return check_each(
-            asked, files, lambda each: _check_file(each, require, measures, settled)[1]
-        )
-    asked = asked.of_file(files[0])
-    if settled and asked.proof is not None:
+        return check_each(asked, options.files, lambda each: _check_file(each, options)[1])
+    asked = asked.of_file(options.files[0])
+    if options.settled and asked.proof is not None:
         raise InputError(
             "--proof and --settle are given", hint="kilter settle --proof proves a settled pose"
         )
-    verdict, answer = _check_file(asked, require, measures, settled)
-    after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
-    if not suggest and verdict.verdict != "stable" and not asked.writes_json:
+    verdict, answer = _check_file(asked, options)
+    after = asked.keep_proof(None if verdict.evidence is None else verdict.proof, answer)
+    if not options.suggest and verdict.verdict != "stable" and not asked.writes_json:
         after = _joint_hint(verdict) + after
-    if suggest:
-        joints = suggest_joints(verdict.assembly, verdict.contacts)
+    if options.suggest:
+        joints = suggest_joints(verdict.assembly, verdict.contact_set)
         answer["suggested_joints"] = [joint.to_dict() for joint in joints]
         after = "\n\n" + suggestions_text(answer["suggested_joints"]) + after
     bricks = any(part.brick is not None for part in verdict.assembly.parts)
-    tables = [forces_table(answer)] if forces else []
+    tables = [forces_table(answer)] if options.forces else []
     asked.tell(answer, *tables, after=after, bricks=bricks)
     return code_of(answer)
 
 
-def _check_file(
-    asked: Asked, require: str, measures: bool, settled: bool = False
-) -> tuple[Verdict, CheckData]:
+def _check_file(asked: Asked, options: CheckOptions) -> tuple[Verdict, dict[str, Any]]:
     """Check a single file; return its verdict, and the answer with the reading time.
 
-    If `settled`, the verdict is that of the pose at rest near the drawn pose, and its sentence
+    With `--settle`, the verdict is that of the pose at rest near the drawn pose, and its sentence
     states the movement. Without such a pose, the drawn pose is checked, with a warning.
     """
     from kilter.analysis.check import check as decide
@@ -139,17 +122,13 @@ def _check_file(
         _ = assembly.geometry
         read = time.perf_counter() - started
         words = ("", "")
-        if settled:
+        if options.settled:
             assembly, contact_set, words = _settled(asked, assembly, contact_set, progress)
         verdict = decide(
             assembly,
-            contacts=contact_set,
-            tolerance=asked.tolerance,
-            require=require,
-            measures=measures,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            progress=progress,
+            require=options.require,
+            measures=options.measures,
+            **asked.shared(decide, contact_set, progress),
         )
         progress("motion")
         answer = verdict.to_dict()
@@ -194,7 +173,7 @@ def _joint_hint(verdict: Verdict) -> str:
     from kilter.shape.solid import Solid
     from kilter.tell.text import solids_hint, suggestions_hint
 
-    suggestions = suggest_joints(verdict.assembly, verdict.contacts)
+    suggestions = suggest_joints(verdict.assembly, verdict.contact_set)
     firm = [suggestion.kind for suggestion in suggestions if suggestion.fixed]
     solids = any(isinstance(part.shape, Solid) for part in verdict.assembly.parts)
     if not firm and solids and verdict.verdict == "unstable" and not verdict.assembly.joints:
@@ -209,31 +188,30 @@ def contacts(asked: Asked) -> int:
 
     with Progress(asked.quiet) as progress:
         assembly, known = asked.read(progress)
-        contact_set = known or find(assembly, tolerance=asked.tolerance, progress=progress)
+        contact_set = known or find(assembly, **asked.shared(find, None, progress))
     asked.tell(contact_set.to_dict())
     return WRITTEN
 
 
-def verify(
-    file: File,
-    proof: Annotated[
-        str, Argument(metavar="P.json", help="A proof written by the option --proof.")
-    ],
-    require: Annotated[
-        str | None,
-        Option(
-            "--require",
-            metavar="LEVEL",
-            help="Level that the proof must reach: equilibrium, settles, proved, strict; by "
-            "default the level that it claims. Other commands require settles, because they "
-            "compute a level and claim none.",
-            show_default=False,
-        ),
-    ] = None,
-    json: Json = False,
-    output: Output = None,
-    quiet: Quiet = False,
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class VerifyOptions:
+    """Options of `verify`."""
+
+    file: str = File()
+    proof: str = argument("P.json", "A proof written by the option --proof.")
+    require: str | None = option(
+        "--require LEVEL",
+        "Level that the proof must reach: equilibrium, settles, proved, strict; by default "
+        "the level that it claims. Other commands require settles, because they compute a "
+        "level and claim none.",
+    )
+    json: bool = Json()
+    output: Path | None = Output()
+    quiet: bool = Quiet()
+
+
+@takes
+def verify(options: VerifyOptions) -> int:
     """Recompute a proof from the file. Exit code 0: it holds, 3: at a lower level only, 1: no.
 
     No solver is used, except for the claim that an assembly settles: its search is repeated.
@@ -243,48 +221,41 @@ def verify(
     from kilter.analysis.verification import verify as recompute
     from kilter.tell.text import text_of
 
-    keep_apart(file, output)
-    with Progress(quiet) as progress:
-        result = recompute(file, proof, require=require, progress=progress)
+    keep_apart(options.file, options.output)
+    with Progress(options.quiet) as progress:
+        result = recompute(options.file, options.proof, require=options.require, progress=progress)
     answer = result.to_dict()
-    as_data = writes_json(json, output)
-    emit(as_json(answer) if as_data else text_of(answer), output)
-    tell_written(output, f"answer of verify as {'JSON' if as_data else 'text'}", quiet)
+    as_data = writes_json(options.json, options.output)
+    emit(as_json(answer) if as_data else text_of(answer), options.output)
+    tell_written(
+        options.output, f"answer of verify as {'JSON' if as_data else 'text'}", options.quiet
+    )
     if result.holds:
         return HOLDS
     return INVALID if result.reasons or result.level is None else LOWER
 
 
-def example(
-    name: Annotated[
-        str | None,
-        Argument(
-            metavar="[NAME]", help="Example to write. Without a name all examples are listed."
-        ),
-    ] = None,
-    size: Annotated[
-        str | None,
-        Option(
-            "--size",
-            metavar="BRICKSxCOURSES",
-            help="Walls only: number of bricks in a course, and of courses, as 40x25.",
-            show_default=False,
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help="File to write, or - for standard output; NAME.kilter.json in this folder by "
-            "default.",
-            show_default=False,
-        ),
-    ] = None,
-    force: Annotated[bool, Option("--force", help="Replace an existing file.")] = False,
-    json: Json = False,
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class ExampleOptions:
+    """Options of `example`."""
+
+    name: str | None = argument(
+        "[NAME]", "Example to write. Without a name all examples are listed.", default=None
+    )
+    size: str | None = option(
+        "--size BRICKSxCOURSES",
+        "Walls only: number of bricks in a course, and of courses, as 40x25.",
+    )
+    output: Path | None = option(
+        "-o --output FILE",
+        "File to write, or - for standard output; NAME.kilter.json in this folder by default.",
+    )
+    force: bool = option("--force", "Replace an existing file.")
+    json: bool = Json()
+
+
+@takes
+def example(options: ExampleOptions) -> int:
     """List the built-in examples, or write one as an assembly file.
 
     For an example of up to 400 parts the verdict of 'kilter check' is printed, too.
@@ -292,30 +263,30 @@ def example(
     from kilter.analysis.check import check as decide
     from kilter.scenes import SCENES, scene
 
-    if name is None:
-        if size is not None:
+    if options.name is None:
+        if options.size is not None:
             raise InputError("--size needs an example", hint="name it: kilter example wall")
-        if json:
-            emit(as_json([entry.to_dict() for entry in SCENES.values()]), output)
+        if options.json:
+            emit(as_json([entry.to_dict() for entry in SCENES.values()]), options.output)
         else:
             from kilter.tell.text import aligned
 
             rows = [[entry.name, entry.answer, entry.title] for entry in SCENES.values()]
-            emit("\n".join(aligned(rows)), output)
-        tell_written(output, "list of the examples", quiet=False)
+            emit("\n".join(aligned(rows)), options.output)
+        tell_written(options.output, "list of the examples", quiet=False)
         return WRITTEN
     from kilter.files import to_text
 
-    assembly = scene(name, size=None if size is None else _size(size))
+    assembly = scene(options.name, size=None if options.size is None else _size(options.size))
     text = to_text(assembly)
-    if output is not None and str(output) == "-":
+    if options.output is not None and str(options.output) == "-":
         sys.stdout.write(text)
         return WRITTEN
-    target = output or Path(f"{name}.kilter.json")
-    if target.exists() and not force:
+    target = options.output or Path(f"{options.name}.kilter.json")
+    if target.exists() and not options.force:
         raise InputError("already exists", file=str(target), hint="add --force to replace it")
     write_whole(target, text)
-    print(f"{visible(str(target))}: {SCENES[name].title}")
+    print(f"{visible(str(target))}: {SCENES[options.name].title}")
     if len(assembly) <= SMALL:
         with Progress(quiet=False) as progress:
             print(decide(assembly, progress=progress).sentence)

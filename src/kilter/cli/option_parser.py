@@ -134,10 +134,14 @@ def _add(group: Any, each: Declared) -> None:
     """Add a parameter to a group of the parser."""
     declared = each.declaration
     text = declared.help.replace("%", "%%")
-    if declared.show_default and each.default not in (None, False, inspect.Parameter.empty):
+    if (
+        each.default not in (None, False, ())
+        and not each.required
+        and not isinstance(each.default, Path)
+    ):
         text += f" [default: {str(each.default).replace('%', '%%')}]"
     if not declared.names:
-        optional = each.default is not inspect.Parameter.empty
+        optional = not each.required
         count = {} if not each.repeats else {"nargs": "+"}
         group.add_argument(
             each.name,
@@ -156,7 +160,7 @@ def _add(group: Any, each: Declared) -> None:
         dest=each.name,
         action="append" if each.repeats else "store",
         help=text,
-        required=each.default is inspect.Parameter.empty,
+        required=each.required,
         **({"nargs": len(each.kinds)} if len(each.kinds) > 1 else {}),
     )
     action.help_values = each.metavar

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Argument, Option
 from kilter.cli.exit_codes import WRITTEN
 from kilter.cli.options import HELP_OF_FILE, asks
 from kilter.cli.output import Progress, tell_warnings, tell_written
 from kilter.errors import InputError, visible
+from kilter.values.declaration import argument, option
 
 __all__ = ["draw", "report", "view"]
 
@@ -24,21 +25,18 @@ class What(StrEnum):
     REGION = "region"
 
 
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions:
+    """Options of `report`."""
+
+    output: Path | None = option("-o --output OUT.html", "Page to write.")
+    margins: bool = option(
+        "--margins", "Compute margins for more than 20 free parts, too. This may take minutes."
+    )
+
+
 @asks(searches=True, answers=False)
-def report(
-    asked: Asked,
-    output: Annotated[
-        Path | None,
-        Option("-o", "--output", metavar="OUT.html", help="Page to write.", show_default=False),
-    ] = None,
-    margins: Annotated[
-        bool,
-        Option(
-            "--margins",
-            help="Compute margins for more than 20 free parts, too. This may take minutes.",
-        ),
-    ] = False,
-) -> int:
+def report(asked: Asked, options: ReportOptions) -> int:
     """Write an offline page: the assembly in 3D, its motion and forces, and the gravity ball.
 
     The page is one file that needs no network.
@@ -50,65 +48,48 @@ def report(
     """
     from kilter import publish
 
-    if output is None:
+    if options.output is None:
         raise InputError("the name of the page is missing", hint="add -o out.html")
-    publish.require_ending(output, publish.PAGES, "page")
-    asked.apart(output)
+    publish.require_ending(options.output, publish.PAGES, "page")
+    asked.apart(options.output)
+    typed = ["-o", str(options.output), *["--margins"] * options.margins]
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         page = publish.report(
             assembly,
-            output,
+            options.output,
             title=publish.title_of(asked.file),
-            contacts=contacts,
-            tolerance=asked.tolerance,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            margins=margins,
-            command=asked.command("report", "-o", str(output), *["--margins"] * margins),
-            progress=progress,
+            **asked.shared(publish.report, contacts, progress),
+            margins=options.margins,
+            command=asked.command("report", *typed),
         )
     size = len(page.html.encode("utf-8")) / 1e6
     words = f"verdict {page.verdict}; {size:.2f} MB in a file that needs no network"
-    tell_written(output, words, asked.quiet)
+    tell_written(options.output, words, asked.quiet)
     return WRITTEN
 
 
+@dataclass(frozen=True, kw_only=True)
+class ViewOptions:
+    """Options of `view`."""
+
+    file: str | None = argument("[FILE]", HELP_OF_FILE, default=None)
+    port: int = option("--port N", "Port on this machine; a free port by default.", default=0)
+    no_browser: bool = option("--no-browser", "Serve the page, but open no browser.")
+    host: list[str] | None = option(
+        "--host NAME",
+        "Also answer requests for this host name, for a proxy in front of this machine. "
+        "0.0.0.0 listens on all addresses, for a container. Repeatable.",
+    )
+    folder: Path | None = option(
+        "--folder DIR",
+        "Opened folder: FILE and the files that it names must be below. By default the folder"
+        " of FILE.",
+    )
+
+
 @asks(answers=False)
-def view(
-    asked: Asked,
-    file: Annotated[
-        str | None,
-        Argument(metavar="[FILE]", help=HELP_OF_FILE, show_default=False),
-    ] = None,
-    port: Annotated[
-        int,
-        Option("--port", metavar="N", help="Port on this machine; a free port by default."),
-    ] = 0,
-    no_browser: Annotated[
-        bool, Option("--no-browser", help="Serve the page, but open no browser.")
-    ] = False,
-    host: Annotated[
-        list[str] | None,
-        Option(
-            "--host",
-            metavar="NAME",
-            help="Also answer requests for this host name, for a proxy in front of this machine. "
-            "0.0.0.0 listens on all addresses, for a container. Repeatable.",
-            show_default=False,
-        ),
-    ] = None,
-    folder: Annotated[
-        Path | None,
-        Option(
-            "--folder",
-            metavar="DIR",
-            help="Opened folder: FILE and the files that it names must be below. By default the "
-            "folder of FILE.",
-            show_default=False,
-        ),
-    ] = None,
-) -> int:
+def view(asked: Asked, options: ViewOptions) -> int:
     """Open the workbench in the browser: hold, join, load and leave out parts by clicks.
 
     The options are the first choices, which the page changes and saves as X.kilter.json. Without
@@ -119,21 +100,23 @@ def view(
     """
     from kilter.workbench.view import view as open_workbench
 
-    if file == "-":
+    if options.file == "-":
         raise InputError("view cannot watch standard input", hint="give a file or a folder")
-    if not 0 <= port < 2**16:
-        raise InputError(f"--port is {port}", hint="give a number from 0 to 65535")
+    if not 0 <= options.port < 2**16:
+        raise InputError(f"--port is {options.port}", hint="give a number from 0 to 65535")
 
     def say(line: str) -> None:
         _say(line, quiet=asked.quiet)
 
-    path, keys, down = (None, None, None) if file is None else _first_choices(asked.of_file(file))
+    path, keys, down = (
+        (None, None, None) if options.file is None else _first_choices(asked.of_file(options.file))
+    )
     open_workbench(
         path,
-        port=port,
-        browser=not no_browser,
-        hosts=host or (),
-        folder=folder,
+        port=options.port,
+        browser=not options.no_browser,
+        hosts=options.host or (),
+        folder=options.folder,
         keys=keys,
         down=down,
         say=say,
@@ -166,38 +149,28 @@ def _say(line: str, *, quiet: bool) -> None:
         print(f"kilter: {visible(line)}", file=sys.stderr, flush=True)
 
 
+@dataclass(frozen=True, kw_only=True)
+class DrawOptions:
+    """Options of `draw`."""
+
+    output: Path | None = option(
+        "-o --output OUT.svg|png|pdf|glb",
+        "Figure to write. OUT.glb is a film of how parts start to move.",
+    )
+    what: What = option(
+        "--what",
+        "assembly: the assembly with its motion or its forces. region: the stable region on "
+        "the sphere of directions of gravity.",
+        default=What.ASSEMBLY,
+    )
+    view: tuple[float, float] | None = option(
+        "--view AZIMUTH ELEVATION",
+        "Direction to the eye: azimuth to the right of -y, and elevation above the ground [deg].",
+    )
+
+
 @asks(searches=True, answers=False)
-def draw(
-    asked: Asked,
-    output: Annotated[
-        Path | None,
-        Option(
-            "-o",
-            "--output",
-            metavar="OUT.svg|png|pdf|glb",
-            help="Figure to write. OUT.glb is a film of how parts start to move.",
-            show_default=False,
-        ),
-    ] = None,
-    what: Annotated[
-        What,
-        Option(
-            "--what",
-            help="assembly: the assembly with its motion or its forces. region: the stable region "
-            "on the sphere of directions of gravity.",
-        ),
-    ] = What.ASSEMBLY,
-    view: Annotated[
-        tuple[float, float] | None,
-        Option(
-            "--view",
-            metavar="AZIMUTH ELEVATION",
-            help="Direction to the eye: azimuth to the right of -y, and elevation above the ground "
-            "[deg].",
-            show_default=False,
-        ),
-    ] = None,
-) -> int:
+def draw(asked: Asked, options: DrawOptions) -> int:
     """Draw a figure for a document: the assembly with arrows, its stable region, or a film.
 
     Figures need kilter[figures]. OUT.glb is an animated GLB for any viewer and needs no extra.
@@ -205,33 +178,27 @@ def draw(
     Exit code: 0 when written, whatever the verdict.
     """
     from kilter import publish
+    from kilter.assembly.question import Question
 
-    if output is None:
+    if options.output is None:
         raise InputError("the name of the figure is missing", hint="add -o figure.svg")
-    films = output.suffix.lower() in publish.FILMS
+    films = options.output.suffix.lower() in publish.FILMS
     if films:
-        publish.require_film(what.value, view)
+        publish.require_film(options.what.value, options.view)
     else:
-        publish.require_figure(output, view)
-    asked.apart(output)
+        publish.require_figure(options.output, options.view)
+    asked.apart(options.output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
-        answer = publish.answer_to_draw(
-            assembly,
-            what.value,
-            contacts=contacts,
-            tolerance=asked.tolerance,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            progress=progress,
-        )
+        question = Question(**asked.shared(Question, contacts, progress))
+        answer = publish.answer_to_draw(assembly, options.what.value, question)
         progress("film" if films else "figure")
         if films:
-            publish.animate(answer, output)
+            publish.animate(answer, options.output)
         else:
-            publish.draw(answer, output, view=view)
+            publish.draw(answer, options.output, view=options.view)
     data = answer.to_dict()
     tell_warnings(data["warnings"], asked.quiet)
     words = f"verdict {data['verdict']}" if "verdict" in data else f"region {data['kind']}"
-    tell_written(output, words, asked.quiet)
+    tell_written(options.output, words, asked.quiet)
     return WRITTEN

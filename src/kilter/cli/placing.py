@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, PLACE
 from kilter.cli.options import Require, asks
+from kilter.cli.order_files import as_typed
 from kilter.cli.output import Progress
 from kilter.errors import InputError
-from kilter.tell.levels import REQUIRE
+from kilter.values.declaration import option
 
 if TYPE_CHECKING:
     from kilter.assembly import Part
@@ -23,101 +23,54 @@ __all__ = ["place"]
 PUT = "The part that is put down"
 
 
-@asks(proves=True, writes=(".html", ".htm"))
-def place(
-    asked: Asked,
-    box: Annotated[
-        str | None,
-        Option(
-            "--box",
-            metavar="AxBxC",
-            help="A box of this length, width and height (file units), such as 400x300x250.",
-            panel=PUT,
-            show_default=False,
-        ),
-    ] = None,
-    mass: Annotated[
-        str | None,
-        Option(
-            "--mass",
-            metavar="KG",
-            help="Mass of the part, or its least and largest mass, such as 5..8.",
-            panel=PUT,
-            show_default=False,
-        ),
-    ] = None,
-    centre_within: Annotated[
-        str | None,
-        Option(
-            "--centre-within",
-            metavar="SHARE",
-            help="The part stands with every centre of mass that is this share of its length and "
-            "width from the middle, such as 10%.",
-            panel=PUT,
-            show_default=False,
-        ),
-    ] = None,
-    part: Annotated[
-        Path | None,
-        Option(
-            "--part",
-            metavar="FILE",
-            help="A file with a single part in place of --box.",
-            panel=PUT,
-            show_default=False,
-        ),
-    ] = None,
-    turn: Annotated[
-        list[float] | None,
-        Option(
-            "--turn",
-            metavar="DEG",
-            help="Angle of the box about the vertical. Repeatable: the best of all angles.",
-            panel=PUT,
-            show_default=False,
-        ),
-    ] = None,
-    at: Annotated[
-        tuple[float, float] | None,
-        Option(
-            "--at",
-            metavar="X Y",
-            help="Does the part stand with its centre at this place? By default all places are "
-            "mapped.",
-            panel=PUT,
-            show_default=False,
-        ),
-    ] = None,
-    clear: Annotated[
-        float,
-        Option(
-            "--clear",
-            metavar="LENGTH",
-            help="Distance that the part keeps from parts beside it, for a gripper.",
-            panel=PUT,
-        ),
-    ] = 0.0,
-    accuracy: Annotated[
-        float | None,
-        Option(
-            "--accuracy",
-            metavar="LENGTH",
-            help="Largest width of the strip between places that stand and places that fall.",
-            panel=PUT,
-            show_default=False,
-        ),
-    ] = None,
-    figure: Annotated[
-        Path | None,
-        Option(
-            "--figure",
-            metavar="F",
-            help="Also draw the map from above to this file (.svg, .png or .pdf).",
-            show_default=False,
-        ),
-    ] = None,
-    require: Require = REQUIRE,
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class PlaceOptions:
+    """Options of `place`."""
+
+    box: str | None = option(
+        "--box AxBxC",
+        "A box of this length, width and height (file units), such as 400x300x250.",
+        PUT,
+    )
+    mass: str | None = option(
+        "--mass KG", "Mass of the part, or its least and largest mass, such as 5..8.", PUT
+    )
+    centre_within: str | None = option(
+        "--centre-within SHARE",
+        "The part stands with every centre of mass that is this share of its length and width"
+        " from the middle, such as 10%.",
+        PUT,
+    )
+    part: Path | None = option("--part FILE", "A file with a single part in place of --box.", PUT)
+    turn: list[float] | None = option(
+        "--turn DEG",
+        "Angle of the box about the vertical. Repeatable: the best of all angles.",
+        PUT,
+    )
+    at: tuple[float, float] | None = option(
+        "--at X Y",
+        "Does the part stand with its centre at this place? By default all places are mapped.",
+        PUT,
+    )
+    clear: float = option(
+        "--clear LENGTH",
+        "Distance that the part keeps from parts beside it, for a gripper.",
+        PUT,
+        default=0.0,
+    )
+    accuracy: float | None = option(
+        "--accuracy LENGTH",
+        "Largest width of the strip between places that stand and places that fall.",
+        PUT,
+    )
+    figure: Path | None = option(
+        "--figure F", "Also draw the map from above to this file (.svg, .png or .pdf)."
+    )
+    require: str = Require()
+
+
+@asks(searches=True, proves=True, writes=(".html", ".htm"))
+def place(asked: Asked, options: PlaceOptions) -> int:
     """Find where the next part stands on an assembly, and where it stands best.
 
     The part is lowered straight down. A map names, for each height, the places at which forces
@@ -132,36 +85,34 @@ def place(
     from kilter import publish
     from kilter.analysis.placing.place import place as find
 
-    turns = turn or [0.0]
-    if at is not None and len(turns) > 1:
+    turns = options.turn or [0.0]
+    if options.at is not None and len(turns) > 1:
         raise InputError("--at and several --turn are given", hint="give a single angle with --at")
-    if part is not None and turn:
+    if options.part is not None and options.turn:
         raise InputError("--part and --turn are given", hint="turn the part in its file")
-    if figure is not None:
-        publish.require_figure(figure, None)
-        asked.apart(figure)
-        if at is not None:
+    if options.figure is not None:
+        publish.require_figure(options.figure, None)
+        asked.apart(options.figure)
+        if options.at is not None:
             raise InputError("--figure and --at are given", hint="a map has a figure: no --at")
     page = asked.output is not None and asked.output.suffix.lower() in publish.PAGES
-    if page and at is not None:
+    if page and options.at is not None:
         raise InputError("--at and -o FILE.html are given", hint="a page shows a map: no --at")
-    masses = None if mass is None else _masses(mass)
-    within = 0.0 if centre_within is None else _share(centre_within)
+    masses = None if options.mass is None else _masses(options.mass)
+    within = 0.0 if options.centre_within is None else _share(options.centre_within)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         answers = [
             find(
                 assembly,
-                _part_of(box, masses, part, angle),
-                at=at,
+                _part_of(options.box, masses, options.part, angle),
+                at=options.at,
                 mass=masses,
                 center_within=within,
-                clear=clear,
-                accuracy=accuracy,
-                contacts=contacts,
-                require=require,
-                tolerance=asked.tolerance,
-                progress=progress,
+                clear=options.clear,
+                accuracy=options.accuracy,
+                require=options.require,
+                **asked.shared(find, contacts, progress),
             )
             for angle in turns
         ]
@@ -169,15 +120,16 @@ def place(
         answers,
         key=lambda answer: answer.best.margin if answer.best else float(answer.undecided) - 2,
     )
-    if figure is not None:
-        publish.draw(best, figure)
+    if options.figure is not None:
+        publish.draw(best, options.figure)
     data = best.to_dict()
     after = asked.keep_proof(None if best.undecided else best.proof, data)
-    given = (("--box", box), ("--mass", mass), ("--centre-within", centre_within), ("--part", part))
-    typed = [word for name, value in given if value is not None for word in (name, str(value))]
+    typed = as_typed(
+        **{name: getattr(options, name) for name in ("box", "mass", "centre_within", "part")}
+    )
     if len(turns) == 1 and turns[0]:
         typed += ["--turn", f"{turns[0]:g}"]
-    after += f"\nfigure       written to {figure}" if figure else ""
+    after += f"\nfigure       written to {options.figure}" if options.figure else ""
     if page:
         assert asked.output is not None
         publish.report(

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from kilter.cli.declarations import Option
 from kilter.cli.options import FORM
 from kilter.cli.order_files import as_typed
 from kilter.errors import InputError
+from kilter.values.declaration import option
 
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.plan_rules import PlanRules
@@ -21,142 +21,81 @@ __all__ = ["PlanOptions"]
 ORDER = "Allowed orders"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class PlanOptions:
     """Values of the options of `plan` about the order, each with its help text."""
 
-    hold: Annotated[
-        int | None,
-        Option(
-            "--hold",
-            metavar="K",
-            help="Largest number of parts held at once, besides the moving part; by default the "
-            "fewest, up to 2.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    directions: Annotated[
-        list[str] | None,
-        Option(
-            "--directions",
-            metavar="axes|normals|X,Y,Z",
-            help="Directions along which parts move, in the order of their trial. Repeatable; axes "
-            "and contact normals by default.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    before: Annotated[
-        list[tuple[str, str]] | None,
-        Option(
-            "--before",
-            metavar="A B",
-            help="A is inserted before B. Repeatable; * and ? are wildcards.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    never_hold: Annotated[
-        list[str] | None,
-        Option(
-            "--never-hold",
-            metavar="NAME",
-            help="This part must not be held. Repeatable; * and ? are wildcards.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    screws: Annotated[
-        list[tuple[str, str]] | None,
-        Option(
-            "--screws",
-            metavar="BOLT NUT",
-            help="A bolt stays while its nut is on, and the nut comes off along its axis. "
-            "Repeatable; * and ? are wildcards.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    group: Annotated[
-        list[str] | None,
-        Option(
-            "--group",
-            metavar="PATTERN",
-            help="The parts that match move as a single body. Repeatable; * and ? are wildcards.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    together: Annotated[
-        bool,
-        Option(
-            "--together",
-            help="Parts that block each other may move as a single body if none can leave alone.",
-            panel=ORDER,
-        ),
-    ] = False
-    fewest: Annotated[
-        str,
-        Option(
-            "--fewest",
-            metavar="WHAT",
-            help="Quantity to minimise: holds (parts held at once), held-steps (steps with held "
-            "parts) or turns (implies --turn).",
-            panel=ORDER,
-        ),
-    ] = "holds"
-    sequence: Annotated[
-        Path | None,
-        Option(
-            "--sequence",
-            metavar="FILE",
-            help="Check this order without a search: a name in each line, .csv with a column "
-            "'part', or .json.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    press: Annotated[
-        float,
-        Option(
-            "--press",
-            metavar="N",
-            help="Force that presses each part into its place along its path [N]; the standing "
-            "parts must withstand it.",
-            panel=ORDER,
-        ),
-    ] = 0.0
-    carried: Annotated[
-        str | None,
-        Option(
-            "--carried",
-            metavar="A|X,Y,Z",
-            help="The standing parts also carry this acceleration of their carrier between steps: "
-            "a size in every horizontal direction, or a vector. In m/s^2, or in g as 0.3g.",
-            panel=ORDER,
-            show_default=False,
-        ),
-    ] = None
-    turn: Annotated[
-        bool,
-        Option(
-            "--turn",
-            help="The standing parts may be turned between two steps, with the base.",
-            panel=ORDER,
-        ),
-    ] = False
-    require: Annotated[
-        str,
-        Option(
-            "--require",
-            metavar="LEVEL",
-            help="Level at which every step counts as holding: equilibrium, settles, proved or "
-            "strict. Other commands require settles. Here the default is lower, because a search "
-            "judges hundreds of half-built states, and a hand or a robot places each part gently.",
-            panel=FORM,
-        ),
-    ] = "equilibrium"
+    hold: int | None = option(
+        "--hold K",
+        "Largest number of parts held at once, besides the moving part; by default the "
+        "fewest, up to 2.",
+        ORDER,
+    )
+    directions: list[str] | None = option(
+        "--directions axes|normals|X,Y,Z",
+        "Directions along which parts move, in the order of their trial. Repeatable; axes and"
+        " contact normals by default.",
+        ORDER,
+    )
+    before: list[tuple[str, str]] | None = option(
+        "--before A B", "A is inserted before B. Repeatable; * and ? are wildcards.", ORDER
+    )
+    never_hold: list[str] | None = option(
+        "--never-hold NAME", "This part must not be held. Repeatable; * and ? are wildcards.", ORDER
+    )
+    screws: list[tuple[str, str]] | None = option(
+        "--screws BOLT NUT",
+        "A bolt stays while its nut is on, and the nut comes off along its axis. Repeatable; "
+        "* and ? are wildcards.",
+        ORDER,
+    )
+    group: list[str] | None = option(
+        "--group PATTERN",
+        "The parts that match move as a single body. Repeatable; * and ? are wildcards.",
+        ORDER,
+    )
+    together: bool = option(
+        "--together",
+        "Parts that block each other may move as a single body if none can leave alone.",
+        ORDER,
+    )
+    fewest: str = option(
+        "--fewest WHAT",
+        "Quantity to minimise: holds (parts held at once), held-steps (steps with held parts)"
+        " or turns (implies --turn).",
+        ORDER,
+        default="holds",
+    )
+    sequence: Path | None = option(
+        "--sequence FILE",
+        "Check this order without a search: a name in each line, .csv with a column 'part', "
+        "or .json.",
+        ORDER,
+    )
+    press: float = option(
+        "--press N",
+        "Force that presses each part into its place along its path [N]; the standing parts "
+        "must withstand it.",
+        ORDER,
+        default=0.0,
+    )
+    carried: str | None = option(
+        "--carried A|X,Y,Z",
+        "The standing parts also carry this acceleration of their carrier between steps: a "
+        "size in every horizontal direction, or a vector. In m/s^2, or in g as 0.3g.",
+        ORDER,
+    )
+    turn: bool = option(
+        "--turn", "The standing parts may be turned between two steps, with the base.", ORDER
+    )
+    require: str = option(
+        "--require LEVEL",
+        "Level at which every step counts as holding: equilibrium, settles, proved or strict."
+        " Other commands require settles. Here the default is lower, because a search judges "
+        "hundreds of half-built states, and a hand or a robot places each part gently.",
+        FORM,
+        default="equilibrium",
+    )
 
     def typed(self) -> list[str]:
         """The options of `plan` as words of a command line, without default values."""

@@ -36,11 +36,7 @@ def plan(asked: Asked, options: PlanOptions) -> int:
             assembly,
             options.rules(assembly.gravity),
             require=options.require,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            contacts=contacts,
-            tolerance=asked.tolerance,
-            progress=progress,
+            **asked.shared(find, contacts, progress),
         )
     answer = order.to_dict()
     proved = order.verdict in ("found", "impossible")

@@ -6,11 +6,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from kilter.errors import InputError, nearest_name
 
-__all__ = ["density_of", "friction_of", "material_of", "number_of"]
+__all__ = ["READS", "density_of", "friction_of", "material_of", "named_numbers", "number_of"]
 
 
 def number_of(word: str) -> float | None:
@@ -77,3 +78,51 @@ def material_of(words: str) -> dict[str, Any]:
         raise InputError(f"--material has {words!r:.60}", hint="give a density above zero")
     name = {} if number_of(value) is not None else {"name": value}
     return {"parts": parts, "density": density, **name}
+
+
+def named_numbers(option: str, words: str, count: int, example: str) -> tuple[Any, ...]:
+    """Split ``NAME=X`` or ``NAME=X,Y,Z`` into the name and its numbers.
+
+    Raises
+    ------
+    InputError
+        If the name or a number is missing; the message names `option`.
+
+    Examples
+    --------
+    >>> named_numbers("--load", "lid=0,0,-20", 3, "")
+    ('lid', 0.0, 0.0, -20.0)
+    """
+    name, equals, text = words.rpartition("=")
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    if not (name and equals and len(numbers) == count and all(map(math.isfinite, numbers))):
+        raise InputError(f"{option} has {words!r:.60}", hint=f"write {option} {example}")
+    return (name, *numbers)
+
+
+def height_of(floor: str) -> float | str:
+    """Height of the floor as a number, or the word for the lowest point."""
+    from kilter.files.choices import LOWEST
+
+    height = number_of(floor)
+    if height is None and floor != LOWEST:
+        raise InputError(
+            f"--floor has {floor!r}, which is not a height", hint="give a number or no value"
+        )
+    return floor if height is None else height
+
+
+READS: dict[str, Callable[[str], Any]] = {
+    "density_of": density_of,
+    "friction_of": friction_of,
+    "height_of": height_of,
+    "load_of": lambda words: named_numbers("--load", words, 3, "lid=0,0,-20"),
+    "mass_of": lambda words: named_numbers("--mass", words, 1, '"bolt*=0.2"'),
+    "material_of": material_of,
+    "number_or_word": lambda word: word if number_of(word) is None else number_of(word),
+    "option_name": lambda word: word.replace("-", "_"),
+}
+"""Functions that convert a word of an option to its value, by the names of declarations."""

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, SETTLE
 from kilter.cli.options import Json, Require, asks
 from kilter.cli.output import Progress, as_json, emit, tell_warnings, tell_written, write_whole
 from kilter.errors import InputError
-from kilter.tell.levels import REQUIRE
-from kilter.work import stop_after
+from kilter.values.declaration import option
 
 if TYPE_CHECKING:
     from kilter.analysis.scene_states.scene_report import SceneReport
@@ -27,54 +25,36 @@ PICTURES = (".svg", ".png", ".pdf")
 USD = (".usd", ".usda", ".usdc")
 
 
+@dataclass(frozen=True, kw_only=True)
+class SettleOptions:
+    """Options of `settle`."""
+
+    reach: float | None = option(
+        "--reach LENGTH",
+        "Largest permitted movement of a part (file units); by default three times the widest"
+        " gap or overlap.",
+        MOVED,
+    )
+    keep: list[str] | None = option(
+        "--keep NAME",
+        "A part that must not move although it is not held. Repeatable; * and ? are wildcards.",
+        MOVED,
+    )
+    drop: bool = option(
+        "--drop", "First let hanging parts fall straight down until they meet another part.", MOVED
+    )
+    require: str = Require()
+    json: bool = Json()
+    output: Path | None = option(
+        "-o --output OUT",
+        "Write the pose at rest: X.kilter.json (choices about FILE), X.xml (MJCF), X.glb, "
+        "X.usda (a layer over a USD file), X.json (COMPAS), or a figure X.svg, X.png, X.pdf "
+        "with magnified movements.",
+    )
+
+
 @asks(searches=True, proves=True, answers=False)
-def settle(
-    asked: Asked,
-    reach: Annotated[
-        float | None,
-        Option(
-            "--reach",
-            metavar="LENGTH",
-            help="Largest permitted movement of a part (file units); by default three times the "
-            "widest gap or overlap.",
-            panel=MOVED,
-            show_default=False,
-        ),
-    ] = None,
-    keep: Annotated[
-        list[str] | None,
-        Option(
-            "--keep",
-            metavar="NAME",
-            help="A part that must not move although it is not held. Repeatable; * and ? are "
-            "wildcards.",
-            panel=MOVED,
-            show_default=False,
-        ),
-    ] = None,
-    drop: Annotated[
-        bool,
-        Option(
-            "--drop",
-            help="First let hanging parts fall straight down until they meet another part.",
-            panel=MOVED,
-        ),
-    ] = False,
-    require: Require = REQUIRE,
-    json: Json = False,
-    output: Annotated[
-        Path | None,
-        Option(
-            "-o",
-            "--output",
-            metavar="OUT",
-            help="Write the pose at rest: X.kilter.json (choices about FILE), X.xml (MJCF), X.glb, "
-            "X.usda (a layer over a USD file), X.json (COMPAS), or a figure X.svg, X.png, X.pdf "
-            "with magnified movements.",
-            show_default=False,
-        ),
-    ] = None,
-) -> int:
+def settle(asked: Asked, options: SettleOptions) -> int:
     """Move parts that overlap or hang by a little until they rest on each other.
 
     The answer states how far each part moves, the widest remaining gap, and the verdicts before and
@@ -87,38 +67,36 @@ def settle(
     from kilter.analysis.settled_pose.settle import settle as find
     from kilter.tell.text import text_of
 
-    if output is not None:
-        require_pose_form(output, asked)
-    asked.apart(output)
+    if options.output is not None:
+        require_pose_form(options.output, asked)
+    asked.apart(options.output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
-        with stop_after(asked.time_limit):
-            answer = find(
-                assembly,
-                reach=reach,
-                keep=keep or (),
-                drop=drop,
-                contacts=contacts,
-                require=require,
-                tolerance=asked.tolerance,
-                effort=asked.effort,
-                progress=progress,
-            )
+        answer = find(
+            assembly,
+            reach=options.reach,
+            keep=options.keep or (),
+            drop=options.drop,
+            require=options.require,
+            **asked.shared(find, contacts, progress),
+        )
         data = answer.to_dict()
-        if output is not None and (answer.state == "at-rest" or output.suffix in PICTURES):
+        if options.output is not None and (
+            answer.state == "at-rest" or options.output.suffix in PICTURES
+        ):
             progress("output")
-            write_pose(answer, asked, output)
+            write_pose(answer, asked, options.output)
     posed = replace(asked, reading=_with_poses(asked, answer))
     after = posed.keep_proof(answer.proof if answer.state == "at-rest" else None, data)
-    tell_warnings(data["warnings"], asked.quiet or json)
-    if json:
+    tell_warnings(data["warnings"], asked.quiet or options.json)
+    if options.json:
         emit(as_json(data), None)
     else:
         emit(text_of(data) + after, None)
-    if output is not None and answer.state == "at-rest":
-        tell_written(output, "pose at rest", asked.quiet)
-    elif output is not None and output.suffix not in PICTURES:
-        tell_warnings([f"{output} was not written: no pose at rest was found"], asked.quiet)
+    if options.output is not None and answer.state == "at-rest":
+        tell_written(options.output, "pose at rest", asked.quiet)
+    elif options.output is not None and options.output.suffix not in PICTURES:
+        tell_warnings([f"{options.output} was not written: no pose at rest was found"], asked.quiet)
     if answer.at_rest:
         return HOLDS
     return LOWER if answer.state == "at-rest" else SETTLE[answer.state]

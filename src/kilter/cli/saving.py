@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json as json_form
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import WRITTEN
 from kilter.cli.options import FORM, TOUCH, Json, asks
 from kilter.cli.output import Progress, as_json, emit, tell_warnings
 from kilter.errors import InputError, shell_words
+from kilter.values.declaration import option
 
 if TYPE_CHECKING:
     from kilter.files.choices import Choices
@@ -20,33 +20,23 @@ if TYPE_CHECKING:
 __all__ = ["save"]
 
 
+@dataclass(frozen=True, kw_only=True)
+class SaveOptions:
+    """Options of `save`."""
+
+    output: Path | None = option(
+        "-o --output X.kilter.json", "File to write, in the folder of FILE or above it.", FORM
+    )
+    open_pairs: list[tuple[str, str, str]] | None = option(
+        "--open NAME NAME joined|touching|apart",
+        "Decide how two parts touch whose contact the geometry leaves uncertain. Repeatable.",
+        TOUCH,
+    )
+    json: bool = Json()
+
+
 @asks(answers=False)
-def save(
-    asked: Asked,
-    output: Annotated[
-        Path | None,
-        Option(
-            "-o",
-            "--output",
-            metavar="X.kilter.json",
-            help="File to write, in the folder of FILE or above it.",
-            panel=FORM,
-            show_default=False,
-        ),
-    ] = None,
-    open_pairs: Annotated[
-        list[tuple[str, str, str]] | None,
-        Option(
-            "--open",
-            metavar="NAME NAME joined|touching|apart",
-            help="Decide how two parts touch whose contact the geometry leaves uncertain. "
-            "Repeatable.",
-            panel=TOUCH,
-            show_default=False,
-        ),
-    ] = None,
-    json: Json = False,
-) -> int:
+def save(asked: Asked, options: SaveOptions) -> int:
     """Save the options for an input file, so that later commands do not need them again.
 
     Every command and kilter.load read X.kilter.json as FILE with the saved options. Options on the
@@ -60,36 +50,36 @@ def save(
     from kilter.contact.fits.choices_saving import save_reading
     from kilter.files.choices_writing import require_place
 
-    if output is None:
+    if options.output is None:
         raise InputError("the name of the output file is missing", hint="add -o X.kilter.json")
     if asked.file == "-":
         raise InputError(
             "options for standard input cannot be saved", hint="give a file or a folder"
         )
-    for option in ("mass", "load", "accelerate"):
-        if getattr(asked.typed, option):
+    for name in ("mass", "load", "accelerate"):
+        if getattr(asked.typed, name):
             raise InputError(
-                f"--{option} is not saved: it is part of a question",
-                hint=f"give --{option} to the command that asks; --material and the key 'loads' of "
+                f"--{name} is not saved: it is part of a question",
+                hint=f"give --{name} to the command that asks; --material and the key 'loads' of "
                 "the file of choices are saved",
             )
-    replaces = require_place(output)
-    decisions = [_decision(words) for words in open_pairs or ()]
+    replaces = require_place(options.output)
+    decisions = [_decision(words) for words in options.open_pairs or ()]
     given = {**asked.typed.entries, **({"open_pairs": decisions} if decisions else {})}
     asked = replace(asked, typed=replace(asked.typed, entries=given)).of_file(asked.file)
     with Progress(asked.quiet) as progress:
         choices = save_reading(
             asked.source or Path(asked.file),
-            output,
+            options.output,
             asked.reading,
             asked.all_touch.saved(),
             progress=progress,
         )
     tell_warnings(asked.notes, asked.quiet)
-    if json:
+    if options.json:
         emit(as_json(choices.to_dict()), None)
     else:
-        emit(_words(choices, output, replaces), None)
+        emit(_words(choices, options.output, replaces), None)
     return WRITTEN
 
 

@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Annotated
+from dataclasses import dataclass, replace
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, SCENE
 from kilter.cli.options import Require, asks
 from kilter.cli.output import OTHER_FILES, Progress, require_answer_file, tell_written
 from kilter.cli.resting import require_pose_form, write_pose
-from kilter.tell.levels import REQUIRE
+from kilter.values.declaration import option
 
 __all__ = ["scene"]
 
 
+@dataclass(frozen=True, kw_only=True)
+class SceneOptions:
+    """Options of `scene`."""
+
+    require: str = Require()
+    settle: bool = option(
+        "--settle",
+        "First repair the scene: floating objects fall to their contact, and clusters with "
+        "faults settle. With -o, the repaired scene is written: X.usda (a layer over a USD "
+        "file), X.kilter.json, X.xml (MJCF), X.glb.",
+    )
+
+
 @asks(searches=True, writes=tuple(OTHER_FILES))
-def scene(
-    asked: Asked,
-    require: Require = REQUIRE,
-    settle: Annotated[
-        bool,
-        Option(
-            "--settle",
-            help="First repair the scene: floating objects fall to their contact, and clusters "
-            "with faults settle. With -o, the repaired scene is written: X.usda (a layer over a "
-            "USD file), X.kilter.json, X.xml (MJCF), X.glb.",
-        ),
-    ] = False,
-) -> int:
+def scene(asked: Asked, options: SceneOptions) -> int:
     """Report for each object of a scene whether it is at rest, floats, overlaps or falls.
 
     Objects that touch each other form a cluster, and each cluster is judged by itself. Held are the
@@ -40,8 +39,8 @@ def scene(
     """
     from kilter.analysis.scene_states.object_states import scene as find
 
-    output = asked.output if settle else None
-    if not settle:
+    output = asked.output if options.settle else None
+    if not options.settle:
         require_answer_file(asked.output)
     if output is not None:
         require_pose_form(output, asked)
@@ -49,17 +48,13 @@ def scene(
         assembly, contacts = asked.read(progress)
         report = find(
             assembly,
-            contacts=contacts,
-            tolerance=asked.tolerance,
-            require=require,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            settle=settle,
-            progress=progress,
+            require=options.require,
+            settle=options.settle,
+            **asked.shared(find, contacts, progress),
         )
         if output is not None:
             write_pose(report, asked, output)
-    if settle:
+    if options.settle:
         asked = replace(asked, output=None)
     asked.tell(report.to_dict())
     tell_written(output, "repaired scene", asked.quiet)

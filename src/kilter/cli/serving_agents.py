@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-from kilter.cli.declarations import Argument
 from kilter.cli.exit_codes import WRITTEN
+from kilter.cli.options import takes
+from kilter.values.declaration import argument
 
 __all__ = ["mcp"]
 
 
-def mcp(
-    folder: Annotated[
-        Path,
-        Argument(
-            metavar="[FOLDER]",
-            help="Start folder: only files below it are opened. By default the present folder.",
-            show_default=False,
-        ),
-    ] = Path(),
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class McpOptions:
+    """Options of `mcp`."""
+
+    folder: Path = argument(
+        "[FOLDER]",
+        "Start folder: only files below it are opened. By default the present folder.",
+        default=Path(),
+    )
+
+
+@takes
+def mcp(options: McpOptions) -> int:
     """Serve the questions of kilter as tools for agents, on standard input and output.
 
     The server speaks the Model Context Protocol (extra 'mcp'). Its tools are check, contacts,
@@ -31,5 +35,5 @@ def mcp(
     """
     from kilter.agents.mcp_server import serve
 
-    serve(folder)
+    serve(options.folder)
     return WRITTEN

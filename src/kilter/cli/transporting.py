@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from kilter.cli.asked import Asked
-from kilter.cli.declarations import Option
 from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, WRITTEN
 from kilter.cli.options import FORM, QUESTION, Code, Forward, Require, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
-from kilter.tell.levels import REQUIRE
+from kilter.values.declaration import option
 
 if TYPE_CHECKING:
     from kilter.analysis.transport.carrier import CarrierMotion
@@ -26,125 +26,78 @@ __all__ = ["transport"]
 UNSURE = "Worst case for uncertain data"
 
 
+@dataclass(frozen=True, kw_only=True)
+class TransportOptions:
+    """Options of `transport`."""
+
+    turn: tuple[float, float, float] | None = option(
+        "--turn X Y Z", "Angular velocity of the carrier about --about [rad/s].", QUESTION
+    )
+    turn_faster: tuple[float, float, float] | None = option(
+        "--turn-faster X Y Z",
+        "Angular acceleration of the carrier about --about [rad/s^2].",
+        QUESTION,
+    )
+    about: tuple[float, float, float] = option(
+        "--about X Y Z",
+        "Point to which --accelerate, --turn and --turn-faster refer (file units).",
+        QUESTION,
+        default=(0.0, 0.0, 0.0),
+    )
+    code: str | None = Code()
+    forward: tuple[float, float, float] = Forward()
+    path: Path | None = option(
+        "--path PATH.csv",
+        "How many times as fast may the carrier follow this path? Columns: time, x, y, z "
+        "(file units), and optionally qw, qx, qy, qz; or ax, ay, az, ox, oy, oz, alx, aly, "
+        "alz in the frame of the carrier; or the joints of --robot.",
+        QUESTION,
+    )
+    robot: Path | None = option(
+        "--robot ROBOT.urdf",
+        "The --path has the values of the joints of this robot over time, in columns with "
+        "their names [rad or m].",
+        QUESTION,
+    )
+    flange: str | None = option(
+        "--flange LINK",
+        "Link of --robot on which the assembly stands; its frame is that of the file.",
+        QUESTION,
+    )
+    collapse: bool = option(
+        "--collapse",
+        "Also the collapse multipliers of horizontal forces: mechanism, participating mass, "
+        "and spectral acceleration.",
+        QUESTION,
+    )
+    fc: float = option(
+        "--fc FC",
+        "Confidence factor of the spectral accelerations of --collapse.",
+        QUESTION,
+        default=1.35,
+    )
+    mu_range: tuple[float, float] | None = option(
+        "--mu-range LOW HIGH",
+        "Factors between which every friction coefficient varies. All limits are those of the"
+        " worst case, which is LOW.",
+        UNSURE,
+    )
+    figure: Path | None = option(
+        "--figure OUT.svg|png|pdf",
+        "Also write a figure of all horizontal accelerations, or of the speed factor of "
+        "--path over time. Needs kilter[figures].",
+        FORM,
+    )
+    film: Path | None = option(
+        "--film OUT.glb",
+        "Also write a film of the parts that start to move first, seen from the carrier.",
+        FORM,
+    )
+    require: str = Require()
+
+
 @asks(searches=True, proves=True)
-def transport(
-    asked: Asked,
-    turn: Annotated[
-        tuple[float, float, float] | None,
-        Option(
-            "--turn",
-            metavar="X Y Z",
-            help="Angular velocity of the carrier about --about [rad/s].",
-            panel=QUESTION,
-            show_default=False,
-        ),
-    ] = None,
-    turn_faster: Annotated[
-        tuple[float, float, float] | None,
-        Option(
-            "--turn-faster",
-            metavar="X Y Z",
-            help="Angular acceleration of the carrier about --about [rad/s^2].",
-            panel=QUESTION,
-            show_default=False,
-        ),
-    ] = None,
-    about: Annotated[
-        tuple[float, float, float],
-        Option(
-            "--about",
-            metavar="X Y Z",
-            help="Point to which --accelerate, --turn and --turn-faster refer (file units).",
-            panel=QUESTION,
-        ),
-    ] = (0.0, 0.0, 0.0),
-    code: Code = None,
-    forward: Forward = (1.0, 0.0, 0.0),
-    path: Annotated[
-        Path | None,
-        Option(
-            "--path",
-            metavar="PATH.csv",
-            help="How many times as fast may the carrier follow this path? Columns: time, x, y, z "
-            "(file units), and optionally qw, qx, qy, qz; or ax, ay, az, ox, oy, oz, alx, aly, "
-            "alz in the frame of the carrier; or the joints of --robot.",
-            panel=QUESTION,
-            show_default=False,
-        ),
-    ] = None,
-    robot: Annotated[
-        Path | None,
-        Option(
-            "--robot",
-            metavar="ROBOT.urdf",
-            help="The --path has the values of the joints of this robot over time, in columns "
-            "with their names [rad or m].",
-            panel=QUESTION,
-            show_default=False,
-        ),
-    ] = None,
-    flange: Annotated[
-        str | None,
-        Option(
-            "--flange",
-            metavar="LINK",
-            help="Link of --robot on which the assembly stands; its frame is that of the file.",
-            panel=QUESTION,
-            show_default=False,
-        ),
-    ] = None,
-    collapse: Annotated[
-        bool,
-        Option(
-            "--collapse",
-            help="Also the collapse multipliers of horizontal forces: mechanism, participating "
-            "mass, and spectral acceleration.",
-            panel=QUESTION,
-        ),
-    ] = False,
-    fc: Annotated[
-        float,
-        Option(
-            "--fc",
-            metavar="FC",
-            help="Confidence factor of the spectral accelerations of --collapse.",
-            panel=QUESTION,
-        ),
-    ] = 1.35,
-    mu_range: Annotated[
-        tuple[float, float] | None,
-        Option(
-            "--mu-range",
-            metavar="LOW HIGH",
-            help="Factors between which every friction coefficient varies. All limits are those of "
-            "the worst case, which is LOW.",
-            panel=UNSURE,
-            show_default=False,
-        ),
-    ] = None,
-    figure: Annotated[
-        Path | None,
-        Option(
-            "--figure",
-            metavar="OUT.svg|png|pdf",
-            help="Also write a figure of all horizontal accelerations, or of the speed factor of "
-            "--path over time. Needs kilter[figures].",
-            panel=FORM,
-            show_default=False,
-        ),
-    ] = None,
-    film: Annotated[
-        Path | None,
-        Option(
-            "--film",
-            metavar="OUT.glb",
-            help="Also write a film of the parts that start to move first, seen from the carrier.",
-            panel=FORM,
-            show_default=False,
-        ),
-    ] = None,
-    require: Require = REQUIRE,
-) -> int:
+def transport(asked: Asked, options: TransportOptions) -> int:
     """Find how hard a carrier may accelerate, brake and turn before a part on it moves.
 
     The frame of the file is fixed in the carrier: a truck, a trolley, a robot's wrist. Held parts
@@ -158,44 +111,42 @@ def transport(
     from kilter.analysis.transport.transport import transport as find
 
     asked, accelerate = asked.without_acceleration()
-    if figure is not None:
-        _require_figure(figure, [accelerate, turn, turn_faster, code])
-        asked.apart(figure)
-    if film is not None:
+    if options.figure is not None:
+        _require_figure(
+            options.figure, [accelerate, options.turn, options.turn_faster, options.code]
+        )
+        asked.apart(options.figure)
+    if options.film is not None:
         from kilter import publish
 
-        publish.require_ending(film, publish.FILMS, "film")
-        asked.apart(film)
-    motion = _motion(accelerate, turn, turn_faster, about)
+        publish.require_ending(options.film, publish.FILMS, "film")
+        asked.apart(options.film)
+    motion = _motion(accelerate, options.turn, options.turn_faster, options.about)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         answer = find(
             assembly,
             turn=None if motion is None else motion(assembly),
-            code=code,
-            forward=forward,
-            path=_path(path, robot, flange, assembly.units),
-            collapse=collapse,
-            fc=fc,
-            mu_range=mu_range,
-            contacts=contacts,
-            require=require,
-            tolerance=asked.tolerance,
-            effort=asked.effort,
-            time_limit=asked.time_limit,
-            progress=progress,
+            code=options.code,
+            forward=options.forward,
+            path=_path(options.path, options.robot, options.flange, assembly.units),
+            collapse=options.collapse,
+            fc=options.fc,
+            mu_range=options.mu_range,
+            require=options.require,
+            **asked.shared(find, contacts, progress),
         )
-        if figure is not None:
+        if options.figure is not None:
             from kilter import publish
 
             progress("figure")
-            publish.draw(answer, figure)
-        if film is not None:
+            publish.draw(answer, options.figure)
+        if options.film is not None:
             progress("film")
-            publish.animate(answer, film)
+            publish.animate(answer, options.film)
     data = answer.to_dict()
     after = asked.keep_proof(answer.proof if _has_proof(answer) else None, data)
-    for name, file in (("figure", figure), ("film", film)):
+    for name, file in (("figure", options.figure), ("film", options.film)):
         after += f"\n{name:13s}written to {file}" if file else ""
     asked.tell(data, after=after)
     return _exit_code(answer)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import field, replace
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -38,7 +38,7 @@ from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.open_pairs import OpenPair, still_open
 from kilter.errors import InputError
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
-from kilter.tell.record import AnswerInWords, InPython, Record, UnitWord, key
+from kilter.tell.record import AnswerInWords, InPython, Record, Shape, UnitWord, key
 
 __all__ = [
     "INTERFERE",
@@ -57,7 +57,7 @@ LISTED = 1000
 class GapHistogram(Record):
     """Numbers of gaps of opposing faces, relative to the size of the smaller part."""
 
-    edges: Array
+    edges: Annotated[Array, Shape(None, infinite=True)]
     """Edges of the bins [-]; null for an infinite edge."""
     counts: Index
     """Number of gaps in each bin."""
@@ -426,21 +426,22 @@ class ContactSet(AnswerInWords):
     @key
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the file, the geometry and the contact search."""
+        assembly = self.assembly
+        warnings = [*assembly.notes, *assembly.geometry.warnings, *self.notes]
+        if self.overlaps:
+            warnings += self._overlap_warnings()
+        if assembly.joints:
+            warnings += joints_beyond(assembly, self.searched)
+        return tuple(warnings)
+
+    def _overlap_warnings(self) -> list[str]:
+        """Warnings about overlaps that are open pairs, and about misplaced copies of parts."""
         left_open = {frozenset(pair.ends) for pair in self.open_pairs}
         over = [overlap for overlap in self.overlaps if frozenset(overlap.ends) in left_open]
-        assembly = self.assembly
+        names = self.assembly.names
         odd = [
-            (assembly.names[part], self._names(overlapped), assembly.names[copy])
-            for part, overlapped, copy in odd_copies(assembly.geometry, self.overlaps, over)
+            (names[part], [names[k] for k in overlapped], names[copy])
+            for part, overlapped, copy in odd_copies(self.assembly.geometry, self.overlaps, over)
         ]
-        return (
-            *assembly.notes,
-            *assembly.geometry.warnings,
-            *self.notes,
-            *overlap_warnings([overlap.to_dict() for overlap in over], assembly.units),
-            *copy_warnings(odd),
-            *joints_beyond(assembly, self.searched),
-        )
-
-    def _names(self, parts: Any) -> list[str]:
-        return [self.assembly.names[k] for k in parts]
+        depths = overlap_warnings([overlap.to_dict() for overlap in over], self.assembly.units)
+        return [*depths, *copy_warnings(odd)]

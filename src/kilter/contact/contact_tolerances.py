@@ -4,7 +4,7 @@ A name states the compared quantity: an angle [rad], a fraction of a size [-], o
 another tolerance [-]. The user chooses only the gap and the angle of two faces
 (`kilter.contact.common.gaps.Tolerance`); all others follow from the data.
 
-This order must hold, and is tested in ``tests/contact/test_contact_tolerances.py``:
+This order must hold, and is tested in ``tests/contact/test_searches.py``:
 
     angles between faces      PATCH_ANGLE < ANGLE < LOOSE_ANGLE < LOOKED_AT_ANGLE
     flatness and gaps         SAME_PLACE < FACET_FLATNESS < GAP < ONE_POINT < LOOSE_GAP

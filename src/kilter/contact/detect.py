@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
+from kilter.assembly.question import Question, question
 from kilter.assembly.side_by_side import SideBySide
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
 from kilter.contact.common.contact_search import (
     ContactSearch,
     begin_search,
@@ -24,7 +23,7 @@ from kilter.contact.common.patches import Patches, PossibleContacts
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
 from kilter.contact.curved.coaxial_faces import Fit, coaxial_fits
-from kilter.contact.curved.curved_patches import raised_warnings
+from kilter.contact.curved.curved_patches import raised_warning
 from kilter.contact.curved.rims import rim_contacts
 from kilter.contact.flat_contacts import GAP_EDGES
 from kilter.contact.friction_coefficients import (
@@ -32,11 +31,10 @@ from kilter.contact.friction_coefficients import (
     friction_coefficients,
     with_piece_friction,
 )
-from kilter.contact.open_pairs import find_open_pairs, open_forces
+from kilter.contact.open_pairs import OpenPair, find_open_pairs, open_forces
 from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
-from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warnings
+from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warning
 from kilter.errors import InputError
-from kilter.values.guesses import guarded
 from kilter.work import facts_of, stop_after, take_at_least
 
 __all__ = [
@@ -54,27 +52,15 @@ LEAST_TIME = 0.2
 """Time in which contacts are searched for whatever the time limit [s]."""
 
 
-@guarded
+@question(lacks="contacts require effort")
 def contacts(
-    assembly: AssemblyOrPath,
-    *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    tolerance: Tolerance | None = None,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
+    asked: Question,
 ) -> ContactSet:
     """Find the contacts of an assembly.
 
     Parameters
     ----------
     assembly : Assembly, or path
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    tolerance, progress : optional
-        As in `kilter.check`.
     time_limit : float, optional
         Time limit [s]. Near pairs that are not examined until then are open pairs of the kind
         "unexamined". The search takes at least 0.2 s, which suffice for small assemblies.
@@ -106,24 +92,32 @@ def contacts(
     >>> result.patch_area, result.patch_normal.tolist()
     (array([1.]), [[0.0, 0.0, 1.0]])
     """
-    assembly = asked_assembly(
-        assembly, "contacts", None, friction=friction, down=down, ground=ground, floor=floor
-    )
-    tolerance = tolerance or assembly.tolerance or Tolerance()
+    assembly, time_limit = asked.assembly, asked.seconds_left
+    tolerance = asked.tolerance or assembly.tolerance or Tolerance()
     if not isinstance(tolerance, Tolerance):
         raise InputError(
             f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
         )
     tolerance.require_sound()
-    report_stage = progress or (lambda stage: None)
     with stop_after(time_limit):
-        search, findings = _search(assembly, tolerance, report_stage, time_limit)
+        search, findings = _search(assembly, tolerance, asked.tell, time_limit)
         contact_set = _contact_set(assembly, search, findings, tolerance)
-        report_fact = facts_of(progress)
+        report_fact = facts_of(asked.progress)
         if report_fact is not None:
             report_fact("contacts", touching_words(contact_set))
-        report_stage("nearest parts")
+        asked.tell("nearest parts")
         return _with_neighbours(contact_set)
+
+
+def touching(asked: Question) -> ContactSet:
+    """The contacts of a question: those given with it, or those of its assembly."""
+    if asked.contacts is None:
+        return contacts(asked)
+    if not isinstance(asked.contacts, ContactSet):
+        raise InputError(
+            f"contacts are {asked.contacts!r:.60}", hint="give what kilter.contacts returns"
+        )
+    return asked.contacts
 
 
 def _search(
@@ -159,8 +153,11 @@ def contacts_of_findings(
 
 def _with_neighbours(contact_set: ContactSet) -> ContactSet:
     """Contacts with the nearest part of each part that touches nothing."""
-    geometry, alone = contact_set.assembly.geometry, contact_set.alone
-    return dataclasses.replace(contact_set, neighbours=nearest_parts(geometry, alone))
+    alone = contact_set.alone
+    if not len(alone):
+        return contact_set
+    nearest = nearest_parts(contact_set.assembly.geometry, alone)
+    return dataclasses.replace(contact_set, neighbours=nearest)
 
 
 def touching_words(contact_set: ContactSet) -> str:
@@ -206,22 +203,19 @@ def _contact_set(
 
     Pairs of the search without findings become open pairs.
     """
-    gap = search.limits.gap
-    examined = findings.search
-    flat, sharp, joints = findings.flat, findings.sharp, findings.smooth.joints
-    faces = findings.faces
-    found = Patches.join([faces, sharp.patches, _listed_patches(assembly)])
-    patches, of_pieces = with_piece_friction(assembly, examined, found)
+    examined, faces = findings.search, findings.faces
+    found = [faces, findings.sharp.patches]
+    if assembly.contacts or assembly.bonds:
+        found.append(_listed_patches(assembly))
+    patches, of_pieces = with_piece_friction(assembly, examined, Patches.join(found))
     unsupported = findings.unsupported
     overlaps = tuple(sorted(findings.overlaps, key=lambda overlap: overlap.ends))
     rejected = sorted([*findings.refused, *findings.near_edges], key=_rank)
-    # the first rows are the normals of the degenerate points, in order
-    possible = [sharp.degenerate.pushes(), sharp.possible]
-    if len(search.geometry.surfaces):
-        possible += [rim_contacts(search.geometry, flat.patches), findings.curved.possible]
     unexamined = search.pairs[len(examined.pairs) :]
     left_open = find_open_pairs(assembly, overlaps, rejected, unsupported, unexamined)
-    cut = sum(pair.kind == "unexamined" for pair in left_open)
+    fits: tuple[Fit, ...] = ()
+    if len(search.geometry.surfaces):
+        fits = _fits(assembly, examined, tolerance, {frozenset(pair.ends) for pair in overlaps})
     return ContactSet(
         assembly=assembly,
         patch_parts=patches.parts,
@@ -241,38 +235,61 @@ def _contact_set(
         unsupported=unsupported,
         possible=PossibleContacts.join(
             [
-                _with_friction(assembly, PossibleContacts.join(possible)),
+                *_possible_forces(assembly, findings),
                 of_pieces,
-                _tilted_forces(assembly, findings),
-                open_forces(left_open, search.geometry),
+                *([open_forces(left_open, search.geometry)] if left_open else ()),
             ]
         ),
         near=tuple(rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
-        gap_counts=np.bincount(flat.gaps[:, 1], minlength=len(GAP_EDGES) - 1),
+        gap_counts=np.bincount(findings.flat.gaps[:, 1], minlength=len(GAP_EDGES) - 1),
         searched=tolerance,
-        gap=float(gap.max(initial=0.0)),
-        notes=(
-            *((f"the time limit was reached: {unexamined_words(cut)}",) if cut else ()),
-            *gap_warnings(flat.patches, rejected, examined.limits),
-            *raised_warnings(findings.curved.raised),
-            *smooth_warnings(joints),
-            *closed_by_clearance(assembly, faces, examined.limits),
-        ),
-        degenerate=sharp.degenerate,
+        gap=float(search.limits.gap.max(initial=0.0)),
+        notes=tuple(_notes(assembly, findings, rejected, left_open)),
+        degenerate=findings.sharp.degenerate,
         open_pairs=left_open,
-        fits=_fits(assembly, examined, tolerance, {frozenset(pair.ends) for pair in overlaps}),
+        fits=fits,
     )
 
 
-def _tilted_forces(assembly: Assembly, findings: PairFindings) -> PossibleContacts:
-    """Forces of smooth contacts, within friction and the error of their normals."""
-    if not findings.smooth.joints:
-        return PossibleContacts.none()
-    pairs = findings.search.pairs
-    mu = friction_coefficients(assembly, pairs, greatest=True)
-    return possible_forces_of(findings.smooth.joints, pairs, mu)
+def _notes(
+    assembly: Assembly,
+    findings: PairFindings,
+    rejected: list[RejectedPair],
+    left_open: tuple[OpenPair, ...],
+) -> Iterator[str]:
+    """Yield warnings about the search, the tolerance of gaps, and faces of limited accuracy."""
+    limits, raised, joints = findings.search.limits, findings.curved.raised, findings.smooth.joints
+    cut = sum(pair.kind == "unexamined" for pair in left_open)
+    if cut:
+        yield f"the time limit was reached: {unexamined_words(cut)}"
+    yield from gap_warnings(findings.flat.patches, rejected, limits)
+    if len(raised):
+        yield raised_warning(len(raised))
+    if joints:
+        yield smooth_warning(joints)
+    yield from closed_by_clearance(assembly, findings.faces, limits)
+
+
+def _possible_forces(assembly: Assembly, findings: PairFindings) -> Iterator[PossibleContacts]:
+    """Yield forces of contacts that are not modelled, with the friction of their pairs.
+
+    The first rows are the normals of the degenerate points, in order.
+    """
+    sharp, joints, search = findings.sharp, findings.smooth.joints, findings.search
+    possible = [sharp.possible]
+    if len(sharp.degenerate):
+        possible.insert(0, sharp.degenerate.pushes())
+    if len(search.geometry.surfaces):
+        rims = rim_contacts(search.geometry, findings.flat.patches)
+        possible += [rims, findings.curved.possible]
+    forces = PossibleContacts.join(possible)
+    if len(forces):
+        yield _with_friction(assembly, forces)
+    if joints:
+        mu = friction_coefficients(assembly, search.pairs, greatest=True)
+        yield possible_forces_of(joints, search.pairs, mu)
 
 
 def _fits(
@@ -331,12 +348,8 @@ def _own_friction(contact: GivenContact | Bond) -> float:
 def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:
     """Copy of detected contacts with friction `mu` everywhere, equal to a new detection.
 
-    Parameters
-    ----------
-    detected : ContactSet
-        All contacts of an assembly, as `contacts` returns them.
-    mu : float
-        Friction coefficient of all pairs [-].
+    `detected`: all contacts of an assembly, as `contacts` returns them. `mu`: friction coefficient
+    of all pairs [-].
     """
     assembly = detected.assembly.with_friction(mu)
     if friction_needs_detection(detected):

@@ -71,12 +71,7 @@ __all__ = ["GAP_EDGES", "find_flat", "merge", "missing_areas"]
 def missing_areas(geometry: Geometry, facets: Facets, chosen: Index) -> Array:
     """Exact area of each chosen flat facet minus the area of its polygon, shape (n,).
 
-    Parameters
-    ----------
-    geometry : Geometry
-    facets : Facets
-    chosen : ndarray of int, shape (n,)
-        Indices of the facets; a facet may occur several times.
+    `chosen`, shape (n,): indices of the facets; a facet may occur several times.
     """
     missing = np.zeros(len(facets.part))
     s = geometry.surfaces
@@ -99,13 +94,8 @@ def missing_areas(geometry: Geometry, facets: Facets, chosen: Index) -> Array:
 def _round_edges(geometry: Geometry, part: int) -> tuple[Chords, Index, Array]:
     """Edges between triangles in planes and exact curved surfaces of a part.
 
-    Returns
-    -------
-    chords : Chords
-    key : ndarray of int, shape (n,)
-        First vertex times the number of vertices, plus the second, in the sense of the flat face.
-    outward : ndarray, shape (n, 3)
-        Unit vectors in the flat face, away from it.
+    Returns `key`, shape (n,): first vertex times the number of vertices, plus the second, in the
+    sense of the flat face; `outward`, shape (n, 3): unit vectors in the flat face, away from it.
     """
     g, s = geometry, geometry.surfaces
     span = slice(g.triangle_start[part], g.triangle_start[part + 1])

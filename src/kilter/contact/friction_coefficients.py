@@ -30,15 +30,8 @@ def friction_coefficients(
     The pieces that touch are unknown here. The coefficient is the least of all pieces of the pair,
     which is certain, or the greatest.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    parts : ndarray of int, shape (n, 2)
-        Parts of each contact, by position.
-    given : ndarray, shape (n,), optional
-        Friction coefficient that is known for each contact; NaN: that of its pair [-].
-    greatest : bool
-        Whether the greatest coefficient of the pieces is returned instead of the least.
+    `parts`, shape (n, 2): parts of each contact, by position. `given`, shape (n,): friction
+    coefficient that is known for each contact; NaN: that of its pair [-].
 
     Examples
     --------
@@ -90,13 +83,15 @@ def with_piece_friction(
     Patches of pieces that never touch are left out.
     """
     table = _friction_table(assembly)
+    if not table:
+        return patches, PossibleContacts.none()
     pieces, mu = patches.pieces.copy(), patches.mu.copy()
     keep = np.ones(len(patches), dtype=bool)
     rows: list[int] = []
     most: list[float] = []
     parts = patches.parts.tolist()
     # a listed contact, whose pair is -1, has its own coefficient
-    for k in np.flatnonzero(patches.pair >= 0).tolist() if table else ():
+    for k in np.flatnonzero(patches.pair >= 0).tolist():
         a, b = parts[k]
         stated = table.get((min(a, b), max(a, b)))
         if stated is None:

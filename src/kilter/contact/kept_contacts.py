@@ -70,14 +70,8 @@ class KeptContacts:
     ) -> KeptContacts:
         """Search for the contacts of an assembly, also between held parts that may be released.
 
-        Parameters
-        ----------
-        assembly : Assembly
-        tolerance : Tolerance
-        held : collection of str
-            Parts that stay held in each later assembly; tables stay held anyway.
-        progress : callable, optional
-            Called with the name of each stage.
+        `held`: parts that stay held in each later assembly; tables stay held anyway. `progress`:
+        called with the name of each stage.
         """
         tell = progress or (lambda stage: None)
         free = [
@@ -175,17 +169,9 @@ def _reduced(
 def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
     """The contacts that remain if an assembly is reduced to some of its parts in place.
 
-    Parameters
-    ----------
-    contacts : ContactSet
-        Contacts of all parts.
-    assembly : Assembly
-        Assembly of the subset, with the same names, as `Assembly.without` returns.
-
-    Raises
-    ------
-    InputError
-        If the assembly has a part that the contacts do not know.
+    `contacts`: contacts of all parts. `assembly`: assembly of the subset, with the same names, as
+    `Assembly.without` returns. Raises `InputError` if the assembly has a part that the contacts do
+    not know.
 
     Examples
     --------
@@ -243,11 +229,7 @@ def _still_free(pairs: tuple[OpenPair, ...], assembly: Assembly) -> tuple[OpenPa
 def without_overlaps(contacts: ContactSet, parts: Collection[int]) -> ContactSet:
     """Contacts in which the overlaps of some parts exert no force.
 
-    Parameters
-    ----------
-    contacts : ContactSet
-    parts : collection of int
-        Parts whose overlaps, as open pairs, are left out.
+    `parts`: parts whose overlaps, as open pairs, are left out.
 
     Examples
     --------

@@ -76,13 +76,8 @@ def find_open_pairs(
 ) -> tuple[OpenPair, ...]:
     """Pairs of parts whose contact the geometry leaves open; a single entry for each pair.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    overlaps, rejected, unsupported
-        Records of the contact search.
-    unexamined : ndarray of int, shape (n, 2)
-        Pairs that the search did not examine, because a time limit ended it.
+    `overlaps`, `rejected`, `unsupported`: records of the contact search. `unexamined`, shape (n,
+    2): pairs that the search did not examine, because a time limit ended it.
     """
     size = assembly.geometry.size
     entries = [_from_overlap(overlap) for overlap in overlaps]

@@ -168,10 +168,7 @@ class SharedBody:
 def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:
     """The intersection of parts a and b, empty if they are apart; None if a part is not closed.
 
-    Returns
-    -------
-    SharedBody or None
-        None if the triangles of a part bound no body: an edge with one face, or with four.
+    Returns None if the triangles of a part bound no body: an edge with one face, or with four.
     """
     solid_a, solid_b = solids.of(a), solids.of(b)
     if solid_a is None or solid_b is None:
@@ -195,10 +192,7 @@ def depth_of(
 ) -> float:
     """Depth to which two parts overlap, at least `least` [length unit].
 
-    Returns
-    -------
-    float
-        `least` if the overlap is not deeper.
+    Returns `least` if the overlap is not deeper.
     """
     deepest = least
     for part, on_other in ((parts[1], body.of_first), (parts[0], ~body.of_first)):
@@ -234,30 +228,11 @@ def _farthest(points: Array, patch: Array, surface: Array, least: float) -> floa
     return least
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _OverlapSearch:
-    """Data of the overlap search: the assembly, its contact patches and its parts as solids."""
-
-    face_patches: FacePatches
-
-    @property
-    def solids(self) -> PartSolids:
-        return self.face_patches.search.solids
-
-    @property
-    def geometry(self) -> Geometry:
-        return self.face_patches.search.geometry
-
-    @property
-    def facets(self) -> Facets:
-        return self.face_patches.search.facets
-
-
 def find_overlaps(
-    assembly: Assembly, face_patches: FacePatches, tolerances: Tolerance
+    assembly: Assembly, faces: FacePatches, tolerances: Tolerance
 ) -> tuple[Overlap, ...]:
     """Find the pairs of parts that occupy the same space, with the shared volume."""
-    search = face_patches.search
+    search = faces.search
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
     a, b = search.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
@@ -265,13 +240,12 @@ def find_overlaps(
     tolerance = search.limits.gap + geometry.slack[a] + geometry.slack[b]
     deep = deep_boxes(geometry, boxes, search.pairs, search.limits)
     # convex parts with a patch lie on either side of its plane
-    rows = np.flatnonzero(deep & ~(is_settled(face_patches)))
-    overlaps = list({overlap.ends: overlap for overlap in face_patches.curved.overlaps}.values())
+    rows = np.flatnonzero(deep & ~(is_settled(faces)))
+    overlaps = list({overlap.ends: overlap for overlap in faces.curved.overlaps}.values())
     overlaps += [_same_body(geometry, (i, j)) for i, j in search.same_bodies.tolist()]
     recorded = {overlap.ends for overlap in overlaps}
     if not overlaps and not len(rows):
         return ()
-    overlap_search = _OverlapSearch(face_patches)
     known: dict[tuple[object, ...], Overlap | None] = {}
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
@@ -279,17 +253,17 @@ def find_overlaps(
             continue
         stop_if_late()
         if both_convex[row]:
-            overlap = _convex_overlap(overlap_search, parts, float(tolerance[row]))
+            overlap = _convex_overlap(faces, parts, float(tolerance[row]))
         else:
             copy = _copy_key(assembly, parts, float(tolerance[row]))
             if copy not in known:
-                known[copy] = _general_overlap(overlap_search, row, parts, float(tolerance[row]))
+                known[copy] = _general_overlap(faces, row, parts, float(tolerance[row]))
             found = known[copy]
             overlap = None if found is None else replace(found, ends=parts)
         if overlap is not None:
             overlaps.append(overlap)
     return tuple(
-        _with_volume(overlap_search, overlap, tolerances)
+        _with_volume(faces, overlap, tolerances)
         for overlap in _with_interference(assembly, overlaps, tolerances)
     )
 
@@ -327,15 +301,15 @@ def _with_interference(
     ]
 
 
-def _with_volume(overlap_search: _OverlapSearch, overlap: Overlap, tolerance: Tolerance) -> Overlap:
+def _with_volume(faces: FacePatches, overlap: Overlap, tolerance: Tolerance) -> Overlap:
     """The overlap with its shared volume, also as a fraction of the smaller part's volume.
 
     The share is None if the smaller part is thinner than the gap tolerance.
     """
-    volume, geometry, both = overlap.volume, overlap_search.geometry, list(overlap.ends)
+    volume, geometry, both = overlap.volume, faces.search.geometry, list(overlap.ends)
     exact = overlap.why == SAME_BODY or not (geometry.slack[both] > 0).any()
     if volume is None or not exact:
-        body = shared_body(overlap_search.solids, *overlap.ends)
+        body = shared_body(faces.search.solids, *overlap.ends)
         volume = _exact_volume(geometry, overlap.ends, body) if body is not None else volume
     smaller = int(both[int(np.argmin(geometry.volume[both]))])
     thinnest = float(tolerance.gap_of(geometry.size[[smaller]])[0])
@@ -376,24 +350,24 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
 
 
 def _general_overlap(
-    overlap_search: _OverlapSearch, row: int, parts: tuple[int, int], tolerance: float
+    faces: FacePatches, row: int, parts: tuple[int, int], tolerance: float
 ) -> Overlap | None:
     """Overlap of two parts of any shape; None if its depth is within the tolerance.
 
     Points on curved faces that touch over an area are ignored: only triangulations overlap there.
     """
-    geometry, (a, b) = overlap_search.geometry, parts
+    geometry, (a, b) = faces.search.geometry, parts
     if coincide(geometry, a, b):
         return _same_body(geometry, parts)
 
     def on_patch(points: Array) -> Mask:
-        return in_patch(overlap_search.face_patches, row, points, 2 * tolerance)
+        return in_patch(faces, row, points, 2 * tolerance)
 
-    body = shared_body(overlap_search.solids, a, b)
+    body = shared_body(faces.search.solids, a, b)
     if body is None:
         volume, depth = None, depth_by_winding(geometry, parts, tolerance, on_patch)
     else:
-        depth = depth_of(overlap_search.solids, parts, body, least=tolerance, without=on_patch)
+        depth = depth_of(faces.search.solids, parts, body, least=tolerance, without=on_patch)
         volume = body.volume
     return Overlap(parts, volume, depth, "overlap") if depth > tolerance else None
 
@@ -414,18 +388,16 @@ def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array,
     return facets.normal[span], facets.origin[span]
 
 
-def _convex_overlap(
-    overlap_search: _OverlapSearch, parts: tuple[int, int], tolerance: float
-) -> Overlap | None:
+def _convex_overlap(faces: FacePatches, parts: tuple[int, int], tolerance: float) -> Overlap | None:
     """Overlap of two convex parts; None if they are apart or only touch."""
-    geometry, (a, b) = overlap_search.geometry, parts
+    geometry, (a, b) = faces.search.geometry, parts
     if coincide(geometry, a, b):
         return _same_body(geometry, parts)
     middle = geometry.center[a]
     # separation by the planes of the facets, relative to the centre of a to keep digits
     normals, offsets, separation = [], [], -np.inf
     for part, other in ((a, b), (b, a)):
-        n, origin = _facet_planes(geometry, overlap_search.facets, part)
+        n, origin = _facet_planes(geometry, faces.search.facets, part)
         offset = np.einsum("ij,ij->i", n, origin - middle)
         nearest = (n @ (_corners(geometry, other) - middle).T).min(axis=1) - offset
         separation = max(separation, float(nearest.max()))

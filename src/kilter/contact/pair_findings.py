@@ -136,10 +136,7 @@ def find_families(search: ContactSearch) -> FacePatches:
 
     A family that is absent is skipped, and its modules are not imported.
 
-    Raises
-    ------
-    TimeLimitReached
-        If the limit of `kilter.work.stop_after` is reached.
+    Raises `TimeLimitReached` if the limit of `kilter.work.stop_after` is reached.
     """
     found = FacePatches(search)
     for family in FAMILIES:
@@ -153,10 +150,7 @@ def find_families(search: ContactSearch) -> FacePatches:
 def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> PairFindings:
     """Examine all pairs of a search together.
 
-    Raises
-    ------
-    TimeLimitReached
-        If the limit of `kilter.work.stop_after` is reached.
+    Raises `TimeLimitReached` if the limit of `kilter.work.stop_after` is reached.
     """
     found = find_families(search)
     findings = PairFindings(

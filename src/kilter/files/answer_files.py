@@ -15,16 +15,28 @@ from kilter.values.guesses import guarded
 __all__ = ["LoadedAnswer", "load_answer"]
 
 
+class _Piece(dict[str, Any]):
+    """A piece of an answer, such as a part; keys are attributes."""
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> Any:
+        if name in self:
+            return self[name]
+        raise AttributeError(f"this piece of the answer has no key {name!r}")
+
+
 class LoadedAnswer(Mapping[str, Any]):
     """An answer read from a JSON file, read-only; keys are attributes, parts are found by name.
 
-    Nothing is computed: what `to_json` did not write is not there.
+    Keys of its pieces are attributes, too, as in the answer that was written. Nothing is computed:
+    what `to_json` did not write is not there.
 
     Examples
     --------
     >>> text = '{"answer": "check", "schema": 1, "verdict": "stable", "parts": [{"name": "a"}]}'
     >>> answer = load_answer(text)
-    >>> answer.answer, answer.verdict, answer["verdict"], answer.part("a")["name"]
+    >>> answer.answer, answer.verdict, answer["verdict"], answer.parts[0].name
     ('check', 'stable', 'stable', 'a')
     """
 
@@ -110,7 +122,7 @@ def load_answer(source: str | os.PathLike[str]) -> LoadedAnswer:
                 f"the answer cannot be read: {reason}", file=place, hint="give a file of to_json"
             ) from None
     try:
-        data = json.loads(str(text))
+        data = json.loads(str(text), object_hook=_Piece)
     except ValueError as error:
         raise InputError(
             f"not JSON: {error}", file=place, hint="give the text of to_json"

@@ -9,21 +9,22 @@ import dataclasses
 import fnmatch
 import math
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
-from kilter.assembly.verb_keywords import holding, on_floor
+from kilter.assembly.question import holding, on_floor
 from kilter.errors import InputError, some_names
 from kilter.files.choices import LOWEST, Choices, find_choices
 from kilter.files.choices_off import require_off, require_saved
 from kilter.files.file_content import FileContent, read_path
 from kilter.files.format_options import BASES, FormatOptions
 from kilter.files.lying import UP, note_on_up
+from kilter.files.reading_options import ReadingOptions
 from kilter.files.reading_steps import (
     on_carrier,
     with_contacts_of,
@@ -58,59 +59,24 @@ _OR = " or "
 
 @guarded
 @dataclass(frozen=True, slots=True)
-class Reading:
-    """The user's options for reading a file that change the assembly; a proof lists them.
-
-    The options of `load`, and those of `kilter.fastened`: pairs of part names to join
-    (`fasten`), whether to join pairs that look fastened, whether to join pairs that overlap.
-    Each entry of `bond` has two part names and a pull [N]. `floor` is a height [length unit] or
-    `LOWEST`.
-
-    `mass` has name patterns and masses [kg], `load` names of parts and the components of a force at
-    the centre of mass [N]. `accelerate` is the acceleration of a carrier to which the held parts
-    belong, as text: m/s^2, or g as in "0.5g"; the assembly then feels gravity less it.
-
-    `entries` are the keys of choices without an option, as JSON data (`kilter.files.choices`).
-    `saved` names the options that come from choices: the parts that they name may be missing.
-    `off` names the saved options that are ignored, and `release` saved held parts that are not
-    held (`kilter.files.choices_off`). After a merge with choices, `release` applies to the parts
-    that the saved wildcards of `ground` match.
+class Reading(ReadingOptions):
+    """The options of reading a file, and the assembly that they make of its content.
 
     Raises
     ------
     InputError
-        If `up`, `base`, `contacts`, `off` or a brick rule has an invalid value, or if two of the
-        given options contradict each other.
+        If `up`, `base`, `contacts`, `off`, a bond or a brick rule has an invalid value, or if two
+        of the given options contradict each other.
     """
-
-    ground: tuple[str, ...] = ()
-    floor: float | str | None = None
-    without: tuple[str, ...] = ()
-    down: tuple[float, float, float] | None = None
-    friction: float | None = None
-    units: str | None = None
-    density: float | None = None
-    fasten: tuple[tuple[str, str], ...] = ()
-    fasten_suggested: bool = False
-    fasten_overlaps: bool = False
-    up: str | None = None
-    contacts: str | None = None
-    keyframe: str | None = None
-    base: str | None = None
-    stud_pull: float | None = None
-    stud_shear: float | str | None = None
-    brick_sides: str | None = None
-    bond: tuple[tuple[str, str, float], ...] = ()
-    entries: Mapping[str, Any] = field(default_factory=dict)
-    saved: tuple[str, ...] = ()
-    off: tuple[str, ...] = ()
-    release: tuple[str, ...] = ()
-    mass: tuple[tuple[str, float], ...] = ()
-    load: tuple[tuple[str, float, float, float], ...] = ()
-    accelerate: tuple[str, str, str] | None = None
 
     def __post_init__(self) -> None:
         _ = self.studs
+        object.__setattr__(self, "off", tuple(dict.fromkeys(self.off)))
+        for *_names, pull in self.bond:
+            if not (math.isfinite(pull) and pull >= 0):
+                raise InputError(
+                    f"bond has a pull of {pull:g} N", hint="give two names and newtons, 0 or more"
+                )
         if self.base is not None and self.base not in BASES:
             raise InputError(f"the base is {self.base!r:.40}", hint=f"use {_OR.join(BASES)}")
         if self.up is not None and self.up not in UP:
@@ -464,7 +430,7 @@ def reading_for(
         floor=height,
         without=_names(without),
         down=None if down is None else (x, y, z),
-        off=tuple(dict.fromkeys([*_names(off), *(["floor"] if floor is False else [])])),
+        off=(*_names(off), *(["floor"] if floor is False else [])),
         release=_names(release),
         **others,
     )

@@ -55,7 +55,7 @@ End = Literal["balance", "runs-away", "not-found"]
 
 
 class Settling(Record, kw_only=False):
-    """Results of the settling tries, in which parts start with gaps and come down by their weight."""
+    """Results of the settling tries: parts start with gaps and come down by their weight."""
 
     ends: tuple[End, ...]
     """End of each try; the first try that is not found is the last."""

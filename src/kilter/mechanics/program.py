@@ -481,9 +481,16 @@ def build_program(
         blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
         blocks.append(sticking_rows(contacts, geometry))
-    joints = joint_rows(assembly, geometry, contacts.searched)
-    blocks += [joints, strap_rows(assembly, geometry)]
+    clamp = np.zeros((len(assembly.parts), 6))
+    if assembly.joints:
+        blocks.append(joint_rows(assembly, geometry, contacts.searched))
+        clamp += spring_wrenches(assembly)
+    if assembly.straps:
+        blocks.append(strap_rows(assembly, geometry))
+        clamp += strap_wrenches(assembly)
     rows = ForceRows.join(blocks)
+    if assembly.bonds:
+        clamp += clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull)
     return Program(
         names=assembly.names,
         free=~geometry.grounded,
@@ -493,9 +500,7 @@ def build_program(
         radius=geometry.radius,
         gravity=assembly.gravity,
         applied=_applied_loads(assembly, geometry),
-        clamp=clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull)
-        + strap_wrenches(assembly)
-        + spring_wrenches(assembly),
+        clamp=clamp,
         tolerance=_part_tolerances(contacts, geometry),
         planar=assembly.planar,
         units=assembly.units,

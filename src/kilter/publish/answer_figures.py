@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from kilter.assembly.question import Question, question
 from kilter.errors import InputError
 from kilter.publish.output_files import require_figure
 from kilter.publish.subjects import changed_subject, path_of, require_steps
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike
 
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
@@ -22,8 +20,8 @@ if TYPE_CHECKING:
     from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
-    from kilter.assembly.verb_keywords import AssemblyOrPath
-    from kilter.contact import ContactSet, Tolerance
+    from kilter.assembly.question import AssemblyOrPath
+    from kilter.contact import ContactSet
 
 __all__ = ["answer_to_draw", "draw"]
 
@@ -32,23 +30,16 @@ DRAWING = 1.0
 Tell = Callable[[str], None]
 
 
-@guarded
+@question(lacks="contacts require")
 def draw(
     subject: AssemblyOrPath | Verdict | Region | Order | Settled | Transport | Places,
     out: str | Path | None = None,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
+    asked: Question,
     what: Literal["assembly", "region"] = "assembly",
     view: tuple[float, float] | None = None,
     names: bool | None = None,
     contacts: ContactSet | bool | None = None,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Tell | None = None,
 ) -> Figure:
     """Draw the parts with their motion or forces, or the stable region on the sphere.
 
@@ -60,8 +51,6 @@ def draw(
         An answer is drawn unchanged. For an assembly, the answer is computed.
     out : path, optional
         File of the figure, ending in .svg, .png or .pdf.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     what : {"assembly", "region"}
         Figure of an assembly: its verdict or its stable region.
     view : (float, float), optional
@@ -71,8 +60,6 @@ def draw(
     contacts : ContactSet or bool, optional
         Contacts of this assembly; by default they are detected from its geometry. True or False
         decides whether contact patches are drawn; by default only few patches are drawn.
-    tolerance, effort, time_limit, progress : optional
-        As in `kilter.check`.
 
     Returns
     -------
@@ -95,58 +82,44 @@ def draw(
     >>> draw(scene("tower"), what="region").get_size_inches().tolist()
     [7.0, 4.3]
     """
-    require_figure(out, view)
-    shown = contacts if isinstance(contacts, bool) else None
-    known = None if isinstance(contacts, bool) else contacts
-    subject = changed_subject(
-        subject, "draw", known, friction=friction, down=down, ground=ground, floor=floor
-    )
-    answer = answer_to_draw(
-        subject,
-        what,
-        contacts=known,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        progress=progress,
-    )
-    figure = _figure_of(answer, view, names, shown)
-    if out is not None:
-        from kilter.files import write_bytes
-        from kilter.show.canvas import encode_figure
-
-        write_bytes(Path(out), encode_figure(figure, Path(out).suffix))
-    return figure
-
-
-def _figure_of(
-    answer: Any, view: tuple[float, float] | None, names: bool | None, contacts: bool | None
-) -> Figure:
-    """The figure of an answer."""
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport_answer import Transport
+    from kilter.show.canvas import encode_figure
     from kilter.show.figures import draw_assembly
     from kilter.show.movement_figure import draw_movement
     from kilter.show.plan_figure import draw_plan
     from kilter.show.sphere import draw_region
 
+    require_figure(out, view)
+    shown = contacts if isinstance(contacts, bool) else None
+    known = None if isinstance(contacts, bool) else contacts
+    asked = asked.but(contacts=known)
+    answer = answer_to_draw(changed_subject(subject, asked), what, asked)
     if isinstance(answer, Region):
-        return draw_region(answer)
-    if isinstance(answer, Settled):
-        return draw_movement(answer.drawn, answer.movement, answer.to_dict()["sentence"], view=view)
-    if isinstance(answer, Transport):
-        return _draw_transport(answer)
-    if isinstance(answer, Places):
-        return _draw_places(answer)
-    if isinstance(answer, Order):
+        figure = draw_region(answer)
+    elif isinstance(answer, Settled):
+        figure = draw_movement(
+            answer.drawn, answer.movement, answer.to_dict()["sentence"], view=view
+        )
+    elif isinstance(answer, Transport):
+        figure = _draw_transport(answer)
+    elif isinstance(answer, Places):
+        figure = _draw_places(answer)
+    elif isinstance(answer, Order):
         require_steps(answer)
-        return draw_plan(answer.states.assembly, answer.to_dict(), view=view)
-    path = path_of(answer)
-    fall = None if path is None else path.motions[path.half_way]
-    return draw_assembly(answer, view=view, names=names, contacts=contacts, fall=fall)
+        figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
+    else:
+        path = path_of(answer)
+        fall = None if path is None else path.motions[path.half_way]
+        figure = draw_assembly(answer, view=view, names=names, contacts=shown, fall=fall)
+    if out is not None:
+        from kilter.files import write_bytes
+
+        write_bytes(Path(out), encode_figure(figure, Path(out).suffix))
+    return figure
 
 
 def _draw_transport(answer: Transport) -> Figure:
@@ -181,16 +154,7 @@ def _draw_places(answer: Places) -> Figure:
     return draw_places(answer.to_dict(), answer.assembly, answer.prism.footprint.tolist())
 
 
-def answer_to_draw(
-    subject: Any,
-    what: str,
-    *,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Tell | None = None,
-) -> Any:
+def answer_to_draw(subject: Any, what: str, asked: Question) -> Any:
     """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
     from kilter.analysis.check import check
     from kilter.analysis.placing.place import Places
@@ -204,23 +168,11 @@ def answer_to_draw(
     if isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
         return subject
     require_assembly(subject, "draw")
-    if time_limit is not None:
-        time_limit = max(time_limit - DRAWING, time_limit / 2)
+    left = asked.seconds_left
+    asked = asked.within(None if left is None else max(left - DRAWING, left / 2))
+    asked = asked.but(assembly=subject)
     if what == "region":
-        return region(
-            subject,
-            contacts=contacts,
-            tolerance=tolerance,
-            time_limit=time_limit,
-            progress=progress,
-        )
+        return region(asked)
     if what != "assembly":
         raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
-    return check(
-        subject,
-        contacts=contacts,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        progress=progress,
-    )
+    return check(asked)

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kilter.assembly.question import Question, question
 from kilter.errors import InputError
 from kilter.publish.output_files import PAGES, require_ending, title_of
 from kilter.publish.subjects import changed_subject
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
-    from kilter.assembly.verb_keywords import AssemblyOrPath
-    from kilter.contact import ContactSet, Tolerance
+    from kilter.assembly.question import AssemblyOrPath
 
 __all__ = ["Report", "report"]
 
@@ -46,23 +42,15 @@ class Report:
         return f"Report({self.verdict!r}, {len(self.html.encode()) / 1e6:.2f} MB)"
 
 
-@guarded
+@question(lacks="require")
 def report(
     assembly: AssemblyOrPath | Order | Places,
     out: str | Path | None = None,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
+    asked: Question,
     title: str = "",
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
     margins: bool = False,
     command: str = "",
-    progress: Tell | None = None,
 ) -> Report:
     """Build an offline page: the assembly in 3D, its motion and forces, the gravity ball.
 
@@ -76,12 +64,8 @@ def report(
         `Places` of `kilter.place` is that of their assembly, with the map as a layer.
     out : path, optional
         File of the page, ending in .html.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     title : str
         Title of the page; by default the name of the file.
-    contacts, tolerance, effort, time_limit, progress : optional
-        As in `kilter.check`.
     margins : bool
         Compute margins even for more than 20 free parts; up to 20 the page always has them.
     command : str
@@ -106,23 +90,12 @@ def report(
     """
     if out is not None:
         require_ending(out, PAGES, "page")
-    subject = changed_subject(
-        assembly, "report", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    subject = changed_subject(assembly, asked)
     places = _map_of(subject)
     if places is not None and places.question is not None:
-        subject, contacts = places.assembly, places.question.contacts
-    page = _plan_page(subject, title, command, progress) or _page(
-        subject,
-        contacts,
-        places=places,
-        title=title,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        margins=margins,
-        command=command,
-        progress=progress,
+        subject, asked = places.assembly, asked.but(contacts=places.question.contacts)
+    page = _plan_page(subject, title, command, asked) or _page(
+        subject, asked, places=places, title=title, margins=margins, command=command
     )
     if out is not None:
         from kilter.files import write_text
@@ -151,7 +124,7 @@ def _map_of(subject: Any) -> Places | None:
     return subject
 
 
-def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) -> Report | None:
+def _plan_page(subject: Any, title: str, command: str, asked: Question) -> Report | None:
     """Build the page of a plan; None if `subject` is not a plan."""
     from kilter.analysis.planning.order.order import Order
 
@@ -160,24 +133,19 @@ def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) ->
     from kilter.analysis.planning.order.explained import explain
     from kilter.show.page import render_plan
 
-    if progress is not None:
-        progress("page")
+    asked.tell("page")
     name = title or title_of(subject.states.assembly.source or "an assembly")
     return Report(render_plan(subject, explain(subject), name, command=command), subject.verdict)
 
 
 def _page(
     assembly: Any,
-    contacts: ContactSet | None,
+    asked: Question,
     *,
-    places: Places | None = None,
+    places: Places | None,
     title: str,
-    tolerance: Tolerance | None,
-    effort: float,
-    time_limit: float | None,
     command: str,
-    margins: bool = False,
-    progress: Tell | None,
+    margins: bool,
 ) -> Report:
     """Build the page of an assembly, with the arguments of `report` and `view`."""
     from kilter.analysis.everything import everything
@@ -192,17 +160,8 @@ def _page(
             hint="leave parts out with assembly.without(...), or use kilter.check",
             option="leave parts out with --without NAME, or use 'kilter check'",
         )
-    answers = everything(
-        assembly,
-        contacts=contacts,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        margins=margins,
-        progress=progress,
-    )
-    if progress is not None:
-        progress("page")
+    answers = everything(asked.but(assembly=assembly), margins=margins)
+    asked.tell("page")
     name = title or title_of(assembly.source or "an assembly")
     html = render(answers, name, command=command, places=places)
     return Report(html, str(answers.given.check["verdict"]))

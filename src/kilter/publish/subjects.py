@@ -9,13 +9,13 @@ from kilter.errors import InputError
 if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.verdict.verdict import Verdict
-    from kilter.contact import ContactSet
+    from kilter.assembly.question import Question
     from kilter.second_order.answer.path_places import PathPlaces
 
 __all__ = ["changed_subject", "path_of", "require_steps"]
 
 
-def changed_subject(subject: Any, verb: str, contacts: ContactSet | None, **changes: Any) -> Any:
+def changed_subject(subject: Any, asked: Question) -> Any:
     """Return an assembly with the changes of the keywords; an answer rejects changes."""
     from kilter.analysis.placing.place import Places
     from kilter.analysis.planning.order.order import Order
@@ -23,11 +23,10 @@ def changed_subject(subject: Any, verb: str, contacts: ContactSet | None, **chan
     from kilter.analysis.settled_pose.settle import Settled
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
-    from kilter.assembly.verb_keywords import asked_assembly, require_unchanged
 
     if not isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
-        return asked_assembly(subject, verb, contacts, **changes)
-    require_unchanged(subject, **changes)
+        return asked.read(subject)
+    asked.require_unchanged(subject)
     return subject
 
 
@@ -35,7 +34,7 @@ def path_of(verdict: Verdict) -> PathPlaces | None:
     """Path along which a balanced assembly falls; None for any other verdict."""
     from kilter.second_order.answer.path_places import find_path_places
 
-    second = verdict.second_order
+    second = verdict.second_order_answer
     return None if second is None else find_path_places(verdict.assembly, second)
 
 

@@ -1,7 +1,7 @@
 """Tolerances of shapes and of the recognition of surfaces in meshes, and their order.
 
 Each is an angle [rad], a fraction of a size [-], or a multiple of another tolerance [-]. The
-following order is required; ``tests/test_shape_tolerances.py`` tests it:
+following order is required; ``tests/test_values.py`` tests it:
 
     lengths over sizes        NO_AREA < PLANE_FLATNESS < WELD = SURFACE_FIT
     edges of prisms           a prism of 12 sides < STEEPEST_EDGE < a prism of 11

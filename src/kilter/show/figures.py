@@ -93,7 +93,7 @@ def draw_assembly(
     """
     assembly = verdict.assembly
     names = len(assembly.parts) <= NAMED if names is None else names
-    contacts = len(verdict.contacts) <= PATCHES if contacts is None else contacts
+    contacts = len(verdict.contact_set) <= PATCHES if contacts is None else contacts
     figure, axes, camera, size, entries, faces = draw_picture(assembly, view)
     if contacts:
         entries += draw_patches(axes, verdict, camera)
@@ -101,7 +101,7 @@ def draw_assembly(
     drawn = set(axes.get_children())
     if verdict.moving:
         entries += draw_motion(axes, verdict, camera, ARROW * size)
-    elif verdict.known_forces is not None:
+    elif verdict.forces is not None:
         radius = assembly.geometry.radius[verdict.program.free]
         longest = min(ARROW * size, 2 * float(radius.max(initial=0.0)) or ARROW * size)
         entries += draw_forces(axes, verdict, camera, longest)

@@ -73,7 +73,7 @@ def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    contacts = verdict.contacts
+    contacts = verdict.contact_set
     flat, starts = camera.flat(contacts.points), contacts.patch_start
     outlines = [_outline_order(flat[a:b]) for a, b in pairwise(starts.tolist()) if b > a + 1]
     if not outlines:
@@ -226,7 +226,7 @@ def draw_forces(
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
-    forces = verdict.known_forces
+    forces = verdict.forces
     if forces is None:
         return []
     sizes = np.linalg.norm(forces.resultant, axis=1)

@@ -92,7 +92,7 @@ def _level(answer: Answer) -> str:
     seated = why == "not-found" and answer["seated"] == "yes"
     lack = "effort" if answer["time_limit"] is None else "time"
     words = level if why is None else f"{level}: {UNDONE.format(lack) if seated else WHY[why]}"
-    return words if answer["holds"] else f"{words} (required: {answer['require']})"
+    return words if answer["stable"] else f"{words} (required: {answer['require']})"
 
 
 def _settles(answer: Answer) -> str:

@@ -15,6 +15,8 @@ LEVEL_WORDS = {
     "proved": ("no motion can start", "no proof that excludes every motion was found"),
 }
 """Words of a level that is reached, and of a level that is not."""
+AT_MU = "at mu ="
+"""Words before a friction coefficient at which a level is reached."""
 UNKNOWN = {
     "failed": "not known: the solver failed",
     "time": "not known: the time limit was reached",
@@ -164,8 +166,8 @@ def level_words(
         Words of a value.
     more : str
         Words after the value.
-    bound : {"up to", "at mu ="}
-        The side of the value on which the level is reached.
+    bound : str
+        Words before the value: "up to", "from ... up to", or `AT_MU`.
 
     Examples
     --------
@@ -176,10 +178,8 @@ def level_words(
         return ""
     verb, fails = LEVEL_WORDS[level]
     if limit["why"] == "none":
-        as_drawn = bound == "up to"
-        return (
-            f"; as drawn {fails}" if as_drawn else f"; {fails} with any coefficient that was tried"
-        )
+        with_any = "with any coefficient that was tried"
+        return f"; {fails} {with_any}" if bound == AT_MU else f"; as drawn {fails}"
     if limit["why"] is not None:
         return ""
     if limit["outside"] is None:
@@ -207,11 +207,9 @@ def _factor_at_level(answer: Answer) -> str:
     ends = None if at_level is None else at_level["load_factor"]
     if ends is None:
         return ""
-    greatest = level_words(at_level["level"], ends[1], number)
     least = ends[0]["inside"]
-    if ends[1]["why"] is not None or least is None:
-        return greatest
-    return greatest.replace(" up to ", f" from {number(least)} up to ", 1)
+    bound = "up to" if least is None else f"from {number(least)} up to"
+    return level_words(at_level["level"], ends[1], number, bound=bound)
 
 
 WIDE = 0.01
@@ -230,7 +228,7 @@ def _least_friction(answer: Answer) -> str:
             "no friction is needed"
             if attained
             else "any mu above 0 is enough: parts clamped between others can press with any force"
-            + _at_level(answer, "friction", number, bound="at mu =")
+            + _at_level(answer, "friction", number, bound=AT_MU)
         )
     lower = answer["friction_limit"]["lower"]
     words = f"mu >= {rounded_up(least)}, the same at every contact"
@@ -241,7 +239,7 @@ def _least_friction(answer: Answer) -> str:
         )
     elif least - lower > 1e-6 * least:
         words += f" ({number(lower)} is proved not to be enough)"
-    return words + _at_level(answer, "friction", number, bound="at mu =")
+    return words + _at_level(answer, "friction", number, bound=AT_MU)
 
 
 def _bonds(answer: Answer) -> str:

@@ -106,7 +106,7 @@ RIGHT: dict[str, dict[str, str]] = {
     "Order": {"order sequence": "[step.part for step in answer.steps]", "stable": "answer.found"},
     "Margin": {"angle tilt_angle": "answer.tilt_deg", "factor": "answer.load_factor"},
     "Transport": {"stable holds": "answer.carried"},
-    "Fixture": {"stable": "answer.found"},
+    "Fixture": {"stable found": "answer.holds"},
     "Assembly": {
         "with_mass": "dataclasses.replace(part, mass=2.0), and an assembly of the changed parts",
         "with_load": "assembly.with_loads([kilter.Load(name, force=[x, y, z])])",

@@ -118,7 +118,7 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         for pair in data["open_pairs"][:LISTED]
     ]
     complete = phase == "complete"
-    suggestions = suggest_joints(verdict.assembly, verdict.contacts) if complete else []
+    suggestions = suggest_joints(verdict.assembly, verdict.contact_set) if complete else []
     return {
         "phase": phase,
         "given": build_orientation(answers, answers.given, center),

@@ -69,7 +69,7 @@ def _answer(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Te
 
 def _proof(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:
     verdict = _verdict(prepared, progress)
-    if verdict.certificate is None:
+    if verdict.evidence is None:
         raise InputError("this answer has no proof", hint="decide the open pairs first")
     proof = verdict.proof(options=prepared.reading.options())
     write_text(path, json.dumps(proof, ensure_ascii=False) + "\n")

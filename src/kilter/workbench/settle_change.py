@@ -41,7 +41,7 @@ def settle_offer(verdict: Verdict) -> dict[str, str] | None:
     >>> settle_offer(check(scene("tower"))) is None
     True
     """
-    contacts = verdict.contacts
+    contacts = verdict.contact_set
     kinds = [pair.kind for pair in contacts.open_pairs]
     free = ~verdict.assembly.geometry.grounded
     numbers = {

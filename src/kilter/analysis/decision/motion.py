@@ -33,7 +33,6 @@ from kilter.analysis.analysis_tolerances import (
 )
 from kilter.arrays import TINY, Array, Mask
 from kilter.assembly import Part
-from kilter.errors import InputError, nearest_name, some_names
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
@@ -121,8 +120,6 @@ class ImpendingMotion:
     residual : float
         Residual of the optimality conditions by `optimality` [g], or of Coulomb's law [-].
         Infinite if no solver finished; the accelerations are then 0 and have no meaning.
-    names : tuple of str
-        Names of the parts; ``motion["upper"]`` is the motion of a part.
     gains : ndarray, shape (N, 6), or None
         If the accelerations are not known, the motion of the proof: translations [length unit] and
         rotations [rad] of any common size, which gain energy. None if there is no such proof.
@@ -133,16 +130,7 @@ class ImpendingMotion:
     moves: Mask
     instability: float
     residual: float
-    names: tuple[str, ...] = ()
     gains: Array | None = None
-
-    def __getitem__(self, name: str) -> PartMotion:
-        if name not in self.names:
-            near = nearest_name(name, self.names)
-            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self.names, 8)}"
-            raise InputError(f"no part is named {name!r}", hint=hint)
-        k = self.names.index(name)
-        return PartMotion(self.acceleration[k], self.relative[k], bool(self.moves[k]))
 
     @property
     def known(self) -> bool:

@@ -8,7 +8,6 @@ verdict of the assembly with the parts of these pairs joined.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kilter.assembly import Assembly, Joint
@@ -16,32 +15,55 @@ from kilter.contact import ContactSet
 from kilter.contact.open_pairs import OpenPair, rigid_groups, still_open
 from kilter.errors import some
 from kilter.mechanics.program import Program
+from kilter.tell.record import InPython, Record, Word, key
 from kilter.work import Work
 
 if TYPE_CHECKING:
     from kilter.analysis.decision.deciding_pairs import DecidingPairs
-    from kilter.tell.answer_data.check_data import JoinedData
-    from kilter.tell.answer_data.common_data import OpenPairData
 
-__all__ = ["OpenQuestion", "ask_open", "open_pair_names", "open_pairs_answer"]
+__all__ = [
+    "AnsweredPair",
+    "OpenQuestion",
+    "answered_pairs",
+    "ask_open",
+    "open_pair_names",
+]
 
 
-@dataclass(frozen=True, slots=True)
-class OpenQuestion:
-    """The open pairs that decide, with verdict and level if the parts of these pairs are joined."""
+class OpenQuestion(Record, kw_only=False):
+    """The open pairs that decide, and the verdict if the parts of these pairs are joined."""
 
-    deciding: DecidingPairs
-    verdict: str
-    level: str | None
+    deciding: InPython[DecidingPairs]
+    """The pairs that decide."""
+    verdict: Word
+    """The verdict with these pairs joined."""
+    level: InPython[str | None]
+    """The level with these pairs joined."""
 
-    def to_dict(self, names: tuple[str, ...]) -> JoinedData:
-        """JSON data for the key `if_joined` of an answer; `names` are the names of all parts."""
-        return {
-            "pairs": [[names[k] for k in pair.ends] for pair in self.deciding.pairs],
-            "verdict": self.verdict,
-            "smallest": self.deciding.smallest,
-            "irreducible": self.deciding.irreducible,
-        }
+    @property
+    @key
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Names of the parts of each pair."""
+        return tuple(pair.parts for pair in self.deciding.pairs)
+
+    @property
+    @key
+    def smallest(self) -> bool:
+        """Whether no smaller set of pairs decides."""
+        return self.deciding.smallest
+
+    @property
+    @key
+    def irreducible(self) -> bool:
+        """Whether no pair can be left out."""
+        return self.deciding.irreducible
+
+
+class AnsweredPair(OpenPair):
+    """An open pair, and whether it decides the verdict."""
+
+    decides: bool
+    """Whether the pair decides the verdict."""
 
 
 def ask_open(
@@ -78,25 +100,23 @@ def ask_open(
     deciding = find_deciding(program, rigid_groups(assembly), pairs, work=work)
     if deciding is None or not deciding.pairs:
         return None
-    names = assembly.names
-    joints = [Joint((names[p.ends[0]], names[p.ends[1]])) for p in deciding.pairs]
+    joints = [Joint(pair.parts) for pair in deciding.pairs]
     return OpenQuestion(deciding, *decide(assembly.with_joints(joints)))
 
 
 def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:
     """The names of the parts of the first open pairs, as a phrase for messages."""
-    names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
-    return some([f"{names[pair.ends[0]]!r} and {names[pair.ends[1]]!r}" for pair in pairs])
+    return some(["{!r} and {!r}".format(*pair.parts) for pair in pairs])
 
 
-def open_pairs_answer(
+def answered_pairs(
     assembly: Assembly, contacts: ContactSet, question: OpenQuestion | None = None
-) -> list[OpenPairData]:
+) -> tuple[AnsweredPair, ...]:
     """Entries of the key `open_pairs` of an answer, the deciding pairs first."""
-    decides: tuple[OpenPair, ...] = () if question is None else question.deciding.pairs
-    pairs = still_open(contacts.open_pairs, assembly)
-    entries: list[OpenPairData] = [
-        {**pair.to_dict(assembly.names), "decides": pair in decides} for pair in pairs
+    decide = {pair.ends for pair in question.deciding.pairs} if question is not None else set()
+    entries = [
+        AnsweredPair(**vars(pair), decides=pair.ends in decide)
+        for pair in still_open(contacts.open_pairs, assembly)
     ]
-    return sorted(entries, key=lambda entry: not entry["decides"])
+    return tuple(sorted(entries, key=lambda entry: not entry.decides))

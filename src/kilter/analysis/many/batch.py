@@ -10,26 +10,22 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections import Counter, deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from kilter.analysis.many.batch_cluster import ClusterWorkers
 from kilter.analysis.many.batch_folder import BatchFolder, open_folder
 from kilter.analysis.many.batch_list import listed_files
 from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, error_row
 from kilter.analysis.many.batch_workers import LocalWorkers, Task, Workers
+from kilter.assembly.question import Question, question
 from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.reading import reading_for
-from kilter.tell.json_answer import Answer
-from kilter.tell.levels import REQUIRE, require_level
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.other_data import BatchData
+from kilter.tell.levels import require_level
+from kilter.tell.record import Answer, Record
 
 __all__ = ["CHUNK", "Batch", "batch", "run_batch"]
 
@@ -42,33 +38,46 @@ TOLD = 1000
 """Largest number of errors that an answer of `batch` lists."""
 
 
-@dataclass(slots=True, eq=False)
-class Batch(Answer):
-    """Result of a batch of verdicts: number of rows of each kind, and the files that contain them.
+class BatchError(Record):
+    """A file without a verdict, and the reason."""
 
-    Attributes
-    ----------
-    folder : Path
-        Folder of the row files.
-    files : list of Path
-        Those of the rows, in order of the chunks.
-    rows : int
-    counts : dict from str to int
-        How many there are of each verdict, "error" among them.
-    errors : list of (str, str)
-        Files without a verdict, and why; the first thousand.
-    found_there : int
-        Rows that an earlier run had written.
-    """
+    file: str
+    """Path of the file."""
+    error: str
+    """The reason."""
+
+
+class Batch(Answer):
+    """Result of a batch of verdicts: numbers of rows, and the files that contain them."""
 
     answer: ClassVar[str] = "batch"
 
-    folder: Path
-    files: list[Path] = field(default_factory=list)
+    folder: str
+    """Folder of the row files."""
+    files: tuple[str, ...]
+    """Names of the row files, in order of the chunks."""
+    rows: int
+    """Number of rows."""
+    counts: Mapping[str, int]
+    """Number of rows of each verdict, the most frequent first; "error" is among them."""
+    errors: tuple[BatchError, ...]
+    """Files without a verdict, the first thousand."""
+    found_there: int
+    """Rows that an earlier run had written."""
+
+    @property
+    def paths(self) -> list[Path]:
+        """Paths of the row files."""
+        return [Path(self.folder) / name for name in self.files]
+
+
+@dataclass(slots=True)
+class _Tally:
+    """Numbers of rows that are written, and their first errors."""
+
     rows: int = 0
     counts: Counter[str] = field(default_factory=Counter)
     errors: list[tuple[str, str]] = field(default_factory=list)
-    found_there: int = 0
 
     def add(self, rows: Sequence[BatchRow]) -> None:
         """Count the rows of a finished chunk of the batch."""
@@ -77,30 +86,16 @@ class Batch(Answer):
         wrong = [(row["file"], row["error"] or "") for row in rows if row["verdict"] == "error"]
         self.errors += wrong[: TOLD - len(self.errors)]
 
-    def to_dict(self) -> BatchData:
-        """The answer of ``kilter batch --json``."""
-        return {
-            "folder": str(self.folder),
-            "files": [path.name for path in self.files],
-            "rows": self.rows,
-            "counts": dict(self.counts.most_common()),
-            "errors": [{"file": file, "error": error} for file, error in self.errors],
-            "found_there": self.found_there,
-        }
 
-
-@guarded
+@question(lacks="friction down ground floor contacts progress")
 def batch(
     source: str | Path,
     output: str | Path,
     *,
+    asked: Question,
     processes: int | None = None,
     chunk: int = CHUNK,
     cluster: str | None = None,
-    tolerance: Tolerance | None = None,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
     progress: Callable[[int, int], None] | None = None,
     **reading: Any,
 ) -> Batch:
@@ -121,8 +116,6 @@ def batch(
     cluster : str, optional
         Address of a scheduler of Dask, in place of processes of this machine. The files are
         read where its workers run.
-    tolerance, require, effort, time_limit
-        As of `kilter.check`.
     progress : callable, optional
         Called with how many rows are written, and of how many.
     **reading
@@ -139,13 +132,12 @@ def batch(
     kilter.check_many : verdicts on assemblies in memory, without files.
     kilter.check : the complete answer for one assembly.
     """
-    allowed = Tolerance() if tolerance is None else tolerance
+    allowed = Tolerance() if asked.tolerance is None else asked.tolerance
     allowed.require_sound()
-    question = BatchQuestion(
-        reading_for(**reading), allowed, require_level(require), effort, time_limit
-    )
+    level = require_level(asked.require)
+    given = BatchQuestion(reading_for(**reading), allowed, level, asked.effort, asked.time_limit)
     return run_batch(
-        source, output, question,
+        source, output, given,
         processes=processes, chunk=chunk, cluster=cluster, progress=progress,
     )  # fmt: skip
 
@@ -175,22 +167,29 @@ def run_batch(
         )
     question = dataclasses.replace(question, base=base)
     with open_folder(Path(output), files, question, size=size) as folder:
-        tables = Batch(folder.path, [folder.file(k) for k in range(folder.chunks)])
+        tally = _Tally()
         left = []
         for k in range(folder.chunks):
             rows = folder.read(k)
             if rows is None:
                 left.append(k)
             else:
-                tables.add(rows)
-        tables.found_there = tables.rows
+                tally.add(rows)
+        found_there = tally.rows
         workers = _workers(cluster, min(count, max(len(left), 1)), question)
         try:
-            _run(workers, folder, files, left, tables, progress or (lambda done, of: None))
+            _run(workers, folder, files, left, tally, progress or (lambda done, of: None))
         finally:
             workers.end()
-    tables.errors.sort()
-    return tables
+        files_of_rows = [folder.file(k).name for k in range(folder.chunks)]
+    return Batch(
+        folder=str(folder.path),
+        files=tuple(files_of_rows),
+        rows=tally.rows,
+        counts=dict(tally.counts.most_common()),
+        errors=tuple(BatchError(file=file, error=error) for file, error in sorted(tally.errors)),
+        found_there=found_there,
+    )
 
 
 def _workers(cluster: str | None, count: int, question: BatchQuestion) -> Workers:
@@ -204,13 +203,13 @@ def _run(
     folder: BatchFolder,
     files: Sequence[str],
     left: Sequence[int],
-    tables: Batch,
+    tally: _Tally,
     progress: Callable[[int, int], None],
 ) -> None:
     """Judge the chunks of a batch that are not written yet, and write their rows."""
     waiting = deque(Task(k, tuple((n, files[n]) for n in folder.places(k))) for k in left)
     rows: dict[int, dict[int, BatchRow]] = {k: {} for k in left}
-    progress(tables.rows, folder.count)
+    progress(tally.rows, folder.count)
     while rows:
         while waiting and workers.free:
             workers.take(waiting.popleft())
@@ -224,8 +223,8 @@ def _run(
                 whole = [chunk_rows[n] for n in folder.places(task.chunk)]
                 folder.write(task.chunk, whole)
                 del rows[task.chunk]
-                tables.add(whole)
-        progress(tables.rows, folder.count)
+                tally.add(whole)
+        progress(tally.rows, folder.count)
 
 
 def _rows_of_dead_task(task: Task) -> tuple[list[BatchRow], list[Task]]:

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.many.decided_together import Together, decide_together
@@ -23,15 +22,12 @@ from kilter.arrays import Index
 from kilter.assembly import Assembly
 from kilter.assembly.array_geometry import arrays_side_by_side
 from kilter.assembly.assembly_arrays import AssemblyArrays
+from kilter.assembly.question import AssemblyOrPath, Question, question
 from kilter.assembly.side_by_side import SideBySide, side_by_side
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly, require_unchanged
 from kilter.contact import Tolerance
 from kilter.errors import InputError, KilterError
 from kilter.shape.primitives import Box, Mesh, Prism
-from kilter.tell.levels import REQUIRE, require_level
-from kilter.threads import on_one_thread
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
+from kilter.tell.levels import require_level
 
 __all__ = ["check_many"]
 
@@ -41,19 +37,11 @@ SMALL = 100
 """Largest number of parts of an assembly that is processed together with others."""
 
 
-@guarded
-@on_one_thread
+@question(lacks="contacts progress")
 def check_many(
     assemblies: Iterable[AssemblyOrPath] | AssemblyArrays,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    tolerance: Tolerance | None = None,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
+    asked: Question,
     proofs: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Verdicts:
@@ -67,16 +55,11 @@ def check_many(
     assemblies : iterable of Assembly or path, or AssemblyArrays
         Assemblies, each with its own gravity, friction, units and size. `AssemblyArrays` avoid the
         construction of part objects.
-    friction, down, ground, floor : optional
-        Changes of each assembly before the question, as in `kilter.check`; `AssemblyArrays` accept
-        no change.
     tolerance : Tolerance, optional
         Tolerances of the detection: gap, angle and clearance. They apply to all assemblies; by
         default each assembly has its own.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Verdicts.stable` is true from this level.
-    effort, time_limit : float
-        As in `kilter.check`, for each assembly that `check` decides alone.
     proofs : bool
         Whether to store every proof, about 10 kB each, for `Verdicts.certificate`.
     progress : callable, optional
@@ -99,25 +82,19 @@ def check_many(
     >>> check_many([scene("tower"), scene("paper-figure-8")]).verdict.tolist()
     ['stable', 'unstable']
     """
-    given_tolerance, tolerance = tolerance, Tolerance() if tolerance is None else tolerance
+    tolerance = Tolerance() if asked.tolerance is None else asked.tolerance
     if not isinstance(tolerance, Tolerance):
         raise InputError(
             f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
         )
     tolerance.require_sound()
     options = {
-        "tolerance": given_tolerance,
-        "require": require_level(require),
-        "effort": effort,
-        "time_limit": time_limit,
+        "tolerance": asked.tolerance,
+        "require": require_level(asked.require),
+        "effort": asked.effort,
+        "time_limit": asked.time_limit,
     }
-    changes: dict[str, Any] = {
-        "friction": friction,
-        "down": down,
-        "ground": ground if isinstance(ground, str) else tuple(ground),
-        "floor": floor,
-    }
-    given = _given(assemblies, changes)
+    given = _given(assemblies, asked)
     rows: dict[int, Row] = {}
     for first in range(0, len(given), AT_ONCE):
         last = min(first + AT_ONCE, len(given))
@@ -137,11 +114,11 @@ def check_many(
 
 
 def _given(
-    assemblies: Iterable[AssemblyOrPath] | AssemblyArrays, changes: dict[str, Any]
+    assemblies: Iterable[AssemblyOrPath] | AssemblyArrays, asked: Question
 ) -> tuple[Assembly, ...] | AssemblyArrays:
     """Return the assemblies with their changes; raise InputError for any other object."""
     if isinstance(assemblies, AssemblyArrays):
-        require_unchanged(assemblies, **changes)
+        asked.require_unchanged(assemblies)
         return assemblies
     if isinstance(assemblies, Assembly | str | os.PathLike):
         raise InputError(
@@ -155,7 +132,7 @@ def _given(
                 hint="give assemblies, as kilter.load or kilter.Assembly makes them, or paths",
             )
         try:
-            listed.append(asked_assembly(assembly, "check_many", **changes))
+            listed.append(asked.read(assembly))
         except InputError as error:
             raise error.located(file=f"assembly {k}") from None
     return tuple(listed)

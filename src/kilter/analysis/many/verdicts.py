@@ -51,7 +51,7 @@ class Row:
     @classmethod
     def of_verdict(cls, verdict: Verdict) -> Row:
         """Create the row of an assembly from its verdict by `check`."""
-        proof = verdict.certificate
+        proof = verdict.evidence
         if proof is None:
             return cls(verdict.verdict)
         both = (verdict.program, proof)

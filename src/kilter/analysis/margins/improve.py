@@ -10,12 +10,11 @@ again. If no strength is enough, the motion of the fall takes the place of the m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
@@ -27,14 +26,12 @@ from kilter.assembly.bricks import BrickModel, assembly_of_bricks
 from kilter.assembly.bricks.brick_assembly import bricks_of
 from kilter.assembly.bricks.brick_library import STATED, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
+from kilter.assembly.question import Question, question
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.improve_words import improve_sentence
 from kilter.tell.record import Answer, InPython, OrNull, PairNames, Record, Word
-from kilter.threads import on_one_thread
-from kilter.values.guesses import guarded
-from kilter.work import facts_of
+from kilter.work import facts_of, stop_after
 
 __all__ = ["BrickChange", "Improvement", "improve"]
 
@@ -103,16 +100,9 @@ class Improvement(Answer):
         return f"Improvement({self.verdict}, needs {self.share:.6g}, {best})"
 
 
-@guarded
-@on_one_thread
+@question(lacks="contacts tolerance require")
 def improve(
-    assembly: AssemblyOrPath,
-    *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    progress: Callable[[str], None] | None = None,
+    asked: Question,
 ) -> Improvement:
     """Find the brick whose addition or removal lowers the required strength of studs most.
 
@@ -120,13 +110,11 @@ def improve(
     ----------
     assembly : Assembly, or path
         Assembly of bricks, as `kilter.load` reads it.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    progress : callable, optional
-        Function that is called with the name of each stage.
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit.
     InputError
         If a part is not a brick or not in the cells of the common grid, or if the assembly has
         loads, joints or no bonds.
@@ -144,18 +132,21 @@ def improve(
     >>> found.stands, found.best is None or found.best.share < found.share
     (True, True)
     """
-    report = progress or (lambda stage: None)
-    assembly = asked_assembly(
-        assembly, "improve", friction=friction, down=down, ground=ground, floor=floor
-    )
+    with stop_after(asked.seconds_left):
+        return _improve(asked)
+
+
+def _improve(asked: Question) -> Improvement:
+    """The answer of `improve`, within the time of the caller."""
+    assembly, report = asked.assembly, asked.tell
     model, rules, cell = bricks_of(assembly)
     report("weakest studs")
-    verdict = check(assembly, progress=progress)
-    report_fact = facts_of(progress)
+    verdict = check(asked)
+    report_fact = facts_of(asked.progress)
     if report_fact is not None:
         report_fact("verdict", f"the given model is {verdict.verdict.replace('-', ' ')}")
-    program = build_program(assembly, verdict.contacts)
-    factor = find_bond_factor(program, verdict.contacts)
+    program = build_program(assembly, verdict.contact_set)
+    factor = find_bond_factor(program, verdict.contact_set)
     share, weakest, motion, near = np.inf, None, None, list[int]()
     if isinstance(factor, BondFactor):
         share = factor.value
@@ -197,7 +188,7 @@ def improve(
         weakest=weakest,
         best=best,
         tried=tuple(tried),
-        warnings=tuple(verdict.warnings),
+        warnings=verdict.notes,
     )
 
 

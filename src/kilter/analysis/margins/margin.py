@@ -8,11 +8,10 @@ Contacts that are not modelled are left out; more contacts only raise a margin.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.bond_factor import BondFactor
@@ -33,11 +32,12 @@ from kilter.analysis.verdict.answers import OfAssembly
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet
 from kilter.contact.round_edges import RoundEdge, has_round_edges
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.levels import REQUIRE
 from kilter.tell.record import (
     Ends,
     Guarantee,
@@ -49,9 +49,7 @@ from kilter.tell.record import (
     Word,
     key,
 )
-from kilter.threads import on_one_thread
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT, Work, units_of
+from kilter.work import Work
 
 __all__ = ["Margin", "margin"]
 
@@ -192,35 +190,22 @@ def _bracket(factor: Ends | None, sure: Ends | None) -> Bracket:
     return Bracket(least=(factor[0], inner[0]), greatest=(inner[1], factor[1]))
 
 
-@guarded
-@on_one_thread
+@question(require="equilibrium")
 def margin(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
     push: Any = None,
     about: Any = None,
     pushed: list[str] | None = None,
     loads: bool = False,
     ranges: Ranges | None = None,
     bracket: bool = False,
-    require: str = "equilibrium",
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Margin:
     """Compute the margins of an assembly: tilt, least friction, load factor and pushes.
 
     Parameters
     ----------
     assembly : Assembly, or path
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     push : array_like, shape (3,), optional
         The load factor of a body force in this direction, in units of each part's weight;
         else that of the given loads, if there are any.
@@ -239,8 +224,6 @@ def margin(
         Level from which the answer is yes. Above "equilibrium", `Margin.at_level` has the values up
         to which this level is reached. The default is lower than that of `check`, because each
         further value is a search.
-    contacts, tolerance, effort, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -260,42 +243,29 @@ def margin(
     >>> round(margin(scene("tower")).friction, 6)
     0.0
     """
-    started = time.perf_counter()
-    assembly = asked_assembly(
-        assembly, "margin", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
     question = margin_question(
-        assembly,
+        asked.assembly,
         push=push,
         about=about,
         pushed=pushed,
         loads=loads,
         ranges=ranges,
         bracket=bracket,
-        require=require,
+        require=asked.require,
     )
-    verdict = check(
-        assembly,
-        contacts=contacts,
-        tolerance=tolerance,
-        effort=effort,
-        time_limit=time_limit,
-        progress=progress,
-    )
-    remaining = None if time_limit is None else time_limit - (time.perf_counter() - started)
-    work = Work(units_of(effort), progress, time_limit=remaining)
-    limits = _limits(question, verdict, work, progress or (lambda stage: None))
-    seconds = {**verdict.seconds, "total": time.perf_counter() - started}
+    verdict = check(asked.but(require=REQUIRE))
+    limits = _limits(question, verdict, asked.work(), asked.tell)
+    seconds = {**verdict.seconds, "total": time.perf_counter() - asked.begun}
     return Margin(
-        assembly=assembly,
-        contacts=verdict.contacts,
+        assembly=asked.assembly,
+        contacts=verdict.contact_set,
         check=verdict,
         verdict=verdict.verdict,
         sentence=verdict.sentence,
         guarantee=verdict.guarantee,
         require=question.require,
         push=question.push,
-        clamped_by=tuple(name for name in ("bonds", "straps") if getattr(assembly, name)),
+        clamped_by=tuple(name for name in ("bonds", "straps") if getattr(asked.assembly, name)),
         seconds=seconds,
         **limits,
     )
@@ -306,8 +276,8 @@ def _limits(
 ) -> dict[str, Any]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
     assembly = question.assembly
-    program = build_program(assembly, verdict.contacts)
-    warnings = [*verdict.warnings, *_left_out(assembly, verdict.contacts, program)]
+    program = build_program(assembly, verdict.contact_set)
+    warnings = [*verdict.notes, *_left_out(assembly, verdict.contact_set, program)]
     steps = MarginSteps(
         work=work,
         tell=tell,

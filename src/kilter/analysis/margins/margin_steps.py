@@ -93,7 +93,7 @@ class MarginSteps(LimitSteps):
         decide: then the limit concerns the drawing only. The motion of the verdict proves a lower
         bound.
         """
-        fitted = build_program(self.question.assembly, self.verdict.contacts, fitted=True)
+        fitted = build_program(self.question.assembly, self.verdict.contact_set, fitted=True)
         contacts, failing, most = fitted.kind == CONTACT, None, np.inf
         if self._large and self._falls is not None and not fitted.has_limits:
             mu = fitted.mu[contacts]
@@ -114,14 +114,14 @@ class MarginSteps(LimitSteps):
         if any({"friction", "stiffness"} & set(joint.guide) for joint in assembly.joints):
             self.warnings.append("no bond margin: friction and springs of joints are no bonds")
             return None
-        return self.limit("bond", find_bond_factor, self.program, self.verdict.contacts)
+        return self.limit("bond", find_bond_factor, self.program, self.verdict.contact_set)
 
     @property
     def edges(self) -> tuple[RoundEdge, ...]:
         """Round edges over which parts tip; none for a large or planar program."""
         if self._large or self.program.planar:
             return ()
-        return round_edges(self.question.assembly, self.verdict.contacts)
+        return round_edges(self.question.assembly, self.verdict.contact_set)
 
     @property
     def _large(self) -> bool:
@@ -187,7 +187,7 @@ class MarginSteps(LimitSteps):
 
     def beyond(self, tilt: TiltMargin) -> str | None:
         """The verdict just beyond the tilt margin."""
-        assembly, touching = self.question.assembly, self.verdict.contacts
+        assembly, touching = self.question.assembly, self.verdict.contact_set
         return _limit_or_none(
             self.in_time(verdict_outside, assembly, touching, tilt.angle, tilt.toward, self.work)
         )
@@ -199,7 +199,7 @@ class MarginSteps(LimitSteps):
             return None
         self.tell(f"limits at the level {level}")
         find = partial(find_level_limits, level=level, units=self.work.allowed, work=self.work)
-        assembly, touching = self.question.assembly, self.verdict.contacts
+        assembly, touching = self.question.assembly, self.verdict.contact_set
         found = self.limit("limits at the level", find, assembly, touching, limits)
         if found is not None:
             self.warnings += found.unknown_words()

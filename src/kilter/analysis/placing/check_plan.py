@@ -22,17 +22,16 @@ from kilter.analysis.placing.plan_walls import THICK, given_walls, walls_around
 from kilter.analysis.placing.top_loads import least_top_load
 from kilter.analysis.transport.transport import transport
 from kilter.assembly import Assembly, Part
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
+from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.packing_words import packing_sentence
 from kilter.tell.record import Answer, InPython, Record, UnitWord, key
-from kilter.threads import on_one_thread
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
+from kilter.work import stop_after
 
 __all__ = ["CheckedItem", "CheckedPlan", "check_plan"]
 
@@ -111,6 +110,12 @@ class CheckedPlan(Answer):
 
     answer: ClassVar[str] = "check-plan"
 
+    order: str | None
+    """Name of the order of the file."""
+    units: UnitWord
+    """Length unit."""
+    friction: float
+    """Friction coefficient of all contacts [-]."""
     require: str
     """Level from which an item stands."""
     items: tuple[CheckedItem, ...]
@@ -130,6 +135,7 @@ class CheckedPlan(Answer):
     seconds: float
     """Duration [s]."""
     plan: InPython[PackingPlan]
+    """The checked plan."""
     assembly: InPython[Assembly]
     """The finished pile with its base and held parts."""
 
@@ -138,24 +144,6 @@ class CheckedPlan(Answer):
     def sentence(self) -> str:
         """The answer in a sentence."""
         return packing_sentence(self.data_without("sentence"))
-
-    @property
-    @key
-    def order(self) -> str | None:
-        """Name of the order of the file."""
-        return self.plan.order or None
-
-    @property
-    @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.plan.units
-
-    @property
-    @key
-    def friction(self) -> float:
-        """Friction coefficient of all contacts [-]."""
-        return self.assembly.friction
 
     @property
     @key
@@ -179,22 +167,17 @@ class CheckedPlan(Answer):
         return f"CheckedPlan({len(self.items)} items, {words})"
 
 
-@guarded
-@on_one_thread
+@question(lacks="down ground floor contacts", friction=0.0)
 def check_plan(
     plan: PackingPlan | str | Path,
     *,
+    asked: Question,
     order: str | None = None,
     units: str | None = None,
-    friction: float = 0.0,
     pallet: tuple[float, float] | None = None,
     held: Assembly | None = None,
     walls: tuple[float, float] | None = None,
-    require: str = REQUIRE,
     carried: bool = False,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    progress: Callable[[str], None] | None = None,
 ) -> CheckedPlan:
     """Decide for each item of a packing plan whether the pile stands when the item is put down.
 
@@ -206,8 +189,6 @@ def check_plan(
         Name of the order, for a file with several orders.
     units : {"m", "cm", "mm", "in"}, optional
         Length unit of a table that states none.
-    friction : float
-        Friction coefficient of all contacts [-].
     pallet : (float, float), optional
         Length and width of the base, from the origin of x and y [length unit]. By default the base
         extends beyond the pile.
@@ -220,8 +201,6 @@ def check_plan(
         Level from which an item stands.
     carried : bool
         Whether to compute the accelerations that the finished pile carries.
-    tolerance, effort, progress : optional
-        As in `kilter.check`.
 
     Returns
     -------
@@ -229,6 +208,8 @@ def check_plan(
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit.
     InputError
         If the plan is invalid, two boxes are in the same place, or a box lies beyond the walls.
 
@@ -245,11 +226,10 @@ def check_plan(
     >>> check_plan(PackingPlan((lower, upper), "m")).why
     "the centre of 'b' lies 0.1 m beside the area on which it rests"
     """
-    started = time.perf_counter()
-    tell = progress or (lambda stage: None)
-    require = require_level(require, strict=True)
+    asked = asked.but(require=require_level(asked.require, strict=True))
     if not isinstance(plan, PackingPlan):
         plan = load_plan(plan, order=order, units=units)
+    friction = asked.friction or 0.0
     pile = plan.assembly().with_friction(friction)
     _require_no_box_inside(plan)
     whole = _with_base(pile, plan, pallet)
@@ -257,45 +237,56 @@ def check_plan(
         whole = whole.merged(held.with_friction(friction), prefix="")
     if walls is not None:
         whole = whole.with_parts(given_walls(plan, walls))
+    asked = asked.but(assembly=whole)
+    with stop_after(asked.seconds_left):
+        free = held is None and walls is None
+        return _checked(plan, asked, (pile, pallet) if free else None, carried=carried)
+
+
+def _checked(
+    plan: PackingPlan,
+    asked: Question,
+    unwalled: tuple[Assembly, tuple[float, float] | None] | None,
+    *,
+    carried: bool,
+) -> CheckedPlan:
+    """The answer of `check_plan` about a pile; walls are tried around the pile `unwalled`."""
+    whole, tell = asked.assembly, asked.tell
     tell("contacts")
-    contacts = detect.contacts(whole, tolerance=tolerance, progress=progress)
-    found = _items(plan, whole, contacts, require, effort, tell)
+    contacts = detect.contacts(asked)
+    found = _items(plan, asked.but(contacts=contacts), tell)
     tell("reason")
-    stands = found["first"] is None
-    assume = not stands and held is None and walls is None
+    first = found["first"]
+    assume = first is not None and unwalled is not None
     return CheckedPlan(
         **found,
-        require=require,
-        walls=_walled(pile, plan, pallet, require, effort) if assume else None,
-        carried=_carried(whole, contacts) if carried and stands else (),
+        order=plan.order or None,
+        units=plan.units,
+        friction=whole.friction,
+        require=asked.require,
+        walls=_walled(asked, plan, *unwalled) if assume and unwalled is not None else None,
+        carried=_carried(whole, contacts) if carried and first is None else (),
         warnings=contacts.warnings,
-        seconds=time.perf_counter() - started,
+        seconds=time.perf_counter() - asked.begun,
         plan=plan,
         assembly=whole,
     )
 
 
-def _items(
-    plan: PackingPlan,
-    whole: Assembly,
-    contacts: ContactSet,
-    require: str,
-    effort: float,
-    tell: Callable[[str], None],
-) -> dict[str, Any]:
+def _items(plan: PackingPlan, asked: Question, tell: Callable[[str], None]) -> dict[str, Any]:
     """The items with their verdicts, the first that falls and the first overload, as fields."""
     items: list[CheckedItem] = []
     overload: Overload | None = None
     loads: dict[str, float | None] = {}
     first, why = None, None
     count = len(plan.boxes)
-    states = plan_states(whole, contacts, count, require=require, effort=effort)
+    states = plan_states(asked, count)
     for k, (box, state) in enumerate(zip(plan.boxes, states, strict=True), 1):
         tell(f"item {k} of {count}")
         if first is None and state.verdict is not None and state.word == "unstable":
             # only this verdict is kept: a verdict holds the contacts of its whole pile
             first, why = k, fall_reason(plan, k - 1, state.verdict)
-        support = item_support(contacts, box, np.arange(k, count))
+        support = item_support(asked.contacts, box, np.arange(k, count))
         items.append(
             CheckedItem(
                 name=box.name,
@@ -369,21 +360,17 @@ def _with_base(pile: Assembly, plan: PackingPlan, pallet: Sequence[float] | None
 
 
 def _walled(
-    pile: Assembly,
-    plan: PackingPlan,
-    pallet: tuple[float, float] | None,
-    require: str,
-    effort: float,
+    asked: Question, plan: PackingPlan, pile: Assembly, pallet: tuple[float, float] | None
 ) -> Walls:
     """Whether each item stands if smooth walls stand around the pile, and their inner size."""
     low, high = plan.low, plan.high
     walls = walls_around(low, high, high[2])
     whole = _with_base(pile, plan, pallet).with_parts(walls)
-    contacts = detect.contacts(whole)
+    asked = asked.but(assembly=whole, contacts=detect.contacts(whole))
     first = None
-    states = plan_states(whole, contacts, len(plan.boxes), require=require, effort=effort)
+    states = plan_states(asked, len(plan.boxes))
     for k, state in enumerate(states, 1):
-        if not holds(state.level, require):
+        if not holds(state.level, asked.require):
             first = k
             break
     size = (high - low).tolist()

@@ -33,10 +33,10 @@ def density_matters(verdict: Verdict) -> bool:
     weights = _default_weights(verdict, program)
     if not weights.any():
         return False
-    if verdict.friction is not None or program.has_strength:
+    if verdict.friction_answer is not None or program.has_strength:
         return True
-    if isinstance(verdict.certificate, MotionProof):
-        motion = verdict.certificate.motion
+    if isinstance(verdict.evidence, MotionProof):
+        motion = verdict.evidence.motion
         shares = [float((load * motion).sum()) for load in (weights, program.load - weights)]
         return min(shares) < 0.0
     if verdict.level is None:

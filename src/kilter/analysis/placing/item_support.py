@@ -56,8 +56,8 @@ FLAT = 0.999
 def fall_reason(plan: PackingPlan, first: int, verdict: Verdict) -> str:
     """The reason why the pile falls when an item is put down, as a clause."""
     box = plan.boxes[first]
-    patches, _ = _patches_under(verdict.contacts, box.name)
-    points = verdict.contacts.points[np.isin(verdict.contacts.point_patch, patches), :2]
+    patches, _ = _patches_under(verdict.contact_set, box.name)
+    points = verdict.contact_set.points[np.isin(verdict.contact_set.point_patch, patches), :2]
     center = np.array(box.corner[:2]) + np.array(box.size[:2]) / 2
     if not len(points):
         return f"nothing is under {box.name!r}"

@@ -9,7 +9,7 @@ the heaviest mass there follows from a limit of load.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
@@ -32,18 +32,17 @@ from kilter.analysis.placing.uncertain_part import mass_limits, part_cases
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, placed_prism
 from kilter.assembly import Assembly, Part
 from kilter.assembly.masses import reweighed
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
-from kilter.tell.levels import REQUIRE, holds, require_level
+from kilter.tell.levels import holds, require_level
 from kilter.tell.place_words import place_sentence
 from kilter.tell.record import Answer, InPython, Record, Shape, UnitWord, key
-from kilter.threads import on_one_thread
 from kilter.validate import finite, number
 from kilter.values.guesses import guarded
-from kilter.work import EFFORT
+from kilter.work import stop_after
 
 __all__ = ["AtPlace", "Places", "box_to_place", "place"]
 
@@ -101,6 +100,8 @@ class Places(Answer):
 
     answer: ClassVar[str] = "place"
 
+    units: UnitWord
+    """Length unit."""
     levels: tuple[LevelPlaces, ...] = ()
     """Places by height, the lowest first; empty if a place was given."""
     best: BestPlace | None = None
@@ -122,7 +123,9 @@ class Places(Answer):
     seconds: float
     """Duration [s]."""
     assembly: InPython[Assembly]
+    """The assembly without the part."""
     part: InPython[Part]
+    """The part that is put down."""
     prism: InPython[PlacedPrism | None]
     """The part as a prism; None if it is no upright convex prism."""
     question: InPython[MapQuestion | None] = None
@@ -133,12 +136,6 @@ class Places(Answer):
     def sentence(self) -> str:
         """The answer in a sentence."""
         return place_sentence(self.data_without("sentence"))
-
-    @property
-    @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.assembly.units
 
     @property
     @key
@@ -228,10 +225,9 @@ def box_to_place(
     return Part(name, Box(lengths), pose, mass=number(mass, "mass", lowest=0))
 
 
-@guarded
-@on_one_thread
+@question()
 def place(
-    assembly: AssemblyOrPath,
+    asked: Question,
     part: Part,
     *,
     at: ArrayLike | None = None,
@@ -239,14 +235,6 @@ def place(
     center_within: float = 0.0,
     clear: float = 0.0,
     accuracy: float | None = None,
-    friction: float | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    require: str = REQUIRE,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    progress: Callable[[str], None] | None = None,
 ) -> Places:
     """Find where the next part stands on an assembly, or decide whether it stands at a place.
 
@@ -269,14 +257,8 @@ def place(
     accuracy : float, optional
         Largest width of the strip between places that stand and places that fall; by default a
         500th of the extent of the map [length unit].
-    friction, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    contacts : ContactSet, optional
-        Contacts of this assembly for a map; by default they are detected.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which a given place counts as standing. A map has the level equilibrium.
-    tolerance, effort, progress : optional
-        As in `kilter.check`.
 
     Returns
     -------
@@ -284,6 +266,8 @@ def place(
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit.
     InputError
         If gravity does not act along -z, no part is held, or an argument is invalid.
 
@@ -305,12 +289,7 @@ def place(
     >>> round(answer.best.margin, 6), round(unsure.best.margin, 6)
     (0.5, 0.4)
     """
-    started = time.perf_counter()
-    tell = progress or (lambda stage: None)
-    require = require_level(require, strict=True)
-    assembly = asked_assembly(
-        assembly, "place", contacts, friction=friction, down=None, ground=ground, floor=floor
-    )
+    assembly, require = asked.assembly, require_level(asked.require, strict=True)
     assembly.require_grounded()
     if assembly.planar or not np.allclose(assembly.down, [0, 0, -1]):
         raise InputError(
@@ -324,26 +303,39 @@ def place(
             hint="leave out clear or at",
             option="leave out --clear or --at",
         )
+    with stop_after(asked.seconds_left):
+        return _places(asked.but(require=require), part, limits, at, center_within, clear, accuracy)
+
+
+def _places(
+    asked: Question,
+    part: Part,
+    limits: tuple[float, float],
+    at: ArrayLike | None,
+    center_within: float,
+    clear: float,
+    accuracy: float | None,
+) -> Places:
+    """The answer of `place` about a part with given limits of its mass [kg]."""
+    assembly = asked.assembly
     tops = find_tops(assembly)
-    tell("contacts")
+    asked.tell("contacts")
     found: dict[str, Any]
     if at is not None:
-        decision = decide_at(
-            assembly, part, limits, center_within, tops, at, require, tolerance, effort
-        )
+        decision = decide_at(asked, part, limits, center_within, tops, at)
         prism = placed_prism(Assembly([part], units=assembly.units))
         found = {"at": decision, "warnings": decision.remarks(assembly), "prism": prism}
     else:
-        if contacts is None:
-            contacts = detect.contacts(assembly, tolerance=tolerance)
-        tell("places")
+        contacts = detect.touching(asked.but(progress=None))
+        asked.tell("places")
         found = _map(assembly, part, contacts, tops, limits, center_within, clear, accuracy)
     return Places(
         **found,
+        units=assembly.units,
         mass=limits,
         center_within=float(center_within),
-        require=require,
-        seconds=time.perf_counter() - started,
+        require=asked.require,
+        seconds=time.perf_counter() - asked.begun,
         assembly=assembly,
         part=part,
     )

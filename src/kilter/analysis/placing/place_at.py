@@ -16,7 +16,8 @@ from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly, Part
 from kilter.assembly.masses import density_warnings
-from kilter.contact import Tolerance, detect
+from kilter.assembly.question import Question
+from kilter.contact import detect
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
@@ -73,7 +74,7 @@ class AtPlace(Record):
         level = self.worst.level
         if len(self.verdicts) == 1:
             return level
-        most = "equilibrium" if (self.worst.contacts.patch_mu > 0).any() else "proved"
+        most = "equilibrium" if (self.worst.contact_set.patch_mu > 0).any() else "proved"
         return min(level, most, key=level_rank)
 
     @property
@@ -94,7 +95,7 @@ class AtPlace(Record):
         The warning about the default density is left out if the verdict and the heaviest mass do
         not depend on it, unless the assembly without the part (`base`) has this warning, too.
         """
-        remarks = self.worst.contacts.warnings
+        remarks = self.worst.contact_set.warnings
         idle = set(density_warnings(self.worst.assembly.parts)) - {*base.geometry.warnings}
         limited = self.heaviest is not None and 0.0 < self.heaviest < np.inf
         if not idle or limited or any(map(density_matters, self.verdicts)):
@@ -103,21 +104,18 @@ class AtPlace(Record):
 
 
 def decide_at(
-    assembly: Assembly,
+    asked: Question,
     part: Part,
     mass: tuple[float, float],
     center_within: float,
     tops: Sequence[Top],
     at: Any,
-    require: str,
-    tolerance: Tolerance | None,
-    effort: float,
 ) -> AtPlace:
-    """Decide whether a part stands at a place, and the heaviest mass that is carried there.
+    """Decide whether a part stands with its centre of mass at a place, and how heavy it may be.
 
-    The centre of mass of the part is put at the place `at`; the other arguments are as in `place`
-    and `part_cases`. Raises an `InputError` if nothing or a part of another form is below it.
+    `mass` [kg] and `center_within` are limits of its mass and centre of mass, as in `part_cases`.
     """
+    assembly, quiet = asked.assembly, asked.but(progress=None, contacts=None)
     x, y = finite(at, (2,), "place").tolist()
     alone = Assembly([part], units=assembly.units)
     height = _lowered(assembly, alone, tops, x, y)
@@ -127,8 +125,8 @@ def decide_at(
     verdicts, heaviest = [], []
     for case in part_cases(part, mass, center_within):
         whole = assembly.with_parts([case])
-        contacts = detect.contacts(whole, tolerance=tolerance)
-        verdicts.append(check(whole, contacts=contacts, require=require, effort=effort))
+        contacts = detect.contacts(quiet.but(assembly=whole))
+        verdicts.append(check(quiet.but(assembly=whole, contacts=contacts)))
         heaviest.append(_heaviest(build_program(whole, contacts), part.name))
     known = [mass for mass in heaviest if mass is not None]
     least = min(known) if len(known) == len(heaviest) else None

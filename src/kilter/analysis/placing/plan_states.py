@@ -25,7 +25,9 @@ from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
+from kilter.assembly.question import Question
 from kilter.contact import ContactSet
+from kilter.contact.detect import touching
 from kilter.contact.fits.suggestions import coincident
 from kilter.contact.kept_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
@@ -59,21 +61,12 @@ class PlanState:
     verdict: Verdict | None = None
 
 
-def plan_states(
-    whole: Assembly, contacts: ContactSet, count: int, *, require: str, effort: float
-) -> Iterator[PlanState]:
+def plan_states(asked: Question, count: int) -> Iterator[PlanState]:
     """Yield the verdict on the pile after each item.
 
-    Parameters
-    ----------
-    whole : Assembly
-        The finished pile: `count` boxes in the order of the plan, then the other parts.
-    contacts : ContactSet
-        Its contacts.
-    count : int
-    require, effort
-        As in `kilter.check`.
+    The assembly has `count` boxes in the order of the plan, then the other parts.
     """
+    whole, contacts, require = asked.assembly, touching(asked), asked.require
     stacks = (
         _Stacks(whole, contacts, count) if _has_stacks(whole, contacts, count, require) else None
     )
@@ -84,11 +77,11 @@ def plan_states(
         if stacks is not None and stacks.falls_after(k):
             yield PlanState("unstable", level_of("unstable"), partial(getattr, stacks, "outer"))
             continue
-        state, touching = whole, contacts
+        state, among = whole, contacts
         if k + 1 < count:
             state = whole.without(whole.names[k + 1 : count])
-            touching = contacts_among(contacts, state)
-        verdict = check(state, contacts=touching, require=require, effort=effort)
+            among = contacts_among(contacts, state)
+        verdict = check(asked.but(assembly=state, contacts=among, progress=None))
         if stacks is not None:
             stacks.keep_motion(k, verdict)
         yield PlanState(

@@ -14,14 +14,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import replace
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.polyhedral_cone import Cone
@@ -31,12 +31,11 @@ from kilter.analysis.regions.rests import PlaceOfRest, find_rests
 from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.time_limits import given_direction_known
 from kilter.analysis.turning_tolerances import GAP_DEG
-from kilter.analysis.verdict.answers import joints_answer
-from kilter.arrays import Array, Mask
-from kilter.assembly import Assembly, Joint, require_assembly
+from kilter.arrays import Mask
+from kilter.assembly import Assembly, Joint, JointEntry, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.assembly.plain_joints import plain_joints
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
+from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
@@ -45,17 +44,22 @@ from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
 from kilter.tell.cells import InCells
-from kilter.tell.html import html_of
-from kilter.tell.json_answer import AnswerInWords
+from kilter.tell.record import (
+    AnswerInWords,
+    InPython,
+    LevelWord,
+    Lines,
+    Record,
+    Seconds,
+    Vector,
+    key,
+)
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
 from kilter.values.guesses import guarded
 from kilter.work import stop_after
 
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.directions_data import RegionData
-
-__all__ = ["Region", "common_region", "region"]
+__all__ = ["Region", "RegionShape", "common_region", "region"]
 
 Tell = Callable[[str], None]
 SAME_REGION = 1e-6
@@ -65,71 +69,105 @@ LARGE = 1000
 single direction proves that these pairs decide."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Region(InCells, AnswerInWords):
-    """Every direction of gravity for which an assembly holds, in the frame of the assembly.
+class RegionShape(Record):
+    """Lines, rays and bounding planes of a region of directions of gravity."""
 
-    Without friction (`friction` is False) a direction in it is stable. With friction a
-    direction in it has forces that hold it.
+    cone: InPython[Cone]
+    """Lines, rays and equations. With friction in space the inner cone: every direction in it is
+    held."""
+    facets: Lines
+    """Unit inward normals within the span: beyond any of them no forces hold it. Those of the cone,
+    or with friction in space of the outer cone."""
 
-    Attributes
-    ----------
-    cone : Cone
-        Lines, rays and equations. With friction in space the inner cone: every direction in
-        it is held.
-    facets : ndarray, shape (f, 3)
-        Unit inward normals within the span: beyond any of them no forces hold it. Those of
-        `cone`, or with friction in space of the outer cone.
-    friction : bool
-        Whether forces of friction were counted.
-    complete : bool
-        Whether no force was left out that might hold more: friction, or contacts of a kind
-        that is not modelled.
-    assemblies : tuple of Assembly
-        A single assembly, or those that share the region.
-    contacts : tuple of ContactSet
-        Of each.
-    found : tuple of StableCone
-        The cone of each, with certificates.
-    programs : int
-        How many programs were solved.
-    warnings : tuple of str
-    seconds : dict
-        Of each stage.
-    rests : tuple of PlaceOfRest
-        State of rest in its axis, lines and rays, if it was requested.
-    joined : Region or None
-        The region with the parts of every open pair joined; None without open pairs.
-    joined_holds : bool
-        In place of `joined` for a large assembly: whether it is proved that the given direction,
-        which the region excludes, is held with the parts of every open pair joined.
+    @property
+    @key
+    def kind(self) -> str:
+        """Kind of the region's cone, a word of `polyhedral_cone.KINDS` such as "fan"."""
+        return self.cone.kind
+
+    @property
+    @key
+    def lines(self) -> Lines:
+        """Directions that are stable with either sign: an orthonormal basis, shape (l, 3)."""
+        return self.cone.lines
+
+    @property
+    @key
+    def rays(self) -> Lines:
+        """Extreme rays of the region, unit, orthogonal to its lines, shape (r, 3)."""
+        return self.cone.rays
+
+    @property
+    @key
+    def equations(self) -> Lines:
+        """Orthonormal normals of the planes that contain the region, shape (e, 3)."""
+        return self.cone.equations
+
+    @property
+    @key
+    def half_angle_deg(self) -> float | None:
+        """Half angle of the widest circular cone in the region [deg]; None if there is none."""
+        return self.cone.half_angle_deg
+
+
+class Region(InCells, RegionShape, AnswerInWords):
+    """Answer of `kilter.region`: all directions of gravity in which the assembly stays.
+
+    The directions are in the frame of the assembly. Without friction (`friction` is False) a
+    direction in the region is stable. With friction a direction in it has forces that hold it.
     """
 
     answer: ClassVar[str] = "region"
 
-    cone: Cone
-    facets: Array
     friction: bool
+    """Whether forces of friction were counted."""
     complete: bool
-    assemblies: tuple[Assembly, ...]
-    contacts: tuple[ContactSet, ...]
-    found: tuple[StableCone, ...]
+    """Whether no force was left out that might hold more: friction, or contacts of a kind that is
+    not modelled."""
+    assemblies: InPython[tuple[Assembly, ...]]
+    """A single assembly, or those that share the region."""
+    contacts: InPython[tuple[ContactSet, ...]]
+    """Contacts of each assembly."""
+    found: InPython[tuple[StableCone, ...]]
+    """The cone of each, with certificates."""
     programs: int
+    """Number of programs solved."""
     warnings: tuple[str, ...]
-    seconds: dict[str, float]
+    """What to know about the answer."""
+    seconds: Seconds
+    """Duration of each stage [s]."""
     rests: tuple[PlaceOfRest, ...] = ()
-    joined: Region | None = None
-    joined_holds: bool = False
+    """State of rest in its axis, lines and rays, if it was requested."""
+    if_joined: RegionShape | None = None
+    """The region with the parts of every open pair joined; None without open pairs."""
+    joined_holds: InPython[bool] = False
+    """In place of `if_joined` for a large assembly: whether it is proved that the given direction,
+    which the region excludes, is held with the parts of every open pair joined."""
 
     @property
-    def level(self) -> str:
+    @key
+    def joints(self) -> tuple[JointEntry, ...]:
+        """Joints, with those that fastening added."""
+        return self.assemblies[0].joints_data()
+
+    @property
+    @key
+    def open_pairs(self) -> tuple[AnsweredPair, ...]:
+        """Pairs of parts whose contact the geometry does not determine."""
+        known = zip(self.assemblies, self.contacts, strict=True)
+        return tuple(pair for one, contacts in known for pair in answered_pairs(one, contacts))
+
+    @property
+    @key
+    def level(self) -> LevelWord:
         """Verdict level of the assembly in each direction of the region, to first order."""
         return "equilibrium" if self.friction else "proved"
 
     @property
+    @key
     def pairs_decide(self) -> bool:
         """Whether the region changes if the parts of pairs with uncertain contact are joined."""
-        other = self.joined
+        other = self.if_joined
         if other is None:
             return self.joined_holds
         if other.kind != self.kind:
@@ -138,41 +176,19 @@ class Region(InCells, AnswerInWords):
         return not bool(self.contains(ends, -SAME_REGION).all())
 
     @property
-    def kind(self) -> str:
-        """Kind of the region's cone, a word of `polyhedral_cone.KINDS` such as "fan"."""
-        return self.cone.kind
-
-    @property
+    @key
     def dimension(self) -> int:
         """Dimension of the span of the region, 0 to 3."""
         return self.cone.dimension
 
     @property
-    def lines(self) -> Array:
-        """Directions that are stable with either sign: an orthonormal basis, shape (l, 3)."""
-        return self.cone.lines
-
-    @property
-    def rays(self) -> Array:
-        """Extreme rays of the region, unit, orthogonal to its lines, shape (r, 3)."""
-        return self.cone.rays
-
-    @property
-    def equations(self) -> Array:
-        """Orthonormal normals of the planes that contain the region, shape (e, 3)."""
-        return self.cone.equations
-
-    @property
-    def half_angle_deg(self) -> float | None:
-        """Half angle of the widest circular cone in the region [deg]; None if there is none."""
-        return self.cone.half_angle_deg
-
-    @property
-    def center(self) -> Array | None:
+    @key
+    def center(self) -> Vector | None:
         """Recommended direction: axis of the widest circular cone in the region; else None."""
         return self.cone.center
 
     @property
+    @key
     def exact(self) -> bool:
         """Whether rays and facets bound the same cone, which is then exactly the stable region.
 
@@ -181,6 +197,7 @@ class Region(InCells, AnswerInWords):
         return self.complete and all(part.exact for part in self.found)
 
     @property
+    @key
     def gap_deg(self) -> float | None:
         """Largest angle between inner and outer bound of the region [deg]; None if it is exact."""
         gaps = [part.gap for part in self.found if not part.exact]
@@ -192,9 +209,16 @@ class Region(InCells, AnswerInWords):
         return self.kind == "none" and self.complete and not self.gap_deg and self.proved
 
     @property
+    @key
     def proved(self) -> bool:
         """Whether every ray, line, facet and equation of the region has a proof that holds."""
         return all(part.proved for part in self.found)
+
+    @property
+    @key
+    def accuracy_deg(self) -> float:
+        """Directions closer to the boundary count as on it [deg]."""
+        return float(np.degrees(max(self.cone.blur, *(part.slack for part in self.found))))
 
     def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
         """Whether given directions of gravity are in the region, at least `margin` inside.
@@ -265,61 +289,6 @@ class Region(InCells, AnswerInWords):
         closed = self.kind == "all" or any("motion" in data for _, data in proofs)
         return make_bundle("region", proofs, gap_deg=float(np.degrees(gap)) if closed else None)
 
-    def to_dict(self) -> RegionData:
-        """The region as JSON data, as ``kilter region --json`` prints it.
-
-        Examples
-        --------
-        >>> from kilter.scenes.rails import railed
-        >>> answer = region(railed("-z")).to_dict()
-        >>> answer["kind"], answer["rays"], answer["half_angle_deg"]
-        ('ray', [[0.0, 0.0, -1.0]], 0.0)
-        """
-        cone, center = self.cone, self.center
-        slack = max(part.slack for part in self.found)
-        return {
-            "kind": cone.kind,
-            "dimension": cone.dimension,
-            "lines": cone.lines.tolist(),
-            "rays": cone.rays.tolist(),
-            "equations": cone.equations.tolist(),
-            "facets": self.facets.tolist(),
-            "center": None if center is None else (center + 0.0).tolist(),
-            "half_angle_deg": cone.half_angle_deg,
-            "programs": self.programs,
-            "exact": self.exact,
-            "complete": self.complete,
-            "friction": self.friction,
-            "joints": joints_answer(self.assemblies[0]),
-            "open_pairs": [
-                pair
-                for assembly, contact_set in zip(self.assemblies, self.contacts, strict=True)
-                for pair in open_pairs_answer(assembly, contact_set)
-            ],
-            "level": self.level,
-            "pairs_decide": self.pairs_decide,
-            "if_joined": None
-            if self.joined is None
-            else {
-                "kind": self.joined.kind,
-                "lines": self.joined.lines.tolist(),
-                "rays": self.joined.rays.tolist(),
-                "equations": self.joined.equations.tolist(),
-                "facets": self.joined.facets.tolist(),
-                "half_angle_deg": self.joined.half_angle_deg,
-            },
-            "rests": [rest.to_dict() for rest in self.rests],
-            "gap_deg": self.gap_deg,
-            "proved": self.proved,
-            "accuracy_deg": float(np.degrees(max(cone.blur, slack))),
-            "warnings": list(self.warnings),
-            "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
-        }
-
-    def _repr_html_(self) -> str:
-        """The region as HTML for a notebook."""
-        return html_of(self.to_dict())
-
     def __str__(self) -> str:
         return region_phrase(self.kind, self.half_angle_deg, friction=self.friction)
 
@@ -327,21 +296,12 @@ class Region(InCells, AnswerInWords):
         return f"Region({self})"
 
 
-@guarded
-@on_one_thread
+@question(lacks="require effort")
 def region(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
     gap_deg: float = GAP_DEG,
     rests: bool = False,
-    tolerance: Tolerance | None = None,
-    time_limit: float | None = None,
-    progress: Tell | None = None,
 ) -> Region:
     """Find every direction of gravity for which an assembly stays together.
 
@@ -349,14 +309,10 @@ def region(
     ----------
     assembly : Assembly, or path
         It has at least one held part.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     gap_deg : float
         How far apart the inner and the outer cone may be, with friction in space [deg].
     rests : bool
         Also which of its axis, lines and rays are strict minima of energy (`Region.rests`).
-    contacts, tolerance, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -384,33 +340,31 @@ def region(
     >>> rough.exact, round(rough.half_angle_deg, 1), rough.gap_deg < 0.1
     (False, 26.5, True)
     """
-    assembly = asked_assembly(
-        assembly, "region", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    assembly = asked.assembly
     require_no_bonds(assembly, "region", NO_CONE)
     assembly.require_grounded()
     started = time.perf_counter()
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
+    contacts = detect.touching(asked)
     rubs = bool((contacts.patch_mu > 0).any())
     if rests and rubs:
         raise InputError(
             "places of rest can be computed only without friction", hint="leave friction out"
         )
-    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
+    limit = asked.seconds_left
     pairs = still_open(contacts.open_pairs, assembly)
     with given_direction_known(assembly, contacts, limit):
         with stop_after(limit if limit is None or not pairs else limit / 2):
-            stable = _region(assembly, contacts, rubs, gap_deg, started, progress)
+            stable = _region(assembly, contacts, rubs, gap_deg, started, asked.progress)
         if pairs:
             joined = _all_joined(assembly, contacts)
             if _joined_holds(stable, joined):
                 stable = replace(stable, joined_holds=True)
             else:
-                other = _region(joined, contacts, rubs, gap_deg, time.perf_counter(), progress)
-                stable = replace(stable, joined=other)
+                now = time.perf_counter()
+                other = _region(joined, contacts, rubs, gap_deg, now, asked.progress)
+                stable = replace(
+                    stable, if_joined=RegionShape(cone=other.cone, facets=other.facets)
+                )
         if not rests:
             return stable
         return replace(stable, rests=find_rests(stable.cone, assembly, contacts))

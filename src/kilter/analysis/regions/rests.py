@@ -10,8 +10,7 @@ over (`kilter.analysis.regions.well`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -24,10 +23,8 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.rows import CONTACT
-
-if TYPE_CHECKING:
-    from kilter.second_order.parts.cluster_states import State
-    from kilter.tell.answer_data.directions_data import RestData
+from kilter.second_order.parts.cluster_states import State
+from kilter.tell.record import Record, Vector
 
 __all__ = ["MOST_RESTS", "PlaceOfRest", "find_rests"]
 
@@ -35,58 +32,32 @@ MOST_RESTS = 20
 """Largest number of directions for which the state of rest is examined."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PlaceOfRest:
-    """A direction of gravity at which an assembly rests without friction, and how firmly it rests.
+class PlaceOfRest(Record):
+    """A direction of gravity at which an assembly rests without friction, and how firmly."""
 
-    Attributes
-    ----------
-    down : ndarray, shape (3,)
-        The direction, unit, in the frame of the assembly.
-    state : {"minimum", "free", "balanced", "open"}
-        "minimum": a strict minimum; no small push moves it away.
-    tilt_deg : float or None
-        The angle to the nearest direction that is not stable to first order [deg]; None if
-        all are stable.
-    rate : float or None
-        Of a minimum that curves, the least angular frequency of small oscillations that is
-        proved; if it is balanced, the rate of growth [1/s].
-    moving : tuple of str
-        Parts that fall, or move freely.
-    on : tuple of str
-        The held parts that bear its weight there.
-    why : str
-        Why it is open.
-    well : Well or None
-        Width, depth and stiffness of the well of a single body on a level table.
-    """
-
-    down: Array
-    state: State
-    tilt_deg: float | None
-    rate: float | None
-    moving: tuple[str, ...]
-    why: str
-    well: Well | None = None
+    down: Vector
+    """The direction, unit, in the frame of the assembly."""
     on: tuple[str, ...] = ()
+    """Held parts that bear the weight."""
+    state: State
+    """"minimum": a strict minimum of the energy; no small push moves it away."""
+    tilt_deg: float | None
+    """Angle to the nearest direction that is not stable to first order [deg]; None if all are
+    stable."""
+    rate: float | None = None
+    """Of a minimum that curves, the least angular frequency of small oscillations that is proved;
+    if it is balanced, the rate of growth [1/s]."""
+    moving: tuple[str, ...] = ()
+    """Parts that fall, or move freely."""
+    why: str | None = None
+    """Why it is open."""
+    well: Well | None = None
+    """Energy minimum of a single body on a level table."""
 
     @property
     def strict(self) -> bool:
         """Whether the energy of the assembly has a strict minimum at this place of rest."""
         return self.state == "minimum"
-
-    def to_dict(self) -> RestData:
-        """The place of rest as JSON data."""
-        return {
-            "down": (self.down + 0.0).tolist(),
-            "on": list(self.on),
-            "state": self.state,
-            "tilt_deg": self.tilt_deg,
-            "rate": self.rate,
-            "moving": list(self.moving),
-            "why": self.why or None,
-            "well": None if self.well is None else self.well.to_dict(),
-        }
 
 
 def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[PlaceOfRest, ...]:
@@ -122,18 +93,20 @@ def _classify_rest(
     down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet
 ) -> PlaceOfRest:
     """Classify how an assembly rests with gravity along a direction of its region."""
-    tilt = _tilt(down, cone)
+    known: dict[str, Any] = {"down": down, "tilt_deg": _tilt(down, cone)}
     turned = assembly.with_down(down)
     verdict = check(turned, contacts=contacts)
     if verdict.first_order != "stable":
         why = f"so near the boundary of the region its verdict is {verdict.verdict}"
-        return PlaceOfRest(down, "open", tilt, None, (), why)
-    second = verdict.to_dict()["second_order"]
-    well, on = find_well(turned, contacts, verdict), _bearing(verdict)
+        return PlaceOfRest(state="open", why=why, **known)
+    second = verdict.second_order
+    known |= {"well": find_well(turned, contacts, verdict), "on": _bearing(verdict)}
     if second is None:
-        return PlaceOfRest(down, "minimum", tilt, None, (), "", well, on)
-    moving, why = tuple(second["motion"] or ()), second["why"] or ""
-    return PlaceOfRest(down, second["state"], tilt, second["rate"], moving, why, well, on)
+        return PlaceOfRest(state="minimum", **known)
+    moving = tuple(second.motion or ())
+    return PlaceOfRest(
+        state=second.state, rate=second.rate, moving=moving, why=second.why or None, **known
+    )
 
 
 def _bearing(verdict: Verdict) -> tuple[str, ...]:

@@ -17,9 +17,6 @@ The table is taken as endless, and the body as free of friction: it slides at no
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from kilter.analysis.regions.tipping import find_tipping
@@ -34,55 +31,34 @@ from kilter.mechanics.rows import CONTACT
 from kilter.second_order.gaps.features import FACE, Features
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
+from kilter.tell.record import Record, Vector
 from kilter.units import metres_per_unit
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.directions_data import WellData
 
 __all__ = ["Well", "find_well"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Well:
-    """The well of potential energy of a single body on an endless table, without friction.
+class Well(Record, kw_only=False):
+    """Width, depth and stiffness of the energy minimum of a body on a level table.
 
-    Attributes
-    ----------
-    part : str
-        The body.
-    over_deg : float or None
-        Tilted by less than this about any level axis it comes back [deg]; 180: from anywhere.
-        None if it is not known: for bodies with curved faces that are not of revolution
-        about the vertical through their centre of mass.
-    barrier : float or None
-        The least energy that can take it to another place of rest [J]; None if there is no
-        such place, or if it is not known.
-    stiffness : float or None
-        The least moment by which it rights itself, over the angle [N m/rad]; None if it
-        stands on a face, whose edges right it at once.
-    axis : ndarray, shape (3,), or None
-        The level axis of that turn, unit, in the frame of the assembly.
-    period : float or None
-        Of its slowest swing [s].
+    The table is endless, without friction.
     """
 
     part: str
+    """The body."""
     over_deg: float | None
+    """Tilt from which it comes back, about any level axis [deg]; 180: from anywhere. None if it is
+    not known: for bodies with curved faces that are not of revolution about the vertical through
+    their centre of mass."""
     barrier: float | None
+    """Least energy that can take it to another place of rest [J]; None if there is no such place,
+    or if it is not known."""
     stiffness: float | None
-    axis: Array | None
+    """Least moment by which it rights itself, over the angle [N m/rad]; None if it stands on a
+    face, whose edges right it at once."""
+    axis: Vector | None
+    """Level axis of that turn, unit, in the frame of the assembly."""
     period: float | None
-
-    def to_dict(self) -> WellData:
-        """The well as JSON data."""
-        return {
-            "part": self.part,
-            "over_deg": self.over_deg,
-            "barrier": self.barrier,
-            "stiffness": self.stiffness,
-            "axis": None if self.axis is None else (self.axis + 0.0).tolist(),
-            "period": self.period,
-        }
+    """Period of its slowest swing [s]."""
 
 
 def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Well | None:

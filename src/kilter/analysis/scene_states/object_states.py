@@ -20,12 +20,11 @@ high parts for the smaller part.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.check import CUT, check
@@ -38,36 +37,22 @@ from kilter.analysis.verdict.remarks import remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.contact.common.patches import SAME_BODY, Overlap
 from kilter.contact.kept_contacts import contacts_among, without_overlaps
 from kilter.errors import InputError
 from kilter.rigid import Pose
-from kilter.tell.levels import REQUIRE, require_level
-from kilter.threads import on_one_thread
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
+from kilter.tell.levels import require_level
 
 __all__ = ["scene"]
 
 
-@guarded
-@on_one_thread
+@question()
 def scene(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
     settle: bool = False,
-    progress: Callable[[str], None] | None = None,
 ) -> SceneReport:
     """Decide for each object of a scene whether it is at rest, floats, overlaps or falls.
 
@@ -78,18 +63,6 @@ def scene(
     ----------
     assembly : Assembly, or path
         At least one part must be held.
-    friction : float, optional
-        Coefficient of the contacts without a coefficient of their own [-].
-    down : array_like, shape (3,), optional
-        Direction of gravity, whose magnitude stays [-].
-    ground : str or iterable of str
-        Parts that are also held; ``*`` and ``?`` are wildcards.
-    floor : bool or float, optional
-        True adds a held table under the lowest point; a number is its height [length].
-    contacts : ContactSet, optional
-        Contacts of this assembly; by default they are detected from its geometry.
-    tolerance : Tolerance, optional
-        Tolerances of the detection: gap, angle and clearance. By default those of the assembly.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `SceneReport.at_rest` is true from this level.
     effort : float
@@ -100,8 +73,6 @@ def scene(
     settle : bool
         Whether to repair the scene first: floating objects fall, and clusters with faults settle
         (`kilter.settle`). The report is about the new poses; `SceneReport.drawn` has the old.
-    progress : callable, optional
-        Function that is called with the name of each stage.
 
     Returns
     -------
@@ -130,21 +101,13 @@ def scene(
     (0.1, -0.25, 'table')
     """
     started = time.perf_counter()
-    tell = progress or (lambda stage: None)
-    require = require_level(require, strict=True)
-    assembly = asked_assembly(
-        assembly, "scene", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    assembly, require = asked.assembly, require_level(asked.require, strict=True)
     assembly.require_grounded()
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
+    contacts = detect.touching(asked)
     if settle:
-        given = {"tolerance": tolerance, "require": require, "effort": effort, "progress": tell}
-        return _repaired(assembly, contacts, given, started)
-    ends = None if time_limit is None else started + time_limit
-    survey = _Survey(assembly, contacts.of(assembly), require, effort, ends, tell)
+        return _repaired(asked.but(contacts=contacts, time_limit=None))
+    ends = None if asked.time_limit is None else asked.begun + asked.time_limit
+    survey = _Survey(assembly, contacts.of(assembly), require, asked.effort, ends, asked.tell)
     survey.judge()
     free = ~assembly.geometry.grounded
     objects = tuple(
@@ -154,6 +117,10 @@ def scene(
     return SceneReport(
         objects=objects,
         require=require,
+        clusters=len(survey.verdicts),
+        gravity=assembly.gravity,
+        friction=assembly.friction,
+        units=assembly.units,
         warnings=(*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
         seconds=time.perf_counter() - started,
         assembly=assembly,
@@ -162,23 +129,21 @@ def scene(
     )
 
 
-def _repaired(
-    assembly: Assembly, contacts: ContactSet, given: dict[str, Any], started: float
-) -> SceneReport:
+def _repaired(asked: Question) -> SceneReport:
     """The report about a scene after its repair (`kilter.analysis.scene_states.scene_repair`)."""
-    first = scene(assembly, contacts=contacts, **given)
+    assembly, contacts = asked.assembly, asked.contacts
+    first = scene(asked)
     falls = {entry.name: entry.pose for entry in first if entry.pose is not None}
     fallen = assembly.with_poses(falls) if falls else assembly
-    tolerance = given["tolerance"]
-    touching = detect.contacts(fallen, tolerance=tolerance) if falls else contacts
-    second = scene(fallen, contacts=touching, **given) if falls else first
+    again = asked.but(assembly=fallen)
+    touching = detect.contacts(again.but(progress=None)) if falls else contacts
+    second = scene(again.but(contacts=touching)) if falls else first
     faulty = {entry.name for entry in second if entry.state not in ("at-rest", "held")}
     report = second
     if faulty:
-        options = {key: given[key] for key in ("require", "effort", "progress")}
-        settled = settled_clusters(fallen, touching, faulty, **options)
-        report = scene(settled, **given)
-    return replace(report, drawn=assembly, seconds=time.perf_counter() - started)
+        settled = settled_clusters(again.but(contacts=touching), faulty)
+        report = scene(asked.but(assembly=settled, contacts=None))
+    return replace(report, drawn=assembly, seconds=time.perf_counter() - asked.begun)
 
 
 def _warnings(assembly: Assembly, contacts: ContactSet) -> list[str]:

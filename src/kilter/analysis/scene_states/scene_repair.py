@@ -9,7 +9,7 @@ Clusters that cannot settle keep their poses, so the report after the repair lis
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -18,53 +18,32 @@ from kilter.analysis.scene_states.scene_graph import SceneGraph
 from kilter.analysis.settled_pose.settle import settle
 from kilter.arrays import Index
 from kilter.assembly import Assembly
-from kilter.contact import ContactSet
+from kilter.assembly.question import Question
+from kilter.contact.detect import touching
 from kilter.errors import InputError
 from kilter.rigid import Pose
 
 __all__ = ["chosen_parts", "settled_clusters"]
 
 
-def settled_clusters(
-    assembly: Assembly,
-    contacts: ContactSet,
-    faulty: Collection[str],
-    *,
-    require: str,
-    effort: float,
-    progress: Callable[[str], None],
-) -> Assembly:
-    """Settle each cluster of a scene that has faulty objects.
+def settled_clusters(asked: Question, faulty: Collection[str]) -> Assembly:
+    """The assembly of a scene after each cluster with objects that are not at rest has settled.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-        Its contacts.
-    faulty : collection of str
-        Names of the objects that are not at rest.
-    require, effort
-        As in `kilter.settle`.
-    progress : callable
-        Function that is called with the name of each stage.
-
-    Returns
-    -------
-    Assembly
-        The assembly with the new poses of the clusters that come to rest.
+    Clusters that do not come to rest keep their poses.
     """
-    graph = SceneGraph.of(assembly, contacts)
+    assembly = asked.assembly
+    graph = SceneGraph.of(assembly, touching(asked))
     names = np.array([part.name in faulty for part in assembly.parts])
     poses: dict[str, Pose] = {}
     for cluster in graph.clusters(~assembly.geometry.grounded, near=True):
         if not names[cluster].any():
             continue
-        progress(f"settling {assembly.names[int(cluster[0])]}")
+        asked.tell(f"settling {assembly.names[int(cluster[0])]}")
         beside = graph.beside(cluster)
         held = beside[assembly.geometry.grounded[beside]]
         sub = chosen_parts(assembly, np.sort(np.concatenate([cluster, held])), [])
         try:
-            answer = settle(sub, drop=True, require=require, effort=effort)
+            answer = settle(sub, drop=True, require=asked.require, effort=asked.effort)
         except InputError:
             continue  # parts in the same place, which settle rejects
         if answer.state == "at-rest":

@@ -91,12 +91,22 @@ class SceneReport(Answer):
     """In the order of the assembly."""
     require: str
     """Level from which an object counts as at rest."""
+    clusters: int
+    """Number of separately judged clusters."""
+    gravity: Vector
+    """Gravity as used [m/s^2]."""
+    friction: float
+    """Coefficient of the contacts without a coefficient of their own [-]."""
+    units: UnitWord
+    """Length unit."""
     warnings: tuple[str, ...]
     """Warnings about file, geometry and contacts."""
     seconds: float
     """Duration [s]."""
     assembly: InPython[Assembly]
+    """The scene, after a repair if there is one."""
     contacts: InPython[ContactSet]
+    """Its contacts."""
     verdicts: InPython[tuple[Verdict, ...]]
     """The verdict on each cluster of touching objects, with its certificate.
 
@@ -110,31 +120,6 @@ class SceneReport(Answer):
     def sentence(self) -> str:
         """The answer in a sentence."""
         return scene_sentence(self.data_without("sentence"))
-
-    @property
-    @key
-    def clusters(self) -> int:
-        """Number of separately judged clusters."""
-        return len(self.verdicts)
-
-    @property
-    @key
-    def gravity(self) -> Vector:
-        """Gravity as used [m/s^2]."""
-        gravity: Array = self.assembly.gravity
-        return gravity
-
-    @property
-    @key
-    def friction(self) -> float:
-        """Coefficient of the contacts without a coefficient of their own [-]."""
-        return self.assembly.friction
-
-    @property
-    @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.assembly.units
 
     def __iter__(self) -> Iterator[SceneObject]:
         return iter(self.objects)

@@ -15,7 +15,6 @@ from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check, check_level
 from kilter.analysis.settled_pose.near_points import find_near_points
@@ -26,18 +25,16 @@ from kilter.analysis.settled_pose.settle_tolerances import REACH
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
-from kilter.tell.levels import REQUIRE, holds, level_rank, require_level
+from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.numbers import NO_ANGLE
 from kilter.tell.record import Answer, InPython, Record, UnitWord, key
 from kilter.tell.settle_words import settle_sentence
-from kilter.threads import on_one_thread
 from kilter.validate import number
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT
+from kilter.work import stop_after
 
 __all__ = ["Settled", "settle"]
 
@@ -83,12 +80,29 @@ class Settled(Answer):
     """Gap that counts as closed [length unit]."""
     dropped: float
     """Largest distance of a fall before the search [length unit]."""
+    units: UnitWord
+    """Length unit."""
+    before: str | None
+    """Verdict on the drawn pose."""
     parts: tuple[str, ...]
     """Parts that fall, that do not fit, or that are out of reach."""
     depth: float
     """Depth of the overlap that no small motion opens [length unit]; 0 if all open."""
     why: str
     """Cause of a failure as a clause; empty at rest."""
+    after: str | None = None
+    """Verdict on the pose at rest; null in other states."""
+    after_asked: str | None = None
+    """Level up to which the verdict on the pose at rest was asked.
+
+        It is "equilibrium" if the closed points alone reach the required level.
+        """
+    closed_level: str | None = None
+    """Level of forces at closed points alone."""
+    widest_gap: float | None = None
+    """Widest gap of a closed point [length unit]; null without a pose at rest."""
+    deepest_overlap: float | None = None
+    """Deepest overlap of two parts [length unit]; null without a pose at rest."""
     require: str
     """Level from which the parts count as at rest."""
     warnings: tuple[str, ...]
@@ -136,12 +150,6 @@ class Settled(Answer):
 
     @property
     @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.drawn.units
-
-    @property
-    @key
     def moved(self) -> list[Moved]:
         """Moved parts, the farthest first."""
         names, distance, angle = self.drawn.names, self.distance, self.angle
@@ -153,51 +161,12 @@ class Settled(Answer):
 
     @property
     @key
-    def widest_gap(self) -> float | None:
-        """Widest gap of a closed point [length unit]; null without a pose at rest."""
-        return None if self.closed is None else self.closed.widest_gap
-
-    @property
-    @key
-    def deepest_overlap(self) -> float | None:
-        """Deepest overlap of two parts [length unit]; null without a pose at rest."""
-        return None if self.closed is None else self.closed.deepest_overlap
-
-    @property
-    @key
     def carries(self) -> list[list[str]]:
         """Names of the pairs of parts that touch at closed points."""
         if self.closed is None:
             return []
         pairs = np.unique(np.sort(self.closed.contacts.patch_parts, axis=1), axis=0)
         return [[self.drawn.names[a], self.drawn.names[b]] for a, b in pairs.tolist()]
-
-    @property
-    @key
-    def before(self) -> str | None:
-        """Verdict on the drawn pose."""
-        return self.drawn_verdict.verdict
-
-    @property
-    @key
-    def after(self) -> str | None:
-        """Verdict on the pose at rest; null in other states."""
-        return None if self.settled_verdict is None else self.settled_verdict.verdict
-
-    @property
-    @key
-    def after_asked(self) -> str | None:
-        """Level up to which the verdict on the pose at rest was asked.
-
-        It is "equilibrium" if the closed points alone reach the required level.
-        """
-        return None if self.settled_verdict is None else self.settled_verdict.require
-
-    @property
-    @key
-    def closed_level(self) -> str | None:
-        """Level of forces at closed points alone."""
-        return None if self.closed_verdict is None else self.closed_verdict.level
 
     @property
     @key
@@ -238,23 +207,13 @@ class Settled(Answer):
         return f"<Settled: {self.state}, moved {far:.3g} {self.drawn.units}>"
 
 
-@guarded
-@on_one_thread
+@question()
 def settle(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
     reach: float | None = None,
     keep: str | Iterable[str] = (),
     drop: bool = False,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    progress: Callable[[str], None] | None = None,
 ) -> Settled:
     """Move the parts of an assembly by little until they touch and rest on each other.
 
@@ -269,14 +228,8 @@ def settle(
         Parts that must not move although they are not held; ``*`` and ``?`` are wildcards.
     drop : bool
         Whether hanging parts first fall straight down until they meet another part.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    contacts : ContactSet, optional
-        Contacts of this assembly; by default they are detected from its geometry.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Settled.at_rest` is true from this level.
-    tolerance, effort, progress : optional
-        As in `kilter.check`. They concern the verdicts before and after.
 
     Returns
     -------
@@ -284,6 +237,8 @@ def settle(
 
     Raises
     ------
+    TimeLimitReached
+        At the time limit.
     InputError
         If no part is held, or an argument is invalid.
 
@@ -303,27 +258,29 @@ def settle(
     >>> answer["box"].pose.position.round(6)
     array([0. , 0. , 0.5])
     """
-    started = time.perf_counter()
-    tell = progress or (lambda stage: None)
-    require = require_level(require, strict=True)
-    assembly = asked_assembly(
-        assembly, "settle", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    with stop_after(asked.seconds_left):
+        return _settle(asked, reach, keep, drop)
+
+
+def _settle(asked: Question, reach: float | None, keep: str | Iterable[str], drop: bool) -> Settled:
+    """Settle the assembly of a question, as `settle`, within the time of the caller."""
+    assembly, tell = asked.assembly, asked.tell
+    asked = asked.but(time_limit=None, require=require_level(asked.require, strict=True))
     assembly.require_grounded()
     most = None if reach is None else number(reach, "reach", lowest=0)
     if most == 0.0:
         raise InputError("reach is 0", hint="give a length above zero")
     kept = assembly.matching(keep)
-    if contacts is None:
-        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    before = check_level(assembly, contacts, require=ROUGHLY, effort=effort, progress=progress)
+    contacts = detect.touching(asked)
+    roughly = asked.but(require=ROUGHLY)
+    before = check_level(roughly.but(contacts=contacts))
     bodies = rigid_bodies(assembly, kept)
     found, used, dropped = _found(assembly, bodies, contacts, most, drop, tell)
     settled = found.bodies.assembly()
     verdicts: dict[str, Any] = {}
     if found.state == "at-rest":
         tell("verification")
-        found, verdicts = _verified(found, settled, require, tolerance, effort, progress)
+        found, verdicts = _verified(found, settled, asked, roughly)
     warned = verdicts.get("settled_verdict", before)
     return Settled(
         state=found.state,
@@ -331,12 +288,14 @@ def settle(
         reach=used,
         tolerance=closed_gap(settled),
         dropped=dropped,
+        units=assembly.units,
+        before=before.verdict,
         parts=found.parts,
         depth=found.depth,
         why=found.why,
-        require=require,
-        warnings=tuple(dict.fromkeys(warned.warnings)),
-        seconds=time.perf_counter() - started,
+        require=asked.require,
+        warnings=tuple(dict.fromkeys(warned.notes)),
+        seconds=time.perf_counter() - asked.begun,
         drawn=assembly,
         assembly=settled,
         movement=found.bodies.movements(),
@@ -370,28 +329,26 @@ def _found(
 
 
 def _verified(
-    found: SearchResult,
-    settled: Assembly,
-    require: str,
-    tolerance: Tolerance | None,
-    effort: float,
-    progress: Callable[[str], None] | None,
+    found: SearchResult, settled: Assembly, asked: Question, roughly: Question
 ) -> tuple[SearchResult, dict[str, Any]]:
     """The result of a search that ended at rest, and the verdicts on the pose, as fields."""
     assert found.points is not None
-    closed = closed_contacts(settled, found.points, progress=progress)
-    alone = check_level(
-        closed.assembly, closed.contacts, require=require, effort=effort, progress=progress
-    )
-    verdicts: dict[str, Any] = {"closed": closed, "closed_verdict": alone}
+    closed = closed_contacts(settled, found.points, progress=asked.progress)
+    alone = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
+    verdicts: dict[str, Any] = {
+        "closed": closed,
+        "widest_gap": closed.widest_gap,
+        "deepest_overlap": closed.deepest_overlap,
+        "closed_verdict": alone,
+        "closed_level": alone.level,
+    }
     why = _unproved(closed, alone)
     if why:
         return replace(found, state="not-found", why=why), verdicts
-    asked = ROUGHLY if holds(alone.level, require) else require
-    verdicts["settled_verdict"] = check(
-        settled, tolerance=tolerance, require=asked, effort=effort, progress=progress
-    )
-    return found, verdicts
+    again = roughly if holds(alone.level, asked.require) else asked
+    after = check(again.but(assembly=settled, contacts=None))
+    more = {"settled_verdict": after, "after": after.verdict, "after_asked": after.require}
+    return found, verdicts | more
 
 
 def _search(

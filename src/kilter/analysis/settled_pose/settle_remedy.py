@@ -24,7 +24,7 @@ CLOSABLE = ("overlap", "near")
 
 def settle_remedy(verdict: Verdict) -> Remedy | None:
     """The verdict on the pose at rest near the drawn pose; None if it was not tried or found."""
-    assembly, contacts = verdict.assembly, verdict.contacts
+    assembly, contacts = verdict.assembly, verdict.contact_set
     kinds = {pair.kind for pair in contacts.open_pairs}
     small = len(assembly) <= MOST_PARTS and len(contacts.points) <= MOST_POINTS
     if verdict.verdict != "undecided" or not kinds & set(CLOSABLE) or not small:

@@ -13,7 +13,7 @@ the levels of check.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -44,16 +44,13 @@ from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet
 from kilter.contact.round_edges import round_edges
 from kilter.errors import InputError
 from kilter.mechanics.program import build_program
-from kilter.tell.levels import REQUIRE, level_rank, require_level
-from kilter.threads import on_one_thread
+from kilter.tell.levels import level_rank, require_level
 from kilter.validate import number
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["transport"]
 
@@ -64,15 +61,10 @@ TURNED = str.maketrans("+-", "-+")
 """Names of opposite directions."""
 
 
-@guarded
-@on_one_thread
+@question()
 def transport(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
     accelerate: ArrayLike | None = None,
     turn: CarrierMotion | None = None,
     code: str | None = None,
@@ -82,12 +74,6 @@ def transport(
     collapse: bool = False,
     fc: float = CONFIDENCE_FACTOR,
     mu_range: tuple[float, float] | None = None,
-    contacts: ContactSet | None = None,
-    require: str = REQUIRE,
-    tolerance: Tolerance | None = None,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Transport:
     """Compute the accelerations of a carrier under which an assembly stays in place.
 
@@ -96,8 +82,6 @@ def transport(
     assembly : Assembly, or path
         Its frame is fixed in the carrier, and its held parts belong to the carrier. Loads and
         bonds are fixed in the carrier.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     accelerate : array_like, shape (3,), optional
         Is this acceleration of the carrier carried [m/s^2]?
     turn : CarrierMotion, optional
@@ -121,8 +105,6 @@ def transport(
         case of every limit, exactly; a level above "equilibrium" is decided at both ends.
     require : {"equilibrium", "settles", "proved"}
         Level from which the answer is yes. `Transport.carried` is true from this level.
-    contacts, tolerance, effort, time_limit, progress
-        As in `kilter.check`.
 
     Raises
     ------
@@ -146,22 +128,17 @@ def transport(
     >>> question.carried, round(question.cases[0].factor.value, 4)
     (True, 1.308)
     """
-    started = time.perf_counter()
-    assembly = asked_assembly(
-        assembly, "transport", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
-    require = require_level(require)
+    assembly, require = asked.assembly, require_level(asked.require)
     motions = _questions(assembly, accelerate, turn, code, forward, path)
     fc = number(fc, "confidence factor", lowest=1.0)
-    asked = bool(motions) or path is not None
-    if collapse and asked:
+    narrow = bool(motions) or path is not None
+    if collapse and narrow:
         raise InputError(
             "collapse multipliers are those of all horizontal directions",
             hint="ask for them without another question",
         )
-    work = Work(units_of(effort), progress, time_limit=time_limit)
-    steps = _steps(assembly, contacts, tolerance, mu_range, effort, work, progress)
-    limits = [] if asked else steps.limits()
+    steps = _steps(asked.but(require=require), mu_range)
+    limits = [] if narrow else steps.limits()
     return Transport(
         assembly=assembly,
         contacts=steps.detected,
@@ -172,15 +149,15 @@ def transport(
         polar=steps.polar() if polar and limits and limits[-1].least else None,
         alpha=tuple(steps.multipliers(limits, fc) if collapse else ()),
         speed=None if path is None else steps.speed(path),
-        cases=tuple(steps.case(name, motion, require, effort) for name, motion in motions),
+        cases=tuple(steps.case(name, motion) for name, motion in motions),
         code=code,
         forward=None if code is None else np.array(forward, dtype=np.float64),
         fc=fc if collapse else None,
         mu_range=mu_range,
         require=require,
         missing=steps.missing,
-        warnings=tuple(steps.rest.warnings),
-        seconds={**steps.rest.seconds, "total": time.perf_counter() - started},
+        warnings=steps.rest.notes,
+        seconds={**steps.rest.seconds, "total": time.perf_counter() - asked.begun},
     )
 
 
@@ -188,7 +165,7 @@ def transport(
 class TransportSteps(LimitSteps):
     """Steps that compute the limits of a carrier; `frictions` has the least friction first."""
 
-    assembly: Assembly
+    asked: Question
     detected: ContactSet
     frictions: list[ContactSet]
     rest: Verdict
@@ -199,7 +176,7 @@ class TransportSteps(LimitSteps):
         limits: list[DirectionLimit] = []
         if self.rest.verdict == "unstable":
             return limits
-        for name, direction in _axes(self.assembly):
+        for name, direction in _axes(self.asked.assembly):
             self.tell(f"acceleration along {name}")
             limit = self.limit(name, self.carried.along, direction)
             if limit is not None:
@@ -225,15 +202,15 @@ class TransportSteps(LimitSteps):
             g=value,
             least=name == "least",
             limit=limit,
-            assembly=self.assembly,
+            assembly=self.asked.assembly,
         )
 
     def polar(self) -> Slice | None:
         """Boundary of the horizontal accelerations; None for a planar assembly."""
-        if self.assembly.planar:
+        if self.asked.assembly.planar:
             return None
         self.tell("all horizontal accelerations")
-        return self.limit("polar", self.carried.slice, _horizontal(self.assembly))
+        return self.limit("polar", self.carried.slice, _horizontal(self.asked.assembly))
 
     def multipliers(
         self, limits: Iterable[DirectionLimit], fc: float
@@ -241,7 +218,7 @@ class TransportSteps(LimitSteps):
         """Collapse multipliers of the forces that horizontal accelerations of the ground cause."""
         self.tell("mechanisms of collapse")
         for entry in limits:
-            if abs(entry.direction @ self.assembly.down) > ACROSS_GRAVITY:
+            if abs(entry.direction @ self.asked.assembly.down) > ACROSS_GRAVITY:
                 continue
             if not entry.direction.any():
                 continue
@@ -263,19 +240,17 @@ class TransportSteps(LimitSteps):
         self.tell("path")
         return self.limit("path", find_path_limit, self.carried.program, path, self.tell)
 
-    def case(self, name: str, motion: CarrierMotion, require: str, effort: float) -> CarriedCase:
+    def case(self, name: str, motion: CarrierMotion) -> CarriedCase:
         """Decide if an assembly stays in place under a carrier motion, and find its largest factor.
 
         The verdict is the lowest of those with each friction.
         """
-        felt = carried_assembly(self.assembly, motion)
+        felt = carried_assembly(self.asked.assembly, motion)
         verdicts = [
             check(
-                felt,
-                contacts=contacts.of(felt),
-                require=require,
-                effort=effort,
-                time_limit=self.work.seconds,
+                self.asked.but(
+                    assembly=felt, contacts=contacts.of(felt), time_limit=self.work.seconds
+                )
             )
             for contacts in self.frictions
         ]
@@ -285,7 +260,7 @@ class TransportSteps(LimitSteps):
             name=name,
             **{vector: getattr(motion, vector) for vector in CARRIER},
             g=float(np.linalg.norm(motion.acceleration)) / self.carried.program.g,
-            carried=carried_at((verdict,), require),
+            carried=carried_at((verdict,), self.asked.require),
             verdict=verdict.verdict,
             level=verdict.level,
             guarantee=verdict.guarantee,
@@ -293,48 +268,28 @@ class TransportSteps(LimitSteps):
             limit=limit,
             carrier=motion,
             check=verdict,
-            assembly=self.assembly,
+            assembly=self.asked.assembly,
         )
 
 
-def _steps(
-    assembly: Assembly,
-    contacts: ContactSet | None,
-    tolerance: Tolerance | None,
-    mu_range: tuple[float, float] | None,
-    effort: float,
-    work: Work,
-    progress: Callable[[str], None] | None,
-) -> TransportSteps:
+def _steps(asked: Question, mu_range: tuple[float, float] | None) -> TransportSteps:
     """Decide the assembly at rest, and prepare the steps with the least friction."""
+    assembly, work = asked.assembly, asked.work()
     ends = [1.0] if mu_range is None else sorted(set(Ranges(mu=mu_range).mu))
-    rest = check(
-        assembly,
-        contacts=contacts,
-        tolerance=tolerance,
-        require="equilibrium",
-        effort=effort,
-        time_limit=work.seconds,
-        progress=progress,
-    )
-    detected = rest.contacts
+    at_rest = asked.but(require="equilibrium")
+    rest = check(at_rest)
+    detected = rest.contact_set
     frictions = [detected if end == 1.0 else detected.with_friction_share(end) for end in ends]
     if frictions[0] is not detected:
-        rest = check(
-            assembly,
-            contacts=frictions[0],
-            require="equilibrium",
-            effort=effort,
-            time_limit=work.seconds,
-        )
+        rest = check(at_rest.but(contacts=frictions[0], progress=None))
     program = build_program(assembly, frictions[0])
     # a copy of a contact point would also copy its bond
     round_ = not (program.planar or program.has_strength or len(program.part_a) > EXACT)
     edges = round_edges(assembly, frictions[0]) if round_ else ()
     return TransportSteps(
         work=work,
-        tell=progress or (lambda stage: None),
-        assembly=assembly,
+        tell=asked.tell,
+        asked=asked,
         detected=detected,
         frictions=frictions,
         rest=rest,

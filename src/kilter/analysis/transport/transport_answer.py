@@ -357,7 +357,7 @@ class Transport(OfAssembly):
 
 def strap_uses(assembly: Assembly, program: Program, verdicts: Sequence[Verdict]) -> list[StrapUse]:
     """Tension or capacity of each strap, and its largest pull in the forces of the verdicts."""
-    proofs = [verdict.certificate for verdict in verdicts]
+    proofs = [verdict.evidence for verdict in verdicts]
     forces = [proof.forces for proof in proofs if isinstance(proof, ForceProof)]
     first, _ = program.bounded_straps
     pulls = iter(np.max([force[first] for force in forces], axis=0) if forces else [])

@@ -10,8 +10,7 @@ first two, the initial accelerations for the third.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -24,70 +23,44 @@ from kilter.analysis.verdict.displacement import find_displacement
 from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
+from kilter.tell.record import Record, Shape, Vector
 from kilter.validate import frozen
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.directions_data import (
-        BoundedDirectionData,
-        NearestData,
-        NearestDirectionData,
-    )
 
 __all__ = ["Method", "Nearest", "NearestDirection", "nearest"]
 
 Method = Literal["joint", "walk"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class NearestDirection:
-    """The direction of gravity with the least instability by a measure, and this instability.
+class NearestDirection(Record):
+    """A direction of gravity nearest to stable by a measure, and the measured value."""
 
-    Attributes
-    ----------
-    direction : ndarray, shape (3,)
-        Unit.
-    value : float
-        z of LP (9) on the diamond or sphere [kg x length unit], or kappa [-].
-    bound : float
-        No direction is better than this; equal to `value` if the method is exact.
-    motion : ndarray, shape (N, 6), or None
-        Displacements [length unit, rad], or for kappa accelerations [m/s^2, rad/s^2]. None
-        above the size up to which displacements are found.
-    programs : int
-        Solved for the direction: LPs, or for kappa QPs.
-    """
-
-    direction: Array
+    direction: Vector
+    """Direction of gravity, unit."""
     value: float
-    bound: float
-    motion: Array | None
+    """z of LP (9) on the diamond or sphere [kg x length unit], or kappa [-]."""
+    motion: Annotated[Array, Shape(None, 6)] | None
+    """Displacements [length unit, rad], or for kappa accelerations [m/s^2, rad/s^2]. None above the
+    size up to which displacements are found."""
     programs: int
-
-    def to_dict(self) -> NearestDirectionData:
-        """The nearest direction and its value as JSON data."""
-        return {
-            "direction": (self.direction + 0.0).tolist(),
-            "value": self.value,
-            "motion": None if self.motion is None else (self.motion + 0.0).tolist(),
-            "programs": self.programs,
-        }
+    """Number of programs solved for the direction: LPs, or for kappa QPs."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Nearest:
-    """Directions nearest to stable, by three measures; `kappa` is None if not computed."""
+class BoundedDirection(NearestDirection):
+    """A nearest direction, with a proved bound of its value."""
+
+    bound: float
+    """No direction is better than this."""
+
+
+class Nearest(Record):
+    """Directions of gravity that are nearest to stable, by three measures."""
 
     diamond: NearestDirection
+    """On the paper's diamond, by the displacement program."""
     sphere: NearestDirection
-    kappa: NearestDirection | None
-
-    def to_dict(self) -> NearestData:
-        """The three nearest directions as JSON data."""
-        least = self.kappa
-        kappa: BoundedDirectionData | None = (
-            None if least is None else {**least.to_dict(), "bound": least.bound}
-        )
-        return {"diamond": self.diamond.to_dict(), "sphere": self.sphere.to_dict(), "kappa": kappa}
+    """On the unit sphere, by the displacement program."""
+    kappa: BoundedDirection | None
+    """By the instability kappa; None if it was not computed."""
 
     @property
     def programs(self) -> int:
@@ -136,10 +109,10 @@ def nearest(
         on_sphere = on_diamond
     else:
         on_sphere = _with_displacement(program, sphere.direction, sphere.z, sphere.programs)
-    return Nearest(on_diamond, on_sphere, _least_unstable(program))
+    return Nearest(diamond=on_diamond, sphere=on_sphere, kappa=_least_unstable(program))
 
 
-def _least_unstable(program: Program) -> NearestDirection | None:
+def _least_unstable(program: Program) -> BoundedDirection | None:
     """The direction of the least instability kappa, and how parts start to move there.
 
     None if no solver finished.
@@ -149,12 +122,12 @@ def _least_unstable(program: Program) -> NearestDirection | None:
     except SolverError:
         return None
     motion = find_motion(program.turned(least.direction))
-    return NearestDirection(
-        frozen(least.direction),
-        least.value,
-        least.bound,
-        frozen(motion.acceleration) if motion.known else None,
-        least.programs,
+    return BoundedDirection(
+        direction=frozen(least.direction),
+        value=least.value,
+        bound=least.bound,
+        motion=frozen(motion.acceleration) if motion.known else None,
+        programs=least.programs,
     )
 
 
@@ -163,4 +136,4 @@ def _with_displacement(
 ) -> NearestDirection:
     shift = find_displacement(program.turned(direction)).displacement
     motion = None if shift is None else frozen(shift)
-    return NearestDirection(frozen(direction), z, z, motion, programs)
+    return NearestDirection(direction=frozen(direction), value=z, motion=motion, programs=programs)

@@ -18,18 +18,15 @@ Mattikalli, Khosla, Repetto and Baraff (1993), sections 2.3 and 3.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.decision.motion import NO_MOTION
-from kilter.analysis.decision.open_question import open_pair_names, open_pairs_answer
+from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
@@ -37,140 +34,127 @@ from kilter.analysis.time_limits import given_direction_known
 from kilter.analysis.turning.facet_program import DiamondOptimum, joint
 from kilter.analysis.turning.nearest import Method, Nearest, nearest
 from kilter.analysis.turning_tolerances import OPPOSITE, PLAIN
-from kilter.analysis.verdict.answers import joints_answer
+from kilter.analysis.verdict.answers import OfAssembly
+from kilter.analysis.verdict.part_answer import PartAnswer
 from kilter.analysis.verdict.verdict import Verdict
+from kilter.analysis.verdict.verdict_answer import VerdictTolerance
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
+from kilter.contact.common.patches import UnsupportedContact
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.rigid import rotation_between
-from kilter.tell.html import html_of
-from kilter.tell.json_answer import Answer
 from kilter.tell.numbers import vector
+from kilter.tell.record import InPython, LevelWord, Record, Shape, Vector, key
 from kilter.tell.words import found_sentence
-from kilter.threads import on_one_thread
 from kilter.validate import frozen
-from kilter.values.guesses import guarded
 from kilter.work import seconds_left
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.directions_data import OrientData
 
 __all__ = ["Orientation", "orient"]
 
 OF_REGION = 0.7
 """Fraction of a time limit for the region; the rest is for the verdict of its direction."""
 
-Word = Literal["found", "none", "undecided"]
+
+class RegionWidth(Record):
+    """Kind and angular width of the region of stable directions."""
+
+    kind: str
+    """Kind of the region (`kilter.region`)."""
+    half_angle_deg: float | None
+    """Half angle of the widest circular cone inside [deg]."""
+    friction: bool
+    """Whether forces of friction were counted."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Orientation(Answer):
-    """Answer of `kilter.orient`: a stable orientation, or the orientation nearest to stable.
+class Orientation(OfAssembly):
+    """Answer of `kilter.orient`: the stable direction of gravity with the widest margin.
 
-    Attributes
-    ----------
-    assembly : Assembly
-        Contacts of the assembly.
-    verdict : {"found", "none", "undecided"}
-    sentence : str
-        The verdict in words.
-    down : ndarray, shape (3,)
-        Unit direction of gravity in the frame of the assembly: stable if found, else the
-        nearest on the paper's diamond.
-    rotation : ndarray, shape (4,)
-        Quaternion (w, x, y, z) of the least turn that takes `down` to the gravity of the file.
-    tilt_margin_deg : float or None
-        From `down` to the nearest direction that is not stable; 0 if the region is thinner
-        than space (than the plane, if planar); None if no direction was found.
-    friction : bool
-        Whether forces of friction were counted: then forces hold the found direction,
-        and `check` reports the guarantee of friction there.
-    z : float
-        LP (9) at `down`, gravity of length 1 (2-norm, as in `check`) [kg x length unit]; None
-        if no solver finished it.
-    instability : float or None
-        kappa at `down` [-]; None if no solver finished it.
-    nearest : Nearest or None
-        Directions nearest to stable, if no direction was found.
-    method : {"joint", "walk"}
-    programs : int
-        Programs solved, verdicts left out.
-    judgement : Judgement
-        The proof at `down`.
-    level : str or None
-        The level at `down`, with second order and without the guarantee of friction.
-    check : Verdict or None
-        Verdict at `down`, if no direction was found.
-    region : Region
-    warnings : tuple of str
+    Without a stable direction, the direction nearest to stable.
     """
 
     answer: ClassVar[str] = "orient"
 
-    verdict: Word
+    verdict: Literal["found", "none", "undecided"]
+    """Whether a stable direction was found, or is proved not to exist."""
     sentence: str
-    assembly: Assembly
-    down: Array
-    rotation: Array
-    tilt_margin_deg: float | None
+    """The verdict in words."""
+    level: LevelWord | None = None
+    """Level at `down`, with second order and without the guarantee of friction."""
+    direction: InPython[Vector]
+    """The direction `down`."""
+    rotation: Annotated[Array, Shape(4)]
+    """Quaternion w x y z of the least turn that takes `down` to the gravity of the file."""
+    tilt_margin_deg: float | None = None
+    """From `down` to the nearest direction that is not stable [deg]; 0 if the region is thinner
+    than space (than the plane, if planar); None if no direction was found."""
     friction: bool
-    z: float | None
-    instability: float | None
-    nearest: Nearest | None
+    """Whether forces of friction were counted: then forces hold the found direction, and `check`
+    reports the guarantee of friction there."""
+    z: float | None = None
+    """z at `down` for gravity of length 1 [kg x length unit]; None if no solver finished it."""
+    instability: float | None = None
+    """kappa at `down` [-]; None if no solver finished it."""
+    nearest: Nearest | None = None
+    """Directions nearest to stable, if no direction was found."""
     method: Method
+    """Method for the direction nearest on the paper's diamond."""
     programs: int
-    judgement: Judgement
-    level: str | None
-    check: Verdict | None
-    region: Region
+    """Number of programs solved, verdicts left out."""
+    judgement: InPython[Judgement]
+    """The proof at `down`."""
+    check: InPython[Verdict | None] = None
+    """Verdict at `down`, if no direction was found."""
+    stable_region: InPython[Region]
+    """All stable directions."""
+    region: RegionWidth
+    """Kind and angular width of the region of stable directions."""
     warnings: tuple[str, ...]
+    """What to know about the answer."""
 
     @property
+    @key
+    def down(self) -> Vector:
+        """Unit direction of gravity in the frame of the assembly.
+
+        It is stable if found, else the nearest on the paper's diamond.
+        """
+        return self.direction
+
+    @property
+    @key
+    def residual(self) -> float | None:
+        """Largest imbalance of a part in the found direction, divided by its weight [-]."""
+        forces = self.judgement.forces
+        return forces.residual if self.found and forces is not None else None
+
+    @property
+    @key
+    def parts(self) -> tuple[PartAnswer, ...]:
+        """How each part starts to move, if no direction was found."""
+        return () if self.check is None else self.check.parts
+
+    @property
+    @key
+    def unsupported(self) -> tuple[UnsupportedContact, ...]:
+        """Contacts of kinds that are not modelled, if no direction was found."""
+        return () if self.check is None else self.check.unsupported
+
+    @property
+    @key
+    def tolerance(self) -> VerdictTolerance | None:
+        """Tolerances of the verdict, if no direction was found."""
+        return None if self.check is None else self.check.tolerance
+
+    @property
+    @key
     def found(self) -> bool:
         """Whether the direction `down` is stable, proved by contact forces."""
         return self.verdict == "found"
-
-    def to_dict(self) -> OrientData:
-        """The orientation as JSON data, as ``kilter orient --json`` prints it."""
-        near, verdict, forces = self.nearest, self.check, self.judgement.forces
-        verdict_data = None if verdict is None else verdict.to_dict()
-        return {
-            "verdict": self.verdict,
-            "found": self.found,
-            "level": self.level,
-            "sentence": self.sentence,
-            "down": self.down.tolist(),
-            "rotation": self.rotation.tolist(),
-            "tilt_margin_deg": self.tilt_margin_deg,
-            "friction": self.friction,
-            "residual": forces.residual if self.found and forces is not None else None,
-            "z": self.z,
-            "instability": self.instability,
-            "units": self.assembly.units,
-            "joints": joints_answer(self.assembly),
-            "parts": [] if verdict_data is None else verdict_data["parts"],
-            "unsupported": [] if verdict_data is None else verdict_data["unsupported"],
-            "open_pairs": open_pairs_answer(self.assembly, self.region.contacts[0]),
-            "tolerance": None if verdict_data is None else verdict_data["tolerance"],
-            "region": {
-                "kind": self.region.kind,
-                "half_angle_deg": self.region.half_angle_deg,
-                "friction": self.region.friction,
-            },
-            "nearest": None if near is None else near.to_dict(),
-            "method": self.method,
-            "programs": self.programs,
-            "warnings": list(self.warnings),
-        }
-
-    def _repr_html_(self) -> str:
-        """The orientation as HTML for a notebook."""
-        return html_of(self.to_dict())
 
     def __str__(self) -> str:
         return self.sentence
@@ -181,20 +165,11 @@ class Orientation(Answer):
         return f"Orientation({self.verdict}, down {vector(self.down)}{width})"
 
 
-@guarded
-@on_one_thread
+@question(lacks="require effort")
 def orient(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
     method: Method = "joint",
-    time_limit: float | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Orientation:
     """Find the stable direction of gravity with the widest margin, or the nearest to stable.
 
@@ -204,12 +179,8 @@ def orient(
     ----------
     assembly : Assembly, or path
         It has at least one held part, and no loads.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     method : {"joint", "walk"}
         For the nearest direction on the paper's diamond.
-    contacts, tolerance, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -231,34 +202,38 @@ def orient(
     >>> round(orient(stacks.block_on_slope(40.0, friction=0.5)).tilt_margin_deg, 1)
     26.5
     """
-    started = time.perf_counter()
-    assembly = asked_assembly(
-        assembly, "orient", contacts, friction=friction, down=down, ground=ground, floor=floor
+    _require_turnable(asked.assembly, method)
+    contacts = detect.touching(asked)
+    with given_direction_known(asked.assembly, contacts, asked.seconds_left):
+        return _orient(asked.but(contacts=contacts), method)
+
+
+def _orientation(every: Region, down: Array, method: Method, **known: Any) -> Orientation:
+    """The answer with a direction of gravity and a region."""
+    assembly = every.assemblies[0]
+    given: dict[str, Any] = {"programs": every.programs, "warnings": every.warnings} | known
+    return Orientation(
+        assembly=assembly,
+        contacts=every.contacts[0],
+        direction=down,
+        rotation=frozen(_least_turn(assembly, down)),
+        friction=every.friction,
+        method=method,
+        stable_region=every,
+        region=RegionWidth(
+            kind=every.kind, half_angle_deg=every.half_angle_deg, friction=every.friction
+        ),
+        **given,
     )
-    _require_turnable(assembly, method)
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
-    limit = None if time_limit is None else time_limit - (time.perf_counter() - started)
-    with given_direction_known(assembly, contacts, limit):
-        return _orient(assembly, contacts, method, limit, progress)
 
 
-def _orient(
-    assembly: Assembly,
-    contacts: ContactSet,
-    method: Method,
-    time_limit: float | None,
-    progress: Callable[[str], None] | None,
-) -> Orientation:
+def _orient(asked: Question, method: Method) -> Orientation:
     """Find the orientation of an assembly with given contacts, as `orient`."""
-    tell = progress or (lambda stage: None)
-    program = build_program(assembly, contacts)
+    contacts, left, tell = detect.touching(asked), asked.seconds_left, asked.tell
+    program = build_program(asked.assembly, contacts)
     tell("stable region")
-    limit = None if time_limit is None else OF_REGION * time_limit
-    words = progress if program.mu.any() else None
-    every = region(assembly, contacts=contacts, time_limit=limit, progress=words)
+    part = asked.within(None if left is None else OF_REGION * left)
+    every = region(part if program.mu.any() else part.but(progress=None))
     if every.kind == "none" and every.joined_holds:
         return _open_pairs_decide(program, every, method)
     tell("orientation")
@@ -309,28 +284,17 @@ def _open_pairs_decide(program: Program, every: Region, method: Method) -> Orien
     The direction nearest to stable is not searched for, since open pairs may change it.
     """
     assembly = every.assemblies[0]
-    return Orientation(
+    return _orientation(
+        every,
+        assembly.down,
+        method,
         verdict="undecided",
         sentence=(
             "Undecided: as drawn no orientation is held, but if all open pairs were joined, forces "
             "that hold it with gravity as given would exist: "
             f"{open_pair_names(assembly, every.contacts[0])}."
         ),
-        assembly=assembly,
-        down=assembly.down,
-        rotation=frozen(_least_turn(assembly, assembly.down)),
-        tilt_margin_deg=None,
-        friction=every.friction,
-        z=None,
-        instability=None,
-        nearest=None,
-        method=method,
-        programs=every.programs,
         judgement=judge(program if every.friction else program.frictionless),
-        level=None,
-        check=None,
-        region=every,
-        warnings=every.warnings,
     )
 
 
@@ -360,24 +324,17 @@ def _answer_of_direction(
     sentence = _sentence(every, down, margin)
     if verdict.verdict == "balanced":
         sentence += " There it is balanced: the slightest push makes it fall."
-    return Orientation(
+    return _orientation(
+        every,
+        frozen(down),
+        method,
         verdict="found",
         sentence=sentence,
-        assembly=assembly,
-        down=frozen(down),
-        rotation=frozen(_least_turn(assembly, down)),
         tilt_margin_deg=margin,
-        friction=every.friction,
         z=z,
         instability=instability,
-        nearest=None,
-        method=method,
-        programs=every.programs,
         judgement=judgement,
         level=verdict.level,
-        check=None,
-        region=every,
-        warnings=every.warnings,
     )
 
 
@@ -410,7 +367,7 @@ def _not_found(
     down = near.diamond.direction
     verdict = check(assembly.with_down(down), contacts=every.contacts[0])
     # the region has named the parts that touch nothing
-    more = [text for text in verdict.warnings if not text.startswith("touches nothing")]
+    more = [text for text in verdict.notes if not text.startswith("touches nothing")]
     more += [] if verdict.motion.known else [NO_MOTION]
     if why:
         sentence = f"Undecided: {'; '.join(why)}."
@@ -425,23 +382,18 @@ def _not_found(
             f"{first} has gravity along {vector(down)} of the assembly's frame; here are the parts "
             "that move there."
         )
-    return Orientation(
+    return _orientation(
+        every,
+        down,
+        method,
         verdict="undecided" if why else "none",
         sentence=sentence,
-        assembly=assembly,
-        down=down,
-        rotation=frozen(_least_turn(assembly, down)),
-        tilt_margin_deg=None,
-        friction=every.friction,
         z=verdict.displacement.z,
         instability=verdict.instability,
         nearest=near,
-        method=method,
         programs=every.programs + near.programs,
         judgement=judgement,
-        level=None,
         check=verdict,
-        region=every,
         warnings=tuple(dict.fromkeys([*every.warnings, *more])),
     )
 

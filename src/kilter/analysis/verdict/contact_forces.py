@@ -8,7 +8,7 @@ pressure centre of a patch follow from the forces at its points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,64 +16,67 @@ from kilter.analysis.analysis_tolerances import PRESSES
 from kilter.analysis.verdict.friction_share import PressedPatch, friction_shares
 from kilter.analysis.verdict.part_answer import PointForces
 from kilter.arrays import Array, Index, group_sums, sealed
+from kilter.assembly import Joint
+from kilter.contact import ContactSet
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import cone_problem, least_forces
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
-from kilter.values.guesses import Guessable
+from kilter.mechanics.rows import CONTACT, DRAG, STOP
+from kilter.tell.record import InPython, Lines, OrAbsent, Record, Vector
 
-__all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
+__all__ = ["LIMIT", "ContactForces", "JointForces", "PatchForces", "find_contact_forces"]
 
 
 LIMIT = 3_000
 """Programs with more force rows than this keep the forces of the verdict's proof."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactForces(Guessable):
+class PatchForces(Record):
+    """Contact forces of a patch on the second part of its pair [N]."""
+
+    parts: tuple[str, str]
+    """Names of the parts."""
+    kind: str
+    """Kind of the contact."""
+    resultant: Vector
+    """Sum of the forces [N]."""
+    normal_force: float
+    """Sum of the forces along the normals [N]; negative for a net pull."""
+    center: Vector | None
+    """Centre of pressure [length unit]; null without a normal force."""
+    utilisation: float | None
+    """Least share of the friction that its points need [-]."""
+    bond_utilisation: float | None
+    """Share of the bond [-]."""
+    points: Lines
+    """Contact points [length unit], world frame."""
+    forces: Lines
+    """Force at each point [N], world frame."""
+
+
+class JointForces(Record):
+    """Forces along the axis of a prismatic joint on its first part [N].
+
+    Of a revolute joint, torques about the axis [N x length unit].
+    """
+
+    parts: tuple[str, str]
+    """Names of the parts."""
+    kind: Literal["revolute", "prismatic"]
+    """Kind of the joint."""
+    stop: float
+    """Of the limit at which the joint stands, else 0."""
+    friction: float
+    """Of the friction of the joint."""
+    spring: float
+    """Of the spring of the joint."""
+
+
+class ContactForces(Record):
     """Contact forces that balance every part, at contact points and summed over patches.
 
     The forces act on the second part of each contact, in the world frame.
-
-    Attributes
-    ----------
-    rows : ndarray of int, shape (C,)
-        Indices of the contact rows of the program; each row is a contact point.
-    force : ndarray, shape (C, 3)
-        Force at each point [N].
-    patch : ndarray of int, shape (P,)
-        Indices of the patches in the contact set.
-    patch_of : ndarray of int, shape (C,)
-        Position in `patch` of the patch of each point.
-    resultant : ndarray, shape (P, 3)
-        Sum of the forces of each patch [N].
-    normal_force : ndarray, shape (P,)
-        Sum of the forces along the normals [N]; negative for a net pull.
-    center : ndarray, shape (P, 3)
-        Pressure centre [length unit]: mean of the points, weighted by normal force. With a bond,
-        the weight is the absolute normal force. NaN if the patch carries no normal force.
-    utilisation : ndarray, shape (P,)
-        Least share of the friction with which the points of the patch can carry its force and its
-        moment [-] (`kilter.analysis.verdict.friction_share`). NaN without friction, for a patch
-        that is not pressed, and for more than `LIMIT` rows.
-    bond_utilisation : ndarray, shape (P,)
-        Pull over the tensile strength of the bond, or shear over its limit [-], the largest of all
-        points; NaN without a bond.
-    residual : float
-        Largest imbalance of a part over its weight [-].
-    least : bool
-        True if these are the forces with the least sum of squares.
-    names : tuple of str
-        Names of all parts.
-    pairs : ndarray of int, shape (C, 2)
-        Parts a and b of each point, by position; the force acts on b.
-    points : ndarray, shape (C, 3)
-        Contact points [length unit].
-    pressures : ndarray, shape (C,)
-        Component of each force along the normal [N]; negative for a pull.
-    row_forces : ndarray, shape (K,)
-        Force or torque of each row of the program, also of joints [N], [N x length unit].
 
     Examples
     --------
@@ -87,22 +90,45 @@ class ContactForces(Guessable):
     array([   0.,    0., 9810.])
     """
 
-    rows: Index
-    force: Array
-    patch: Index
-    patch_of: Index
-    resultant: Array
-    normal_force: Array
-    center: Array
-    utilisation: Array
-    bond_utilisation: Array
-    residual: float
     least: bool
-    names: tuple[str, ...]
-    pairs: Index
-    points: Array
-    pressures: Array
-    row_forces: Array
+    """True if these are the forces with the least sum of squares."""
+    residual: float
+    """Largest imbalance of a part over its weight [-]."""
+    patches: tuple[PatchForces, ...]
+    """Forces of each patch."""
+    joints: OrAbsent[tuple[JointForces, ...]] = None
+    """Forces of joints with limits, friction or a spring."""
+    rows: InPython[Index]
+    """Indices of the contact rows of the program, shape (C,); each row is a contact point."""
+    force: InPython[Array]
+    """Force at each point [N], shape (C, 3)."""
+    patch: InPython[Index]
+    """Indices of the patches in the contact set, shape (P,)."""
+    patch_of: InPython[Index]
+    """Position in `patch` of the patch of each point, shape (C,)."""
+    resultant: InPython[Array]
+    """Sum of the forces of each patch [N], shape (P, 3)."""
+    normal_force: InPython[Array]
+    """Sum of the forces along the normals [N], shape (P,); negative for a net pull."""
+    center: InPython[Array]
+    """Pressure centre [length unit], shape (P, 3): mean of the points, weighted by normal force.
+    With a bond, the weight is the absolute normal force. NaN if the patch carries no normal
+    force."""
+    utilisation: InPython[Array]
+    """Least share of the friction with which the points of the patch can carry its force and its
+    moment [-], shape (P,) (`kilter.analysis.verdict.friction_share`). NaN without friction, for a
+    patch that is not pressed, and for more than `LIMIT` rows."""
+    bond_utilisation: InPython[Array]
+    """Pull over the tensile strength of the bond, or shear over its limit [-], the largest of all
+    points, shape (P,); NaN without a bond."""
+    names: InPython[tuple[str, ...]]
+    """Names of all parts."""
+    pairs: InPython[Index]
+    """Parts a and b of each point, by position, shape (C, 2); the force acts on b."""
+    points: InPython[Array]
+    """Contact points [length unit], shape (C, 3)."""
+    pressures: InPython[Array]
+    """Component of each force along the normal [N], shape (C,); negative for a pull."""
 
     def _position(self, name: str) -> int:
         """Index of a part, given its name."""
@@ -117,7 +143,10 @@ class ContactForces(Guessable):
         sign = np.where(self.pairs[rows, 1] == part, 1.0, -1.0)[:, None]
         return sealed(
             PointForces(
-                self.names[part], self.points[rows], sign * self.force[rows], self.pressures[rows]
+                part=self.names[part],
+                points=self.points[rows],
+                forces=sign * self.force[rows],
+                pressures=self.pressures[rows],
             )
         )
 
@@ -148,7 +177,7 @@ class ContactForces(Guessable):
         return self._selected(k, np.flatnonzero((self.pairs == k).any(axis=1)))
 
 
-def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
+def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSet) -> ContactForces:
     """Compute the contact forces that an answer shows, for a proved equilibrium.
 
     These are the forces with the least sum of squares. If the program has more than `LIMIT` rows,
@@ -159,7 +188,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     >>> from kilter.scenes import scene
     >>> from kilter.analysis.check import check
     >>> verdict = check(scene("tower"))
-    >>> found = find_contact_forces(verdict.program, verdict.judgement.forces)
+    >>> found = find_contact_forces(verdict.program, verdict.judgement.forces, verdict.contact_set)
     >>> bool(np.allclose(found.force, found.force[0]) or len(set(found.patch_of)) > 1)
     True
     """
@@ -183,23 +212,71 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     borne = np.flatnonzero(program.cohesion[rows] > 0)
     slid = np.linalg.norm(across[borne], axis=1) / program.cohesion[rows][borne]
     np.maximum.at(drawn, patch_of[borne], slid)
+    found = {
+        "resultant": group_sums(patch_of, force, count),
+        "normal_force": normal_force,
+        "center": center,
+        "utilisation": utilisation,
+        "bond_utilisation": np.where(np.isfinite(drawn), drawn, np.nan),
+    }
+    points = program.point[rows]
+    joints = tuple(
+        _joint_forces(used.forces, program, joint, number)
+        for number, joint in enumerate(contacts.assembly.joints)
+        if joint.guide
+    )
     return ContactForces(
+        least=least is not None,
+        residual=used.residual,
+        patches=tuple(
+            PatchForces(
+                parts=(names[0], names[1]),
+                kind=str(contacts.patch_kind[patch[k]]),
+                points=points[members],
+                forces=force[members],
+                **{name: _entry(values[k]) for name, values in found.items()},
+            )
+            for k, members in enumerate(_members(patch_of, count))
+            for names in [[program.names[i] for i in contacts.patch_parts[patch[k]]]]
+        ),
+        joints=joints or None,
         rows=rows,
         force=force,
         patch=patch,
         patch_of=patch_of,
-        resultant=group_sums(patch_of, force, count),
-        normal_force=normal_force,
-        center=center,
-        utilisation=utilisation,
-        bond_utilisation=np.where(np.isfinite(drawn), drawn, np.nan),
-        residual=used.residual,
-        least=least is not None,
         names=tuple(program.names),
         pairs=np.column_stack([program.part_a[rows], program.part_b[rows]]),
-        points=program.point[rows],
+        points=points,
         pressures=along,
-        row_forces=used.forces,
+        **found,
+    )
+
+
+def _members(patch_of: Index, count: int) -> list[Index]:
+    """Indices of the points of each patch."""
+    ends = np.cumsum(np.bincount(patch_of, minlength=count))
+    return np.split(np.argsort(patch_of, kind="stable"), ends[:-1]) if count else []
+
+
+def _entry(value: Any) -> Any:
+    """A number or a vector of a patch; None if it is NaN."""
+    if not np.isfinite(value).all():
+        return None
+    return value if np.ndim(value) else float(value)
+
+
+def _joint_forces(forces: Array, program: Program, joint: Joint, number: int) -> JointForces:
+    """Forces or torques along the axis of a joint on its first part, from those of all rows."""
+    sizes = {}
+    for name, kind in (("stop", STOP), ("friction", DRAG)):
+        rows = np.flatnonzero((program.source == number) & (program.kind == kind))
+        # the force of a row acts on the second part along its normal
+        sizes[name] = 0.0 - float(program.normal[rows] @ joint.axis @ forces[rows])
+    return JointForces(
+        parts=joint.parts,
+        kind="prismatic" if joint.kind == "prismatic" else "revolute",
+        spring=joint.stiffness * joint.rest,
+        **sizes,
     )
 
 

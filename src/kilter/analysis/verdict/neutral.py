@@ -14,8 +14,6 @@ to a bound, finds the rows that never open.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
@@ -25,6 +23,7 @@ from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
+from kilter.tell.record import Record
 
 __all__ = ["LIMIT", "Neutral", "find_neutral"]
 
@@ -33,15 +32,13 @@ LIMIT = 100
 """Largest number of free parts for which neutral motions are counted."""
 
 
-@dataclass(frozen=True, slots=True)
-class Neutral:
-    """Numbers of independent neutral motions, which cost no energy: two-sided and one-sided.
-
-    A one-sided motion opens a contact.
-    """
+class Neutral(Record, kw_only=False):
+    """Numbers of independent neutral motions, which cost no energy to first order."""
 
     two_sided: int
+    """Number of motions that keep all contacts."""
     one_sided: int
+    """Number of further motions, which open a contact."""
 
 
 def find_neutral(program: Program) -> Neutral | None:
@@ -55,8 +52,8 @@ def find_neutral(program: Program) -> Neutral | None:
     >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("tower")
-    >>> find_neutral(build_program(assembly, contacts(assembly)))
-    Neutral(two_sided=15, one_sided=0)
+    >>> find_neutral(build_program(assembly, contacts(assembly))).to_dict()
+    {'two_sided': 15, 'one_sided': 0}
     """
     if int(program.free.sum()) > LIMIT:
         return None

@@ -2,74 +2,61 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.decision.motion import PartMotion
 from kilter.arrays import Array
+from kilter.tell.record import Lines, Record, Shape, Twist
 from kilter.validate import frozen
 
 __all__ = ["PartAnswer", "PointForces"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PartAnswer:
-    """The answer of `kilter.check` about a single part: ``verdict["upper"]``.
-
-    Attributes
-    ----------
-    name : str
-    grounded : bool
-        Whether the part is held.
-    mass : float
-        Mass [kg].
-    moves : bool
-        Whether the part starts to move.
-    acceleration : ndarray, shape (6,), or None
-        Linear [m/s^2] and angular [rad/s^2] acceleration, world frame; None if not known.
-    displacement : ndarray, shape (6,), or None
-        Shift [length unit] and rotation [rad] of the displacement program; None if not computed.
-    motion : PartMotion
-        The same as ``verdict.motion["upper"]``.
-    words : str
-        How the part starts to move, in words.
-    """
+class PartAnswer(Record):
+    """The answer of `kilter.check` about a single part: ``verdict["upper"]``."""
 
     name: str
+    """Name of the part."""
     grounded: bool
+    """Whether the part is held."""
     mass: float
+    """Mass [kg]."""
+    material: str | None
+    """Name of the material in the file."""
+    layer: str | None
+    """Name of the layer in the file."""
+    displacement: Twist | None
+    """Shift [length unit] and rotation [rad] of the displacement program; null if not computed."""
+    acceleration: Twist | None
+    """Linear [m/s^2] and angular [rad/s^2] acceleration, world frame; null if not known."""
+    relative: Annotated[Array, Shape(2)] | None
+    """Sizes of the linear, and of radius x angular, acceleration over that of gravity [-]."""
     moves: bool
-    acceleration: Array | None
-    displacement: Array | None
-    motion: PartMotion
-    words: str
+    """Whether the part starts to move."""
+    moved_by_proof: bool
+    """Whether the motion of the proof moves the part."""
+    motion: str
+    """How the part starts to move, in words."""
+    slow_motion: str | None
+    """An acceleration below the threshold of `moves`, in words, if no part is above it."""
 
     def __repr__(self) -> str:
-        return f"<PartAnswer: {self.name!r} {self.words}>"
+        return f"<PartAnswer: {self.name!r} {self.motion}>"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PointForces:
-    """Contact forces on a part, from one or all other parts; arrays are read-only.
-
-    Attributes
-    ----------
-    part : str
-        The part on which the forces act.
-    points : ndarray, shape (k, 3)
-        Contact points, world frame [length unit].
-    forces : ndarray, shape (k, 3)
-        Force at each point, world frame [N].
-    pressures : ndarray, shape (k,)
-        Components of the forces along the normals [N]; negative for a pull of a bond.
-    """
+class PointForces(Record):
+    """Contact forces on a part, from one or all other parts; arrays are read-only."""
 
     part: str
-    points: Array
-    forces: Array
+    """The part on which the forces act."""
+    points: Lines
+    """Contact points, world frame [length unit]."""
+    forces: Lines
+    """Force at each point, world frame [N]."""
     pressures: Array
+    """Components of the forces along the normals [N]; negative for a pull of a bond."""
 
     def __len__(self) -> int:
         return len(self.points)

@@ -17,11 +17,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import TYPE_CHECKING
 
 from kilter.analysis.decision.cascade import decide, with_second_order
 from kilter.analysis.decision.decision import Decision
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.fastening import fastened
@@ -30,10 +29,8 @@ from kilter.contact.kept_contacts import contacts_among
 from kilter.errors import InputError, shell_words
 from kilter.tell.levels import holds
 from kilter.tell.open_words import OpenOption, open_options, remedy_words, rounded_up
+from kilter.tell.record import InPython, LevelWord, Record, Word, key
 from kilter.work import Work
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.check_data import RemedyData
 
 __all__ = ["Remedy", "find_remedies"]
 
@@ -79,41 +76,27 @@ MOST_NAMED = 12
 """Largest number of overlapping pairs that a remedy joins by their names."""
 
 
-@dataclass(frozen=True, slots=True)
-class Remedy:
-    """Options of the command line that were tried, and the verdict with them.
-
-    Attributes
-    ----------
-    option : str
-        The options as the user types them.
-    leads_to : str or None
-        The verdict with these options, at the required level; None if only the existence of
-        equilibrium forces was decided, for lack of work.
-    level : str or None
-        The level with these options; None if the assembly does not hold. It is "equilibrium" if
-        nothing higher was decided.
-    moved : float or None
-        Largest movement of a part with the option ``--settle`` [length unit]; else None.
-    units : str
-        Unit of length of the movement.
-    """
+class Remedy(Record, kw_only=False):
+    """Options of the command line that were tried, and the verdict with them."""
 
     option: str
-    leads_to: str | None
-    level: str | None
+    """The options as the user types them."""
+    leads_to: Word | None
+    """The verdict with these options, at the required level; null if only the existence of
+    equilibrium forces was decided, for lack of work."""
+    level: LevelWord | None
+    """The level with these options; null if the assembly does not hold. It is "equilibrium" if
+    nothing higher was decided."""
     moved: float | None = None
-    units: str = ""
+    """Largest movement of a part with the option ``--settle`` [length unit]; else null."""
+    units: InPython[str] = ""
+    """Unit of length of the movement."""
 
-    def to_dict(self) -> RemedyData:
-        """The remedy as JSON data."""
-        return {
-            "option": self.option,
-            "leads_to": self.leads_to,
-            "level": self.level,
-            "moved": self.moved,
-            "words": remedy_words(self.option, self.leads_to, self.moved, self.units),
-        }
+    @property
+    @key
+    def words(self) -> str:
+        """The option and its result, in words."""
+        return remedy_words(self.option, self.leads_to, self.moved, self.units)
 
 
 _Detection = tuple[float | None, Tolerance]
@@ -257,11 +240,11 @@ def find_remedies(
         remedies = (*remedies[: MOST - 1], tries.likely.remedy(True))
     if not remedies and decision.question is not None:
         # no tolerance closes these pairs, such as threads with play; the user may join them
-        names, question = assembly.names, decision.question
+        question = decision.question
         sunk = _sunk_pairs(assembly, contacts)
-        if any({names[k] for k in p.ends} in sunk for p in question.deciding.pairs):
+        if any(set(p.parts) in sunk for p in question.deciding.pairs):
             return ()
-        pairs = tuple((names[p.ends[0]], names[p.ends[1]]) for p in question.deciding.pairs)
+        pairs = tuple(p.parts for p in question.deciding.pairs)
         return (Remedy(_Change(fasten=pairs).option, question.verdict, question.level),)
     return remedies
 
@@ -409,7 +392,8 @@ def _changes(assembly: Assembly, contacts: ContactSet, decision: Decision) -> It
         yield likely
     if decision.question is not None:
         sunk = _sunk_pairs(assembly, contacts)
-        pairs = open_pairs_answer(assembly, contacts, decision.question)
+        listed = answered_pairs(assembly, contacts, decision.question)
+        pairs = [pair.to_dict() for pair in listed]
         pairs = [pair for pair in pairs if set(pair["parts"]) not in sunk]
         yield _settling_change(open_options(pairs))
         known = {frozenset(pair) for pair in joined}

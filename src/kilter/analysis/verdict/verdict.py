@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -32,8 +31,11 @@ from kilter.analysis.decision.motion import (
     unknown,
     without_opening,
 )
-from kilter.analysis.decision.open_question import OpenQuestion, open_pairs_answer
-from kilter.analysis.verdict.answers import joints_answer, unsupported_answer
+from kilter.analysis.decision.open_question import (
+    AnsweredPair,
+    OpenQuestion,
+    answered_pairs,
+)
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -42,38 +44,36 @@ from kilter.analysis.verdict.part_answer import PartAnswer
 from kilter.analysis.verdict.remedies import Remedy, find_remedies
 from kilter.analysis.verdict.slipping_motion import find_slipping_motion
 from kilter.analysis.verdict.verdict_answer import (
-    certificate_answer,
-    density_answer,
-    forces_answer,
-    friction_answer,
+    BondsNeeded,
+    ContactCounts,
+    Density,
+    ProofErrors,
+    Tries,
+    VerdictTolerance,
+    density_of,
 )
-from kilter.arrays import Mask, sealed
-from kilter.assembly import Assembly
+from kilter.arrays import Array, Mask, sealed
+from kilter.assembly import Assembly, BondEntry, JointEntry
 from kilter.contact import ContactSet
+from kilter.contact.common.distances import LonePart
+from kilter.contact.common.patches import UnsupportedContact
 from kilter.hooks import hook
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.cells import InCells
-from kilter.tell.html import html_of
-from kilter.tell.json_answer import Answer
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
+from kilter.tell.record import Answer, InPython, LevelWord, OrAbsent, UnitWord, Vector, key
 from kilter.tell.words import GAINS, NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
-from kilter.values.guesses import GuessedAttribute
 from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
+    from kilter.contact.fits.suggestions import Suggestion
     from kilter.friction.answer import FrictionAnswer, Why
-    from kilter.second_order.answer.second_order_answer import SecondOrder
-    from kilter.tell.answer_data.check_data import (
-        BondsNeededData,
-        CheckData,
-        PartData,
-        SecondOrderData,
-    )
+    from kilter.second_order.answer.second_order_answer import SecondOrder, SecondOrderSummary
 
 __all__ = ["Verdict", "Word"]
 
@@ -87,115 +87,105 @@ ROUNDING = 1e-15
 """Accelerations up to this count as zero [g]."""
 
 
-@dataclass(frozen=True, eq=False)
 class Verdict(InCells, Answer):
-    """Answer of `kilter.check`: the verdict on an assembly, with its proof and its motion.
-
-    Attributes
-    ----------
-    verdict : VerdictWord
-        It is equal to its text: "stable", "settles", "potentially-stable", "balanced",
-        "unstable" or "undecided".
-    sentence : str
-        The verdict in words.
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-        The program against which the certificate is proved.
-    judgement : Judgement
-        The verified forces and motion.
-    friction : FrictionAnswer or None
-        The guarantee of friction; None if the verdict does not rest on friction.
-    warnings : tuple of str
-    seconds : mapping from str to float
-        Duration of each stage [s]; read-only.
-    effort : float
-        Effort of the search for motions with friction.
-    time_limit : float or None
-        The time limit [s], if it cut the answer short; otherwise None.
-    question : OpenQuestion or None
-        The open pairs that decide, if the verdict is undecided because of them.
-    require : str
-        The required level (`kilter.tell.levels`).
-    measures : bool
-        Whether z, kappa and the displacements are reported although friction plays a part.
-    second_order : SecondOrder or None
-        Answer of second order: whether a neutral assembly is at a minimum of its energy. None if no
-        cluster of touching parts rests without friction.
-    decision : Decision or None
-        The decision from which this verdict was made.
-    seconds_left : float or None
-        Remainder of the time limit after the verdict [s]; None without a time limit.
-    brief : bool
-        Whether z, kappa and the displacements are left out in any case: a first answer, since their
-        program takes ten times longer than equilibrium.
-    """
+    """Answer of `kilter.check`: the verdict on an assembly, with its proof and its motion."""
 
     answer: ClassVar[str] = "check"
 
     verdict: VerdictWord
+    """The verdict; it is equal to its text."""
     sentence: str
-    assembly: Assembly
-    contacts: ContactSet
-    program: Program
-    judgement: Judgement
-    friction: FrictionAnswer | None
-    warnings: tuple[str, ...]
-    seconds: Mapping[str, float]
-    effort: float = EFFORT
+    """The verdict in words."""
+    require: LevelWord = REQUIRE
+    """The required level (`kilter.tell.levels`)."""
     time_limit: float | None = None
-    question: OpenQuestion | None = None
-    require: str = REQUIRE
-    measures: bool = False
-    second_order: SecondOrder | None = None
-    decision: Decision | None = None
-    seconds_left: float | None = None
-    brief: bool = False
+    """The time limit [s], if it cut the answer short; else null."""
+    seconds: Mapping[str, float]
+    """Duration of each stage [s]; read-only."""
+    suggested_joints: OrAbsent[tuple[Suggestion, ...]] = None
+    """Pairs that look fastened; of the option --suggest-joints."""
+    assembly: InPython[Assembly]
+    """The assembly that was checked."""
+    contact_set: InPython[ContactSet]
+    """The contacts of the assembly."""
+    program: InPython[Program]
+    """The program against which the proof is verified."""
+    judgement: InPython[Judgement]
+    """The verified forces and motion."""
+    friction_answer: InPython[FrictionAnswer | None]
+    """The guarantee of friction; None if the verdict does not rest on friction."""
+    notes: InPython[tuple[str, ...]]
+    """Warnings that do not depend on the motion."""
+    effort: InPython[float] = EFFORT
+    """Effort of the search for motions with friction."""
+    question: InPython[OpenQuestion | None] = None
+    """The open pairs that decide, if the verdict is undecided because of them."""
+    measures: InPython[bool] = False
+    """Whether z, kappa and the displacements are reported although friction plays a part."""
+    second_order_answer: InPython[SecondOrder | None] = None
+    """Answer of second order: whether a neutral assembly is at a minimum of its energy. None if no
+    cluster of touching parts rests without friction."""
+    decision: InPython[Decision | None] = None
+    """The decision from which this verdict was made."""
+    seconds_left: InPython[float | None] = None
+    """Remainder of the time limit after the verdict [s]; None without a time limit."""
+    brief: InPython[bool] = False
+    """Whether z, kappa and the displacements are left out in any case: a first answer, since their
+    program takes ten times longer than equilibrium."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
         object.__setattr__(self, "verdict", VerdictWord(self.verdict))
-        sealed((self.program, self.judgement, self.friction, self.second_order))
+        sealed((self.program, self.judgement, self.friction_answer, self.second_order_answer))
 
     def __getitem__(self, part: str | int) -> PartAnswer:
         k = self.assembly.index_of(part)
-        motion = self.motion[self.assembly.names[k]]
+        one, motion = self.assembly.parts[k], self.motion
         shift = self.displacement.displacement if self.measured else None
+        slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
         return PartAnswer(
-            name=self.assembly.names[k],
-            grounded=self.assembly.parts[k].grounded,
+            name=one.name,
+            grounded=one.grounded,
             mass=float(self.program.mass[k]),
-            moves=motion.moves,
-            acceleration=motion.acceleration if self.motion.known else None,
+            material=one.material,
+            layer=one.layer,
             displacement=None if shift is None else shift[k],
-            motion=motion,
-            words=self.words(k),
+            acceleration=motion.acceleration[k] if motion.known else None,
+            relative=motion.relative[k] if motion.known else None,
+            moves=bool(motion.moves[k]),
+            moved_by_proof=bool(self.moved_by_proof[k]),
+            motion=self.words(k),
+            # reported only if no part is above the threshold of `moves`
+            slow_motion=self.words(k, slow=True) if slow and not one.grounded else None,
         )
 
     @property
+    @key
     def parts(self) -> tuple[PartAnswer, ...]:
         """The answers about every part, in the order of the assembly; ``verdict[name]`` is one."""
         return tuple(self[k] for k in range(len(self.assembly)))
 
     @property
+    @key
     def stable(self) -> bool:
         """Whether the assembly holds at the required verdict level."""
         return holds(self.level, self.require)
 
     @property
-    def level(self) -> str | None:
+    @key
+    def level(self) -> LevelWord | None:
         """Verdict level that the assembly reaches; None if it does not hold.
 
         "strict" only if it is required.
         """
         # the proof of the level strict is computed only on demand, and only without friction
-        examine = self.require == "strict" and self.verdict == "stable" and self.friction is None
-        return level_of(self.verdict, strict=examine and self._strict)
+        examine = self.require == "strict" and self.friction_answer is None
+        return level_of(self.verdict, strict=examine and self.verdict == "stable" and self._strict)
 
     @property
     def _strict(self) -> bool:
         """Whether the level is strict: it is proved that no small push makes the assembly fall."""
-        second = self.second_order
+        second = self.second_order_answer
         if second is None:
             return self._none_neutral
         return second.strict or self._none_neutral
@@ -206,21 +196,25 @@ class Verdict(InCells, Answer):
         neutral = self.neutral
         return neutral is not None and neutral.two_sided == neutral.one_sided == 0
 
-    def _second_order(self) -> SecondOrderData | None:
-        """JSON data about second order (curvature); None if not examined or not applicable."""
-        if self.second_order is None or self._none_neutral:
+    @property
+    @key
+    def second_order(self) -> SecondOrderSummary | None:
+        """Answer of second order (curvature); null if not examined or not applicable."""
+        if self.second_order_answer is None or self._none_neutral:
             return None
-        return self.second_order.to_dict(self.program.names)
+        return self.second_order_answer.summary(self.program.names)
 
     @property
-    def first_order(self) -> str:
+    @key
+    def first_order(self) -> VerdictWord:
         """The verdict without regard to small pushes, as in the paper: "stable" if balanced."""
         if self.verdict != "balanced" and self.why != "push-open":
             return self.verdict
-        settles = self.friction is not None and self.friction.guarantee != "proved"
-        return "settles" if settles else "stable"
+        settles = self.friction_answer is not None and self.friction_answer.guarantee != "proved"
+        return VerdictWord.SETTLES if settles else VerdictWord.STABLE
 
     @property
+    @key
     def why(self) -> Why | Literal["balanced", "push-open"] | None:
         """Reason for the verdict potentially-stable or balanced; None for other verdicts.
 
@@ -231,47 +225,157 @@ class Verdict(InCells, Answer):
             return "balanced"
         if self.verdict != "potentially-stable":
             return None
-        if self.friction is None or self.friction.why is None:
+        if self.friction_answer is None or self.friction_answer.why is None:
             return "push-open"
-        return self.friction.why
+        return self.friction_answer.why
 
     @property
-    def guarantee(self) -> str:
+    @key
+    def guarantee(self) -> Literal["proved", "refuted", "open"]:
         """Whether the contact law excludes every motion from rest: proved, refuted or open."""
         if self.verdict == "potentially-stable":
-            return "proved" if self.friction is None else self.friction.guarantee
-        known = {"stable": "proved", "balanced": "proved", "unstable": "refuted"}
+            return "proved" if self.friction_answer is None else self.friction_answer.guarantee
+        known: dict[str, Literal["proved", "refuted", "open"]] = {
+            "stable": "proved",
+            "balanced": "proved",
+            "unstable": "refuted",
+        }
         return known.get(self.verdict, "open")
 
     @property
+    @key
     def seated(self) -> str | None:
         """Result of the search for a state of rest: yes, runs-away or not-found; else None.
 
         None if it was not examined.
         """
-        examined = self.friction is not None and self.friction.examined
-        return self.friction.seating.seated if examined and self.friction is not None else None
+        answer = self.friction_answer
+        return answer.seating.seated if answer is not None and answer.examined else None
 
     @property
-    def tries(self) -> tuple[int, int] | None:
-        """Numbers of passed and of all numerical tries of settling; None if not examined."""
-        if self.friction is None or not self.friction.examined:
+    @key
+    def tries(self) -> Tries | None:
+        """Numbers of passed and of all numerical tries of settling; null if not examined."""
+        if self.friction_answer is None or not self.friction_answer.examined:
             return None
-        return len(self.friction.tries), len(self.friction.settling.ends)
+        settling = self.friction_answer.settling
+        return Tries(passed=len(self.friction_answer.tries), of=len(settling.ends))
 
     @property
-    def certificate(self) -> ForceProof | MotionProof | None:
+    def evidence(self) -> ForceProof | MotionProof | None:
         """The proof of the verdict: forces, or a motion if unstable; None if undecided."""
         if self.level is not None:
             return self.judgement.forces
         return self.judgement.motion if self.verdict == "unstable" else None
+
+    @property
+    @key
+    def certificate(self) -> ProofErrors:
+        """Kind of the proof, and the numerical errors of the best forces and the best motion."""
+        forces, motion, proof = self.judgement.forces, self.judgement.motion, self.evidence
+        kind: Literal["forces", "motion"] = "forces" if isinstance(proof, ForceProof) else "motion"
+        return ProofErrors(
+            kind=None if proof is None else kind,
+            residual=None if forces is None else forces.residual,
+            power=None if motion is None else motion.power,
+            violation=None if motion is None else motion.violation,
+        )
+
+    @property
+    @key
+    def friction(self) -> FrictionAnswer | None:
+        """Guarantee of friction, with the evidence; null if it was not examined."""
+        answer = self.friction_answer
+        if answer is None or not answer.examined:
+            return None
+        return dataclasses.replace(answer, effort=self.effort)
+
+    @property
+    @key
+    def down(self) -> Vector:
+        """Direction of gravity."""
+        return self.assembly.down
+
+    @property
+    @key
+    def gravity(self) -> Vector:
+        """Gravity [m/s^2]."""
+        gravity: Array = self.assembly.gravity
+        return gravity
+
+    @property
+    @key
+    def units(self) -> UnitWord:
+        """Length unit."""
+        return self.assembly.units
+
+    @property
+    @key
+    def density(self) -> Density:
+        """Densities from which masses of free parts are computed."""
+        return density_of(self.assembly)
+
+    @property
+    @key
+    def z(self) -> float | None:
+        """Value of the displacement program [kg x length unit]; null if it was not solved."""
+        return self.displacement.z if self.measured else None
+
+    @property
+    @key
+    def contacts(self) -> ContactCounts:
+        """Numbers of touching pairs, contact patches and contact points."""
+        found = self.contact_set
+        return ContactCounts(pairs=found.pairs, patches=len(found), points=len(found.points))
+
+    @property
+    @key
+    def unsupported(self) -> tuple[UnsupportedContact, ...]:
+        """Contacts of kinds that are not modelled."""
+        return self.contact_set.unsupported
+
+    @property
+    @key
+    def open_pairs(self) -> tuple[AnsweredPair, ...]:
+        """Pairs whose contact the geometry does not determine, the deciding pairs first."""
+        return answered_pairs(self.assembly, self.contact_set, self.question)
+
+    @property
+    @key
+    def counted_gap(self) -> float | None:
+        """Widest gap among contacts that the default tolerance would reject [length unit]."""
+        return self.contact_set.counted_gap
+
+    @property
+    @key
+    def if_joined(self) -> OpenQuestion | None:
+        """Open pairs that decide, and the verdict with these pairs joined."""
+        return self.question
+
+    @property
+    @key
+    def nearest(self) -> tuple[LonePart, ...]:
+        """Parts that touch nothing, each with its nearest part."""
+        return self.contact_set.of(self.assembly).nearest
+
+    @property
+    @key
+    def joints(self) -> tuple[JointEntry, ...]:
+        """Joints, including those added by fastening."""
+        return self.assembly.joints_data()
+
+    @property
+    @key
+    def bonds(self) -> tuple[BondEntry, ...]:
+        """Bonds and their strength."""
+        return tuple(bond.entry for bond in self.assembly.bonds)
 
     @cached_property
     def modelled(self) -> Program:
         """The program of the certain contacts, without rows for contacts that are only possible."""
         if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():
             return self.program
-        return sealed(build_program(self.assembly, self.contacts))
+        return sealed(build_program(self.assembly, self.contact_set))
 
     @cached_property
     @on_one_thread
@@ -292,8 +396,7 @@ class Verdict(InCells, Answer):
         proof. For the verdict potentially-stable, they are the motion that refutes the guarantee.
         """
         motion = self._motion()
-        motion = motion if motion.known else unknown(self.program, self.certificate)
-        return sealed(dataclasses.replace(motion, names=tuple(self.program.names)))
+        return sealed(motion if motion.known else unknown(self.program, self.evidence))
 
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
@@ -306,8 +409,8 @@ class Verdict(InCells, Answer):
             return find_slipping_motion(self.modelled)
         if not self._rubs:
             return find_motion(self.modelled)
-        if self.friction is not None:
-            witness = self.friction.witness
+        if self.friction_answer is not None:
+            witness = self.friction_answer.witness
             return still(self.program) if witness is None else motion_of(
                 self.program, witness.acceleration, witness.law.residual
             )  # fmt: skip
@@ -328,17 +431,23 @@ class Verdict(InCells, Answer):
     @property
     def measured(self) -> bool:
         """Whether z, kappa and displacements are reported: without friction, or on request."""
-        rubs = self.friction is not None or bool(len(self.program.gripping))
+        rubs = self.friction_answer is not None or bool(len(self.program.gripping))
         # the displacement program does not model the limit of a strap
         return (self.measures or not rubs) and not (self.brief or len(self.modelled.bounded))
 
+    @property
+    @key
+    def instability(self) -> float | None:
+        """Size kappa of the impending motion [-], 0 to 1; null with loads or without a motion.
+
+        Like z and the displacements it ignores friction, and is null where these are not reported.
+        """
+        return self.kappa if self.measured else None
+
     @cached_property
     @on_one_thread
-    def instability(self) -> float | None:
-        """Size kappa of the impending motion [-], 0 to 1; None with loads or without a motion.
-
-        Like z and the displacements it ignores friction.
-        """
+    def kappa(self) -> float | None:
+        """The same as `instability`, also where z and the displacements are not reported."""
         if self.assembly.loads or self.assembly.straps:
             return None
         smooth = self.motion if self._smooth or not self._grips else find_motion(self.modelled)
@@ -347,43 +456,30 @@ class Verdict(InCells, Answer):
     @property
     def _smooth(self) -> bool:
         """Whether forces without friction hold the assembly."""
-        return self.level is not None and self.friction is None
+        return self.level is not None and self.friction_answer is None
 
     @property
     def _grips(self) -> bool:
         """Whether any of the certain contacts has friction or a bond with a limited shear."""
         return bool(len(self.modelled.gripping))
 
-    @property
-    def forces(self) -> ContactForces:
-        """Contact forces that balance every part.
-
-        Raises
-        ------
-        InputError
-            If the proof has no forces, as for an unstable assembly.
-        """
-        if self.known_forces is None:
-            raise GuessedAttribute(
-                f"the verdict is {self.verdict}, so there are no forces that balance every part",
-                hint="verdict.moving and verdict.motion describe the parts that start to move",
-            )
-        return self.known_forces
-
     @cached_property
-    def known_forces(self) -> ContactForces | None:
-        """Contact forces that balance every part; None if the proof has no forces."""
-        proof = self.certificate
+    @key
+    def forces(self) -> ContactForces | None:
+        """Contact forces that balance every part; null if the proof has no forces."""
+        proof = self.evidence
         if not isinstance(proof, ForceProof):
             return None
-        return sealed(find_contact_forces(self.program, proof))
+        return sealed(find_contact_forces(self.program, proof, self.contact_set))
 
     @cached_property
+    @key
     def neutral(self) -> Neutral | None:
-        """Numbers of neutral motions, which cost no energy; None if they were not counted."""
+        """Numbers of neutral motions, which cost no energy; null if they were not counted."""
         return find_neutral(self.modelled)
 
     @cached_property
+    @key
     @on_one_thread
     def remedies(self) -> tuple[Remedy, ...]:
         """Command-line options that were tried and would change the verdict.
@@ -395,15 +491,20 @@ class Verdict(InCells, Answer):
             return ()
         work = Work(units_of(self.effort), time_limit=self.seconds_left)
         remedies = find_remedies(
-            self.assembly, self.contacts, self.decision, require=self.require, work=work
+            self.assembly, self.contact_set, self.decision, require=self.require, work=work
         )
         settled: Remedy | None = hook("settle_remedy")(self)
         return remedies if settled is None else (*remedies, settled)
 
     @property
-    def tolerance(self) -> float:
-        """Relative tolerance of the verdict [-]: the largest tolerance of all parts."""
-        return float(self.program.tolerance.max(initial=TOLERANCE))
+    @key
+    def tolerance(self) -> VerdictTolerance:
+        """Tolerances of contact detection and of the verdict."""
+        return VerdictTolerance(
+            **vars(self.contact_set.tolerance),
+            verdict=float(self.program.tolerance.max(initial=TOLERANCE)),
+            moves=MOVES,
+        )
 
     @property
     def barely(self) -> str:
@@ -425,7 +526,7 @@ class Verdict(InCells, Answer):
         The proof counts every force that open pairs could transmit. `motion` counts the certain
         contacts only.
         """
-        proof = self.certificate
+        proof = self.evidence
         if not isinstance(proof, MotionProof):
             return np.zeros(len(self.program.names), dtype=bool)
         sizes = part_sizes(self.program, proof.motion, per_radius=False)
@@ -486,6 +587,7 @@ class Verdict(InCells, Answer):
         )
 
     @property
+    @key
     def summary(self) -> str:
         """Describe the fastest parts and how they start to move, in a sentence."""
         motion = self.motion
@@ -516,79 +618,25 @@ class Verdict(InCells, Answer):
 
         proof = make_proof(
             self.assembly,
-            self.contacts,
+            self.contact_set,
             self.program,
-            self.certificate,
+            self.evidence,
             options or {},
-            evidence=None if self.friction is None else self.friction.evidence,
+            evidence=None if self.friction_answer is None else self.friction_answer.evidence,
         )
-        if self.second_order is not None:
+        if self.second_order_answer is not None:
             proof["verdict"] = self.verdict
-            proof["second_order"] = second_order_data(self.second_order)
+            proof["second_order"] = second_order_data(self.second_order_answer)
             proof["digest"] = digest_of(proof)
         return proof
 
+    @cached_property
+    @key
     @on_one_thread
-    def to_dict(self) -> CheckData:
-        """The verdict as JSON data, as ``kilter check --json`` prints it."""
-        assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
-        tries, moved_by_proof = self.tries, self.moved_by_proof
-        return {
-            "verdict": self.verdict,
-            "level": self.level,
-            "require": self.require,
-            "holds": self.stable,
-            "first_order": self.first_order,
-            "why": self.why,
-            "guarantee": self.guarantee,
-            "seated": self.seated,
-            "tries": None if tries is None else {"passed": tries[0], "of": tries[1]},
-            "sentence": self.sentence,
-            "summary": self.summary,
-            "remedies": [remedy.to_dict() for remedy in self.remedies],
-            "neutral": None
-            if neutral is None
-            else {"two_sided": neutral.two_sided, "one_sided": neutral.one_sided},
-            "second_order": self._second_order(),
-            "down": assembly.down.tolist(),
-            "gravity": assembly.gravity.tolist(),
-            "units": assembly.units,
-            "density": density_answer(assembly),
-            "instability": self.instability if self.measured else None,
-            "z": self.displacement.z if self.measured else None,
-            "parts": [self._part(k, moved_by_proof) for k in range(len(assembly.parts))],
-            "contacts": {
-                "pairs": contacts.pairs,
-                "patches": len(contacts),
-                "points": len(contacts.points),
-            },
-            "unsupported": unsupported_answer(assembly, contacts),
-            "open_pairs": open_pairs_answer(assembly, contacts, self.question),
-            "counted_gap": contacts.counted_gap,
-            "if_joined": None if self.question is None else self.question.to_dict(assembly.names),
-            "nearest": contacts.of(assembly).nearest,
-            "joints": joints_answer(assembly),
-            "bonds": assembly.bonds_data(),
-            "bonds_needed": self._bonds_needed(),
-            "certificate": certificate_answer(self.certificate, self.judgement),
-            "friction": friction_answer(self.friction, self.effort),
-            "forces": forces_answer(self.known_forces, contacts, self.program),
-            "tolerance": {
-                "gap": contacts.gap,
-                "angle_deg": float(np.degrees(contacts.searched.angle)),
-                "clearance": contacts.searched.clearance,
-                "verdict": self.tolerance,
-                "moves": MOVES,
-            },
-            "warnings": [*self.warnings, *self._cautions()],
-            "time_limit": self.time_limit,
-            "seconds": dict(self.seconds),
-        }
+    def bonds_needed(self) -> BondsNeeded | None:
+        """Least fraction of bond strength that suffices, and the pairs that fail first; else null.
 
-    def _bonds_needed(self) -> BondsNeededData | None:
-        """Least fraction of bond strength that suffices, and the pairs that fail first; else None.
-
-        None without bonds, without a level, or for more than `BONDED_PARTS` free parts. The contact
+        Null without bonds, without a level, or for more than `BONDED_PARTS` free parts. The contact
         forces of the answer are one equilibrium of many, so they may load bonds more.
         """
         large = int(self.program.free.sum()) > BONDED_PARTS
@@ -597,45 +645,26 @@ class Verdict(InCells, Answer):
         # imported late: only bonds need these modules
         from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 
-        factor = find_bond_factor(self.program, self.contacts)
+        factor = find_bond_factor(self.program, self.contact_set)
         if not isinstance(factor, BondFactor):
             return None
-        pairs = [list(bond.parts) for bond in factor.opens]
-        return {"share": factor.value, "fail": pairs}
+        return BondsNeeded(share=factor.value, fail=tuple(bond.parts for bond in factor.opens))
 
-    def _cautions(self) -> list[str]:
-        """Warnings of the verdict that depend on the motion and the displacements."""
+    @property
+    @key
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the input, the contacts and the numbers."""
         failed = self.measured and self.displacement.z is None
         unfinished = "no solver finished the displacement program: z and displacements are left out"
         why = NO_MOTION_BY_LAW if self._rubs else NO_MOTION
         why = NO_MOTION_OF_LIMITS if self._not_modelled else why
         open_motion = [] if self.motion.known else [why]
-        return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
+        last = [*([unfinished] if failed else []), *open_motion]
+        return (*self.notes, *filter(None, [self.barely]), *last)
 
-    def _part(self, k: int, moved_by_proof: Mask) -> PartData:
-        """JSON data of part `k`: its mass, and how it starts to move."""
-        part, motion = self.assembly.parts[k], self.motion
-        shift = self.displacement.displacement if self.measured else None
-        slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
-        return {
-            "name": part.name,
-            "grounded": part.grounded,
-            "mass": float(self.program.mass[k]),
-            "material": part.material,
-            "layer": part.layer,
-            "displacement": None if shift is None else (shift[k] + 0.0).tolist(),
-            "acceleration": (motion.acceleration[k] + 0.0).tolist() if motion.known else None,
-            "relative": (motion.relative[k] + 0.0).tolist() if motion.known else None,
-            "moves": bool(motion.moves[k]),
-            "moved_by_proof": bool(moved_by_proof[k]),
-            "motion": self.words(k),
-            # reported only if no part is above the threshold of `moves`
-            "slow_motion": self.words(k, slow=True) if slow and not part.grounded else None,
-        }
-
-    def _repr_html_(self) -> str:
-        """The verdict as HTML for a notebook."""
-        return html_of(self.to_dict())
+    def to_dict(self) -> dict[str, Any]:
+        """The verdict as JSON data, as ``kilter check --json`` prints it."""
+        return on_one_thread(super().to_dict)()
 
     def __str__(self) -> str:
         return self.sentence

@@ -106,10 +106,7 @@ def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
 def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
     """Pairs of parts a < b, (n, 2), whose boxes are at most `margin` apart, not both held.
 
-    Raises
-    ------
-    InputError
-        If there are more pairs than `MOST_PAIRS` and `MOST_NEAR` allow.
+    Raises `InputError` if there are more pairs than `MOST_PAIRS` and `MOST_NEAR` allow.
     """
     low, high = boxes.part_low - margin[:, None], boxes.part_high + margin[:, None]
     count = len(low)
@@ -190,19 +187,9 @@ def facet_pairs(
 ) -> tuple[Index, Index, Index]:
     """Pairs of facets, of part a and of part b, that face each other and whose boxes meet.
 
-    Parameters
-    ----------
-    pairs : ndarray of int, shape (n, 2)
-        Parts a and b of each pair.
-    margin : ndarray, shape (n,)
-        Largest gap between facets of the pair that is of interest [length unit].
-    cosine : float
-        Cosine of the largest angle between the normal of i and the reversed normal of j [-].
-
-    Returns
-    -------
-    pair, i, j : ndarrays of int, shape (m,)
-        Row in `pairs`, and the two facets.
+    `pairs`, shape (n, 2): parts a and b of each pair. `margin`, shape (n,): largest gap between
+    facets of the pair that is of interest [length unit]. Returns `pair`, `i`, `j`, shape (m,): row
+    in `pairs`, and the two facets.
     """
     blocks = []
     for begin in range(0, len(pairs), 100_000):
@@ -256,20 +243,8 @@ def joins(
 ) -> Iterator[tuple[Index, Index, Index]]:
     """Pairs (row of a, row of b) with the same owner, whose boxes are at most a margin apart.
 
-    Parameters
-    ----------
-    owner_a, owner_b : ndarray of int, sorted
-        Owner of each row, such as its pair of parts.
-    box_a, box_b : pair of ndarray, shape (n, 3)
-        Lower and upper corners.
-    margin : ndarray, shape (number of owners,)
-        Largest distance of the boxes along each axis [length unit].
-
-    Yields
-    ------
-    owner, row_a, row_b : ndarrays of int, shape (m,)
-        Blocks of about `BATCH` compared combinations; owners with more than `MANY`
-        combinations each are searched in trees of about `TREE` boxes.
+    `owner_a`, `owner_b`: owner of each row, such as its pair of parts. `margin`, shape (number of
+    owners,): largest distance of the boxes along each axis [length unit].
     """
     counts = [np.bincount(owner, minlength=len(margin)) for owner in (owner_a, owner_b)]
     many = counts[0] * counts[1] > MANY

@@ -238,7 +238,9 @@ def begin_search(
     progress("near pairs")
     boxes = make_boxes(geometry, facets, start) if last is None else last.boxes
     near = _pairs_to_detect(assembly, boxes, tolerance, start)
-    pairs, unknown = unknown_pairs(geometry, near, reach_of(geometry, tolerance))
+    pairs, unknown = near, near[:0]
+    if len(geometry.unknown):
+        pairs, unknown = unknown_pairs(geometry, near, reach_of(geometry, tolerance))
     limits = gap_limits(geometry, facets, pairs, tolerance)
     if last is not None:
         return replace(last, pairs=pairs, limits=limits, angle=tolerance.angle, unknown=unknown)

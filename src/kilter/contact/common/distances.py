@@ -84,12 +84,8 @@ BATCH = 1_000_000
 def surface_distance(points: Array, triangles: Array, most: Array | None = None) -> Array:
     """Distance of each point, shape (n, 3), from the nearest of m triangles [length unit], (n,).
 
-    Parameters
-    ----------
-    points, triangles : ndarray
-    most : ndarray, shape (n,), optional
-        Upper bounds on the distances, by default those of `at_most`. The result is never
-        above them.
+    `most`, shape (n,): upper bounds on the distances, by default those of `at_most`; the result is
+    never above them.
 
     Examples
     --------
@@ -465,11 +461,7 @@ def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, 
 
     A time limit ends the search; the later parts are then left out.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    parts : iterable of int
-        Parts that touch nothing.
+    `parts`: parts that touch nothing.
     """
     searched = list(parts)[:MOST_PARTS]
     if not searched or len(geometry.mass) < 2:

@@ -345,14 +345,7 @@ def face_distance(
 ) -> tuple[Array, Array]:
     """Signed distance of points from faces, shape (n,), and outward normals there, shape (n, 3).
 
-    Parameters
-    ----------
-    geometry : Geometry
-    facets : Facets
-    surface : ndarray of int, shape (n,)
-        Curved surface of each point; -1: the plane of `facet`.
-    facet : ndarray of int, shape (n,)
-    points : ndarray, shape (n, 3)
+    `surface`, shape (n,): curved surface of each point; -1: the plane of `facet`.
     """
     s = geometry.surfaces
     normal = facets.normal[facet].copy()
@@ -487,19 +480,8 @@ class EdgeCurves:
         The triangles of a face end at chords of its edges. Beside an edge with a curve the curve
         decides, and elsewhere the triangles.
 
-        Parameters
-        ----------
-        part : int
-        face : (surface, facet)
-            The curved surface, or -1 and the flat facet.
-        at : (points, normals)
-            Points of the surface and normals there, shape (n, 3).
-        triangles : ndarray, shape (m, 3, 3)
-            Triangles of the face.
-        depth : float
-            Largest distance of a triangle from a point along the normal [length unit].
-        grow : float
-            Largest distance of a point from the face [length unit].
+        `depth`: largest distance of a triangle from a point along the normal [length unit]. `grow`:
+        largest distance of a point from the face [length unit].
         """
         points, normals = at
         result = covered(triangles, points, normals, depth, grow)

@@ -220,12 +220,8 @@ def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask)
 def facet_triangles(corner_start: Index, convex: Mask, which: Index) -> tuple[Index, Index]:
     """Triangles of the facets `which`, and for each triangle the position of its facet.
 
-    Returns
-    -------
-    place : ndarray of int, shape (T,)
-        Position in `which` of the facet of each triangle.
-    corners : ndarray of int, shape (T, 3)
-        Positions in the list of corners of all facets.
+    Returns `place`, shape (T,): position in `which` of the facet of each triangle; `corners`, shape
+    (T, 3): positions in the list of corners of all facets.
     """
     length = np.diff(corner_start)[which]
     count = np.where(convex[which], length - 2, length // 3)

@@ -299,13 +299,8 @@ def _on_curved_patch(face_patches: FacePatches, patch: int, points: Array, slack
 def on_patches(face_patches: FacePatches, pair: Index, points: Array, normal: Array) -> Mask:
     """Mask of points on a flat patch of their pair that has the same normal, shape (n,).
 
-    Parameters
-    ----------
-    face_patches : FacePatches
-    pair : ndarray of int, shape (n,)
-        Row of the pair of each point.
-    points, normal : ndarray, shape (n, 3)
-        Points with their unit normals, from a to b.
+    `pair`, shape (n,): row of the pair of each point. `points`, `normal`, shape (n, 3): points with
+    their unit normals, from a to b.
     """
     patches, limits = face_patches.flat.patches, face_patches.search.limits
     start = np.searchsorted(patches.pair, np.arange(len(limits) + 1))

@@ -310,21 +310,11 @@ def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits)
 def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index, Index]:
     """Split near pairs into pairs to search, and pairs that may touch at an unknown surface.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    pairs : ndarray of int, shape (n, 2)
-    reach : ndarray, shape (N,)
-        Distance from each part within which others are searched for [length unit].
-
-    Returns
-    -------
-    looked_at, unknown : ndarray of int, shape (k, 2) and (m, 2)
-        A pair with a stand-in is only in the second array; a pair with a hole may be in both.
+    `reach`, shape (N,): distance from each part within which others are searched for [length unit].
+    Returns `looked_at`, `unknown`, shape (k, 2) and (m, 2): a pair with a stand-in is only in the
+    second array; a pair with a hole may be in both.
     """
     places = geometry.unknown
-    if not len(places) or not len(pairs):
-        return pairs, pairs[:0]
     stand_in = places.stand_ins(len(geometry.mass))
     blind: Mask = stand_in[pairs[:, 0]] | stand_in[pairs[:, 1]]
     meets: Mask = blind.copy()

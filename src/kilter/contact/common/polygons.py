@@ -70,18 +70,7 @@ def clip_convex(
 ) -> tuple[Array, Index]:
     """The intersection of each subject polygon with its convex clip polygon.
 
-    Parameters
-    ----------
-    subject : ndarray, shape (n, s, 2)
-    subject_count : ndarray of int, shape (n,)
-    clip : ndarray, shape (n, c, 2)
-    clip_count : ndarray of int, shape (n,)
-
-    Returns
-    -------
-    points : ndarray, shape (n, m, 2)
-    count : ndarray of int, shape (n,)
-        Number of corners; 0: no intersection.
+    Returns `count`, shape (n,): number of corners; 0: no intersection.
 
     Examples
     --------
@@ -112,17 +101,8 @@ def clip_convex(
 def cut_convex(corners: Array, above: Array) -> Array:
     """The part of a convex polygon in which a linear function is not negative.
 
-    Parameters
-    ----------
-    corners : ndarray, shape (n, d)
-        In order around the polygon. Columns after the first two are values of further linear
-        functions, which are interpolated.
-    above : ndarray, shape (n,)
-        The linear function at the corners.
-
-    Returns
-    -------
-    ndarray, shape (m, d)
+    `corners`, shape (n, d): in order around the polygon; columns after the first two are values of
+    further linear functions, which are interpolated.
 
     Examples
     --------

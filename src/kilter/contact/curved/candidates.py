@@ -35,7 +35,8 @@ common axis. A torus in a hollow torus with the same circle has no nearest spher
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -56,6 +57,7 @@ __all__ = [
     "Candidates",
     "FormLimits",
     "Planes",
+    "Side",
     "body_in_torus",
     "dot",
     "lines_on_cone",
@@ -143,26 +145,77 @@ class Candidates(Rows):
     rim: Array = columns()
 
 
-def make_candidates(
-    row: Index, form: int, at: Array, normal: Array, gap: Array, **more: Array
-) -> Candidates:
-    """Build candidate contacts of the same form; fields that are not given are zero."""
-    count = len(row)
-    zero, zeros = np.zeros(count), np.zeros((count, 3))
+def make_candidates(form: int, at: Array, normal: Array, gap: Array, **more: Array) -> Candidates:
+    """Candidate contacts of one form, one for each pair; fields that are not given are zero."""
+    zero = np.zeros(len(gap))
+    given = {"along": np.zeros(at.shape), **dict.fromkeys(SCALARS, zero), **more}
     return Candidates(
-        row=row,
-        form=np.full(count, form),
+        row=np.arange(len(gap)),
+        form=np.full(len(gap), form),
         at=at,
-        along=more.get("along", zeros),
         normal=normal,
-        radius=more.get("radius", zero),
         gap=gap,
-        slope=more.get("slope", zero),
-        swing=more.get("swing", zero),
-        play=more.get("play", zero),
-        bend=more.get("bend", zero),
-        rim=more.get("rim", zero),
+        **given,
     )
+
+
+SCALARS = ("radius", "slope", "swing", "play", "bend", "rim")
+"""Fields of candidates with one number that is zero by default."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One side of pairs of surfaces: the values of a surface for each pair."""
+
+    surfaces: Surfaces
+    row: Index
+
+    def take(self, rows: Index | Mask) -> Side:
+        """The same side of some of the pairs."""
+        return Side(self.surfaces, self.row[rows])
+
+    @cached_property
+    def kind(self) -> Index:
+        """Kind of each surface, shape (n,)."""
+        return self.surfaces.kind[self.row]
+
+    @cached_property
+    def hollow(self) -> Mask:
+        """Whether the material lies outside of each surface, shape (n,)."""
+        return self.surfaces.hollow[self.row]
+
+    @cached_property
+    def point(self) -> Array:
+        """Point of each surface, shape (n, 3)."""
+        return self.surfaces.point[self.row]
+
+    @cached_property
+    def axis(self) -> Array:
+        """Axis of each surface, shape (n, 3)."""
+        return self.surfaces.axis[self.row]
+
+    @cached_property
+    def radius(self) -> Array:
+        """Radius of each surface [length unit]."""
+        return self.surfaces.radius[self.row]
+
+    @cached_property
+    def tube(self) -> Array:
+        """Radius of the tube of each torus [length unit]."""
+        return self.surfaces.tube[self.row]
+
+    @cached_property
+    def half_angle(self) -> Array:
+        """Half angle of each cone [rad]."""
+        return self.surfaces.half_angle[self.row]
+
+    def polar(self, points: Array) -> tuple[Array, Array, Array]:
+        """Polar coordinates of a point about the axis of each surface."""
+        return self.surfaces.polar(self.row, points)
+
+    def distance(self, points: Array) -> Array:
+        """Distance of a point from each surface, positive outside the material [length unit]."""
+        return self.surfaces.distance(self.row, points)
 
 
 def dot(a: Array, b: Array) -> Array:
@@ -177,47 +230,37 @@ def without_along(v: Array, axis: Array) -> Array:
     return result
 
 
-def lines_on_cone(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Candidate line contacts of solid cylinders or cones `i` with cones `j`, solid or hollow.
-
-    Normals lead from i to j.
-    """
-    return Candidates.join([_lines(s, row, i, j, limits, sense) for sense in (1.0, -1.0)])
+def lines_on_cone(a: Side, b: Side, limits: FormLimits) -> Candidates:
+    """Candidate line contacts of solid cylinders or cones `a` with cones `b`, solid or hollow."""
+    return Candidates.join([_lines(a, b, limits, sense) for sense in (1.0, -1.0)])
 
 
-def _lines(
-    s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits, sense: float
-) -> Candidates:
-    """Candidate line contacts of surfaces `i` that open along (1) or against (-1) the generator."""
-    inside = np.where(s.hollow[j], 1.0, -1.0)
-    own = np.where(s.kind[i] == CONE, s.half_angle[i], 0.0)
-    alpha, axis = s.half_angle[j], s.axis[j]
-    lean = alpha - sense * inside * own
-    opening = sense * s.axis[i]
-    aside = without_along(opening, axis)
-    angle = np.arctan2(np.linalg.norm(aside, axis=1), dot(opening, axis))
+def _lines(a: Side, b: Side, limits: FormLimits, sense: float) -> Candidates:
+    """Candidate line contacts of surfaces `a` that open along (1) or against (-1) the generator."""
+    inside = np.where(b.hollow, 1.0, -1.0)
+    cone = a.kind == CONE
+    own = np.where(cone, a.half_angle, 0.0)
+    lean = b.half_angle - sense * inside * own
+    opening = sense * a.axis
+    aside = without_along(opening, b.axis)
+    angle = np.arctan2(np.linalg.norm(aside, axis=1), dot(opening, b.axis))
     parallel = np.abs(lean) <= limits.angle
-    offset = without_along(s.point[i] - s.point[j], axis)
+    offset = without_along(a.point - b.point, b.axis)
     out = unit_rows(np.where(parallel[:, None], offset, np.sign(lean)[:, None] * aside))
-    cosine, sine = np.cos(alpha)[:, None], np.sin(alpha)[:, None]
-    generator = cosine * axis + sine * out
-    normal = inside[:, None] * (cosine * out - sine * axis)
-    # a point of the generator of i: its apex, or the point of a cylinder farthest along the normal
-    point = s.point[i] + np.where(s.kind[i] == CONE, 0.0, s.radius[i])[:, None] * normal
-    gap = dot(s.point[j] - point, normal)
-    beside = np.abs(dot(point - s.point[j], cross(axis, out)))
+    cosine, sine = np.cos(b.half_angle)[:, None], np.sin(b.half_angle)[:, None]
+    generator = cosine * b.axis + sine * out
+    normal = inside[:, None] * (cosine * out - sine * b.axis)
+    # a point of the generator of a: its apex, or the point of a cylinder farthest along the normal
+    point = a.point + np.where(cone, 0.0, a.radius)[:, None] * normal
+    gap = dot(b.point - point, normal)
+    beside = np.abs(dot(point - b.point, cross(b.axis, out)))
     touches = (np.abs(angle - np.abs(lean)) <= limits.angle) & (beside <= limits.gap)
     touches &= np.linalg.norm(out, axis=1) > 0
-    # the generator of i with the same normal, by its own axis
-    own_axis = s.axis[i]
-    own_out = unit_rows(without_along(normal, own_axis))
-    line = np.cos(own)[:, None] * own_axis + np.sin(own)[:, None] * own_out
-    slope = dot(generator - sense * line, normal)
-    k = np.flatnonzero(touches)
-    return make_candidates(
-        row[k], LINE, (point + (gap / 2)[:, None] * normal)[k], normal[k], gap[k],
-        along=generator[k], slope=slope[k],
-    )  # fmt: skip
+    # the generator of a with the same normal, by its own axis
+    own_out = unit_rows(without_along(normal, a.axis))
+    line = np.cos(own)[:, None] * a.axis + np.sin(own)[:, None] * own_out
+    at, slope = point + (gap / 2)[:, None] * normal, dot(generator - sense * line, normal)
+    return make_candidates(LINE, at, normal, gap, along=generator, slope=slope).take(touches)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -233,7 +276,6 @@ def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Candidates
 
     `angle` is the tolerance of each pair, shape (n,) [rad].
     """
-    rows = np.arange(len(i))
     blocks: list[Candidates] = []
     for kind, kernel in (
         (SPHERE, _sphere_plane),
@@ -243,78 +285,71 @@ def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Candidates
     ):
         k = np.flatnonzero((s.kind[i] == kind) & ~s.hollow[i])
         if len(k):
-            n, o = planes.normal[k], planes.origin[k]
-            blocks.append(kernel(s, rows[k], i[k], n, o, angle[k]))
+            block = kernel(Side(s, i[k]), planes.normal[k], planes.origin[k], angle[k])
+            blocks.append(replace(block, row=k[block.row]))
     return Candidates.join(blocks)
 
 
-def _sphere_plane(
-    s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array
-) -> Candidates:
+def _sphere_plane(a: Side, n: Array, o: Array, angle: Array) -> Candidates:
     """Candidate point contacts: the point of each sphere nearest to its plane."""
-    r = s.radius[i]
-    gap = dot(s.point[i] - o, n) - r
-    at = s.point[i] - (r + gap / 2)[:, None] * n
-    return make_candidates(row, POINT, at, -n, gap, bend=r)
+    gap = dot(a.point - o, n) - a.radius
+    at = a.point - (a.radius + gap / 2)[:, None] * n
+    return make_candidates(POINT, at, -n, gap, bend=a.radius)
 
 
-def _cylinder_plane(
-    s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array
-) -> Candidates:
+def _cylinder_plane(a: Side, n: Array, o: Array, angle: Array) -> Candidates:
     """Candidate line contacts: the lowest line of each cylinder, if parallel to its plane.
 
     Lines up to the tilt `angle` count as parallel [rad].
     """
-    slope = dot(s.axis[i], n)
-    k = np.flatnonzero(np.abs(slope) <= np.sin(angle))
-    row, i, n, o, slope = row[k], i[k], n[k], o[k], slope[k]
-    r, axis = s.radius[i], s.axis[i]
-    normal = -unit_rows(n + unit_rows(without_along(n, axis)))
-    along = unit_rows(without_along(axis, normal))
-    gap = dot(s.point[i] - o, n) - r
-    at = s.point[i] + (r + gap / 2)[:, None] * normal
-    return make_candidates(row, LINE, at, normal, gap, along=along, slope=slope, bend=r)
+    slope = dot(a.axis, n)
+    normal = -unit_rows(n + unit_rows(without_along(n, a.axis)))
+    along = unit_rows(without_along(a.axis, normal))
+    gap = dot(a.point - o, n) - a.radius
+    at = a.point + (a.radius + gap / 2)[:, None] * normal
+    line = make_candidates(LINE, at, normal, gap, along=along, slope=slope, bend=a.radius)
+    return line.take(np.abs(slope) <= np.sin(angle))
 
 
-def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Candidates:
+def _cone_plane(a: Side, n: Array, o: Array, angle: Array) -> Candidates:
     """Candidate line contacts: the straight line of each cone that lies on its plane.
 
     Lines up to the tilt `angle` count as lying on the plane [rad].
     """
-    lift, alpha = dot(s.axis[i], n), s.half_angle[i]
-    k = np.flatnonzero(np.abs(np.arcsin(np.clip(lift, -1, 1)) - alpha) <= angle)
-    row, i, n, o, alpha = row[k], i[k], n[k], o[k], alpha[k]
-    axis = s.axis[i]
-    out = -unit_rows(without_along(n, axis))
-    side = np.cos(alpha)[:, None] * out - np.sin(alpha)[:, None] * axis
-    normal = unit_rows(side - n)
-    generator = np.cos(alpha)[:, None] * axis + np.sin(alpha)[:, None] * out
-    gap, slope = dot(s.point[i] - o, n), dot(generator, n)
-    at = s.point[i] + (gap / 2)[:, None] * normal
+    lean = np.arcsin(np.clip(dot(a.axis, n), -1, 1)) - a.half_angle
+    cosine, sine = np.cos(a.half_angle)[:, None], np.sin(a.half_angle)[:, None]
+    out = -unit_rows(without_along(n, a.axis))
+    normal = unit_rows(cosine * out - sine * a.axis - n)
+    generator = cosine * a.axis + sine * out
+    gap, slope = dot(a.point - o, n), dot(generator, n)
+    at = a.point + (gap / 2)[:, None] * normal
     along = unit_rows(without_along(generator, normal))
-    return make_candidates(row, LINE, at, normal, gap, along=along, slope=slope, bend=s.radius[i])
+    line = make_candidates(LINE, at, normal, gap, along=along, slope=slope, bend=a.radius)
+    return line.take(np.abs(lean) <= angle)
 
 
-def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Candidates:
+def _torus_plane(a: Side, n: Array, o: Array, angle: Array) -> Candidates:
     """Candidate contacts of tori with planes: a circle if the axis is upright, else a point."""
-    center, axis, radius, tube = s.point[i], s.axis[i], s.radius[i], s.tube[i]
-    aside = without_along(n, axis)
+    aside = without_along(n, a.axis)
     sine = np.linalg.norm(aside, axis=1)
     upright = sine <= np.sin(angle)
-    k = np.flatnonzero(upright)
-    gap = dot(center - o, n) - tube
-    at = center - (tube + gap / 2)[:, None] * n
-    flat = np.tile([0.0, -1.0, 0.0], (len(k), 1))
+    gap = dot(a.point - o, n) - a.tube
     circle = make_candidates(
-        row[k], CIRCLE, at[k], flat, gap[k],
-        along=n[k], radius=radius[k], swing=(radius * sine)[k], bend=tube[k],
-    )  # fmt: skip
-    k = np.flatnonzero(~upright)
-    lowest = center[k] - radius[k][:, None] * unit_rows(aside[k])
-    gap = dot(lowest - o[k], n[k]) - tube[k]
-    at = lowest - (tube[k] + gap / 2)[:, None] * n[k]
-    bend = tube[k] + radius[k] / sine[k]
-    return Candidates.join([circle, make_candidates(row[k], POINT, at, -n[k], gap, bend=bend)])
+        CIRCLE,
+        a.point - (a.tube + gap / 2)[:, None] * n,
+        np.tile([0.0, -1.0, 0.0], (len(gap), 1)),
+        gap,
+        along=n,
+        radius=a.radius,
+        swing=a.radius * sine,
+        bend=a.tube,
+    )
+    lowest = a.point - a.radius[:, None] * unit_rows(aside)
+    gap = dot(lowest - o, n) - a.tube
+    at = lowest - (a.tube + gap / 2)[:, None] * n
+    bend = a.tube + a.radius / np.where(upright, 1.0, sine)
+    point = make_candidates(POINT, at, -n, gap, bend=bend)
+    return Candidates.join([circle.take(upright), point.take(~upright)])
 
 
 SAMPLES = 256
@@ -324,146 +359,122 @@ HALVINGS = 52
 """Bisection steps that locate the nearest sphere: as many as a number has binary digits."""
 
 
-def torus_on_face(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Candidate contacts of solid tori `i` with other faces `j`: circles and points.
-
-    Normals lead from i to j.
-    """
+def torus_on_face(a: Side, b: Side, limits: FormLimits) -> Candidates:
+    """Candidate contacts of solid tori `a` with other faces `b`: circles and points."""
     t = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
-    t = np.tile(t, (len(i), 1))
-    gap, _, _ = _gaps(s, i, j, t)
+    t = np.tile(t, (len(a.row), 1))
+    gap, _, _ = _gaps(a, b, t)
     high, low = gap.max(axis=1), gap.min(axis=1)
-    round_ = high - low <= 2 * limits.gap
-    k = np.flatnonzero(round_)
+    is_round = high - low <= 2 * limits.gap
+    circles = _circles(a, b, (low + high) / 2, (high - low) / 2)
     return Candidates.join(
-        [
-            _circles(s, row[k], i[k], j[k], (low[k] + high[k]) / 2, (high[k] - low[k]) / 2),
-            _nearest_spheres(s, row, i, j, t, ~round_),
-        ]
+        [circles.take(is_round[circles.row]), _nearest_spheres(a, b, t, ~is_round)]
     )
 
 
-def body_in_torus(s: Surfaces, row: Index, i: Index, j: Index, limits: FormLimits) -> Candidates:
-    """Candidate point contacts of solid cylinders or cones `i` in hollow tori `j`.
-
-    Normals lead from i to j.
-    """
+def body_in_torus(a: Side, b: Side, limits: FormLimits) -> Candidates:
+    """Candidate point contacts of solid cylinders or cones `a` in hollow tori `b`."""
     # only centres within the tube have a distance from the torus that is positive
-    middle = dot(s.point[j] - s.point[i], s.axis[i])
-    reach = s.radius[j] + s.tube[j]
+    middle = dot(b.point - a.point, a.axis)
+    reach = b.radius + b.tube
     t = middle[:, None] + reach[:, None] * np.linspace(-1, 1, SAMPLES)
-    t = np.where((s.kind[i] == CONE)[:, None], np.maximum(t, 0.0), t)
-    return _nearest_spheres(s, row, i, j, t, np.ones(len(i), dtype=bool))
+    t = np.where((a.kind == CONE)[:, None], np.maximum(t, 0.0), t)
+    return _nearest_spheres(a, b, t, np.ones(len(t), dtype=bool))
 
 
-def _centres(s: Surfaces, i: Index, t: Array) -> tuple[Array, Array, Array, Array]:
-    """Centres and radii of the spheres of bodies `i`, and their derivatives.
+def _centres(a: Side, t: Array) -> tuple[Array, Array, Array, Array]:
+    """Centres and radii of the spheres of bodies `a`, and their derivatives.
 
-    Parameters
-    ----------
-    s : Surfaces
-    i : ndarray of int, shape (n,)
-    t : ndarray, shape (n, m)
-        Angle around the axis of a torus [rad], or position on the axis of another body [length
-        unit].
-
-    Returns
-    -------
-    centre, step : ndarray, shape (n, m, 3)
-    radius, growth : ndarray, shape (n, m)
+    `t`, shape (n, m), is the angle around the axis of a torus [rad], or the position on the axis of
+    another body [length unit]. Shapes (n, m, 3), (n, m, 3), (n, m) and (n, m).
     """
-    torus, axis = s.kind[i] == TORUS, s.axis[i]
-    u, v = across(axis)
-    size = s.radius[i][:, None, None]
+    torus, cone = a.kind == TORUS, a.kind == CONE
+    u, v = across(a.axis)
+    size = a.radius[:, None, None]
     cosine, sine = np.cos(t)[..., None], np.sin(t)[..., None]
     around = size * (cosine * u[:, None] + sine * v[:, None])
     tangent = size * (cosine * v[:, None] - sine * u[:, None])
-    line = t[..., None] * axis[:, None]
-    centre = s.point[i][:, None] + np.where(torus[:, None, None], around, line)
-    step = np.where(torus[:, None, None], tangent, np.broadcast_to(axis[:, None], line.shape))
-    growth = np.where(s.kind[i] == CONE, np.sin(s.half_angle[i]), 0.0)[:, None]
-    fixed = np.where(torus, s.tube[i], np.where(s.kind[i] == CONE, 0.0, s.radius[i]))[:, None]
+    line = t[..., None] * a.axis[:, None]
+    centre = a.point[:, None] + np.where(torus[:, None, None], around, line)
+    step = np.where(torus[:, None, None], tangent, np.broadcast_to(a.axis[:, None], line.shape))
+    growth = np.where(cone, np.sin(a.half_angle), 0.0)[:, None]
+    fixed = np.where(torus, a.tube, np.where(cone, 0.0, a.radius))[:, None]
     return centre, step, fixed + growth * t, growth + 0 * t
 
 
-def _gaps(s: Surfaces, i: Index, j: Index, t: Array) -> tuple[Array, Array, Array]:
-    """Gap of each sphere of bodies `i` from faces `j`, its derivative, and the face's normal.
+def _gaps(a: Side, b: Side, t: Array) -> tuple[Array, Array, Array]:
+    """Gap of each sphere of bodies `a` from faces `b`, its derivative, and the face's normal.
 
     Shapes (n, m), (n, m) and (n, m, 3); t as in `_centres`.
     """
-    centre, step, radius, growth = _centres(s, i, t)
-    rows, points = np.repeat(j, t.shape[1]), centre.reshape(-1, 3)
-    distance = s.distance(rows, points).reshape(t.shape)
-    normal = s.outward(rows, points).reshape(*t.shape, 3)
+    centre, step, radius, growth = _centres(a, t)
+    rows, points = np.repeat(b.row, t.shape[1]), centre.reshape(-1, 3)
+    distance = b.surfaces.distance(rows, points).reshape(t.shape)
+    normal = b.surfaces.outward(rows, points).reshape(*t.shape, 3)
     return distance - radius, np.einsum("nmi,nmi->nm", normal, step) - growth, normal
 
 
-def _circles(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, swing: Array) -> Candidates:
-    """Candidate circle contacts of tori `i` whose spheres are all equally far from faces `j`."""
-    start = np.zeros((len(i), 1))
-    centre, _, radius, _ = (x[:, 0] for x in _centres(s, i, start))
-    normal = -_gaps(s, i, j, start)[2][:, 0]
+def _circles(a: Side, b: Side, gap: Array, swing: Array) -> Candidates:
+    """Candidate circle contacts of tori `a` whose spheres are all equally far from faces `b`."""
+    start = np.zeros((len(gap), 1))
+    centre, _, radius, _ = (x[:, 0] for x in _centres(a, start))
+    normal = -_gaps(a, b, start)[2][:, 0]
     at = centre + (radius + gap / 2)[:, None] * normal
-    axis = s.axis[i]
-    height, rho, away = s.polar(i, at)
-    lean = np.column_stack([dot(normal, away), dot(normal, axis), 0 * rho])
+    height, rho, away = a.polar(at)
+    circle = make_candidates(
+        CIRCLE,
+        a.point + height[:, None] * a.axis,
+        np.column_stack([dot(normal, away), dot(normal, a.axis), 0 * rho]),
+        gap,
+        along=a.axis,
+        radius=rho,
+        swing=swing,
+        bend=a.tube,
+    )
     # spheres about the middle of a hollow tube have no direction to its wall
-    height_off, rho_off, _ = s.polar(j, centre)
-    off = np.hypot(rho_off - s.radius[j], height_off)
-    middle = (s.kind[j] == TORUS) & (off <= MIDDLE_OF_TUBE * s.tube[j])
-    k = np.flatnonzero(~middle)
-    return make_candidates(
-        row[k], CIRCLE, (s.point[i] + height[:, None] * axis)[k], lean[k], gap[k],
-        along=axis[k], radius=rho[k], swing=swing[k], bend=s.tube[i[k]],
-    )  # fmt: skip
+    height_off, rho_off, _ = b.polar(centre)
+    off = np.hypot(rho_off - b.radius, height_off)
+    return circle.take((b.kind != TORUS) | (off > MIDDLE_OF_TUBE * b.tube))
 
 
-def _nearest_spheres(
-    s: Surfaces, row: Index, i: Index, j: Index, t: Array, chosen: Mask
-) -> Candidates:
-    """Candidate point contacts at the spheres of bodies `i` that come nearest to faces `j`.
+def _nearest_spheres(a: Side, b: Side, t: Array, chosen: Mask) -> Candidates:
+    """Candidate point contacts at the spheres of bodies `a` that come nearest to faces `b`.
 
-    Parameters
-    ----------
-    s : Surfaces
-    row, i, j : ndarray of int, shape (n,)
-    t : ndarray, shape (n, m)
-        Positions of spheres, as in `_centres`.
-    chosen : ndarray of bool, shape (n,)
-        Rows to search.
+    `t`, shape (n, m), holds positions of spheres, as in `_centres`; `chosen` the rows to search.
     """
-    _, slope, _ = _gaps(s, i, j, t)
-    closed = s.kind[i] == TORUS
+    _, slope, _ = _gaps(a, b, t)
+    closed = a.kind == TORUS
     following = np.roll(slope, -1, axis=1)
     bracket = (slope < 0) & (following >= 0) & chosen[:, None]
     bracket[~closed, -1] = False  # an axis has ends
     k, place = np.nonzero(bracket)
-    row, i, j = row[k], i[k], j[k]
+    a, b = a.take(k), b.take(k)
     low = t[k, place]
     high = low + (t[k, 1] - t[k, 0] if len(k) else low)
     high = np.where(closed[k], high, t[k, np.minimum(place + 1, t.shape[1] - 1)])
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        falls = _gaps(s, i, j, middle[:, None])[1][:, 0] < 0
+        falls = _gaps(a, b, middle[:, None])[1][:, 0] < 0
         low, high = np.where(falls, middle, low), np.where(falls, high, middle)
     nearest = ((low + high) / 2)[:, None]
-    gap, _, normal = (x[:, 0] for x in _gaps(s, i, j, nearest))
-    centre, step, radius, _ = (x[:, 0] for x in _centres(s, i, nearest))
+    gap, _, normal = (x[:, 0] for x in _gaps(a, b, nearest))
+    centre, step, radius, _ = (x[:, 0] for x in _centres(a, nearest))
     at = centre - (radius + gap / 2)[:, None] * normal
-    return make_candidates(row, POINT, at, -normal, gap, bend=_opening(s, i, j, nearest, step))
+    points = make_candidates(POINT, at, -normal, gap, bend=_opening(a, b, nearest, step))
+    return replace(points, row=k)
 
 
-def _opening(s: Surfaces, i: Index, j: Index, t: Array, step: Array) -> Array:
+def _opening(a: Side, b: Side, t: Array, step: Array) -> Array:
     """Radius at which the gap opens beside the nearest sphere, along the centres, shape (n,).
 
     At least the radius of that sphere; `WIDEST_OPENING` limits it.
     """
     speed = np.linalg.norm(step, axis=1)
-    size = np.where(s.kind[i] == TORUS, s.radius[i] + s.tube[i], s.radius[j] + s.tube[j])
+    size = np.where(a.kind == TORUS, a.radius + a.tube, b.radius + b.tube)
     off = CURVATURE_STEP * size / speed
-    ahead, behind = (_gaps(s, i, j, t + sign * off[:, None])[1][:, 0] for sign in (1, -1))
+    ahead, behind = (_gaps(a, b, t + sign * off[:, None])[1][:, 0] for sign in (1, -1))
     curvature = (ahead - behind) / (2 * off * speed**2)
-    radius = _centres(s, i, t)[2][:, 0]
+    radius = _centres(a, t)[2][:, 0]
     opening = 1 / np.maximum(curvature, 1 / (WIDEST_OPENING * size))
     result: Array = np.maximum(radius, opening)
     return result

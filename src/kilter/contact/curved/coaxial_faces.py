@@ -92,14 +92,8 @@ def shared_region(
 ) -> SharedRegion | None:
     """The region over which two coaxial surfaces lie on each other; None if they do not.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    bands : Bands
-    surfaces : pair of int
-        Rows of the two surfaces; their axes coincide except for a small rotation.
-    band_rows : pair of int
-        Rows of the two surfaces in `bands`.
+    `surfaces`: rows of the two surfaces; their axes coincide except for a small rotation.
+    `band_rows`: rows of the two surfaces in `bands`.
     """
     s, (i, j), (x, y) = geometry.surfaces, surfaces, band_rows
     axis = s.axis[i]
@@ -214,18 +208,8 @@ def odd_copies(
 ) -> list[tuple[int, list[int], int]]:
     """Parts that overlap others although an identical part elsewhere overlaps nothing.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    overlaps : sequence of Overlap
-        All overlaps of the assembly.
-    tested : iterable of Overlap
-        Overlaps whose parts are tested.
-
-    Returns
-    -------
-    list of (part, overlapped parts, copy)
-        By position.
+    `overlaps`: all overlaps of the assembly. `tested`: overlaps whose parts are tested.
+    Returns (part, overlapped parts, copy) by position.
     """
     overlapped: dict[int, list[int]] = {}
     for overlap in tested:
@@ -306,17 +290,8 @@ def coaxial_fits(
 ) -> list[Fit]:
     """Find shafts in holes among pairs of parts, if they are about equally thick.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    pairs : iterable of pairs of int
-    tolerance : Tolerance
-        Tolerance of the gap, the clearance and the angle.
-    thickest : float
-        Largest interference, as a fraction of the radius of the shaft [-].
-    thinnest : float
-        Largest clearance, as a fraction of the radius of the shaft, if the clearance of the
-        tolerance is smaller [-].
+    `tolerance`: tolerance of the gap, the clearance and the angle. `thickest`: largest
+    interference, as a fraction of the radius of the shaft [-].
     """
     cylinders: dict[int, list[_Cylinder]] = {}
     result = []

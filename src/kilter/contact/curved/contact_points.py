@@ -79,17 +79,8 @@ TURN = 2 * np.pi
 def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, grow: float) -> Array:
     """Intervals of a straight line that lie on a face, shape (k, 2), sorted [length unit].
 
-    Parameters
-    ----------
-    triangles : ndarray, shape (m, 3, 3)
-        Triangles of the face.
-    line : (x, d, n)
-        A point of the line, its unit direction, and the unit normal of the face along it.
-    reach : float
-        Largest distance along n of triangles from the line; others belong to another side of the
-        part [length unit].
-    grow : float
-        Largest distance of triangles beside the line that still count [length unit].
+    `triangles`, shape (m, 3, 3): triangles of the face. `reach`: largest distance along n of
+    triangles from the line; others belong to another side of the part [length unit].
     """
     x, d, n = line
     local = triangles - x
@@ -164,14 +155,8 @@ class Bands:
 def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask]:
     """Triangle corners of cylinders or cones as angle about the axis and height along it.
 
-    Returns
-    -------
-    owner : ndarray of int, shape (m,)
-        Position in `rows`.
-    angle, height : ndarray, shape (m, 3)
-        Angles [rad] and heights of the corners; the angles of a triangle do not jump by 2 pi.
-    tip : ndarray of bool, shape (m,)
-        Triangles with a corner in the apex, which cover a whole rectangle of angle and height.
+    Returns `owner`, shape (m,): position in `rows`; `angle`, `height`, shape (m, 3): angles [rad]
+    and heights of the corners; the angles of a triangle do not jump by 2 pi.
     """
     surfaces = geometry.surfaces
     owner, triangle = ragged(surfaces.triangle_start, rows)
@@ -315,12 +300,8 @@ def ring(
 ) -> PatchPoints:  # fmt: skip
     """Contact points with normals around a circle, or around arcs of it.
 
-    Parameters
-    ----------
-    lean : (float, float)
-        Components of the normal away from the axis and along it [-].
-    arcs : list of (begin, width)
-        Arcs of contact around the axis [rad].
+    `lean`: components of the normal away from the axis and along it [-]. `arcs`: arcs of contact
+    around the axis [rad].
     """
     leaning = abs(lean[1]) > LEAN
     step = TURN / AROUND if leaning else STEP
@@ -576,11 +557,6 @@ def unrolled_overlap(
 
     Each face is given by angles [rad] and heights of its triangles, shape (m, 3). `scale` is a
     length that makes heights comparable with angles.
-
-    Returns
-    -------
-    angles, heights : ndarray, shape (n,)
-    area : float
     """
     flat_first = np.stack([first[0], first[1] / scale], axis=2)
     flat_second = np.stack([second[0], second[1] / scale], axis=2)

@@ -37,7 +37,7 @@ __all__ = [
     "SurfacePairs",
     "classify",
     "pack",
-    "raised_warnings",
+    "raised_warning",
     "shared_depth",
     "without_repeats",
 ]
@@ -48,15 +48,8 @@ def shared_depth(
 ) -> float:
     """Longest interval on the given lines that lies inside both parts [length unit]; 0: none.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    parts : pair of int
-        The part that the outward normals belong to, and the other part.
-    points, normals : ndarray, shape (n, 3)
-        Points half-way between the faces, and normals there.
-    depth : ndarray, shape (n,)
-        Overlap of the faces along each normal; lines without overlap are skipped [length unit].
+    `parts`: the part that the outward normals belong to, and the other part. `depth`, shape (n,):
+    overlap of the faces along each normal; lines without overlap are skipped [length unit].
     """
     slack = float(geometry.slack[list(parts)].max())
     overlapping = depth > 0
@@ -317,14 +310,7 @@ def pack(
 ) -> CurvedFindings:
     """Convert the patches of a builder to arrays, ordered by pair, with normals from a to b.
 
-    Parameters
-    ----------
-    search : ContactSearch
-    builder : PatchBuilder
-    unknown : ndarray of int, shape (m, 3)
-        Pairs of surfaces without a formula: see `CurvedFindings`.
-    raised : ndarray of int, shape (k,)
-        Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
+    `unknown`, shape (m, 3): pairs of surfaces without a formula: see `CurvedFindings`.
     """
     rejected, overlaps = _resolve(search, builder)
     touching = sorted(builder.touching, key=lambda patch: patch.pair)
@@ -399,14 +385,11 @@ def _kind(search: ContactSearch, surface: list[int]) -> str:
     return next(name for name in NAMED if name in kinds)
 
 
-def raised_warnings(raised: Index) -> tuple[str, ...]:
-    """Warnings about the pairs of parts whose gap tolerance was raised; empty without them."""
-    count = len(raised)
-    if not count:
-        return ()
+def raised_warning(count: int) -> str:
+    """Warning about pairs of parts whose gap tolerance was raised."""
     pairs = "1 pair" if count == 1 else f"{count} pairs"
     return (
         f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the "
         "height of the arcs over their triangles; a smaller clearance or interference is not "
-        "detected",
+        "detected"
     )

@@ -25,6 +25,8 @@ generator. Both are other contacts (`planar`, `kilter.contact.curved.candidates`
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, unit_rows
@@ -37,6 +39,7 @@ from kilter.contact.curved.candidates import (
     POINT,
     Candidates,
     Planes,
+    Side,
     dot,
     make_candidates,
     without_along,
@@ -116,12 +119,7 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
     Circles about the same axis, with radii r and s, a height h apart, have the distance hypot(r -
     s, h).
 
-    Parameters
-    ----------
-    vertex : ndarray of int, shape (n, 2, 2)
-        Both ends of the chord of part a, and of the chord of part b; twice the corner for a corner.
-    tolerance : ndarray, shape (n,)
-        Largest gap of touching rims [length unit].
+    `tolerance`, shape (n,): largest gap of touching rims [length unit].
     """
     s = geometry.surfaces
     if not len(s) or not len(vertex):
@@ -224,18 +222,8 @@ def radius_at(s: Surfaces, surface: int, height: float) -> float | None:
 def balls_on_rims(geometry: Geometry, i: Index, j: Index, gap: Array) -> Candidates:
     """Candidate circle contacts of balls with the ends of hollow cylinders.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    i, j : ndarray of int, shape (n,)
-        Surfaces of each pair; pairs of other kinds have no candidates.
-    gap : ndarray, shape (n,)
-        Largest distance of the ball's centre from the axis [length unit].
-
-    Returns
-    -------
-    Candidates
-        Of the form CIRCLE; normals lead from i to j.
+    Pairs of other kinds have no candidates. `gap`, shape (n,), is the largest distance of the
+    ball's centre from the axis [length unit].
     """
     s = geometry.surfaces
 
@@ -248,109 +236,88 @@ def balls_on_rims(geometry: Geometry, i: Index, j: Index, gap: Array) -> Candida
     forth, back = are(i, j), are(j, i)
     row = np.concatenate([forth, back])
     if not len(row):
-        return Candidates.join([])
-    ball, hole = np.append(i[forth], j[back]), np.append(j[forth], i[back])
+        return Candidates.none()
+    ball, hole = Side(s, np.append(i[forth], j[back])), Side(s, np.append(j[forth], i[back]))
     sense = np.append(np.ones(len(forth)), -np.ones(len(back)))
-    used, band_row = np.unique(hole, return_inverse=True)
+    used, band_row = np.unique(hole.row, return_inverse=True)
     bands = bands_of(geometry, used)
-    ends = [(bands.low[band_row], -1.0), (bands.high[band_row], 1.0)]
     blocks = []
-    for height, end in ends:
-        axis, radius = s.axis[hole], s.radius[hole]
-        center = s.point[hole] + height[:, None] * axis
-        over = dot(s.point[ball] - center, axis)
-        aside = np.linalg.norm(s.point[ball] - center - over[:, None] * axis, axis=1)
-        distance = np.hypot(radius, over)
-        keep = np.flatnonzero((end * over > 0) & (aside <= gap[row]))
-        out, up = radius / distance, -over / distance
-        normal = sense[:, None] * np.column_stack([out, up, 0 * out])
-        blocks.append(
-            make_candidates(
-                row[keep],
-                CIRCLE,
-                center[keep],
-                normal[keep],
-                (distance - s.radius[ball])[keep],
-                along=axis[keep],
-                radius=radius[keep],
-                swing=(aside * out)[keep],
-                bend=s.radius[ball[keep]],
-                rim=np.where(sense > 0, 2.0, 1.0)[keep],
-            )
+    for height, end in ((bands.low[band_row], -1.0), (bands.high[band_row], 1.0)):
+        center = hole.point + height[:, None] * hole.axis
+        over = dot(ball.point - center, hole.axis)
+        aside = np.linalg.norm(ball.point - center - over[:, None] * hole.axis, axis=1)
+        distance = np.hypot(hole.radius, over)
+        out, up = hole.radius / distance, -over / distance
+        circle = make_candidates(
+            CIRCLE,
+            center,
+            sense[:, None] * np.column_stack([out, up, 0 * out]),
+            distance - ball.radius,
+            along=hole.axis,
+            radius=hole.radius,
+            swing=aside * out,
+            bend=ball.radius,
+            rim=np.where(sense > 0, 2.0, 1.0),
         )
+        blocks.append(replace(circle, row=row).take((end * over > 0) & (aside <= gap[row])))
     return Candidates.join(blocks)
 
 
 def rims_on_planes(geometry: Geometry, i: Index, planes: Planes, angle: Array) -> Candidates:
     """Candidate point contacts of the circular ends of cylinders and cones `i` with planes.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    i : ndarray of int, shape (n,)
-        Surfaces; those of other kinds, and hollow surfaces, have no candidates.
-    planes : Planes
-        A plane for each surface.
-    angle : ndarray, shape (n,)
-        Largest angle at which an end lies flat, or a side lies on the plane [rad].
-
-    Returns
-    -------
-    Forms
-        Candidates of the form POINT; `along` leads away from the axis, in the plane of the end.
+    Surfaces of other kinds, and hollow surfaces, have no candidates. `angle`, shape (n,), is the
+    largest angle at which an end lies flat, or a side lies on the plane [rad].
     """
     s = geometry.surfaces
     row = np.flatnonzero(np.isin(s.kind[i], (CYLINDER, CONE)) & ~s.hollow[i])
     if not len(row):
-        return Candidates.join([])
+        return Candidates.none()
     used, band_row = np.unique(i[row], return_inverse=True)
     bands = bands_of(geometry, used)
     low, high = bands.low[band_row], bands.high[band_row]
-    n, o = planes.normal[row], planes.origin[row]
-    shared_arguments = geometry, row, i[row], n, o, angle[row]
-    return Candidates.join(
+    side, n, o, level = Side(s, i[row]), planes.normal[row], planes.origin[row], angle[row]
+    found = Candidates.join(
         [
-            _rims(*shared_arguments, low, -1.0),
-            _rims(*shared_arguments, high, 1.0),
-            _tips(*shared_arguments, low, high),
+            _rims(side, n, o, level, low, -1.0),
+            _rims(side, n, o, level, high, 1.0),
+            _tips(side, n, o, level, low, high),
         ]
     )
+    return replace(found, row=row[found.row])
 
 
-def _rims(
-    geometry: Geometry, row: Index, i: Index, n: Array, o: Array, angle: Array, height: Array,
-    end: float,
-) -> Candidates:  # fmt: skip
+def _rims(a: Side, n: Array, o: Array, angle: Array, height: Array, end: float) -> Candidates:
     """Candidate contacts: the lowest points of the end circles at `height` over their planes.
 
     `end` is 1 at the upper and -1 at the lower end.
     """
-    s = geometry.surfaces
-    axis, alpha = s.axis[i], np.where(s.kind[i] == CONE, s.half_angle[i], 0.0)
-    radius = np.where(s.kind[i] == CONE, height * np.tan(alpha), s.radius[i])
-    aside = without_along(-n, axis)
+    alpha = np.where(a.kind == CONE, a.half_angle, 0.0)
+    radius = np.where(a.kind == CONE, height * np.tan(alpha), a.radius)
+    aside = without_along(-n, a.axis)
     sine = np.linalg.norm(aside, axis=1)
     out = unit_rows(aside)
     # -n = side (out cos - axis sin) + rest (end axis), neither below zero
-    rest = end * (dot(-n, axis) + sine * np.tan(alpha))
-    k = np.flatnonzero((sine > np.sin(angle)) & (rest > np.sin(angle)) & (radius > 0))
-    at = s.point[i] + height[:, None] * axis + radius[:, None] * out
+    rest = end * (dot(-n, a.axis) + sine * np.tan(alpha))
+    at = a.point + height[:, None] * a.axis + radius[:, None] * out
     bend = radius / np.maximum(sine, np.sin(angle))
-    return _points(row, at, (n, o), out, (radius, bend), k)
+    points = _points(at, n, o, along=out, radius=radius, bend=bend)
+    return points.take((sine > np.sin(angle)) & (rest > np.sin(angle)) & (radius > 0))
 
 
-def _tips(
-    geometry: Geometry, row: Index, i: Index, n: Array, o: Array, angle: Array, low: Array,
-    high: Array,
-) -> Candidates:  # fmt: skip
+def _tips(a: Side, n: Array, o: Array, angle: Array, low: Array, high: Array) -> Candidates:
     """Candidate point contacts of the tips of cones with their planes."""
-    s = geometry.surfaces
     # angle by which the side rises from the plane
-    lean = np.arcsin(np.clip(dot(n, s.axis[i]), -1, 1)) - s.half_angle[i]
-    sharp = low <= APEX * high
-    k = np.flatnonzero((s.kind[i] == CONE) & sharp & (lean > angle))
-    bend = high * np.tan(s.half_angle[i]) / np.sin(np.maximum(lean, angle))
-    return _points(row, s.point[i], (n, o), -s.axis[i], (0 * bend, bend), k)
+    lean = np.arcsin(np.clip(dot(n, a.axis), -1, 1)) - a.half_angle
+    bend = high * np.tan(a.half_angle) / np.sin(np.maximum(lean, angle))
+    points = _points(a.point, n, o, along=-a.axis, bend=bend)
+    return points.take((a.kind == CONE) & (low <= APEX * high) & (lean > angle))
+
+
+def _points(at: Array, n: Array, o: Array, **more: Array) -> Candidates:
+    """Candidate contacts of points `at` with planes."""
+    gap = dot(at - o, n)
+    return make_candidates(POINT, at - (gap / 2)[:, None] * n, -n, gap, **more)
 
 
 def cone_tips(geometry: Geometry) -> Index:
@@ -368,47 +335,19 @@ def cone_tips(geometry: Geometry) -> Index:
 def tips_on_faces(geometry: Geometry, i: Index, j: Index, angle: Array) -> Candidates:
     """Candidate point contacts of the tips of cones with curved faces.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    i, j : ndarray of int, shape (n,)
-        Surfaces of each pair.
-    angle : ndarray, shape (n,)
-        Largest angle at which the side of a cone lies on a face [rad].
-
-    Returns
-    -------
-    Candidates
-        Normals lead from i to j; `along` leads out of the tip.
+    Their `along` leads out of the tip. `angle`, shape (n,), is the largest angle at which the side
+    of a cone lies on a face [rad].
     """
     s = geometry.surfaces
     tips = cone_tips(geometry)
     blocks = []
     for first, second, sense in ((i, j, -1.0), (j, i, 1.0)):
         row = np.flatnonzero(np.isin(first, tips) & (s.kind[second] != FREE))
-        cone, face = first[row], second[row]
-        tip, axis = s.point[cone], s.axis[cone]
-        gap, n = s.distance(face, tip), s.outward(face, tip)
-        lean = np.arcsin(np.clip(dot(n, axis), -1, 1)) - s.half_angle[cone]
-        k = np.flatnonzero(lean > angle[row])
-        middle = tip[k] - (gap[k] / 2)[:, None] * n[k]
-        blocks.append(
-            make_candidates(
-                row[k], POINT, middle, sense * n[k], gap[k],
-                along=-axis[k], rim=np.full(len(k), 1.0 if sense < 0 else 2.0),
-            )
-        )  # fmt: skip
+        cone, face = Side(s, first[row]), second[row]
+        gap, n = s.distance(face, cone.point), s.outward(face, cone.point)
+        lean = np.arcsin(np.clip(dot(n, cone.axis), -1, 1)) - cone.half_angle
+        middle = cone.point - (gap / 2)[:, None] * n
+        rim = np.full(len(row), 1.0 if sense < 0 else 2.0)
+        points = make_candidates(POINT, middle, sense * n, gap, along=-cone.axis, rim=rim)
+        blocks.append(replace(points, row=row).take(lean > angle[row]))
     return Candidates.join(blocks)
-
-
-def _points(
-    row: Index, at: Array, plane: tuple[Array, Array], out: Array, sizes: tuple[Array, Array],
-    k: Index,
-) -> Candidates:  # fmt: skip
-    """Candidate point contacts of the rows `k`, at points `at` with outward directions `out`."""
-    (n, o), (radius, bend) = plane, sizes
-    gap = dot(at - o, n)[k]
-    middle = at[k] - (gap / 2)[:, None] * n[k]
-    return make_candidates(
-        row[k], POINT, middle, -n[k], gap, along=out[k], radius=radius[k], bend=bend[k]
-    )

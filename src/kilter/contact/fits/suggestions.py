@@ -40,7 +40,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -60,9 +60,7 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.curved.coaxial_faces import Fit, coaxial_fits, is_tube
 from kilter.errors import InputError, shell_words
 from kilter.shape.solid import Solid
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.check_data import SuggestionData
+from kilter.tell.record import Record
 
 __all__ = [
     "Kind",
@@ -105,10 +103,7 @@ def coincident(contacts: ContactSet) -> list[Overlap]:
 def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
     """Raise an InputError if parts lie on each other because all contacts are wrong.
 
-    Raises
-    ------
-    InputError
-        With the pairs, the likely cause, and a remedy.
+    Raises `InputError` with the pairs, the likely cause, and a remedy.
 
     Examples
     --------
@@ -298,44 +293,24 @@ THREADED = _word("nut", "screw", "bolt", "stud", "thread", "shcs", "bhcs", "fhcs
 """Names of parts that have a thread."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Suggestion:
-    """A pair of parts that looks fastened, with the kind of fastening and the reason.
-
-    Attributes
-    ----------
-    parts : pair of str
-        The bolt, pin or shaft; the part with the hole.
-    kind : str
-        Kind of the fit.
-    why : str
-        Reason, in words.
-    option : str
-        Command-line option that fixes them, or leaves one part out.
-    joint : dict or None
-        Entry for the `joints` of a file.
-    """
+class Suggestion(Record, kw_only=False):
+    """A pair of parts that looks fastened, and the option that fastens it."""
 
     parts: tuple[str, str]
+    """The bolt, pin or shaft; the part with the hole."""
     kind: Kind
+    """Kind of the fit."""
     why: str
+    """Reason, in words."""
     option: str
+    """Command-line option that fixes them, or leaves one part out."""
     joint: dict[str, Any] | None
+    """Entry to add to the joints of an assembly file."""
 
     @property
     def fixed(self) -> bool:
         """Whether the joint is fixed; if not, the parts may slide, or one should be left out."""
         return self.joint is not None and self.joint["kind"] == "fixed"
-
-    def to_dict(self) -> SuggestionData:
-        """JSON data of the suggestion."""
-        return {
-            "parts": list(self.parts),
-            "kind": self.kind,
-            "why": self.why,
-            "option": self.option,
-            "joint": self.joint,
-        }
 
 
 def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:

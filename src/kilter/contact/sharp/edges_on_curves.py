@@ -45,14 +45,7 @@ def edges_near_faces(
 ) -> tuple[Index, Index, Index]:
     """Sharp edges of part b (part a, if `turn`) that come near curved faces of the other part.
 
-    Parameters
-    ----------
-    face_patches, edges, rows, reach, turn
-        As in `edges_on_faces`.
-
-    Returns
-    -------
-    pair, surface, edge : ndarray of int, shape (m,)
+    `face_patches`, `edges`, `rows`, `reach`, `turn`: as in `edges_on_faces`.
     """
     search = face_patches.search
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
@@ -88,24 +81,9 @@ def edges_on_faces(
 
     An edge is sharp if its two faces meet at an angle.
 
-    Parameters
-    ----------
-    face_patches : FacePatches
-    edges : Edges
-        Edges of all parts of the pairs.
-    near : (pair, surface, edge)
-        Edges that come near curved faces, as `edges_near_faces` returns them.
-    reach : ndarray, shape (number of pairs,)
-        Largest gap at which they touch [length unit].
-    turn : bool
-        True: the edges belong to part a.
-
-    Returns
-    -------
-    pair : ndarray of int, shape (m,)
-    points : ndarray, shape (m, 3)
-    surfaces : ndarray of int, shape (m,)
-        The curved faces.
+    `edges`: edges of all parts of the pairs. `reach`, shape (number of pairs,): largest gap at
+    which they touch [length unit]. `turn`: true: the edges belong to part a. Returns `surfaces`,
+    shape (m,): the curved faces.
     """
     search, curved = face_patches.search, face_patches.curved
     geometry, facets = search.geometry, search.facets
@@ -289,19 +267,8 @@ def round_contacts(
 ) -> RoundContacts:
     """Contacts at curved surfaces of the pairs `rows` that no contact patch explains.
 
-    Parameters
-    ----------
-    face_patches : FacePatches
-    edges : Edges
-        Edges of all parts of these pairs.
-    rows : ndarray of int, shape (n,)
-        Pairs to search.
-    rims : (pair, point)
-        Points at which corners and edges beside curved faces touch the other part.
-    on_faces : pair of (pair, surface, edge)
-        Edges of part b, and edges of part a, that come near curved faces of the other part.
-    reach : ndarray, shape (number of pairs,)
-        Largest gap at which the parts touch, or may touch [length unit].
+    `edges`: edges of all parts of these pairs. `rows`, shape (n,): pairs to search. `reach`, shape
+    (number of pairs,): largest gap at which the parts touch, or may touch [length unit].
     """
     search, curved = face_patches.search, face_patches.curved
     geometry, pairs = search.geometry, search.pairs

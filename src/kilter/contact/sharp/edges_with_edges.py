@@ -243,15 +243,8 @@ def edges_on_edges(
 ) -> None:  # fmt: skip
     """Add the contacts of edges with edges to `found`.
 
-    Parameters
-    ----------
-    search : ContactSearch
-    curves : EdgeCurves
-    blocks : (pair, edge, edge)
-        Exact sharp edges of part a and of part b that may come near each other, shape (n,) each.
-    reach : ndarray, shape (number of pairs of parts,)
-        Largest gap at which parts touch, or may touch [length unit].
-    found : EdgeTouching
+    `reach`, shape (number of pairs of parts,): largest gap at which parts touch, or may touch
+    [length unit].
     """
     pair, e, f = blocks
     if not len(pair):
@@ -356,12 +349,8 @@ def tips_on_edges(
 ) -> None:
     """Add the tips of cones on edges and corners of the other part to `found`: unresolved points.
 
-    Parameters
-    ----------
-    search, curves, reach, found
-        As in `edge_contacts_on_faces`.
-    rows : ndarray of int, shape (n,)
-        Pairs to search.
+    `search`, `curves`, `reach`, `found`: as in `edge_contacts_on_faces`. `rows`, shape (n,): pairs
+    to search.
     """
     geometry = search.geometry
     tips = cone_tips(geometry)

@@ -85,15 +85,8 @@ def edge_contacts_on_faces(
 ) -> None:  # fmt: skip
     """Add the contacts of edges and corners with faces to `found`.
 
-    Parameters
-    ----------
-    face_patches : FacePatches
-    curves : EdgeCurves
-    pairs : EdgeFacePairs
-        Edges that come near faces; all exact.
-    reach : ndarray, shape (number of pairs of parts,)
-        Largest gap at which parts touch, or may touch [length unit].
-    found : EdgeTouching
+    `pairs`: edges that come near faces; all exact. `reach`, shape (number of pairs of parts,):
+    largest gap at which parts touch, or may touch [length unit].
     """
     if not len(pairs.pair):
         return
@@ -228,17 +221,8 @@ def _circle(
 ) -> None:  # fmt: skip
     """Add the contact along arcs of a circle.
 
-    Parameters
-    ----------
-    state : EdgeSearch
-    key : (pair, turned, surface, facet, ...)
-    axis : (point, direction)
-    ends : ndarray, shape (n, 2, 3)
-        Ends of the edges that make up the arcs.
-    gaps : ndarray, shape (n,)
-        Gaps at the middles of these edges [length unit].
-    normal, point : ndarray, shape (3,)
-        Normal of the face, and a point of the circle.
+    `ends`, shape (n, 2, 3): ends of the edges that make up the arcs. `gaps`, shape (n,): gaps at
+    the middles of these edges [length unit].
     """
     pair, turned, surface = key[:3]
     sense = -1.0 if turned else 1.0

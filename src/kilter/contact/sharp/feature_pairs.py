@@ -396,11 +396,7 @@ def _crossings(
 def near_edges(search: ContactSearch, unrecorded: Mask) -> list[RejectedPair]:
     """Near pairs of parts without recorded contact, each with its nearest corner or edge.
 
-    Parameters
-    ----------
-    search : ContactSearch
-    unrecorded : ndarray of bool, shape (n,)
-        Pairs of the search without any contact, overlap or near faces.
+    `unrecorded`, shape (n,): pairs of the search without any contact, overlap or near faces.
     """
     geometry, boxes = search.geometry, search.boxes
     a, b = search.pairs.T

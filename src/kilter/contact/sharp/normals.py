@@ -66,18 +66,9 @@ BATCH = 2_000_000
 def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
     """Extreme normals, from a to b, of the planes that separate two convex cones.
 
-    Parameters
-    ----------
-    rays_a, rays_b : ndarray, shape (n, p, 3) and (n, q, 3)
-        Unit directions that span the cones of n pairs.
-
-    Returns
-    -------
-    normals : ndarray, shape (n, k, 3)
-    count : ndarray of int, shape (n,)
-        Number of normals of each pair; 0: the cones penetrate each other.
-    exact : ndarray of bool, shape (n,)
-        True if the literal directions, without tolerance, give the same normals.
+    `rays_a`, `rays_b`, shape (n, p, 3) and (n, q, 3): unit directions that span the cones of n
+    pairs. Returns `count`, shape (n,): number of normals of each pair; 0: the cones penetrate each
+    other.
 
     Examples
     --------
@@ -172,10 +163,8 @@ class PointConstraints:
 def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
     """Find the certain normals of a contact point, and sets of which at least one normal applies.
 
-    Parameters
-    ----------
-    pairs : list of (rays_a, rays_b, normals)
-        Directions that span a piece of a and a piece of b, and their extreme separating normals.
+    `pairs`: directions that span a piece of a and a piece of b, and their extreme separating
+    normals.
     """
     sets = [normals for _, _, normals in pairs]
     accepted = distinct([n[0] for n in sets if len(n) == 1])
@@ -344,14 +333,7 @@ def normals_of(
 ) -> tuple[Pushes, Clauses]:
     """Normals of contact points of edges and corners: unique, or several at degenerate points.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    facets : Facets
-    edges : Edges
-    meetings : Meetings
-    coincident : ndarray of bool, shape (n,)
-        True if the two points of a meeting coincide up to rounding.
+    `coincident`, shape (n,): true if the two points of a meeting coincide up to rounding.
     """
     on_face = (meetings.kind == FACE).any(axis=1)
     first, second = (

@@ -380,13 +380,7 @@ def _edge_face_pairs(
 ) -> tuple[EdgeFacePairs, list[NearFaces]]:
     """Pairs of an exact edge and an exact face, and the edges near curved faces that are others.
 
-    Parameters
-    ----------
-    curves : EdgeCurves
-    met : Meetings
-        Exact meeting points; those with a flat face are used, with all edges at a corner.
-    on_faces : list of (pair, surface, edge)
-        Edges of part b, and edges of part a, that come near curved faces of the other part.
+    `met`: exact meeting points; those with a flat face are used, with all edges at a corner.
     """
     s, edges = curves.geometry.surfaces, curves.edges
     blocks, others = [], []

@@ -393,14 +393,9 @@ def _meeting_common(boxes: _Boxes, others: _Boxes, margin: float) -> Index:
 def _line_hits(points: Array, normal: Array, corners: Array) -> tuple[Array, Array, Array]:
     """Points in which lines cross the planes of triangles.
 
-    Returns
-    -------
-    share : ndarray, shape (n, 3)
-        Barycentric coordinates of the nearest point inside the triangle.
-    height : ndarray, shape (n,)
-        Distance along the line; inf if the triangle does not face the line [length unit].
-    off : ndarray, shape (n,)
-        Distance of the meeting point from the triangle [length unit].
+    Returns `share`, shape (n, 3): barycentric coordinates of the nearest point inside the triangle;
+    `height`, shape (n,): distance along the line; inf if the triangle does not face the line
+    [length unit].
     """
     a, b, c = corners.transpose(1, 0, 2)
     plane = cross(b - a, c - a)

@@ -48,7 +48,7 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.smooth.smooth_faces import SmoothFace, matches, smooth_faces
 from kilter.work import stop_if_late
 
-__all__ = ["find_smooth", "possible_forces_of", "smooth_warnings"]
+__all__ = ["find_smooth", "possible_forces_of", "smooth_warning"]
 
 
 MOST = 96
@@ -150,16 +150,14 @@ def possible_forces_of(joints: Sequence[SmoothJoint], pairs: Index, mu: Array) -
     return PossibleContacts.join(blocks)
 
 
-def smooth_warnings(joints: Sequence[SmoothJoint]) -> tuple[str, ...]:
-    """A warning that states the error of the fitted normals; empty without smooth contacts."""
-    if not joints:
-        return ()
+def smooth_warning(joints: Sequence[SmoothJoint]) -> str:
+    """Warning that states the error of the fitted normals of smooth contacts."""
     pairs = len({joint.pair for joint in joints})
     worst = float(np.degrees(max(joint.tilt for joint in joints)))
     many = "1 pair" if pairs == 1 else f"{pairs} pairs"
     return (
         f"curved faces without a formula, {many}: their normals are those of surfaces "
-        f"fitted to their corners, accurate to {worst:.1g} degrees",
+        f"fitted to their corners, accurate to {worst:.1g} degrees"
     )
 
 
@@ -254,13 +252,8 @@ def _facing_cells(
 ) -> tuple[tuple[Index, Index], tuple[Index, Index], int]:
     """Facets of both faces by cells of directions, so that facing facets share a cell.
 
-    Returns
-    -------
-    first, second : pair of ndarray of int
-        Facets, and the cell of each, ascending. A facet of the second face is in the cells
-        around the reverse of its normal.
-    cells : int
-        Number of cells.
+    Returns `first`, `second`: facets, and the cell of each, ascending; a facet of the second face
+    is in the cells around the reverse of its normal; `cells`: number of cells.
     """
     i, j = facets
     # the difference of facing unit vectors is at most a side of a cell along each axis

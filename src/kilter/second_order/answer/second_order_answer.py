@@ -11,14 +11,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask
 from kilter.mechanics.program import Program
 from kilter.second_order.parts.cluster_states import State
+from kilter.tell.record import Record, Twist
 
 if TYPE_CHECKING:
     from kilter.second_order.gaps.stationary import Stationary
@@ -26,9 +28,8 @@ if TYPE_CHECKING:
     from kilter.second_order.proofs.fall_proof import Configuration
     from kilter.second_order.proofs.proof_kinds import SecondOrderProof
     from kilter.second_order.searches.energy_decision import EnergyDecision
-    from kilter.tell.answer_data.check_data import SecondOrderData
 
-__all__ = ["LATE", "SPENT", "SecondOrder", "answer_of", "open_answer"]
+__all__ = ["LATE", "SPENT", "SecondOrder", "SecondOrderSummary", "answer_of", "open_answer"]
 
 LATE = "the time limit was reached"
 SPENT = "its work limit is reached; --require strict or a higher --effort continues"
@@ -164,24 +165,49 @@ class SecondOrder:
             )
         return ""
 
-    def to_dict(self, names: tuple[str, ...]) -> SecondOrderData:
-        """JSON data of the answer for `kilter check --json`, with the motion by part."""
-        by_part = None if self.motion is None else {
-            names[k]: (self.motion[k] + 0.0).tolist() for k in self.moving.tolist()
-        }  # fmt: skip
-        return {
-            "state": self.state,
-            "neutral": self.neutral if self.counted else None,
-            "free": self.free if self.counted else None,
-            "blocked": self.blocked if self.counted else None,
-            "undecided": self.undecided if self.counted else None,
-            "rate": self.rate,
-            "motion": by_part,
-            "rolling": None if self.rolling is None else self.rolling.state,
-            "why": self.why or None,
-            "left_open": self.left_open(names) or None,
-            "bending": [names[k] for k in self.bending],
-        }
+    def summary(self, names: tuple[str, ...]) -> SecondOrderSummary:
+        """The answer as it is printed; `names` are the names of all parts."""
+        moving = self.moving.tolist()
+        return SecondOrderSummary(
+            state=self.state,
+            neutral=self.neutral if self.counted else None,
+            free=self.free if self.counted else None,
+            blocked=self.blocked if self.counted else None,
+            undecided=self.undecided if self.counted else None,
+            rate=self.rate,
+            motion=None if self.motion is None else {names[k]: self.motion[k] for k in moving},
+            rolling=None if self.rolling is None else self.rolling.state,
+            why=self.why or None,
+            left_open=self.left_open(names) or None,
+            bending=tuple(names[k] for k in self.bending),
+        )
+
+
+class SecondOrderSummary(Record):
+    """Answer of second order; counts are null if kilter did not count."""
+
+    state: State
+    """Whether the assembly is at a minimum of its energy."""
+    neutral: int | None
+    """Dimension of the motions that cost no energy to first order."""
+    free: int | None
+    """Dimension of those that are proved free."""
+    blocked: int | None
+    """Dimension of those that cost or gain energy."""
+    undecided: int | None
+    """Dimension of those for which neither is known."""
+    rate: float | None
+    """Angular frequency, or rate of growth [1/s]."""
+    motion: Mapping[str, Twist] | None
+    """A motion that falls or is free, by part."""
+    rolling: Literal["holds", "falls", "open"] | None
+    """Whether friction holds the parts."""
+    why: str | None
+    """Reason for an open answer."""
+    left_open: str | None
+    """Motions that are not decided, and the reason."""
+    bending: tuple[str, ...]
+    """Parts that a small push may make roll, rock or swing on."""
 
 
 def _listed_names(names: tuple[str, ...], parts: Index) -> str:

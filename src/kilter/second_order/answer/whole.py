@@ -114,7 +114,8 @@ def find_second_order(
     if work.late:
         return open_answer(LATE, program)
     groups = RigidGroups.of(assembly)
-    program = with_sharp(program, contacts)
+    if len(contacts.degenerate):
+        program = with_sharp(program, contacts)
     whole = groups.merged(program, assembly)
     if not whole.free.any():
         return None
@@ -274,7 +275,9 @@ class _ClusterSearch:
         count = int(program.free.sum())
         jointed = bool(of_joints(program).any())
         if count <= MOST_LEVEL and not (jointed or self.slanted[program.free].any()):
-            level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
+            level, sharp = level_rows(program, self.contacts), None
+            if len(self.contacts.degenerate):
+                sharp = sharp_points(program, self.contacts)
             rest = find_level_rest(program, level, forces, sharp, work=self.work)
             if rest is not None:
                 return _on_level(program, rest)

@@ -41,6 +41,8 @@ OFF_CENTRE = "second order does not model loads beside a centre of mass"
 
 def unmodelled_pairs(assembly: Assembly, contacts: ContactSet) -> dict[frozenset[int], str]:
     """Pairs of parts with contacts that second order cannot model, each with the reason."""
+    if not contacts.open_pairs and not len(contacts.possible):
+        return {}
     sharp = sharp_pushes(contacts)
     jointed = RigidGroups.of(assembly).jointed_pairs(assembly)
     possible = _pairs(contacts)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.assembly import Assembly, Strap
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support
@@ -17,9 +17,6 @@ from kilter.mechanics.proof import Evidence, make_proof
 from kilter.tell.hold_words import hold_sentence
 from kilter.tell.levels import holds
 from kilter.tell.record import Answer, InPython, LevelWord, Record, UnitWord, Vector, key, keys_of
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.common_data import OpenPairData
 
 __all__ = ["ChosenStrap", "Fixture", "HeldSupport", "Stated", "StoppedMotion", "StrapCase"]
 
@@ -154,9 +151,9 @@ class Fixture(Answer):
 
     @property
     @key
-    def open_pairs(self) -> list[OpenPairData]:
+    def open_pairs(self) -> tuple[AnsweredPair, ...]:
         """Open pairs of the assembly."""
-        return open_pairs_answer(self.assembly, self.contacts)
+        return answered_pairs(self.assembly, self.contacts)
 
     @property
     @key
@@ -184,9 +181,9 @@ class Fixture(Answer):
 
     @property
     @key
-    def warnings(self) -> list[str]:
+    def warnings(self) -> tuple[str, ...]:
         """Warnings about the contacts."""
-        return list(self.contacts.warnings)
+        return self.contacts.warnings
 
     @property
     @key

@@ -8,7 +8,7 @@ answer includes the proof that fewer supports are not enough
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from numpy.typing import ArrayLike
 
@@ -20,16 +20,13 @@ from kilter.analysis.planning.hold.support_candidates import candidates_of
 from kilter.analysis.planning.hold.supported import Supported
 from kilter.assembly import Strap
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import detect
 from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.supports import Support
 from kilter.errors import InputError
-from kilter.tell.levels import REQUIRE, require_level
-from kilter.threads import on_one_thread
-from kilter.validate import number
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT, Work, units_of
+from kilter.tell.levels import require_level
+from kilter.work import Work
 
 __all__ = ["hold"]
 
@@ -40,26 +37,15 @@ At the default effort a search without result takes less than ten seconds of one
 this work, an assembly of 60 stones got 17 grips instead of 7."""
 
 
-@guarded
-@on_one_thread
+@question()
 def hold(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
     candidates: Iterable[str | Support] = ("grips",),
     straps: Iterable[Strap] | None = None,
     code: str | None = None,
     forward: ArrayLike = (1.0, 0.0, 0.0),
     most: int | None = None,
-    require: str = REQUIRE,
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Fixture:
     """Find the fewest supports with which an assembly holds, and prove that fewer are not enough.
 
@@ -67,8 +53,6 @@ def hold(
     ----------
     assembly : Assembly, or path
         Assembly; `Assembly.without` omits parts that are not inserted yet.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     candidates : iterable of "grips", "props", "fingers" or Support
         Candidates: a grip on every part, a prop under every part, a finger on every flat
         face that is free, or the given supports.
@@ -87,8 +71,6 @@ def hold(
     effort : float
         Work limit; each further unit allows about ten times more work [-]. It concerns the search
         of supports, too.
-    contacts, tolerance, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -110,9 +92,7 @@ def hold(
     >>> hold(half, most=1)
     <Fixture: undecided, 2 or more>
     """
-    assembly = asked_assembly(
-        assembly, "hold", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    assembly = asked.assembly
     if straps is None:
         require_no_bonds(assembly, "hold", NOT_SET)
         if code is not None:
@@ -121,17 +101,12 @@ def hold(
                 hint="give straps=[...]",
                 option="give them with --straps FILE.json",
             )
-    require = require_level(require)
+    asked = asked.but(require=require_level(asked.require))
+    require = asked.require
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
         raise InputError(f"most is {most!r:.40}", hint="give a whole number, 0 or more")
-    if time_limit is not None:
-        time_limit = number(time_limit, "time_limit", lowest=0)
-    allowed = SEARCH * units_of(number(effort, "effort", lowest=0))
-    work, started = Work(allowed, progress, time_limit=time_limit), time.perf_counter()
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
+    work = asked.work(SEARCH)
+    contacts = detect.touching(asked)
     require_apart(assembly, contacts)
     if straps is not None:
         return find_least_straps(
@@ -141,29 +116,23 @@ def hold(
             code=code,
             forward=forward,
             require=require,
-            effort=effort,
+            effort=asked.effort,
             tell=work.stage,
         )
-    asked = [candidates] if isinstance(candidates, str | Support) else candidates
-    seconds = {"contacts": time.perf_counter() - started}
-    given = Supported(assembly, contacts, candidates_of(assembly, contacts, asked))
-    return _by_supports(given, work, most, require, effort, time_limit, seconds)
+    wanted = [candidates] if isinstance(candidates, str | Support) else candidates
+    given = Supported(assembly, contacts, candidates_of(assembly, contacts, wanted))
+    seconds = {"contacts": time.perf_counter() - asked.begun}
+    return _by_supports(given, asked, work, most, seconds)
 
 
 def _by_supports(
-    given: Supported,
-    work: Work,
-    most: int | None,
-    require: str,
-    effort: float,
-    time_limit: float | None,
-    seconds: dict[str, float],
+    given: Supported, asked: Question, work: Work, most: int | None, seconds: dict[str, float]
 ) -> Fixture:
     """The fixture with the fewest supports."""
-    started, interrupted = time.perf_counter(), False
+    started, interrupted, require = time.perf_counter(), False, asked.require
     work.stage("the fewest supports")
     try:
-        least = find_least_supports(given, work, most=most, require=require, effort=effort)
+        least = find_least_supports(given, work, most=most, require=require, effort=asked.effort)
     except KeyboardInterrupt:
         least, interrupted = LeastSupports(None, 0, None, ()), True
     state = least.state
@@ -188,7 +157,7 @@ def _by_supports(
         judged=given.asked,
         exhausted=least.complete and not work.over and not interrupted,
         interrupted=interrupted,
-        time_limit=time_limit if work.cut else None,
+        time_limit=asked.time_limit if work.cut else None,
         seconds={key: round(value, 6) for key, value in seconds.items()},
         assembly=given.assembly,
         contacts=given.contacts,

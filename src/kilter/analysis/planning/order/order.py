@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from kilter.analysis.decision.decision import Decision, Word
-from kilter.analysis.decision.open_question import open_pairs_answer
+from kilter.analysis.decision.open_question import AnsweredPair
 from kilter.analysis.planning.order.locking import Locked
 from kilter.analysis.planning.order.order_proof import order_proof
 from kilter.analysis.planning.order.plan_step import VERDICTS, Step, lower_level
@@ -21,7 +21,6 @@ from kilter.analysis.planning.order.removal import Screw
 from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
-from kilter.analysis.verdict.remarks import remarks
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.tell.cells import InCells
@@ -39,9 +38,6 @@ from kilter.tell.record import (
     Vector,
     key,
 )
-
-if TYPE_CHECKING:
-    from kilter.tell.answer_data.common_data import OpenPairData
 
 __all__ = ["Assumes", "Fewest", "Order", "Search"]
 
@@ -122,6 +118,14 @@ class Order(InCells, Answer):
 
     require: LevelWord
     """Level that every step must reach."""
+    units: UnitWord
+    """Length unit."""
+    base: tuple[str, ...]
+    """Held parts of the file."""
+    finished: Finished
+    """Verdict and level of the finished assembly."""
+    open_pairs: tuple[AnsweredPair, ...]
+    """Open pairs of the finished assembly, the deciding pairs first."""
     steps: tuple[Step, ...]
     """Steps in the order of assembly; empty if no order was found. All steps of a given order."""
     precedence: tuple[tuple[str, str], ...]
@@ -140,6 +144,8 @@ class Order(InCells, Answer):
     """Whether an interrupt stopped the search."""
     time_limit: float | None
     """Limit that stopped the search [s]; null if the search did not reach it."""
+    warnings: list[str]
+    """Warnings about file, geometry and contacts."""
     seconds: dict[str, float]
     """Duration of each stage [s]."""
     states: InPython[States]
@@ -163,6 +169,7 @@ class Order(InCells, Answer):
     never_held: InPython[tuple[str, ...]]
     """Parts that must not be held."""
     screws: InPython[tuple[Screw, ...]]
+    """Bolts with their nuts."""
     accelerations: InPython[Array]
     """Accelerations at which every state is proved, shape (n, 3) [m/s^2].
 
@@ -231,31 +238,6 @@ class Order(InCells, Answer):
 
     @property
     @key
-    def units(self) -> UnitWord:
-        """Length unit."""
-        return self.states.assembly.units
-
-    @property
-    @key
-    def base(self) -> tuple[str, ...]:
-        """Held parts of the file."""
-        return tuple(part.name for part in self.states.assembly if part.grounded)
-
-    @property
-    @key
-    def finished(self) -> Finished:
-        """Verdict and level of the finished assembly."""
-        return Finished(verdict=self.decision.verdict, level=self.decision.level)
-
-    @property
-    @key
-    def open_pairs(self) -> list[OpenPairData]:
-        """Open pairs of the finished assembly, the deciding pairs first."""
-        states = self.states
-        return open_pairs_answer(states.assembly, states.contacts, self.decision.question)
-
-    @property
-    @key
     def impossible(self) -> Impossible | None:
         """Proof that no order exists, or none without held parts."""
         names = self.states.assembly.names
@@ -283,12 +265,6 @@ class Order(InCells, Answer):
     def sentence(self) -> str:
         """The answer in a sentence or two."""
         return order_sentence(self.data_without("sentence"))
-
-    @property
-    @key
-    def warnings(self) -> list[str]:
-        """Warnings about file, geometry and contacts."""
-        return remarks(self.states.assembly, self.states.contacts)
 
     def table(self) -> str:
         """The steps of the plan as CSV text: a line for each step, lists in a cell joined by ``;``.

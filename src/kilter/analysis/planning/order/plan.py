@@ -12,20 +12,20 @@ Without such a proof, the answer "none found" covers only the tried paths.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.analysis.planning.order.carried_accelerations import extreme_accelerations
 from kilter.analysis.planning.order.cheapest import Searched, find_order
 from kilter.analysis.planning.order.closure import find_unreachable
 from kilter.analysis.planning.order.exhaustion import find_refused
 from kilter.analysis.planning.order.given_order import judge_order, sets_of_order
 from kilter.analysis.planning.order.locking import Locked, find_locked
-from kilter.analysis.planning.order.order import Assumes, Fewest, Order, Search
+from kilter.analysis.planning.order.order import Assumes, Fewest, Finished, Order, Search
 from kilter.analysis.planning.order.plan_rules import PlanRules, turns_alone
 from kilter.analysis.planning.order.plan_step import steps_of
 from kilter.analysis.planning.order.pressing import Pressing
@@ -39,16 +39,14 @@ from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.part_sets import members
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States, states
+from kilter.analysis.verdict.remarks import remarks
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance
+from kilter.assembly.question import Question, question
 from kilter.tell.levels import require_level
-from kilter.threads import on_one_thread
-from kilter.validate import finite, number
-from kilter.values.guesses import guarded
-from kilter.work import EFFORT, Work, units_of
+from kilter.validate import finite
+from kilter.work import Work
 
 __all__ = ["plan"]
 
@@ -58,22 +56,10 @@ SEARCH = 12.0
 At the default effort a search without result takes about six seconds of one core."""
 
 
-@guarded
-@on_one_thread
+@question(require="equilibrium")
 def plan(
-    assembly: AssemblyOrPath,
+    asked: Question,
     rules: PlanRules | None = None,
-    *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    require: str = "equilibrium",
-    effort: float = EFFORT,
-    time_limit: float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Order:
     """Find an order in which an assembly can be put together, with a proof of each step.
 
@@ -81,8 +67,6 @@ def plan(
     ----------
     assembly : Assembly, or path
         Finished assembly with at least one grounded part; the grounded parts are the base.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
     rules : PlanRules, optional
         Allowed orders, held parts and paths, and the quantity to be minimised; by default up to 2
         parts are held, and their number is minimised.
@@ -92,8 +76,6 @@ def plan(
     effort : float
         Work limit; each further unit allows about ten times more work [-]. It concerns the search
         of the order, too.
-    contacts, tolerance, time_limit, progress : optional
-        As in `kilter.check`.
 
     Raises
     ------
@@ -114,31 +96,18 @@ def plan(
     >>> found, [step.part for step in found.steps]
     (<Order: found, 5 steps, 0 with parts held>, ['cube-1', 'cube-2', 'cube-3', 'cube-4', 'cube-5'])
     """
-    assembly = asked_assembly(
-        assembly, "plan", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
+    assembly = asked.assembly
     rules = PlanRules() if rules is None else rules
     _require_plannable(assembly, rules)
-    level = require_level(require)
-    if time_limit is not None:
-        time_limit = number(time_limit, "time_limit", lowest=0)
-    budget = SEARCH * units_of(number(effort, "effort", lowest=0))
-    work = Work(budget, progress, time_limit=time_limit)
-    started = time.perf_counter()
+    level = require_level(asked.require)
+    work = asked.work(SEARCH)
     after, units = later_parts(assembly, rules.before), units_of_groups(assembly, rules.groups)
     if rules.sequence is not None:
         units = sets_of_order(assembly, rules.sequence)
     carried = extreme_accelerations(assembly, rules.carried)
-    part_states = states(
-        assembly,
-        accelerations=carried,
-        contacts=contacts,
-        tolerance=tolerance,
-        time_limit=work.seconds,
-        progress=progress,
-    )
-    order = _planned(part_states, rules, after, units, level, effort, work, started)
-    return replace(order, time_limit=time_limit) if work.cut else order
+    part_states = states(asked, accelerations=carried)
+    order = _planned(part_states, rules, after, units, asked.but(require=level), work)
+    return replace(order, time_limit=asked.time_limit) if work.cut else order
 
 
 def _planned(
@@ -146,16 +115,14 @@ def _planned(
     rules: PlanRules,
     after: list[int],
     units: list[int],
-    level: str,
-    effort: float,
+    asked: Question,
     work: Work,
-    started: float,
 ) -> Order:
     """The answer for the states of an assembly; `after` and `units` as in `OrderSearch`."""
-    searching = time.perf_counter()
+    searching, level = time.perf_counter(), asked.require
     assembly = part_states.assembly
     carried = extreme_accelerations(assembly, rules.carried)
-    whole, finished = part_states.finished(require=level, effort=effort, work=work)
+    whole, finished = part_states.finished(require=level, effort=asked.effort, work=work)
     screws = tuple(find_screws(part_states.contacts, rules.screws))
     search = _order_search(part_states, rules, work, after, units, screws)
     obstacles = _find_obstacles(search, rules, whole)
@@ -163,11 +130,15 @@ def _planned(
     refused, searched = _find_refused(search, rules, obstacles, searched)
     ordered = time.perf_counter()
     work.stage("levels of the steps")
-    steps = steps_of(search, searched.order or [], level, effort)
+    steps = steps_of(search, searched.order or [], level, asked.effort)
     longest = () if searched.order else [removed.set for removed in search.best]
     least = _least(searched, len(obstacles.falling))
     return Order(
         require=level,
+        units=assembly.units,
+        base=tuple(part.name for part in assembly if part.grounded),
+        finished=Finished(verdict=finished.verdict, level=finished.level),
+        open_pairs=answered_pairs(assembly, part_states.contacts, finished.question),
         steps=tuple(steps),
         precedence=precedence_pairs(assembly, after, screws),
         best=_names(assembly, *longest),
@@ -177,8 +148,9 @@ def _planned(
         assumes=_assumes(part_states, rules, carried, screws, units),
         interrupted=searched.interrupted,
         time_limit=None,
+        warnings=remarks(assembly, part_states.contacts),
         seconds={
-            "contacts": round(searching - started, 6),
+            "contacts": round(searching - asked.begun, 6),
             "search": round(ordered - searching, 6),
             "solve": round(time.perf_counter() - searching, 6),
         },

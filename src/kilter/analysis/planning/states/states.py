@@ -24,7 +24,7 @@ parts: both adding and removing a part can make a state fall.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -54,8 +54,8 @@ from kilter.analysis.planning.states.state_programs import (
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
-from kilter.assembly.verb_keywords import AssemblyOrPath, asked_assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.assembly.question import Question, question
+from kilter.contact import ContactSet, detect
 from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.kept_contacts import contacts_among
 from kilter.errors import InputError
@@ -71,7 +71,6 @@ from kilter.rigid import unit
 from kilter.tell.levels import level_rank
 from kilter.threads import on_one_thread
 from kilter.validate import finite, number
-from kilter.values.guesses import guarded
 from kilter.work import Work, units_of
 
 __all__ = ["States", "states"]
@@ -581,20 +580,11 @@ class States:
         )
 
 
-@guarded
-@on_one_thread
+@question(lacks="require effort")
 def states(
-    assembly: AssemblyOrPath,
+    asked: Question,
     *,
-    friction: float | None = None,
-    down: ArrayLike | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    contacts: ContactSet | None = None,
-    tolerance: Tolerance | None = None,
-    time_limit: float | None = None,
     accelerations: Iterable[ArrayLike] = (),
-    progress: Callable[[str], None] | None = None,
 ) -> States:
     """Prepare verdicts on all states of an assembly that is being built.
 
@@ -602,10 +592,6 @@ def states(
     ----------
     assembly : Assembly, or path
         Finished assembly; its grounded parts are held in every state in which they are present.
-    friction, down, ground, floor : optional
-        Changes of the assembly before the question, as in `kilter.check`.
-    contacts, tolerance, progress : optional
-        As in `kilter.check`.
     time_limit : float, optional
         Time limit [s]. It ends the contact search, as in `kilter.contacts`.
     accelerations : iterable of array_like, shape (3,)
@@ -633,19 +619,7 @@ def states(
     >>> arch.of(without, held=["voussoir-9", "voussoir-11"]).stable
     True
     """
-    assembly = asked_assembly(
-        assembly, "states", contacts, friction=friction, down=down, ground=ground, floor=floor
-    )
-    require_no_bonds(assembly, "states", NOT_SET)
-    if contacts is not None and not isinstance(contacts, ContactSet):
-        raise InputError(
-            f"contacts is {type(contacts).__name__}", hint="give contacts of kilter.contacts"
-        )
-    if time_limit is not None:
-        number(time_limit, "time_limit", lowest=0)
-    if contacts is None:
-        contacts = detect.contacts(
-            assembly, tolerance=tolerance, time_limit=time_limit, progress=progress
-        )
-    require_apart(assembly, contacts)
-    return States(assembly, contacts, accelerations=accelerations)
+    require_no_bonds(asked.assembly, "states", NOT_SET)
+    contacts = detect.touching(asked)
+    require_apart(asked.assembly, contacts)
+    return States(asked.assembly, contacts, accelerations=accelerations)
