@@ -179,7 +179,7 @@ class Face:
     outer : float
         Distance of the nearest plane outside.
     normal : ndarray, shape (d,)
-        Of that plane, unit.
+        Normal of that plane, unit.
     answer : int
         Which answer of the oracle brought it, from 0.
     asked : int
@@ -216,7 +216,7 @@ def nearest_face(
     agree : float
         The search ends if inner and outer distance differ by at most this fraction.
     limit : int
-        Of questions.
+        Largest number of questions.
     most : float
         Distances from here on count as unlimited: the search ends.
     within : float

@@ -62,7 +62,7 @@ class LeastAcceleration:
     lower : float
         Every horizontal acceleration below this is carried [g].
     direction : ndarray, shape (3,)
-        Of the least acceleration, unit; zero if the value is infinite.
+        Direction of the least acceleration, unit; zero if the value is infinite.
     limit : Limit
         The limit along this direction, with its forces and its mechanism.
     programs : int

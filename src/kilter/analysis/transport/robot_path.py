@@ -55,7 +55,7 @@ class FlangeMotion:
     rotation : ndarray, shape (n, 3, 3)
         From the frame of the link to the world.
     position, velocity, acceleration : ndarray, shape (n, 3)
-        Of the origin of the link [m], [m/s], [m/s^2].
+        Position of the origin of the link [m], [m/s], [m/s^2].
     spin, turn : ndarray, shape (n, 3)
         Angular velocity [rad/s] and angular acceleration [rad/s^2].
     """

@@ -49,9 +49,9 @@ class StabilityMap:
     equations : ndarray, shape (3 - dimension, 3)
         Orthonormal; ``equations @ q = 0``. Of a planar program y is always in their span.
     dimension : int
-        Of Q, 0 to 3.
+        Dimension of Q, 0 to 3.
     mass : float
-        Of the free parts [kg]: the scale of z.
+        Mass of the free parts [kg]: the scale of z.
     planar : bool
     programs : int
         LPs solved.
@@ -107,7 +107,7 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
     ----------
     program : Program
     limit : int
-        Of programs.
+        Largest number of programs.
 
     Raises
     ------
