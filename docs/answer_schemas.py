@@ -25,7 +25,7 @@ from typing_extensions import TypedDict
 
 from kilter.analysis.many.batch import Batch
 from kilter.analysis.margins.improve import Improvement
-from kilter.analysis.margins.margin import Margin
+from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.placing.check_plan import CheckedPlan
 from kilter.analysis.placing.place import Places
 from kilter.analysis.planning.hold.fixture import Fixture

@@ -18,7 +18,7 @@ WRITERS = {
     "contacts": "kilter.contact.contact_set.ContactSet",
     "hold": "kilter.analysis.planning.hold.fixture.Fixture",
     "improve": "kilter.analysis.margins.improve.Improvement",
-    "margin": "kilter.analysis.margins.margin.Margin",
+    "margin": "kilter.analysis.margins.margin_answer.Margin",
     "orient": "kilter.analysis.turning.orientation.Orientation",
     "place": "kilter.analysis.placing.place.Places",
     "plan": "kilter.analysis.planning.order.order.Order",

@@ -11,7 +11,7 @@ from typing import Literal
 from kilter.analysis.many.batch import Batch as Batch
 from kilter.analysis.many.verdicts import Verdicts as Verdicts
 from kilter.analysis.margins.improve import Improvement as Improvement
-from kilter.analysis.margins.margin import Margin as Margin
+from kilter.analysis.margins.margin_answer import Margin as Margin
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.placing.check_plan import CheckedPlan as CheckedPlan
 from kilter.analysis.placing.piles.pile import Pile as Pile

@@ -1,21 +1,36 @@
-"""Mass properties against closed forms and hand sums; wrong input is refused by name (W10)."""
+"""Bodies have the mass, centre and inertia of closed forms; wrong input is refused in words."""
 
 import dataclasses
 
 import numpy as np
 import pytest
-from judged import judged
-from transformations import scaled
+from judged import judged, random_turn
+from transformations import mirrored, scaled
 
-from kilter.analysis.check import check
-from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
-from kilter.contact import contacts
-from kilter.errors import InputError
-from kilter.rigid import Pose
+from kilter import (
+    Assembly,
+    Box,
+    Cylinder,
+    FrictionPair,
+    GivenContact,
+    InputError,
+    Joint,
+    Load,
+    Mesh,
+    Part,
+    Pose,
+    Prism,
+    Sphere,
+    check,
+    contacts,
+)
+from kilter.assembly.inertia import inertia_matrix
+from kilter.assembly.masses import reweighed
+from kilter.files.reading_steps import with_density, with_masses
 from kilter.scenes import stacks
-from kilter.scenes.pieces import block, cells, floor, prism, turn
+from kilter.scenes.pieces import block, cells, floor, turn
 from kilter.scenes.transform import moved
-from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
+from kilter.shape.primitives import surface
 from kilter.tell.numbers import plain
 
 RHO = 1000.0
@@ -273,12 +288,6 @@ def test_joint_without_its_point_is_refused_in_words():
         Assembly(stacks.tower(1).parts, joints=[Joint(("base", "cube-1"), "revolute")])
 
 
-def test_scaled_and_moved_prism_keeps_its_centre():
-    part = prism("p", [[0, 0], [3, 0], [0, 6]], 2.0, grounded=True)
-    assembly = moved(scaled(Assembly([part]), 10.0), turn([0, 0, 1], 90), [1, 0, 0])
-    assert np.allclose(assembly.geometry.center[0], [1, 10, 20], atol=1e-12)
-
-
 def test_a_name_that_an_answer_shortened_is_accepted_as_typed() -> None:
     paths = [f"bracket-assembly_{k}/nut-bolt-assembly_{j}/nut" for k in (1, 2) for j in (1, 2)]
     parts = [Part(path, Box([1, 1, 1]), [2 * k, 0, 0]) for k, path in enumerate(paths)]
@@ -289,3 +298,57 @@ def test_a_name_that_an_answer_shortened_is_accepted_as_typed() -> None:
         assert assembly.matching(short) == {path}
     with pytest.raises(InputError, match=r"no part is named 'bracket\.\.\.nut'"):
         assembly.matching("bracket...nut")  # four parts: it is no shortened name of one part
+
+
+SIX = [3.0, 4.0, 5.0, 0.3, -0.4, 0.5]
+G = 9.81
+
+
+def body_inertia(**more):
+    """A turned box with a given inertia."""
+    random = np.random.default_rng(4)
+    return Part("body", Box([1, 2, 3]), Pose([1, -2, 3], random_turn(random)), inertia=SIX, **more)
+
+
+@pytest.mark.parametrize("more", [{}, {"mass": 3.0}, {"mass": 3.0, "center_of_mass": [0.1, 0, 2]}])
+def test_the_world_inertia_is_the_given_tensor_turned(more):
+    part = body_inertia(**more)
+    turned = part.pose.matrix @ inertia_matrix(np.array(SIX)) @ part.pose.matrix.T
+    assert np.allclose(Assembly([part]).geometry.inertia[0], turned, atol=1e-14)
+
+
+def test_copies_keep_the_inertia_of_the_body():
+    """A turn Q I Q^T, a mirror image M I M, and lengths times k with masses times k^3: k^5 I."""
+    assembly = Assembly([body_inertia(mass=3.0)])
+    inertia = assembly.geometry.inertia[0]
+    turn = Pose([0, 0, 0], random_turn(np.random.default_rng(8)))
+    q, m = turn.matrix, np.diag([-1.0, 1, 1])
+    copies = {
+        "moved": (moved(assembly, turn.rotation, [1, 2, 3]), q @ inertia @ q.T),
+        "mirrored": (mirrored(assembly), m @ inertia @ m),
+        "scaled": (scaled(assembly, 2.0), 32 * inertia),
+    }
+    for name, (copy, expected) in copies.items():
+        assert np.allclose(copy.geometry.inertia[0], expected, rtol=1e-13, atol=1e-12), name
+
+
+def test_another_mass_changes_a_given_inertia_in_proportion():
+    heavy = Assembly([body_inertia(mass=3.0)])
+    assert np.allclose(with_masses(heavy, [("body", 6.0)])["body"].inertia, np.multiply(SIX, 2))
+    light = Assembly([body_inertia()])  # 6 m^3 of the default density
+    assert np.allclose(with_density(light, 500.0)["body"].inertia, np.divide(SIX, 2))
+    assert np.allclose(
+        reweighed(body_inertia(density=500.0), mass=6000.0).inertia, np.multiply(SIX, 2)
+    )
+
+
+@pytest.mark.parametrize("given", [5.0, None])
+def test_inertia_in_millimetres_is_that_of_the_same_body_in_metres(given):
+    """A plate tips about an edge by m g d / (I + m d^2); without I, by that of its shape."""
+    m, d = 10.0, 0.2
+    table = Part("table", Box([2000] * 3), [-1000, 0, -1000], grounded=True)
+    inertia = None if given is None else np.array([given, given, given, 0, 0, 0]) * 1e6
+    plate = Part("plate", Box([1000, 1000, 200]), [200, 0, 100], mass=m, inertia=inertia)
+    verdict = judged(Assembly([table, plate], units="mm"))
+    about = m * (1 + 0.2**2) / 12 if given is None else given
+    assert verdict.motion.acceleration[1, 4] == pytest.approx(m * G * d / (about + m * d**2))

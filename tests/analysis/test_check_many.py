@@ -1,11 +1,22 @@
-"""Many assemblies at once: the verdicts of `check`, one by one, and proofs that hold apart."""
+"""Lists of assemblies, threads and clusters have the verdicts of `check`."""
 
 from __future__ import annotations
 
 import dataclasses
+import importlib
+import json
+import multiprocessing
+import os
+import sys
+import threading
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from judged import judged
 
 import kilter
 from kilter import (
@@ -19,13 +30,18 @@ from kilter import (
     Mesh,
     Part,
     Pose,
+    contacts,
 )
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.verdict.displacement import LIMIT, find_displacement
 from kilter.arrays import starts
 from kilter.assembly.array_geometry import arrays_side_by_side
 from kilter.assembly.hexahedra import box_orders
-from kilter.mechanics.certificate import check_forces
+from kilter.mechanics import clusters as groups
+from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.program import Program, build_program
 from kilter.rigid import common_frame, common_frames
-from kilter.scenes import scene
+from kilter.scenes import friction, paper, scene, stacks, walls
 from kilter.scenes.packings import box_pile
 from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES, surface
 
@@ -119,15 +135,6 @@ def require_proved(found: kilter.Verdicts) -> None:
         kept = found.certificate(k)
         assert (kept is None) == (word in ("undecided", "error")), k
         assert kept is None or kept[1].holds, k
-
-
-@pytest.mark.slow
-def test_every_way_of_asking_gives_the_verdict_of_check() -> None:
-    given = mixed()
-    found = kilter.check_many(given, proofs=True)
-    assert found.verdict.tolist() == [alone(one) for one in given]
-    assert len(found.counts) >= 3
-    require_proved(found)
 
 
 @pytest.mark.slow
@@ -316,3 +323,211 @@ def test_geometry_in_arrays_is_that_of_the_meshes() -> None:
         scale = wanted.mass * wanted.size**2
         off = np.abs(found.inertia[own] - wanted.inertia).max(axis=(1, 2)) / scale
         assert off.max() < 1e-14
+
+
+THREADS, PROCESSES = 8, 4
+SCENES: dict[str, Callable[[], Assembly]] = {
+    "figure 8": paper.figure_8,
+    "figure 9": lambda: paper.figure_9(planar=True),
+    "slope": lambda: stacks.block_on_slope(20.0, friction=0.5),
+    "bracket": lambda: friction.bracket(1.1 / 1.2, pad=1e-3),
+    "wall": lambda: walls.wall_of(12, friction=0.6).with_down([0.0, 0.02, -1.0]),
+}
+ANSWERS: dict[str, Callable[[Assembly], str]] = {
+    "check": lambda one: _text(kilter.check(one, effort=0.5).proof()),
+    "contacts": lambda one: _text(kilter.contacts(one).to_dict()),
+    "orient": lambda one: _text(_timeless(kilter.orient(one).to_dict())),
+    "region": lambda one: _text(kilter.region(one).proof()),
+}
+ASKED = [("figure 9", "contacts"), ("figure 8", "check"), ("slope", "check")]
+MORE = [(scene, "check") for scene in SCENES] + [("figure 9", answer) for answer in ANSWERS]
+
+
+def _text(data: object) -> str:
+    return json.dumps(data, sort_keys=True)
+
+
+def _timeless(data: object) -> object:
+    """An answer without how long it took."""
+    if isinstance(data, dict):
+        return {key: _timeless(value) for key, value in data.items() if key != "seconds"}
+    return [_timeless(one) for one in data] if isinstance(data, list) else data
+
+
+def answered(scene: str, answer: str) -> str:
+    """In a process of its own, of an assembly of its own."""
+    return ANSWERS[answer](SCENES[scene]())
+
+
+Asked = list[tuple[str, str]]
+FEW_OR_ALL = pytest.mark.parametrize(
+    "asked", [ASKED, pytest.param(MORE, marks=pytest.mark.slow)], ids=["few", "more"]
+)
+
+
+def alone_runs(asked: Asked) -> dict[tuple[str, str], str]:
+    """What each asks for, one after the other, of assemblies that no other has."""
+    return {one: answered(*one) for one in asked}
+
+
+@pytest.mark.slow
+@FEW_OR_ALL
+def test_threads_that_share_assemblies(asked: Asked) -> None:
+    """All begin at once: what an assembly keeps once it is asked for is asked for by all."""
+    shared = {name: build() for name, build in SCENES.items()}
+    together = threading.Barrier(THREADS)
+
+    def asks(number: int) -> dict[tuple[str, str], str]:
+        together.wait()
+        order = asked[number:] + asked[:number]
+        return {one: ANSWERS[one[1]](shared[one[0]]) for one in order}
+
+    often = sys.getswitchinterval()
+    sys.setswitchinterval(1e-4)
+    try:
+        with ThreadPoolExecutor(THREADS) as threads:
+            found = list(threads.map(asks, range(THREADS)))
+    finally:
+        sys.setswitchinterval(often)
+    right = alone_runs(asked)
+    for own in found:
+        assert [one for one in right if own[one] != right[one]] == []
+
+
+@pytest.mark.slow
+@FEW_OR_ALL
+@pytest.mark.parametrize(
+    "method",
+    [
+        pytest.param("fork", marks=pytest.mark.skipif(os.name != "posix", reason="no fork there")),
+        pytest.param("spawn", marks=pytest.mark.slow),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork")
+def test_processes(asked: Asked, method: str) -> None:
+    """Forked, too, after solvers and linear algebra have run here."""
+    right = alone_runs(asked)
+    context = multiprocessing.get_context(method)
+    with ProcessPoolExecutor(PROCESSES, mp_context=context) as processes:
+        found = list(processes.map(answered, *zip(*asked, strict=True), timeout=240))
+    assert [one for one, own in zip(asked, found, strict=True) if own != right[one]] == []
+
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+
+
+def towers(count: int, *, height: int = 3, hanging: int | None = None) -> Assembly:
+    """Towers of boxes side by side on a plate; the top box of the tower `hanging` tips."""
+    parts = [Part("plate", Box([4 * count, 4, 1]), Pose([2 * count, 0, -0.5]), grounded=True)]
+    for k in range(count):
+        for level in range(height):
+            off = 0.8 if k == hanging and level == height - 1 else 0.1 * level
+            place = [4 * k + 2 + off, 0.05 * level, 0.5 + level]
+            parts.append(Part(f"t{k}-{level}", Box([1, 1, 1]), Pose(place)))
+    return Assembly(parts)
+
+
+def program_of(assembly: Assembly) -> Program:
+    return build_program(assembly, contacts(assembly))
+
+
+@pytest.fixture
+def parted(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
+    """Divide programs of any size, into groups of two towers at most."""
+    monkeypatch.setattr(groups, "PARTED", 0)
+    monkeypatch.setattr(groups, "GROUP", 40)
+    return monkeypatch
+
+
+def test_groups_divide_the_free_parts_and_the_rows(parted: pytest.MonkeyPatch) -> None:
+    program = program_of(towers(7))
+    divided = groups.cluster_groups(program)
+    assert [int(group.program.free.sum()) for group in divided] == [6, 6, 6, 3]
+    free = np.sum([group.program.free for group in divided], axis=0)
+    assert free.tolist() == program.free.astype(int).tolist()
+    rows = np.concatenate([group.rows for group in divided])
+    assert np.sort(rows).tolist() == list(range(len(program.part_a)))
+    parted.setattr(groups, "GROUP", 10)  # a cluster is never divided
+    assert [int(g.program.free.sum()) for g in groups.cluster_groups(program)] == [3] * 7
+    parted.setattr(groups, "PARTED", 6 * 21)
+    assert len(groups.cluster_groups(program)) == 1
+
+
+@pytest.mark.parametrize("hanging", [None, 0, 6])
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_the_judgement_of_groups_is_that_of_the_whole(
+    hanging: int | None, mu: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = program_of(towers(7, hanging=hanging).with_friction(mu))
+    whole = judge(program)
+    monkeypatch.setattr(groups, "PARTED", 0)
+    monkeypatch.setattr(groups, "GROUP", 40)
+    parts = judge(program)
+    assert parts.stable is whole.stable is (hanging is None)
+    if parts.stable:
+        assert parts.forces is not None
+        assert check_forces(program, parts.forces.forces, parts.forces.friction).holds
+    else:
+        assert parts.motion is not None
+        assert check_motion(program, parts.motion.motion).holds
+        moving = np.flatnonzero(np.abs(parts.motion.motion).max(axis=1) > 1e-9)
+        tower = 3 * (hanging or 0)
+        assert set(moving.tolist()) <= set(range(tower + 1, tower + 7))  # parts of one group
+
+
+@pytest.mark.parametrize("hanging", [None, 2])
+def test_the_displacement_program_adds_up(
+    hanging: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = program_of(towers(6, hanging=hanging))
+    whole = find_displacement(program)
+    monkeypatch.setattr(groups, "PARTED", 0)
+    monkeypatch.setattr(groups, "GROUP", 40)
+    parts = find_displacement(program)
+    assert parts.z == pytest.approx(whole.z, rel=1e-7, abs=1e-9)
+    assert parts.displacement is not None
+    assert whole.displacement is not None
+    np.testing.assert_allclose(parts.displacement, whole.displacement, atol=1e-5)
+
+
+def test_a_capacity_shared_by_clusters_is_not_divided(parted: pytest.MonkeyPatch) -> None:
+    program = program_of(towers(3))
+    capacity = np.full(len(program.part_a), np.inf)
+    capacity[0] = 1.0
+    assert len(groups.cluster_groups(program)) > 1
+    assert len(groups.cluster_groups(program.with_rows(capacity=capacity))) == 1
+
+
+def test_one_tower_of_many_falls() -> None:
+    assembly = towers(LIMIT // 3 + 1, hanging=40)
+    verdict = judged(assembly)
+    assert verdict.verdict == "unstable"
+    moving = zip(assembly.names, verdict.motion.moves, strict=True)
+    assert "t40-2" in {name for name, moves in moving if moves} <= {f"t40-{k}" for k in range(3)}
+    assert verdict.displacement.displacement is None
+    assert verdict.displacement.z is not None
+    alone = kilter.check(towers(1, hanging=0))
+    assert verdict.displacement.z == pytest.approx(alone.displacement.z, rel=1e-6)
+
+
+@pytest.fixture
+def frames(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The module of the benchmark of bolted frames."""
+    pytest.importorskip("OCP", reason="needs kilter[step]")
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    return importlib.import_module("cad_frames")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("linked", [False, True], ids=["apart", "linked"])
+def test_bolted_frames_need_their_nuts(linked: bool, frames: Any, tmp_path: Path) -> None:
+    file = frames.write_frames(300, 1, tmp_path / "frames.step", linked=linked)
+    assembly = kilter.load(file, ground="base")
+    assert len(assembly.parts) == 309 + 4 * linked
+    verdict = kilter.check(assembly)
+    pairs = zip(assembly.names, verdict.motion.moves, strict=True)
+    moving = {name for name, moves in pairs if moves}
+    assert verdict.verdict == "unstable"
+    assert {name.split("/")[-1] for name in moving} == {"nut", "washer_2"}
+    assert [r.option for r in verdict.remedies if r.leads_to == "stable"] == ["--fasten-suggested"]

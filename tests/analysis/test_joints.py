@@ -293,23 +293,6 @@ def test_joint_of_two_held_parts_carries_nothing():
 # turning ----------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_regions_of_joints():
-    hanging = kilter.region(pendulum())
-    assert hanging.kind == "plane"  # the axis and the rod: nothing turns it
-    assert np.allclose(np.abs(hanging.equations), [[1, 0, 0]], atol=1e-9)
-    ball = kilter.region(pendulum("spherical"))
-    assert ball.kind == "line"
-    assert np.allclose(np.abs(ball.lines), [[0, 0, 1]], atol=1e-9)
-    rail = kilter.region(pendulum("prismatic"))
-    assert rail.kind == "plane"
-    assert np.allclose(np.abs(rail.equations), [[0, 1, 0]], atol=1e-9)
-    assert kilter.region(pendulum("fixed")).kind == "all"
-    for region in (hanging, ball, rail):
-        for proof in region.proofs():  # of forces: upright it also falls by a small push
-            assert verified(reloaded(proof.assembly), proof.data).reasons == ()
-
-
 def test_orientation_of_a_pendulum_is_found_hanging_or_along_its_axis():
     answer = orient(tilted(pendulum("spherical"), Y, 70.0))
     assert answer.found

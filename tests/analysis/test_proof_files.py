@@ -1,27 +1,29 @@
-"""Proofs are refused if any of their numbers is changed, whether or not the digest fits."""
+"""Changed proofs are refused, up to the tolerance of each number."""
+
+from __future__ import annotations
 
 import copy
 import json
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 import stranger
-from builders import (
-    falling_pair,
-    given,
-    hanging_pair,
-    pressed_box,
-    rough_staircase,
-    toppled_box,
-)
+from builders import falling_pair, given, hanging_pair, pressed_box, rough_staircase, toppled_box
 from judged import judged, reloaded, verified
 
 import kilter
-from kilter import Assembly, Box, InputError, Part
+from kilter import Assembly, Bond, Box, InputError, Joint, Part, Pose
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
-from kilter.mechanics.proof import digest_of
+from kilter.mechanics.mechanics_tolerances import AGREES, POWER_ROUNDING
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of, make_proof
+from kilter.mechanics.rows import JOINT
 from kilter.scenes import paper, stacks
+from kilter.scenes.transform import moved
 
 CASES = {
     "forces": rough_staircase,
@@ -95,18 +97,6 @@ def test_proof_has_every_kind_of_number(proven):
     assert ("forces" in kinds) != ("motion" in kinds)
 
 
-@pytest.mark.quick(3)
-@COUNTS
-def test_changed_number_is_refused_by_the_digest(proven, count):
-    assembly, contacts, proof = proven
-    for path in chosen(proof, count):
-        if path[0] == "kilter_proof":
-            continue
-        answer = verify_proof(assembly, contacts, changed(proof, path, fit=False))
-        assert not answer.holds, path
-        assert any("digest" in reason for reason in answer.reasons), path
-
-
 @pytest.mark.quick(5)
 @COUNTS
 def test_changed_number_is_refused_by_the_mechanics(proven, count):
@@ -143,25 +133,6 @@ def rays(proof):
     """All components of a motion, as one unit vector."""
     motion = np.concatenate(list(proof["motion"].values()))
     return motion / np.linalg.norm(motion)
-
-
-def test_motion_that_does_other_work_is_refused(proven):
-    assembly, contacts, proof = proven
-    if "motion" not in proof:
-        return
-    for path in numbers(proof["motion"], ("motion",)):
-        other = changed(proof, path, fit=True)
-        _, power = stranger.opening_and_power(other)
-        if np.linalg.matrix_rank([rays(proof), rays(other)], tol=1e-9) == 1:
-            continue  # the same motion at another speed
-        if abs(power / proof["certificate"]["power"] - 1) > 1e-6:
-            assert not verify_proof(assembly, contacts, other).holds, path
-
-
-def test_format_of_another_number_is_refused(proven):
-    assembly, _, proof = proven
-    with pytest.raises(InputError, match="no kilter proof"):
-        verified(assembly, {**proof, "kilter_proof": 2})
 
 
 FLIPS = {
@@ -234,3 +205,170 @@ def test_a_proof_in_python_lists_the_options_with_which_the_file_was_read(
     assert kilter.verify(answer.assembly, proof).holds
     loaded = kilter.load("shelf.json", ground="a")
     assert kilter.verify("shelf.json", kilter.check(loaded).proof()).holds
+
+
+Proof = dict[str, Any]
+G = 9.81
+
+
+def proof_of(assembly: Assembly, **options: Any) -> Proof:
+    found: Proof = json.loads(json.dumps(kilter.check(assembly, **options).proof()))
+    return found
+
+
+def reasons(assembly: Assembly, proof: Proof, change: Callable[[Proof], object]) -> tuple[str, ...]:
+    other = copy.deepcopy(proof)
+    change(other)
+    other["digest"] = digest_of(other)
+    return kilter.verify(assembly, other).reasons
+
+
+def door(kind: Any, axis: list[float], aside: float) -> Assembly:
+    """A door that a joint bears, far from the origin, its weight beside the joint."""
+    parts = [
+        Part("frame", Box([0.1, 0.1, 0.2]), Pose([7, 3, 0]), grounded=True),
+        Part("door", Box([0.5, 0.025, 1.0]), Pose([7.7, 3.1 + aside, 0.2])),
+    ]
+    joint = Joint(("frame", "door"), kind, point=[7.15, 3.0, 0.1], axis=axis)
+    return Assembly(parts, joints=[joint])
+
+
+@pytest.mark.parametrize(("off", "refused"), [(0.9, False), (1.1, True)])
+@pytest.mark.parametrize("kind", ["revolute", "spherical"])
+def test_a_joint_that_bears_nothing_bears_the_rounding_of_a_weights_rounding(
+    kind: Any, off: float, refused: bool
+) -> None:
+    """Two blocks stand on a floor, a heavy and a light one: nothing goes through their joint."""
+    parts = [
+        Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True),
+        Part("heavy", Box([1, 2, 1]), Pose([-2, 0, 0.5]), mass=50.0),
+        Part("light", Box([0.5, 0.5, 0.5]), Pose([2, 0, 0.25]), mass=3.0),
+    ]
+    axis = None if kind == "spherical" else [0, 0, 1]
+    joint = Joint(("heavy", "light"), kind, point=[0.5, 0, 0.25], axis=axis)
+    assembly = Assembly(parts, joints=[joint])
+    proof = proof_of(assembly)
+    program = build_program(assembly, kilter.contacts(assembly))
+    turning = program.angular & (program.kind == JOINT)
+    size = 3.0 * G * (float(program.arm[turning].max(initial=0.0)) or float(program.radius.min()))
+
+    def carried(other: Proof) -> None:
+        other["joints"][0]["wrench"] = [0.0] * 5 + [off * AGREES**2 * size]
+
+    beyond = f"the {kind} joint of 'heavy' and 'light' has a load that its kind cannot carry"
+    assert (beyond in reasons(assembly, proof, carried)) == refused
+
+
+@pytest.mark.parametrize(("off", "refused"), [(0.98, False), (1.02, True)])
+@pytest.mark.parametrize("aside", [0.0, 2.0])
+@pytest.mark.parametrize(
+    ("kind", "axis", "place"), [("revolute", [0, 0, 1], 5), ("prismatic", [0, 1, 0], 1)]
+)
+def test_what_a_joint_cannot_carry_it_carries_to_rounding_only(
+    kind: str, axis: list[float], place: int, aside: float, off: float, refused: bool
+) -> None:
+    assembly = door(kind, axis, aside)
+    proof = proof_of(assembly)
+    wrench = np.array(proof["joints"][0]["wrench"])
+    program = build_program(assembly, kilter.contacts(assembly))
+    length = float(program.radius[1])  # of the one free part
+    force, torque = np.abs(wrench[:3]).max(), np.abs(wrench[3:]).max()
+    assert min(force, torque) > 1.0
+    about, at = np.array(proof["joints"][0]["point"]), program.point[program.kind == JOINT][0]
+    reach = length + float(np.linalg.norm(about - at))
+    size = reach * force + torque if place > 2 else force + torque / length
+
+    def change(other: Proof) -> None:
+        other["joints"][0]["wrench"][place] += off * AGREES * size
+
+    beyond = f"the {kind} joint of 'frame' and 'door' has a load that its kind cannot carry"
+    assert (beyond in reasons(assembly, proof, change)) == refused
+
+
+@pytest.mark.parametrize(
+    ("factor", "refused"), [(0.5, True), (1 + 0.5 * AGREES, False), (1 + 1.5 * AGREES, True)]
+)
+def test_the_fastest_part_of_a_motion_moves_by_one(factor: float, refused: bool) -> None:
+    assembly = paper.figure_8()
+
+    def change(proof: Proof) -> None:
+        for six in proof["motion"].values():
+            six[:] = [factor * x for x in six]
+
+    found = reasons(assembly, proof_of(assembly), change)
+    assert ("its fastest part does not move by 1" in found) == refused
+
+
+@pytest.mark.parametrize(("off", "refused"), [(0.5, False), (2.0, True)])
+def test_near_a_limit_the_power_agrees_to_the_rounding_of_its_terms(
+    off: float, refused: bool
+) -> None:
+    """A rod on its hinge, its centre a millionth beside it, with gravity along no axis."""
+    rod = Part("rod", Box([0.1, 0.1, 1.0]), Pose([1e-6, 0, 0.5]))
+    frame = Part("frame", Box([0.1, 0.1, 0.1]), Pose([0, 5, 0]), grounded=True)
+    hinge = Joint(("frame", "rod"), "revolute", point=[0, 0, 0], axis=[0, 1, 0])
+    upright = Assembly([frame, rod], joints=[hinge])
+    turn = np.array([0.8, 0.1, 0.5, -0.3]) / np.linalg.norm([0.8, 0.1, 0.5, -0.3])
+    assembly = moved(upright, turn, np.zeros(3))
+    proof = proof_of(assembly)
+    program = build_program(assembly, kilter.contacts(assembly))
+    terms = float(np.abs(program.load[1] * np.array(proof["motion"]["rod"])).sum())
+    assert terms > 1e3 * proof["certificate"]["power"]
+    claimed = proof["certificate"]["power"]
+    most = AGREES * claimed + POWER_ROUNDING * terms
+
+    def change(other: Proof) -> None:
+        other["certificate"]["power"] += off * most
+
+    found = reasons(assembly, proof, change)
+    assert any(reason.startswith("its power is") for reason in found) == refused
+
+
+def mixed(degrees: float) -> Assembly:
+    """A glued pair beside a rough one, on a slope."""
+    parts = []
+    for k, name in enumerate(("glued", "rough")):
+        low = Part(f"{name}-low", Box([1, 1, 1]), Pose([3.0 * k, 0, 0]), grounded=True)
+        high = Part(f"{name}-high", Box([1, 1, 0.01]), Pose([3.0 * k, 0, 0.505]))
+        parts += [low, high]
+    glue = Bond(("glued-low", "glued-high"), pull=100.0, shear=1e5)
+    turn = np.radians(degrees)
+    gravity = [G * np.sin(turn), 0, -G * np.cos(turn)]
+    return Assembly(parts, friction=0.5, gravity=gravity, bonds=[glue])
+
+
+def test_a_pull_beyond_a_bond_beside_contacts_without_one() -> None:
+    def change(proof: Proof) -> None:
+        for force in proof["forces"]:
+            force[2] = 200.0 * np.sign(force[2]) * -1.0
+
+    assembly = mixed(0.0)
+    assert "a force pulls more than its bond" in reasons(assembly, proof_of(assembly), change)
+
+
+def test_friction_beyond_its_cone_beside_a_bond() -> None:
+    def change(proof: Proof) -> None:
+        for force in proof["forces"]:
+            force[1] += 1e3
+
+    assembly = mixed(10.0)
+    found = reasons(assembly, proof_of(assembly), change)
+    assert "a force leaves its cone: its friction exceeds mu times its normal force" in found
+
+
+def test_a_motion_that_an_open_pair_may_hold_proves_nothing() -> None:
+    """A beam tips over the edge of one pillar, a hair above another."""
+    parts = [
+        Part("pillar", Box([1, 1, 1]), Pose([-0.5, 0, -0.5]), grounded=True),
+        Part("lower", Box([0.2, 1, 1]), Pose([0.7, 0, -0.5 - 1.2e-3]), grounded=True),
+        Part("beam", Box([1.3, 1, 0.1]), Pose([0.35, 0, 0.05])),
+    ]
+    assembly = Assembly(parts)
+    contacts = kilter.contacts(assembly, tolerance=kilter.Tolerance(gap=1e-3))
+    verdict = kilter.check(assembly, contacts=contacts)
+    assert verdict.verdict == "undecided"
+    program = build_program(assembly, contacts)
+    found = judge(program)
+    assert found.stable is False
+    proof = json.loads(json.dumps(make_proof(assembly, contacts, program, found.motion, {})))
+    assert any("that proves nothing" in reason for reason in kilter.verify(assembly, proof).reasons)

@@ -1,21 +1,17 @@
-"""Random bonded clusters compared with an independent program in numpy and scipy.linprog.
-
-The program takes only contact points and normals from kilter. The force at a point is at least -s T
-along the normal. Across it the force is unlimited, up to s S, or within a pyramid inside
-Coulomb's cone, depending on the shear of the bond. A pyramid around the cone, and a polygon around
-the disc, give the bound from the other side.
-"""
+"""Bonds against a program written apart, and motions beside them."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from random_bonded import random_bonded
 from scipy.optimize import linprog
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose
 from kilter.analysis.decision.judge import judge
 from kilter.mechanics.program import build_program
+from kilter.mechanics.rows import BONDED
 
 STEPS = np.vstack([np.eye(3), -np.eye(3)])
 SIDES = 24
@@ -174,3 +170,16 @@ def test_a_very_strong_bond_is_a_fixed_joint(seed):
     one = Assembly(whole.parts, gravity=whole.gravity, bonds=strong)
     other = Assembly(whole.parts, gravity=whole.gravity, joints=joined)
     assert kilter.check(one).verdict == kilter.check(other).verdict
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [297])
+def test_the_motion_beside_bonds_with_any_shear_is_verified(seed: int) -> None:
+    assembly = random_bonded(seed).assembly
+    verdict = kilter.check(assembly)
+    assert verdict.why == "refuted"
+    assert (verdict.program.kind == BONDED).any()
+    proof = verdict.proof()
+    assert kilter.verify(assembly, proof).holds
+    proof["friction"]["witness"]["bonds"][0][0] += 1.0
+    assert not kilter.verify(assembly, proof).holds

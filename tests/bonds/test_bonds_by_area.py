@@ -1,4 +1,4 @@
-"""Bonds by area: shares of corners, mortar in bending, forces, rejected input."""
+"""Bonds by area and mortar."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from judged import judged
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose, Prism
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.mechanics.area_shares import area_shares
+from kilter.scenes.mortar import BLOCK, DENSITY, N_PER_MM2, corbel, eccentric_pier, pier_in_wind
 
 G, WEIGHT = 9.81, 9810.0
 BOTH = pytest.mark.parametrize("share", [0.999, 1.001])
@@ -105,3 +107,92 @@ def test_a_margin_that_takes_gravity_for_all_there_is_takes_no_bonds(options):
     parts = [cube("top", z=1.0, grounded=True), cube("low")]
     with pytest.raises(kilter.InputError, match="does not support bonds"):
         kilter.margin(Assembly(parts, bonds=[Bond(("low", "top"), pull=WEIGHT)]), **options)
+
+
+LENGTH, DEPTH, HEIGHT = BLOCK
+AREA = LENGTH * DEPTH
+WEIGHT_MORTAR = DENSITY * AREA * HEIGHT * 9.81
+
+
+def corbel_strength(count, step):
+    """The least tensile strength of the lowest joint [N/mm2]; negative if none is needed."""
+    moment = count * WEIGHT_MORTAR * ((count + 1) * step - LENGTH) / 2
+    return moment / (DEPTH * (LENGTH - step) ** 2 / 2) / N_PER_MM2
+
+
+def greatest_wind(count, strength):
+    """The largest wind pressure that the foot resists [N/m2]."""
+    moment = (count * WEIGHT_MORTAR + strength * N_PER_MM2 * AREA) * DEPTH / 2
+    return moment / (LENGTH * (count * HEIGHT) ** 2 / 2)
+
+
+def greatest_eccentricity(load, strength):
+    """The largest eccentricity that the upper joint resists [m]."""
+    return LENGTH / 2 * (1 + (WEIGHT_MORTAR + strength * N_PER_MM2 * AREA) / load)
+
+
+@pytest.mark.slow
+@BOTH
+@pytest.mark.parametrize(("count", "step"), [(1, 0.3), (5, 0.1), (8, 0.1), (12, 0.05)])
+def test_courses_cantilever_by_the_tension_of_the_lowest_joint(count, step, share):
+    assembly = corbel(count, step=step, strength=share * corbel_strength(count, step))
+    assert judged(assembly).verdict == ("unstable" if share < 1 else "stable")
+
+
+@pytest.mark.quick(1)
+@BOTH
+@pytest.mark.parametrize("count", [3, 7])
+def test_dry_courses_cantilever_up_to_the_edge(count, share):
+    """The limit (n + 1) step = b without tension."""
+    assembly = corbel(count, step=share * LENGTH / (count + 1), strength=0.0)
+    assert judged(assembly).verdict == ("stable" if share < 1 else "unstable")
+
+
+@pytest.mark.slow
+@BOTH
+@pytest.mark.parametrize("strength", [0.0, 0.1])
+def test_a_pier_in_wind_overturns_about_its_foot(strength, share):
+    assembly = pier_in_wind(3, wind=share * greatest_wind(3, strength), strength=strength)
+    verdict = judged(assembly, effort=0)
+    assert (verdict.verdict == "unstable") is (share > 1)
+
+
+@pytest.mark.quick(1)
+@BOTH
+@pytest.mark.parametrize("strength", [0.0, 0.1])
+def test_a_resultant_leaves_the_section_by_what_the_mortar_bears(strength, share):
+    limit = greatest_eccentricity(5000.0, strength)
+    assembly = eccentric_pier(eccentricity=share * limit, strength=strength)
+    assert judged(assembly).verdict == ("unstable" if share > 1 else "stable")
+
+
+@pytest.mark.slow
+def test_margins_say_the_closed_forms():
+    """Margins of the examples: share of the tensile strength, and load factor."""
+    options = {"pushed": [], "effort": 0}
+    share = corbel_strength(8, 0.1) / 0.1
+    assert kilter.margin(corbel(), **options).bond == pytest.approx(share, rel=1e-7)
+    wind = kilter.margin(pier_in_wind(), **options)
+    limit = greatest_wind(4, 0.1) / 2000
+    assert wind.load_factor[1] == pytest.approx(limit, rel=1e-6)
+    assert wind.bond == pytest.approx(
+        (2000 / greatest_wind(4, 0.0) - 1) * 4 * WEIGHT_MORTAR / (0.1 * N_PER_MM2 * AREA), rel=1e-6
+    )
+    assert wind.bond_limit.opens[0].parts == wind.assembly.bonds[0].parts  # at the foot
+    load = kilter.margin(eccentric_pier(), **options)
+    beside = 0.25 - LENGTH / 2
+    limit = (WEIGHT_MORTAR + 0.1 * N_PER_MM2 * AREA) * LENGTH / 2 / beside / 5000
+    assert load.load_factor[1] == pytest.approx(limit, rel=1e-6)
+    assert load.bond_limit.opens[0].parts == load.assembly.bonds[2].parts  # the upper joint
+
+
+@pytest.mark.quick(1)
+@BOTH
+def test_a_pier_slides_where_friction_on_what_the_mortar_adds_is_too_little(share):
+    """The wind on n courses against mu (n W + p A); the foot slides first."""
+    strength, wind = 0.01, 2000.0
+    slips = wind * LENGTH * HEIGHT * 3 / (3 * WEIGHT_MORTAR + strength * N_PER_MM2 * AREA)
+    assembly = pier_in_wind(3, wind=wind, strength=strength, friction=share * slips)
+    assert greatest_wind(3, strength) > wind
+    verdict = judged(assembly, effort=0)
+    assert (verdict.verdict == "unstable") is (share < 1)

@@ -7,7 +7,7 @@ from solids import line as straight
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, Tolerance, check, contacts, margin
-from kilter.analysis.margins.margin import Margin
+from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.transport.carried_set import CarriedSet, LeastAcceleration
 from kilter.contact.common.contact_search import begin_search

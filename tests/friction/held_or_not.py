@@ -5,16 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from kilter.assembly import GivenContact
-from kilter.contact import detect
 from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
-from kilter.mechanics.program import build_program
 from kilter.scenes import friction, rounds, stacks
 from kilter.solvers.clarabel import solve_conic
-
-
-def program(assembly):
-    """Contact rows of an assembly, with their friction."""
-    return build_program(assembly, detect.contacts(assembly))
 
 
 def equilibrium(built):

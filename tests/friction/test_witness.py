@@ -1,25 +1,35 @@
-"""Motions that obey Coulomb's law: found if any exists, exact, and never found otherwise."""
+"""Motions that obey Coulomb's law, near it, and beyond a limit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import random_block
-from held_or_not import (
-    cylinders,
-    equilibrium,
-    program,
-    slope,
-    thin_bracket,
-    worst_by_hand,
-)
+from beyond_limits import beyond_limit, thinnest_arch
+from cases import planar, program, random_block
+from coulomb_oracle import explained
+from held_or_not import cylinders, equilibrium, slope, thin_bracket, worst_by_hand
 from modes_oracle import greatest_power
-from transformations import scaled
+from transformations import tilted
 
-from kilter.analysis.decision.motion import find_motion
+import kilter
+from kilter import Joint
+from kilter.analysis.decision.motion import NO_MOTION_BY_LAW, find_motion
+from kilter.cli import main
+from kilter.friction.law import coulomb_law
 from kilter.friction.motion_search import find_coulomb_motion
+from kilter.friction.near_law import breach, may_obey
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law
 from kilter.scenes import accelerations, friction, stacks, traps, walls
+from kilter.scenes.arches import arch_with_held_ends
+from kilter.scenes.stacks import block_on_slope
+from kilter.tell.tables import NO_ACCELERATION
+from kilter.tell.words import GAINS
 from kilter.work import Work, units_of
+from sampled import sampled
 
 G = 9.81
 
@@ -185,21 +195,6 @@ def test_a_witness_perturbed_or_flipped_is_refused():
         assert not check_law(built, witness.acceleration, forces).holds
 
 
-def test_radians_and_metres_whatever_the_unit_of_the_file():
-    metres = friction.ladder(45.0, planar=False)
-    small = scaled(metres, 1000.0)._replace(units="mm")
-    _, one = found_and_checked(metres)
-    built = program(small)
-    other = find_coulomb_motion(built, work=3)
-    assert other.exact
-    assert np.abs(one.acceleration[:, 3:]).max() > 0.1
-    assert other.acceleration == pytest.approx(one.acceleration, abs=1e-7)
-    ratio = small.geometry.mass[-1] / metres.geometry.mass[-1]
-    assert np.linalg.norm(other.forces.sum(axis=0)) / ratio == pytest.approx(
-        np.linalg.norm(one.forces.sum(axis=0))
-    )
-
-
 @pytest.mark.slow
 def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
     said = []
@@ -212,3 +207,115 @@ def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
     built = program(friction.a_block())
     one, two = (find_coulomb_motion(built, work=2, seed=3) for _ in range(2))
     assert np.array_equal(one.acceleration, two.acceleration)
+
+
+WITNESSED = {
+    "H": friction.h_block(),
+    "planar H": planar(friction.h_block()),
+    "books": friction.books(2),
+    "a slope too steep": stacks.block_on_slope(40.0, friction=0.5),
+    "a planar slope": planar(stacks.block_on_slope(40.0, friction=0.5)),
+    "joints": tilted(
+        stacks.tower(2).with_friction(0.5)._replace(joints=[Joint(("cube-1", "cube-2"))]),
+        [0, 1, 0],
+        35.0,
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=WITNESSED)
+def witnessed(request):
+    """Law, and x and scaled forces of a motion that obeys it."""
+    built = program(WITNESSED[request.param])
+    law, witness = coulomb_law(built), find_coulomb_motion(built, work=1)
+    assert witness.exact
+    own = np.einsum("kij,kj->ki", law.basis, witness.forces)
+    return law, law.columns(witness.acceleration), own * (law.sigma / law.strength)[:, None]
+
+
+@pytest.mark.quick(1)
+def test_a_witness_is_not_dismissed_and_has_no_breach(witnessed):
+    law, x, forces = witnessed
+    assert may_obey(law, x, forces)
+    assert abs(breach(law, x, forces)) < 1e-8
+
+
+@pytest.mark.quick(2)
+def test_what_is_dismissed_would_not_pass(witnessed):
+    """Errors of all sizes: the two checks differ by at most the allowance."""
+    law, x, forces = witnessed
+    rng, said = np.random.default_rng(0), []
+    for size in np.geomspace(1e-13, 1e-2, 23):
+        off = x + size * rng.normal(size=x.shape)
+        pushes = forces + size * rng.normal(size=forces.shape) * (forces != 0)
+        exact = check_law(law.program, law.acceleration(off), law.forces(pushes)).holds
+        said.append((may_obey(law, off, pushes), exact))
+    assert all(cheap or not exact for cheap, exact in said)
+    assert said[0] == (True, True)
+    assert said[-1] == (False, False)
+
+
+def test_a_motion_that_loses_power_is_dismissed(witnessed):
+    law, x, forces = witnessed
+    assert not may_obey(law, -x, forces)
+    assert not may_obey(law, 0 * x, forces)
+
+
+def test_a_breach_is_the_power_of_a_force_where_it_may_not_push():
+    """The breach of a falling block with forces f at its corners is their power."""
+    law = coulomb_law(program(stacks.block_on_slope(0.0, friction=0.5)))
+    pushes = np.zeros((len(law.mu), 3))
+    pushes[:, 0] = 0.25
+    up = -law.load
+    assert breach(law, up, pushes) == pytest.approx(float((law.matrix @ up) @ pushes.ravel()))
+    assert breach(law, up, pushes) > 0.1
+    assert breach(law, 0 * up, pushes) == 0
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("seed", sampled(9, 36))
+def test_a_motion_beyond_a_limit_obeys_the_law_and_that_without_friction_does_not(seed):
+    verdict = kilter.check(beyond_limit(seed).assembly)
+    assert verdict.verdict == "unstable"
+    assert verdict.motion.known
+    assert explained(verdict.modelled, verdict.motion.acceleration).obeys
+    smooth = find_motion(verdict.modelled.with_rows(mu=0.0 * verdict.modelled.mu))
+    assert not explained(verdict.modelled, smooth.acceleration).obeys
+
+
+@pytest.mark.slow
+def test_a_thin_arch_turns_about_hinges_ever_slower_toward_its_limit():
+    """Accelerations vanish in proportion to the distance from the critical thickness."""
+    limit, found = thinnest_arch(20), []
+    for distance in (1e-2, 1e-3):
+        arch = arch_with_held_ends(20, thickness=limit * (1 - distance), inner=5.0, friction=0.7)
+        verdict = kilter.check(arch)
+        assert all(verdict.words(name).startswith("tips about ") for name in verdict.moving)
+        found.append(float(np.linalg.norm(verdict.motion.acceleration, axis=1).max()) / distance)
+    assert found[1] == pytest.approx(found[0], rel=0.05)
+
+
+@pytest.fixture
+def unfound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A file of a block that slides, whose motion no search finds."""
+    name = "kilter.friction.motion_search.find_coulomb_motion"
+    monkeypatch.setattr(name, lambda *_, **__: None)
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(block_on_slope(30.0, friction=0.5), "slope.json")
+    return "slope.json"
+
+
+def test_where_no_motion_is_found_the_answer_says_so_and_shows_that_of_the_proof(unfound, capsys):
+    assert main(["check", unfound, "--json", "--quiet"]) == 1
+    answer = json.loads(capsys.readouterr().out)
+    (block,) = (part for part in answer["parts"] if part["moves"])
+    assert block["acceleration"] is None
+    assert block["motion"].endswith(GAINS)
+    assert " g" not in block["motion"].removesuffix(GAINS)
+    assert answer["summary"].endswith(GAINS)
+    assert answer["instability"] is None
+    assert NO_MOTION_BY_LAW in answer["warnings"]
+    assert main(["check", unfound, "--quiet"]) == 1
+    out = capsys.readouterr().out
+    assert GAINS in out
+    assert NO_ACCELERATION in out

@@ -149,28 +149,6 @@ def test_orient_takes_the_middle_and_says_what_it_promises():
     assert "Forces that hold it exist" in answer.sentence
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("count", "ratio"), [(3, 0.1), (4, 0.1), (5, 0.1), (6, 0.1), (4, 0.3)])
-def test_arches_in_space_agree_with_judge(count, ratio):
-    """Thin arches have few corners, each found again and again a little aside."""
-    arch = arches.arch(count, ratio=ratio, radius=1.0, planar=False)
-    program = program_of(arch)
-    found = friction_cone(program)
-    assert found.proved
-    assert found.cone.kind == ("none" if count == 6 else "cone")
-    rays = found.cone.rays
-    if len(rays):
-        apart = np.linalg.norm(rays[:, None] - rays[None], axis=2) + 4 * np.eye(len(rays))
-        assert apart.min() > 1e-5
-    random = np.random.default_rng(count)
-    asked = np.vstack([rays[:5] + 0.02 * random.normal(size=(len(rays[:5]), 3)), -np.eye(3)])
-    asked /= np.linalg.norm(asked, axis=1)[:, None]
-    held, excluded = found.cone.contains(asked), beyond(found, asked)
-    for down, inside, outside in zip(asked, held, excluded, strict=True):
-        if inside or outside:
-            assert judge(program.turned(down)).stable is bool(inside)
-
-
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mu", [0.3, 0.8])
 def test_a_line_of_contact_has_a_fan(mu):

@@ -1,23 +1,40 @@
-"""The worst case over intervals: every assembly within them is at least as safe."""
+"""Uncertain data, loads on parts, and what helps."""
 
 from __future__ import annotations
 
 import dataclasses
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from margins import program_of, small_assembly
 
 import kilter
+from kilter import Assembly, Box, Load, Part, Pose, margin
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.margins import following_forces, uncertainty
 from kilter.analysis.margins.tilt import find_tilt_margin
-from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
+from kilter.analysis.margins.uncertainty import (
+    Ranges,
+    _by_corners,
+    _by_following,
+    corner,
+    find_uncertainty,
+)
+from kilter.analysis.margins.what_helps import what_helps
 from kilter.arrays import cross
+from kilter.assembly.bricks.brick_assembly import bricks_of
+from kilter.mechanics.program import build_program
 from kilter.mechanics.rows import CONTACT
-from kilter.scenes import stacks, walls
+from kilter.scenes import arches, rounds, stacks, walls
+from kilter.scenes.pieces import block, floor
 from kilter.tell.facts import facts
+from kilter.tell.tables import load_table
+
+sys.path.append(str(Path(__file__).parents[1] / "bricks"))
+from bricks_apart import least_share
 
 X = np.array([1.0, 0.0, 0.0])
 
@@ -166,11 +183,208 @@ def test_a_failure_is_not_taken_for_what_is_not_held(monkeypatch, corners):
     assert said["worst case"] == "not known: the solver failed"
 
 
+@pytest.mark.quick(2)
+@pytest.mark.parametrize(("share", "held"), [(0.3, True), (0.4, True), (0.5, False), (1.0, False)])
+def test_a_block_under_a_side_load_is_held_up_to_its_friction(share: float, held: bool) -> None:
+    """Mu .5, masses down to .9 of the given: held while the load is below .45 of the weight."""
+    table = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
+    block = Part("block", Box([2, 2, 0.2]), Pose([0, 0, 0.1]), mass=10.0)
+    load = Load("block", [share * 10.0 * 9.81, 0, 0])
+    assembly = Assembly([table, block], friction=0.5, loads=[load])
+    program = build_program(assembly, kilter.contacts(assembly))
+    ranges = Ranges(mass=(0.9, 1.1))
+    corners = _by_corners(program, ranges, None, "exact")
+    following = _by_following(program, ranges, None)
+    assert following is not None
+    assert (corners.held, following.held) == (held, held)
+
+
+def by_kind(helps):
+    return {one.what: one for one in helps}
+
+
+def offset_pair(mu=(0.35, 0.3), above=700.0) -> Assembly:
+    """A light block on a heavy one, with two coefficients of friction, not symmetric."""
+    parts = [
+        floor([-3, -3], [3, 3]),
+        block("low", [-0.5, -0.7, 0], [0.6, 0.7, 0.5], density=1500.0),
+        block("high", [-0.4, -0.5, 0.5], [0.35, 0.5, 1.5], density=above),
+    ]
+    from kilter.assembly import FrictionPair
+
+    pairs = [FrictionPair(("floor", "low"), mu[0]), FrictionPair(("low", "high"), mu[1])]
+    return Assembly(parts, friction_pairs=pairs)
+
+
+def degrees(program) -> float:
+    return float(np.degrees(find_tilt_margin(program).angle))
+
+
+def with_mu(program, parts, more):
+    a, b = (program.names.index(name) for name in parts)
+    rows = (program.part_a == a) & (program.part_b == b)
+    return program.with_rows(mu=program.mu + more * rows)
+
+
+def with_mass(program, part, share):
+    mass = program.mass.copy()
+    mass[program.names.index(part)] *= 1 + share
+    return program.with_rows(mass=mass)
+
+
 @pytest.mark.slow
-def test_without_intervals_the_worst_case_is_the_margin():
-    program = program_of(small_assembly(1))
-    worst = find_uncertainty(program, Ranges(), push=X)
-    found = find_tilt_margin(program)
-    assert worst.tilt_deg == pytest.approx(float(np.degrees(found.angle)), abs=1e-8)
-    limit = find_limit(program, gravity_wrench(program, X))
-    assert worst.load_factor[1] == pytest.approx(limit.value, abs=1e-8)
+def test_friction_that_helps_the_tilt_is_that_of_the_law():
+    """The upper block slides at atan mu until the lower one does."""
+    program = program_of(offset_pair())
+    found = by_kind(what_helps(program, find_tilt_margin(program), None, None, held=()))["friction"]
+    assert found.parts == ("low", "high")
+    gain = np.degrees(np.arctan(0.35) - np.arctan(0.3))
+    assert found.gain == pytest.approx(gain, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_mass_that_helps_the_tilt_moves_the_centre():
+    """The pair topples together over x = -0.5: tan is the lever over the height of the centre."""
+    program = program_of(offset_pair(mu=(2.0, 2.0), above=7000.0))
+    found = by_kind(what_helps(program, find_tilt_margin(program), None, None, held=()))["mass"]
+    assert (found.parts, found.by) == (("low",), 0.1)
+    low, high = 1500 * 1.1 * 1.4 * 0.5, 7000 * 0.75 * 1.0 * 1.0
+
+    def tilt(below):
+        moment = below * np.array([0.05, 0.25]) + high * np.array([-0.025, 1.0])
+        center = moment / (below + high)
+        return np.degrees(np.arctan((center[0] + 0.5) / center[1]))
+
+    assert found.gain == pytest.approx(tilt(1.1 * low) - tilt(low), rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("build", "push"),
+    [
+        (lambda: arches.arch(20), None),
+        (lambda: two_slabs(), None),
+        (lambda: rounds.three_cylinders(), None),
+        (lambda: walls.ferris_tin_loi(1), X),
+        (lambda: walls.ferris_tin_loi(3), X),
+    ],
+    ids=["arch", "two slabs", "cylinders", "wall 1", "wall 3"],
+)
+def test_a_gain_is_that_of_the_changed_assembly(build, push):
+    """Several mechanisms start at each of these limits: the derivatives of one are wrong."""
+    assembly = build()
+    program = program_of(assembly)
+
+    def margin(changed):
+        if push is None:
+            return degrees(changed)
+        return find_limit(changed, gravity_wrench(changed, push)).value
+
+    tilt = find_tilt_margin(program) if push is None else None
+    factor = None if push is None else find_limit(program, gravity_wrench(program, push))
+    for one in what_helps(program, tilt, factor, push, held=()):
+        changed = (
+            with_mu(program, one.parts, one.by)
+            if one.what == "friction"
+            else with_mass(program, one.parts[0], one.by)
+        )
+        assert one.gain > 0
+        assert margin(changed) - margin(program) == pytest.approx(one.gain, rel=1e-6)
+
+
+def test_more_friction_under_one_of_two_equal_slabs_is_not_listed():
+    program = program_of(two_slabs())
+    helps = what_helps(program, find_tilt_margin(program), None, None, held=())
+    assert "friction" not in by_kind(helps)
+
+
+def two_slabs() -> Assembly:
+    """Two equal slabs side by side, which start to slide at the same tilt."""
+    parts = [floor([-5, -5], [5, 5])]
+    parts += [block(f"slab-{k}", [3 * k, 0, 0], [3 * k + 1, 1, 0.2]) for k in range(2)]
+    return Assembly(parts, friction=0.3)
+
+
+def test_what_helps_against_a_given_load():
+    """A load at the middle of a block that slides: its mass and its friction help alike."""
+    slab = stacks.block_on_slope(0.0, friction=0.4)
+    program = program_of(dataclasses.replace(slab, loads=[Load("block", force=[100.0, 0, 0])]))
+    base = program.with_rows(applied=np.zeros_like(program.applied))
+    limit = find_limit(base, program.applied)
+    found = by_kind(what_helps(program, None, limit, None, held=[1]))
+    weight = 9810.0
+    assert limit.value == pytest.approx(0.4 * weight / 100, rel=1e-8)
+    assert found["friction"].gain == pytest.approx(0.1 * weight / 100, rel=1e-6)
+    assert found["mass"].gain == pytest.approx(0.1 * 0.4 * weight / 100, rel=1e-6)
+    assert np.isinf(found["hold"].gain)
+
+
+G = 9.81
+WEIGHT = 1000 * G
+
+
+def cube(name, x=0.0, z=0.0, **more):
+    return Part(name, Box([1, 1, 1]), Pose([x, 0, z]), **more)
+
+
+def loads_of(assembly, **more):
+    return {one.part: one for one in margin(assembly, loads=True, effort=0, **more).loads}
+
+
+@pytest.mark.slow
+def test_a_beam_on_an_edge_takes_what_it_weighs_on_the_other_side():
+    # 3 long, its middle 0.5 inside the edge of the table; the block is on what stands out
+    table = Part("table", Box([2, 1, 1]), Pose([-1, 0, -1]), grounded=True)
+    beam = Part("beam", Box([3, 1, 1]), Pose([-0.5, 0, 0]))
+    block = cube("block", x=0.5, z=1.0, mass=1.0)
+    found = loads_of(Assembly([table, beam, block]))
+    assert found["beam"].load == np.inf
+    assert found["beam"].to_dict(margin(Assembly([table, beam])).program)["load"] is None
+    # about the edge at 0: W 0.5 = (F + m g) 0.5
+    limit = 3 * WEIGHT - G
+    assert found["block"].load == pytest.approx(limit, rel=1e-6)
+    assert limit <= found["block"].beyond * (1 + 1e-9) <= limit * 1.001
+
+
+@pytest.mark.slow
+def test_loads_of_bricks_are_those_of_the_program_apart(tmp_path):
+    path = tmp_path / "stair.txt"
+    path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(6)))
+    assembly = kilter.load(path)
+    model, rules, _ = bricks_of(assembly)
+    free = model.take(~model.held)
+    rows = np.column_stack([free.corner // [1, 1, 3], free.size[:, :2], free.mass])
+    found = loads_of(assembly, pushed=["2x4-2", "2x4-4", "2x4-6"])
+    assert len(found) == 3
+    for k in (1, 3, 5):
+        for share in (0.999, 1.001):
+            heavier = rows.copy()
+            heavier[k, 5] += share * found[f"2x4-{k + 1}"].load / 9.8
+            assert (least_share(heavier, pull=rules.pull) < 1) is (share < 1)
+
+
+def test_what_falls_takes_no_load():
+    found = margin(Assembly([cube("base", grounded=True), cube("c", x=0.6, z=1.0)]), loads=True)
+    assert found.loads == ()
+    assert found.missing["load on c"] == "none"
+    assert any("no push and no load" in text for text in found.warnings)
+
+
+def test_the_table_names_the_least_load_first():
+    def one(part, load):
+        mass = None if load is None else load / G
+        return {"part": part, "load": load, "mass": mass, "moves": [part] * (load is not None)}
+
+    table = load_table(
+        {
+            "level": "proved",
+            "at_level": None,
+            "loads": [one("a", None), one("b", 9.81), one("c", 0.0981)],
+        }
+    )
+    assert [row[:3] for row in table.rows(9)] == [
+        ("c", "98.1 mN", "10 g"),
+        ("b", "9.81 N", "1 kg"),
+        ("a", "unlimited", ""),
+    ]
+    assert table.rows(1)[0][3] == "then c starts to move"

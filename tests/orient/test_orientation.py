@@ -1,22 +1,23 @@
-"""The answer in full: the orientation with the widest margin, or the nearest to stable."""
+"""Orientations that are found, and worked by hand."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
+import math
 
 import numpy as np
 import pytest
 from free_form import free_form_on_a_floor
+from scipy.spatial.transform import Rotation
 from transformations import as_single
-from turning import ALL, angle_from_down, slot_and_float
+from turning import ALL, slot_and_float
 
 import kilter
-from kilter import InputError, Load, check
-from kilter.analysis.turning.orientation import orient
+from kilter import Assembly, InputError, Load, Part, check, orient
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import paper, scene, stacks, walls, wedges
-from kilter.scenes.pieces import turn
+from kilter.scenes.pieces import block, turn
 from kilter.scenes.transform import moved
 
 PLANAR = pytest.mark.parametrize("planar", [False, True])
@@ -33,35 +34,6 @@ def proved(assembly, answer):
     if assembly.planar:
         assert answer.rotation[[1, 3]] == pytest.approx([0.0, 0.0], abs=1e-15)
     return answer
-
-
-@pytest.mark.slow
-@PLANAR
-@pytest.mark.parametrize(
-    ("chamfer", "mass_b", "expected"),
-    [(45, 1, 45.0), (60, 1, 60.0), (45, 2, 63.43494882), (60, 2, 73.89788625)],
-)
-def test_two_blocks_in_an_l(planar, chamfer, mass_b, expected):
-    assembly = paper.two_blocks_in_an_l(chamfer, mass_b=mass_b, planar=planar)
-    answer = proved(assembly, orient(assembly))
-    assert angle_from_down(answer.down) == pytest.approx(expected, abs=1e-6)
-    assert answer.tilt_margin_deg == 0.0
-    assert answer.warnings
-
-
-def test_figure_10_planar_has_a_margin():
-    assembly = paper.figure_10(planar=True)
-    answer = proved(assembly, orient(assembly))
-    assert angle_from_down(answer.down) == pytest.approx(45.0, abs=1e-6)
-    assert answer.tilt_margin_deg == pytest.approx(45.0, abs=1e-6)
-
-
-@pytest.mark.quick(1)
-@PLANAR
-def test_figure_1_b_is_found(planar):
-    assembly = paper.figure_1(planar=planar)
-    answer = proved(assembly, orient(assembly))
-    assert angle_from_down(answer.down) == pytest.approx(45.0, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -185,3 +157,86 @@ def test_the_recommended_direction_has_no_components_from_rounding() -> None:
     for degrees in (3.0, 5.0):
         leaning = walls.tilted_wall(degrees, courses=3, per_course=3)
         assert kilter.orient(leaning).down.tolist() == [0.0, 0.0, -1.0]
+
+
+WALLS = [
+    block("floor", [-100, -100, -100], [200, 200, 0], grounded=True),
+    block("left", [-100, -100, 0], [0, 200, 200], grounded=True),
+    block("back", [0, -100, 0], [200, 0, 200], grounded=True),
+]
+CUBE = block("cube", [0, 0, 0], [100, 100, 100], density=2000.0)
+HALF = math.degrees(math.asin(1 / math.sqrt(3)))
+"""Angle between the axis of the corner and its walls."""
+
+
+def found(*parts: Part, ask=kilter.orient) -> dict:
+    return ask(Assembly([*WALLS, *parts], units="mm")).to_dict()
+
+
+def test_a_cube_rests_in_a_corner_with_its_axis_along_gravity() -> None:
+    answer = found(CUBE)
+    assert answer["down"] == pytest.approx([-1 / math.sqrt(3)] * 3, abs=1e-9)
+    assert answer["tilt_margin_deg"] == pytest.approx(HALF, abs=1e-6)
+    assert answer["region"]["half_angle_deg"] == pytest.approx(HALF, abs=1e-6)
+    w, *xyz = answer["rotation"]
+    turn = Rotation.from_quat([*xyz, w])
+    assert turn.apply(answer["down"]) == pytest.approx([0, 0, -1])
+    # the least turn: about an axis across both directions, by the angle between them
+    assert turn.magnitude() == pytest.approx(math.acos(1 / math.sqrt(3)))
+    assert (answer["z"], answer["instability"]) == (0, 0)
+    assert answer["residual"] <= 1e-9
+
+
+@pytest.mark.slow
+def test_a_cube_that_floats_beside_it_falls_in_every_direction() -> None:
+    """Of 2 kg beside 2 kg in the corner: z = -2 |g| by the 1-norm, kappa^2 = 2 / 4."""
+    answer = found(CUBE, block("floater", [120, 120, 120], [220, 220, 220], density=2000.0))
+    nearest = answer["nearest"]
+    # per freedom at most 1 mm: the load of the floater is -z = 2 kg (|gx| + |gy| + |gz|)
+    assert nearest["diamond"]["value"] == pytest.approx(-2)
+    assert np.abs(nearest["diamond"]["direction"]).sum() == pytest.approx(1)
+    for name in ("sphere", "diamond"):
+        motion = np.array(nearest[name]["motion"])
+        assert np.abs(motion).max() <= 1 + 1e-9
+        gained = 2 * (motion[3:, :3] @ nearest[name]["direction"]).sum()
+        assert gained == pytest.approx(-nearest[name]["value"])
+    # the 1-norm is least on the sphere along an axis
+    assert nearest["sphere"]["value"] == pytest.approx(-2)
+    assert np.linalg.norm(nearest["sphere"]["direction"]) == pytest.approx(1)
+    kappa = nearest["kappa"]
+    assert kappa["value"] == pytest.approx(math.sqrt(0.5), abs=1e-6)
+    assert math.sqrt(0.5) - 1e-3 <= kappa["bound"] <= math.sqrt(0.5)
+    fallen = np.array(kappa["motion"])
+    assert fallen[4, :3] == pytest.approx(9.81 * np.array(kappa["direction"]), abs=1e-6)
+    assert fallen[3] == pytest.approx([0] * 6, abs=1e-6)
+    assert answer["instability"] == pytest.approx(math.sqrt(0.5))
+    # at the named orientation only the floater falls, at g
+    cube, floater = answer["parts"][3:]
+    assert floater["acceleration"] == pytest.approx([*(9.81 * np.array(answer["down"])), 0, 0, 0])
+    assert (floater["mass"], floater["relative"]) == (2, pytest.approx([1, 0]))
+    assert cube["acceleration"] == pytest.approx([0] * 6, abs=1e-9)
+    assert floater["displacement"][:3] == pytest.approx(answer["down"], abs=1e-9)
+    assert answer["z"] == pytest.approx(-2)
+
+
+def test_a_second_cube_at_a_gap_has_the_region_of_the_corner_if_it_is_joined() -> None:
+    near = block("near", [100.01, 0, 0], [200.01, 100, 100])
+    answer = found(CUBE, near, ask=kilter.region)
+    (pair,) = answer["open_pairs"]
+    assert pair["gap"] == pytest.approx(1e-2)
+    joined = answer["if_joined"]
+    for key in ("rays", "facets"):
+        assert np.array(sorted(joined[key])) == pytest.approx(-np.eye(3), abs=1e-6)
+    assert (joined["lines"], joined["equations"]) == ([], [])
+    assert joined["half_angle_deg"] == pytest.approx(HALF, abs=1e-6)
+
+
+def test_a_second_cube_in_a_channel_has_the_region_of_the_channel_if_it_is_joined() -> None:
+    """Walls on both sides along x: gravity lies in the plane of x and z, not upward."""
+    right = block("right", [100, -100, 0], [200, 300, 200], grounded=True)
+    parts = [WALLS[0], WALLS[1], right, CUBE, block("near", [0, 100.01, 0], [100, 200.01, 100])]
+    joined = kilter.region(Assembly(parts, units="mm")).to_dict()["if_joined"]
+    assert np.abs(joined["lines"]) == pytest.approx(np.array([[1, 0, 0]]), abs=1e-9)
+    assert np.abs(joined["equations"]) == pytest.approx(np.array([[0, 1, 0]]), abs=1e-9)
+    for key in ("rays", "facets"):
+        assert np.array(joined[key]) == pytest.approx(np.array([[0, 0, -1]]), abs=1e-9)

@@ -1,18 +1,23 @@
-"""Packing plans: the first item that falls, its reason, lists with faults."""
+"""Packing plans: their states, loads on top, and the environment of learners."""
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import math
+from collections.abc import Iterable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 import kilter
-from kilter.analysis.placing.check_plan import check_plan
+from kilter import InputError, check_plan, contacts
+from kilter.analysis.placing import plan_states as states
+from kilter.assembly.question import Question
 from kilter.cli import main
-from kilter.errors import InputError
 from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "packing" / "bed_bpp_plans.json"
@@ -195,3 +200,204 @@ def test_a_roll_container_stands_between_its_walls() -> None:
     held = check_plan(plan, friction=0.5, walls=walls, require="equilibrium")
     assert held.first is None
     assert held.stands
+
+
+STEP = 0.1
+POST = kilter.Part("post", kilter.Box([0.5, 2, 0.2]), kilter.Pose([1.4, 1, 0.1]), grounded=True)
+LOOSE = kilter.Part("loose", kilter.Box([0.2, 0.2, 0.2]), kilter.Pose([-2, 0, 0.1]), mass=1)
+PIN = kilter.Part("pin", kilter.Cylinder(0.1, 1), kilter.Pose([-0.1, 0.2, 0.5]), grounded=True)
+ARGUMENTS: list[dict[str, Any]] = [
+    {},
+    {"friction": 0.3},
+    {"walls": (1.2, 1.2)},
+    {"held": kilter.Assembly([POST])},
+    {"held": kilter.Assembly([LOOSE])},
+    {"held": kilter.Assembly([PIN])},
+    {"pallet": (1.0, 1.0), "friction": 0.3, "require": "equilibrium"},
+    {"require": "strict"},
+]
+
+
+def dropped(seed: int, count: int = 7) -> PackingPlan:
+    """Boxes at the lowest of a few random places, on the highest box under them; some fall."""
+    random = np.random.default_rng(seed)
+    boxes: list[PackedBox] = []
+    for k in range(count):
+        sides = random.integers([2, 2, 1], [8, 8, 3])
+        corners = random.integers(0, [12, 12] - sides[:2] + 1, size=(8, 2))
+        places = [(_height_under(boxes, corner, sides), *corner.tolist()) for corner in corners]
+        z, x, y = min(places)
+        limit = float(random.choice([1, 20])) if seed % 2 and k % 3 == 0 else None
+        length, width, height = (STEP * sides).tolist()
+        mass, corner = float(random.choice([1, 5, 20])), (STEP * x, STEP * y, STEP * z)
+        boxes.append(PackedBox(f"b{k}", (length, width, height), mass, corner, k + 1, limit))
+    return PackingPlan(tuple(boxes), "m")
+
+
+def _height_under(boxes: list[PackedBox], corner: Any, sides: Any) -> int:
+    """Height of the highest box under a place [steps]."""
+    height = 0
+    for box in boxes:
+        low, size = (np.rint(np.divide(x, STEP)).astype(int) for x in (box.corner, box.size))
+        if (corner < (low + size)[:2]).all() and (corner + sides[:2] > low[:2]).all():
+            height = max(height, int(low[2] + size[2]))
+    return height
+
+
+def grid(*counts: int) -> PackingPlan:
+    """Boxes that touch their neighbours on all sides, layer by layer."""
+    places = [(x, y, z) for z, y, x in np.ndindex(*reversed(counts))]
+    return PackingPlan(
+        tuple(
+            PackedBox(f"b{k}", (0.3, 0.3, 0.2), 5, (0.3 * x, 0.3 * y, 0.2 * z), k + 1)
+            for k, (x, y, z) in enumerate(places)
+        ),
+        "m",
+    )
+
+
+def data_of(plan: PackingPlan, arguments: dict[str, Any]) -> dict[str, Any]:
+    return {**check_plan(plan, **arguments).to_dict(), "seconds": None}
+
+
+def by_stacks(plan: PackingPlan) -> list[bool]:
+    """Whether the stacks decide each state."""
+    whole = plan.assembly().with_floor()
+    found = states.plan_states(Question(assembly=whole, contacts=contacts(whole)), len(plan.boxes))
+    return [state.verdict is None for state in found]
+
+
+def compare(seeds: Iterable[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    cases = [(dropped(seed), ARGUMENTS[seed % len(ARGUMENTS)]) for seed in seeds]
+    by_forces = [data_of(*case) for case in cases]
+    monkeypatch.setattr(states, "_has_stacks", lambda *_: False)
+    assert by_forces == [data_of(*case) for case in cases]
+    assert {data["first"] is None for data in by_forces} == {True, False}
+
+
+def test_stacks_and_checks_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    compare((1, 8), monkeypatch)
+
+
+def test_a_tipping_box_ends_the_proofs_by_stacks() -> None:
+    """The centre of 'c' lies beside 'a'; the later box 'd' is a counterweight on its other end."""
+    base, size = PackedBox("a", (1, 1, 1), 9, (0, 0, 0), 1), (1.0, 1.0, 1.0)
+    other = PackedBox("b", size, 1, (3, 0, 0), 2)
+    tips = PackedBox("c", (2.2, 1, 1), 1, (0, 0, 1), 3)
+    holds = PackedBox("d", size, 5, (0, 0, 2), 4)
+    plan = PackingPlan((base, other, tips, holds), "m")
+    assert by_stacks(plan) == [True, True, False, True]
+    assert [item.verdict for item in check_plan(plan).items] == [
+        *["stable"] * 2,
+        "unstable",
+        "stable",
+    ]
+
+
+def test_wrong_forces_of_a_stack_prove_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = grid(1, 1, 3)
+    assert by_stacks(plan) == [True] * 3
+    right = states.resting_forces
+    monkeypatch.setattr(states, "resting_forces", lambda *given: 1.001 * right(*given))
+    assert by_stacks(plan) == [False] * 3
+
+
+HEADER_LOADS = "name,length,width,height,mass,x,y,z,max_load/kg\n"
+COLUMN = "a,1,1,1,9,0,0,0,{}\nb,1,1,1,2,0,0,1,\nc,1,1,1,3,0,0,2,\n"
+BRIDGE = "a,1,1,1,9,0,0,0,{}\nb,1,1,1,9,2,0,0,\nc,3,1,1,4,0,0,1,\n"
+NARROW = "a,0.02,1,1,9,0,0,0,{}\nb,0.02,1,1,9,2.98,0,0,\nc,3,1,1,4,0,0,1,\nd,0.1,1,1,6,0.7,0,2,\n"
+NEAR = 1e-6
+
+
+def written_loads(folder: Path, rows: str, limit: object) -> Path:
+    path = folder / "plan.csv"
+    path.write_text(HEADER_LOADS + rows.format(limit), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_boxes_in_a_column(tmp_path: Path, friction: float) -> None:
+    """All of the weight above rests on the lowest top: 2 + 3 kg."""
+    below = check_plan(written_loads(tmp_path, COLUMN, 5 * (1 - NEAR)), friction=friction)
+    assert below.overload is not None
+    assert below.first is None
+    assert (below.overload.item, below.overload.after) == ("a", 3)
+    assert below.overload.load == pytest.approx(5, rel=1e-9)
+    above = check_plan(written_loads(tmp_path, COLUMN, 5 * (1 + NEAR)), friction=friction)
+    assert above.overload is None
+    assert above.items[0].top_load == pytest.approx(5, rel=1e-9)
+    assert above.items[1].top_load is None
+
+
+def test_a_bridge_on_two_wide_boxes(tmp_path: Path) -> None:
+    """The lever rule with the force on 'a' at its outer end, x = 0, and on 'b' at its inner end.
+
+    About x = 2: load 2 = 4 (2 - 1.5), so the least load is 1 kg, not half of the weight.
+    """
+    assert check_plan(written_loads(tmp_path, BRIDGE, 1 - NEAR)).overload is not None
+    assert check_plan(written_loads(tmp_path, BRIDGE, 1 + NEAR)).overload is None
+
+
+def test_a_loaded_bridge_on_two_narrow_boxes(tmp_path: Path) -> None:
+    """Forces at x = 0 and x = 2.98: load 2.98 = 4 (2.98 - 1.5) + 6 (2.98 - 0.75)."""
+    load = (4 * 1.48 + 6 * 2.23) / 2.98
+    over = check_plan(written_loads(tmp_path, NARROW, load * (1 - NEAR))).overload
+    assert over is not None
+    assert over.after == 4
+    assert check_plan(written_loads(tmp_path, NARROW, load * (1 + NEAR))).overload is None
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(written_loads(tmp_path, COLUMN, 4))
+    assert main(["check-plan", path, "--quiet"]) == 1
+    words = "Item 3, 'c', overloads 'a': its top must carry 5 kg, and its limit is 4 kg."
+    assert words in " ".join(capsys.readouterr().out.split())
+    assert main(["check-plan", path, "--json", "--quiet"]) == 1
+    assert json.loads(capsys.readouterr().out)["overload"]["max_load"] == 4
+    assert main(["check-plan", str(written_loads(tmp_path, COLUMN, 6)), "--quiet"]) == 0
+
+
+def test_an_invalid_limit(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="line 2: max_load is -1"):
+        load_plan(written_loads(tmp_path, COLUMN, -1))
+    with pytest.raises(InputError, match="line 2: max_load is 'heavy'"):
+        load_plan(written_loads(tmp_path, COLUMN, "heavy"))
+    path = tmp_path / "newton.csv"
+    path.write_text(HEADER_LOADS.replace("/kg", "/N") + COLUMN.format(1), encoding="utf-8")
+    with pytest.raises(InputError, match="line 1: max_load in 'N'"):
+        load_plan(path)
+
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "packing_env.py"
+
+
+def example() -> ModuleType:
+    pytest.importorskip("gymnasium", reason="gymnasium is not installed: pip install gymnasium")
+    spec = importlib.util.spec_from_file_location("packing_env", EXAMPLE)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_environment_keeps_the_rules_of_gymnasium() -> None:
+    module = example()
+    from gymnasium.utils.env_checker import check_env
+
+    check_env(module.PackingEnv(), skip_render_check=True)
+
+
+def test_allowed_actions_keep_the_pile_standing() -> None:
+    env = example().PackingEnv()
+    _, info = env.reset(seed=4)
+    rng = np.random.default_rng(4)
+    for _ in range(8):
+        allowed = np.flatnonzero(info["action_mask"])
+        _, reward, ended, _, info = env.step(int(rng.choice(allowed)))
+        assert reward > 0
+        assert env.pile.stands
+        assert ended == (not info["action_mask"].any())
+    forbidden = int(np.flatnonzero(info["action_mask"] == 0)[0])
+    _, reward, ended, _, _ = env.step(forbidden)
+    assert (reward, ended, len(env.pile)) == (-1.0, True, 8)

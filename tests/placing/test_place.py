@@ -1,23 +1,37 @@
-"""Places of the next part: closed forms on both sides, friction, prisms, refusals."""
+"""Places of a part: by hand, by rules and by programs."""
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import math
+import re
+import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 import shapely
 from planks import bridge, overhang
+from scipy.optimize import nnls
 
 import kilter
-from kilter import Assembly, Box, Part, Pose
-from kilter.analysis.placing.place import Places, box_to_place, place
+from kilter import Assembly, Box, InputError, Part, Places, Pose, box_to_place, place
+from kilter.analysis.placing.case_maps import case_prism
+from kilter.analysis.placing.landings import Landings
+from kilter.analysis.placing.placed_loads import PlacedLoads
+from kilter.analysis.placing.upright_prisms import find_tops
 from kilter.cli import main
-from kilter.errors import InputError
+from kilter.contact import detect
+from kilter.mechanics.certificate import check_forces
+from kilter.mechanics.forms import scaled_problem
+from kilter.mechanics.load_checks import check_load_forces
+from kilter.mechanics.program import build_program
 from kilter.scenes import scene
+from kilter.scenes.pieces import block
 from kilter.tell.text import text_of
 
 SMALL = [1e-3, 1e-3, 0.1]
@@ -74,14 +88,6 @@ def test_the_heaviest_load_at_a_place(x: float, heaviest: float) -> None:
     assert at.heaviest == pytest.approx(heaviest, rel=1e-6)
 
 
-@pytest.mark.parametrize(("weight", "half", "load"), [(2, 0.1, 1), (2, 0.1, 8), (3, 0.15, 2.5)])
-def test_a_load_on_a_seesaw(weight: float, half: float, load: float) -> None:
-    limit = half * (1 + weight / load)
-    places = place(seesaw(weight, half), box_to_place(SMALL, load), accuracy=1e-3)
-    low, _, high, _ = on_top(places, 0.1).bounds
-    assert (low, high) == pytest.approx((-limit, limit), abs=1e-9)
-
-
 def test_order_decides_on_the_seesaw() -> None:
     """Two equal loads balance anywhere, but the first must stand alone."""
     alone, first = seesaw(2, 0.1), box_to_place([0.2, 0.2, 0.2], 8, name="first")
@@ -96,26 +102,6 @@ def test_order_decides_on_the_seesaw() -> None:
         inner.worst.assembly, box_to_place([0.2, 0.2, 0.2], 1, name="light"), at=[-0.3, 0]
     )
     assert later.stands
-
-
-def test_a_box_that_bridges_two_planks() -> None:
-    """Bridging: x (3 - 1.1 / (.7 - x)) = .05; on one plank: from 1/3 to .4 + 1/15.
-
-    The contacts move with the box, so few programs decide the map.
-    """
-    places = place(bridge(), box_to_place([0.7, 0.5, 0.2], 3))
-    level = places.levels[-1]
-    limit = 0.0373107
-    assert level.stands.covers(shapely.Point(limit - places.accuracy, 0.1))
-    assert level.falls.covers(shapely.Point(limit + places.accuracy, 0.1))
-    assert places.programs < 200
-    for low, high in ((1 / 3, 0.4 + 1 / 15), (-0.4 - 1 / 15, -1 / 3)):
-        strip = shapely.box(low + 1e-9, -0.4, high - 1e-9, 0.4)
-        assert shapely.difference(strip, level.stands).area < 1e-9
-    assert level.open.area < 0.15
-    part = box_to_place([0.7, 0.5, 0.2], 3)
-    for x, verdict in ((limit - 1e-4, True), (limit + 1e-4, False)):
-        assert place(bridge(), part, at=[x, 0], require="equilibrium").stands is verdict
 
 
 def test_the_map_of_a_tower_is_its_top() -> None:
@@ -294,3 +280,234 @@ def test_a_page_shows_the_map_and_the_part(
     assert "a page shows a map: no --at" in capsys.readouterr().err
     with pytest.raises(InputError, match="no map to show"):
         kilter.report(place(scene("tower"), box_to_place(SMALL, 1.0), at=[0, 0]))
+
+
+ROOT = Path(__file__).resolve().parents[2]
+FILE = ROOT / "benchmarks" / "place_rules.py"
+PAGE = ROOT / "docs" / "placing.md"
+PICTURE = ROOT / "docs" / "images" / "place-rules.svg"
+
+
+@pytest.fixture(scope="module")
+def benchmark() -> Iterator[ModuleType]:
+    spec = importlib.util.spec_from_file_location("place_rules", FILE)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look up their module there
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+def counts_of_page(benchmark: ModuleType):
+    """The counts in the table of the page."""
+    text = PAGE.read_text(encoding="utf-8")
+    counts = benchmark.RuleCounts()
+    [(stands, total)] = re.findall(r"stands at ([\d,]+) of ([\d,]+) places", text)
+    counts.stands = int(stands.replace(",", ""))
+    counts.falls = int(total.replace(",", "")) - counts.stands
+    for rule in benchmark.RULES:
+        row = rf"^\| {re.escape(rule)} \| ([\d,]+) \| \d+ % \| ([\d,]+) \| \d+ % \|$"
+        [(falls, rejected)] = re.findall(row, text, flags=re.M)
+        counts.accepted_falls[rule] = int(falls.replace(",", ""))
+        counts.rejected_stands[rule] = int(rejected.replace(",", ""))
+    return counts
+
+
+def test_rules_and_program_on_a_counterbalanced_plank(benchmark: ModuleType) -> None:
+    """A load x beyond the edge stands up to W (L / 2 - e) / w = 0.16; LBCP ends at the edge."""
+    block, plank = [0, 0, 0, 1, 1, 0.5], [0.3, 0, 0.5, 1, 1, 0.125]
+    for beyond, stands, bearing in (
+        (-0.01, True, True),
+        (0.159, True, False),
+        (0.161, False, False),
+    ):
+        load = [1 + beyond - 0.0005, 0.4995, 0.625, 0.001, 0.001, 0.125]
+        boxes = np.array([block, plank, load])
+        assert benchmark.balanced(boxes, np.array([5, 2, 2.5])) is stands
+        answer = benchmark.answers(boxes, benchmark.load_bearing(boxes[:2]))
+        assert answer["LBCP"] is bearing
+        assert answer["full support"]
+
+
+def test_the_table_and_picture_of_the_page_are_those_of_the_command(benchmark: ModuleType) -> None:
+    counts = counts_of_page(benchmark)
+    assert counts.stands + counts.falls <= 60 * benchmark.PLACES
+    assert benchmark.table(counts) in PAGE.read_text(encoding="utf-8")
+    assert benchmark.figure(counts) == PICTURE.read_text(encoding="utf-8")
+
+
+def test_undecided_places_have_a_reason(benchmark: ModuleType) -> None:
+    counts = benchmark.RuleCounts(undecided=2, gaps=[1.3e-4, 4e-4])
+    assert benchmark.undecided_words(counts).startswith("2 places undecided (the pile holds only")
+    assert "0.13 to 0.40 mm apart" in benchmark.undecided_words(counts)
+    assert benchmark.undecided_words(benchmark.RuleCounts()) == "0 places undecided"
+
+
+AREAS = {1: shapely.box(-0.3, -0.2, -0.2, 0.3), 3: shapely.box(0.2, -0.2, 0.4, 0.3)}
+
+
+def loads_on_bridge() -> PlacedLoads:
+    assembly = bridge()
+    prism, _ = case_prism(box_to_place([0.7, 0.5, 0.2], 1.5), "m")
+    return PlacedLoads(build_program(assembly, detect.contacts(assembly)), prism, 0.0)
+
+
+def test_shared_columns_are_those_of_the_whole_program() -> None:
+    loads = loads_on_bridge()
+    program, _ = loads.on_areas(AREAS, 0.1, np.array([0.05, 0.02]))
+    whole, extended = scaled_problem(program), scaled_problem(program, loads.alone)
+    assert extended.matrix.shape == whole.matrix.shape == (18, len(program.part_a))
+    assert abs(extended.matrix - whole.matrix).max() < 1e-14
+    assert np.abs(extended.right - whole.right).max() < 1e-14
+    assert np.allclose(extended.frame, whole.frame)
+
+
+def test_forces_under_several_loads_are_checked_as_one_by_one() -> None:
+    """The forces of the first load balance it; under the other loads they do not."""
+    loads = loads_on_bridge()
+    program, wrenches = loads.on_areas(AREAS, 0.1, np.array([0.0, 0.05]))
+    matrix = scaled_problem(program, loads.alone)
+    forces = matrix.forces(nnls(matrix.matrix.toarray(), matrix.right)[0])
+    shifts = np.array([[0.0, 0.0], [0.1, 0.0], [0.0, -1e-3]])
+    more = np.tensordot(shifts, wrenches, axes=1)
+    together = check_load_forces(program, more, np.tile(forces, (3, 1)))
+    for load, proof in zip(more, together, strict=True):
+        alone = check_forces(program.with_rows(applied=program.applied + load), forces)
+        assert abs(proof.residual - alone.residual) <= 1e-12 * max(alone.residual, 1)
+        assert proof.holds == alone.holds
+        assert (proof.forces == alone.forces).all()
+    assert [proof.holds for proof in together] == [True, False, False]
+
+
+def test_places_of_a_first_touch_have_an_edge_of_the_top_in_common() -> None:
+    """A part of length 1 begins to touch the top [0, 2] with its centre at -0.5."""
+    base = Part("base", Box([2, 2, 1]), Pose([1, 0, -0.5]), grounded=True)
+    tops = find_tops(Assembly([base]))
+    prism, _ = case_prism(box_to_place([1, 1, 1], 1.0), "m")
+    landings = Landings(tops, prism, 1e-6)
+    low, high = np.array([-0.5, -0.1]), np.array([-0.3, 0.1])
+    [area] = landings.areas(tops, low, high, any_place=False).values()
+    assert np.allclose(area.bounds, [0, -0.4, 0, 0.4], atol=1e-8)
+    assert not landings.areas(tops, low - [1e-3, 0], high, any_place=False)
+    assert not landings.areas(tops, low - [0.4, 0], high - [0.2, 0], any_place=True)
+
+
+def test_a_first_touch_of_a_support_is_decided_exactly() -> None:
+    """A box over the gap of two tables stands from the first touch of the second table on.
+
+    It touches both tables if its centre is within 0.2 of the middle, and its centre is then
+    between them. Its places on a single table end at the edges of the tables.
+    """
+    tables = [
+        Part(f"table-{k}", Box([2, 2, 1]), Pose([x, 0, -0.5]), mass=50)
+        for k, x in enumerate((-1.3, 1.3))
+    ]
+    floor = Part("floor", Box([8, 4, 1]), Pose([0, 0, -1.5]), grounded=True)
+    answer = place(Assembly([floor, *tables]), box_to_place([1, 1, 1], 1.0))
+    [level] = [level for level in answer.levels if abs(level.height - answer.prism.below) < 1e-9]
+    between = shapely.box(-0.2, -1, 0.2, 1)
+    assert shapely.difference(between, level.stands).area < 1e-9
+    beside = shapely.box(0.2, -1, 0.3, 1)
+    assert shapely.difference(beside, level.falls).area < 1e-9
+    assert answer.programs < 100
+
+
+def test_a_pair_that_decides_is_the_reason_of_open_places() -> None:
+    """A held part just above the far end of a plank may hold it down, or not touch it."""
+    plank = overhang(1, 2, 0.3)
+    part = box_to_place([1e-3, 1e-3, 0.1], 2.5)
+    for gap, warned in ((1e-4, True), (0.05, False)):
+        clamp = Part("clamp", Box([0.2, 1, 1]), Pose([-0.7, 0, 0.6 + gap]), grounded=True)
+        answer = place(plank.with_parts([clamp]), part)
+        text = " ".join(answer.warnings)
+        assert ("'plank' and 'clamp' touch" in text) == warned
+        [level] = [
+            level for level in answer.levels if abs(level.height - answer.prism.below - 0.1) < 1e-9
+        ]
+        # without the clamp the limit is 0.16, and the end of the plank is at 0.3
+        assert level.stands.bounds[2] <= 0.16 + 1e-9
+        open_area = shapely.intersection(level.open, shapely.box(0.17, -0.4, 0.29, 0.4)).area
+        assert (open_area > 0.09) == warned
+
+
+BASE = block("base", [-500, -500, -10], [0, 500, 0], grounded=True)
+PLANK = Part("plank", Box([600, 200, 20]), [-100, 0, 10], density=500.0)
+"""A plank of 1.2 kg from x = -400 to 200, which reaches 200 mm beyond its base."""
+ASSEMBLY = Assembly([BASE, PLANK], units="mm")
+LOAD = Part("load", Box([100, 100, 100]), mass=1.0)
+
+
+def area(polygons: list) -> shapely.Geometry:
+    return shapely.union_all([shapely.Polygon(outline, holes) for outline, *holes in polygons])
+
+
+def test_the_places_of_a_load_on_a_base_and_on_a_plank_beyond_its_edge() -> None:
+    """On the plank it may stand up to x = 1.2 kg x 100 mm / 1 kg beyond the edge of the base."""
+    answer = kilter.place(ASSEMBLY, LOAD, mass=1.0).to_dict()
+    assert (answer["mass"], answer["center_within"]) == ([1.0, 1.0], 0.0)
+    low, high = answer["levels"]
+    assert (low["height"], high["height"]) == (50, 70)
+    # the load of 100 x 100 has its centre 50 from each side of the plank, or farther
+    on_base = shapely.box(-500, -500, 0, 500) - shapely.box(-450, -150, 250, 150)
+    on_plank = shapely.box(-400, -100, 120, 100)
+    for level, stands in ((low, on_base), (high, on_plank)):
+        assert shapely.symmetric_difference(area(level["stands"]), stands).area < 1
+        assert level["area"] == pytest.approx(stands.area, rel=1e-6)
+        assert level["open_strip"] == pytest.approx(area(level["open"]).area, abs=1e-6)
+        assert level["open_strip"] < 1
+        assert area(level["stands"]).intersection(area(level["falls"])).area < 1e-6
+    reach = shapely.box(-450, -150, 250, 150)  # of a load that touches the plank
+    assert shapely.symmetric_difference(area(high["falls"]), reach - on_plank).area < 1
+    # the largest circle of places: in the strip beside the plank, or between its end and the edge
+    best = answer["best"]
+    assert best["margin"] == pytest.approx(350 / 2, abs=answer["accuracy"])
+    assert (abs(best["y"]), best["height"]) == (pytest.approx(325, abs=answer["accuracy"]), 50)
+    edge = on_base.boundary.distance(shapely.Point(best["x"], best["y"]))
+    assert best["margin"] == pytest.approx(edge, abs=1e-3)
+
+
+@pytest.mark.parametrize("x", [80, 150])
+def test_the_heaviest_load_at_a_place_on_the_plank(x: float) -> None:
+    answer = kilter.place(ASSEMBLY, LOAD, at=[x, 10]).to_dict()
+    at = answer["at"]
+    assert (at["x"], at["y"], at["height"]) == (x, 10, 70)
+    assert at["heaviest"] == pytest.approx(1.2 * 100 / x, rel=1e-6)
+    assert answer["heaviest"] == at["heaviest"]
+    assert (at["verdict"] == "stable") is (x < 120)
+
+
+HEADER = "name,length/mm,width/mm,height/mm,mass/kg,x/mm,y/mm,z/mm,max_load/kg\n"
+
+
+@pytest.mark.slow
+def test_a_plan_whose_third_box_has_its_centre_beside_the_second(tmp_path: Path) -> None:
+    """Boxes of 400 mm: b on three fifths of a, c on a tenth of b and on nothing else."""
+    plan = tmp_path / "plan.csv"
+    rows = ["a,400,400,400,4,0,0,0,9", "b,400,400,400,3,160,0,400,", "c,400,400,400,2,520,0,800,"]
+    plan.write_text(HEADER + "\n".join(rows))
+    answer = kilter.check_plan(plan, friction=0.4).to_dict()
+    a, b, c = answer["items"]
+    assert [one["line"] for one in (a, b, c)] == [2, 3, 4]
+    assert [one["mass"] for one in (a, b, c)] == [4, 3, 2]
+    assert [one["share"] for one in b["support"]] == [pytest.approx(0.6)]
+    assert [one["share"] for one in c["support"]] == [pytest.approx(0.1)]
+    assert (a["max_load"], answer["first"], answer["friction"]) == (9, 3, 0.4)
+    assert answer["walls"]["inner_size"] == [520 + 400, 400]
+    # d keeps the walls away from c, which falls between them
+    plan.write_text(HEADER + "\n".join([*rows, "d,400,400,400,9,1600,0,0,"]))
+    walls = kilter.check_plan(plan, friction=0.4).to_dict()["walls"]
+    assert (walls["inner_size"], walls["first"]) == ([2000, 400], 3)
+
+
+@pytest.mark.slow
+def test_a_pile_of_two_boxes_tips_about_the_foot_of_the_lower_one(tmp_path: Path) -> None:
+    """4 kg at (200, 200) and 3 kg at (250, 600) stand on a foot from x = 0 to 400."""
+    plan = tmp_path / "plan.csv"
+    plan.write_text(HEADER + "a,400,400,400,4,0,0,0,\nb,400,400,400,3,50,0,400,\n")
+    answer = kilter.check_plan(plan, friction=0.6, carried=True).to_dict()
+    x, z = (4 * 200 + 3 * 250) / 7, (4 * 200 + 3 * 600) / 7
+    expected = {"+x": x / z, "-x": (400 - x) / z, "+y": 200 / z, "-y": 200 / z}
+    found = {one["direction"]: one["g"] for one in answer["carried"]}
+    assert found == pytest.approx({**expected, "least": min(expected.values())}, rel=1e-6)

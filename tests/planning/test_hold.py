@@ -1,4 +1,4 @@
-"""Fewest supports: closed forms, known arches, enumeration; their proofs, and what is refused."""
+"""Fewest supports, grips and held parts."""
 
 from __future__ import annotations
 
@@ -9,17 +9,26 @@ from typing import Any
 
 import numpy as np
 import pytest
+from random_turned import random_turned
 from read_proofs import Proof, proof_of, signed
+from staggered_dome import staggered_dome
 
 import kilter
-from kilter import Assembly, Fixture, InputError, Support
+from kilter import Assembly, Fixture, InputError, State, States, Support, contacts
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.planning.hold import least_supports
+from kilter.analysis.planning.hold.gripped_parts import grips_that_hold
+from kilter.analysis.planning.hold.support_candidates import candidates_of
 from kilter.analysis.planning.hold.supported import Supported
-from kilter.analysis.smallest_set import least_cover
-from kilter.analysis.verification import verify_bundle
+from kilter.analysis.planning.states.holds import Holds
+from kilter.analysis.planning.states.state_programs import build_state_programs
+from kilter.analysis.smallest_set import least_cover, least_hitting_set
+from kilter.analysis.verification import verify_bundle, verify_proof
 from kilter.cli import main
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor
+from kilter.scenes.stacks import staircase
 from kilter.work import Work
 
 
@@ -343,24 +352,6 @@ def test_wrong_candidates() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("options", "code"),
-    [
-        (["--without", "voussoir-4"], 0),
-        (["--without", "voussoir-4", "--most", "1"], 4),
-        (["--candidates", "hands"], 2),
-        (["--candidates", "missing.json"], 2),
-    ],
-)
-def test_exit_codes_and_proofs(tmp_path: Any, options: list[str], code: int) -> None:
-    path, proof = tmp_path / "arch.kilter.json", tmp_path / "p.json"
-    kilter.dump(arch(9, ratio=0.3, friction=0.6), path)
-    assert main(["hold", str(path), *options, "--proof", str(proof)]) == code
-    if code == 0:
-        assert main(["verify", str(path), str(proof)]) == 0
-
-
-@pytest.mark.slow
 def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
     path, supports = tmp_path / "a.kilter.json", tmp_path / "s.json"
     kilter.dump(hanging(0.0)[0], path)
@@ -399,3 +390,174 @@ def test_a_balanced_assembly_needs_a_grip_as_check_states() -> None:
     assert len(fixture.supports or ()) == 1
     assert fixture.holds
     assert fixture.level == "proved"
+
+
+def enumerated_holds(found: States, present: np.ndarray) -> int | None:
+    """The fewest holds by trying every set, each judged in exact cones by itself."""
+    programs = build_state_programs(found.assembly, found.contacts)
+    free = np.flatnonzero(programs.free & present)
+    for size in range(len(free) + 1):
+        for chosen in combinations(free, size):
+            held = np.zeros(len(present), dtype=bool)
+            held[list(chosen)] = True
+            told = judge(programs.of(present, held)).stable
+            if told is None:
+                return None
+            if told:
+                return size
+    raise AssertionError("all held, and it falls")
+
+
+def small_assemblies() -> list[Assembly]:
+    return [
+        arch(7, ratio=0.3, friction=0.6),
+        arch(6, ratio=0.2, friction=0.3),
+        arch(7, ratio=0.3, friction=0.25),
+        scene("paper-figure-9").with_friction(0.1),
+        scene("pit-wedges"),
+        staircase(5, offset=0.4),
+        random_turned("arch", 1),
+        random_turned("wedge", 2),
+    ]
+
+
+def shown(found: States, holds: Holds[State]) -> None:
+    """That fewer are not enough: each motion judged anew, and no smaller set stops all."""
+    for cut in holds.cuts:
+        assert cut.state.stable is False
+        assert not (cut.state.moves & ~cut.parts).any()
+        sub = found.sub_assembly(cut.state)
+        again = verify_proof(sub, kilter.contacts(sub), found.proof(cut.state))
+        assert again.holds, again.reasons
+        assert again.verdict == "unstable"
+    sets = [set(np.flatnonzero(cut.parts)) for cut in holds.cuts]
+    parts = sorted(set().union(*sets))
+    if sets:
+        for fewer in combinations(parts, min(holds.least - 1, len(parts))):
+            assert any(not one & set(fewer) for one in sets)
+
+
+def agree_holds(count: int, *, verify: bool) -> list[int]:
+    """Fewest holds of random states, each against enumeration."""
+    random, sizes = np.random.default_rng(0), []
+    all_states = [kilter.states(assembly) for assembly in small_assemblies()]
+    while len(sizes) < count:
+        found = all_states[int(random.integers(len(all_states)))]
+        grounded = found.assembly.geometry.grounded
+        present = (random.random(len(grounded)) < 0.7) | grounded
+        expected = enumerated_holds(found, present)
+        if expected is None:
+            continue
+        names = [name for name, here in zip(found.assembly.names, present, strict=True) if here]
+        holds = found.fewest_holds(names)
+        assert holds.fewest
+        assert holds.held is not None
+        assert holds.state is not None
+        assert holds.state.stable
+        assert int(holds.held.sum()) == holds.least == expected
+        if verify:
+            shown(found, holds)
+        if expected:
+            less = found.fewest_holds(names, most=expected - 1)
+            assert (less.held, less.least) == (None, expected)
+        sizes.append(expected)
+    return sizes
+
+
+@pytest.mark.slow
+def test_fewest_holds_are_those_of_enumeration() -> None:
+    assert len(set(agree_holds(8, verify=True))) > 1
+
+
+@pytest.mark.parametrize(("friction", "sides", "most"), [(0.6, "one", 1), (0.6, "both", 2)])
+def test_an_arch_built_from_one_side_or_both(friction: float, sides: str, most: int) -> None:
+    """Most holds over the orders of `plan`'s known answers: 1 from one side, 2 from both."""
+    count = 9
+    found = kilter.states(arch(count, ratio=0.3, friction=friction))
+    order = list(range(count))
+    if sides == "both":
+        order.sort(key=lambda k: min(k, count - 1 - k))
+    needed = [
+        found.fewest_holds(["springer*", *(f"voussoir-{k}" for k in order[:stand])]).least
+        for stand in range(1, count + 1)
+    ]
+    assert max(needed) == most
+    assert needed[-1] == 0
+
+
+def test_parts_that_may_not_be_held() -> None:
+    found = kilter.states(arch(9, ratio=0.3, friction=0.6))
+    gap = [name for name in found.assembly.names if name != "voussoir-4"]
+    free = found.fewest_holds(gap)
+    assert free.least == 2
+    cut = next(cut for cut in free.cuts)
+    barred = {found.assembly.names[k] for k in np.flatnonzero(cut.parts)}
+    others = [name for name in gap if name not in barred]
+    none = found.fewest_holds(gap, among=others)
+    assert none.parts is None
+    assert any(set(none_cut.state.moving) <= barred for none_cut in none.cuts)
+
+
+@pytest.mark.quick(24)
+@pytest.mark.parametrize("seed", range(30))
+def test_least_hitting_sets_by_brute_force(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    sets = [int(random.integers(1, 2**8)) for _ in range(int(random.integers(1, 9)))]
+    best = min((k for k in range(2**8) if all(k & one for one in sets)), key=int.bit_count)
+    found = least_hitting_set(sets, 8)
+    assert found is not None
+    assert all(found & one for one in sets)
+    assert found.bit_count() == best.bit_count()
+    assert least_hitting_set(sets, best.bit_count() - 1) is None
+
+
+@pytest.mark.slow
+def test_the_fewest_grips_of_an_arch_are_the_same_with_known_grips(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    half = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
+    usual = kilter.hold(half)
+    monkeypatch.setattr(least_supports, "LARGE", 0)
+    large = kilter.hold(half)
+    assert usual.fewest
+    assert large.fewest
+    assert len(large.supports) == len(usual.supports) == 2
+    assert (large.level, large.least) == (usual.level, usual.least)
+
+
+def test_no_known_grip_can_be_left_out_and_open_pairs_do_not_hide_them() -> None:
+    dome = staggered_dome(2, rings=3, per_ring=8)
+    touching = contacts(dome)
+    given = Supported(dome, touching, candidates_of(dome, touching, ["grips"]))
+    assert given.judge((), Work()).stable is None
+    grips = grips_that_hold(given, Work(), 0.0)
+    assert grips
+    assert given.judge(grips, Work()).stable
+    for grip in grips:
+        assert given.judge(grips - {grip}, Work()).stable is not True
+
+
+def test_without_work_the_grips_still_hold() -> None:
+    dome = staggered_dome(2, rings=3, per_ring=8)
+    touching = contacts(dome)
+    given = Supported(dome, touching, candidates_of(dome, touching, ["grips"]))
+    few, many = grips_that_hold(given, Work(), 0.0), grips_that_hold(given, Work(0.0), 0.0)
+    assert few
+    assert many
+    assert few <= many
+    assert given.judge(many, Work()).stable
+
+
+def test_without_grips_among_the_candidates_none_are_known() -> None:
+    half = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
+    touching = contacts(half)
+    given = Supported(half, touching, candidates_of(half, touching, ["props"]))
+    assert grips_that_hold(given, Work(), 0.0) is None
+
+
+@pytest.mark.slow
+def test_hold_of_a_dome_of_open_pairs_answers_with_grips() -> None:
+    fixture = kilter.hold(staggered_dome(1, rings=6, per_ring=14))
+    assert fixture.supports
+    held = staggered_dome(1, rings=6, per_ring=14).with_grips([s.part for s in fixture.supports])
+    assert kilter.check(held, require="equilibrium").stable

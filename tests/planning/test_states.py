@@ -1,23 +1,27 @@
-"""States of half-built assemblies: their verdicts are those of `check`, and carry proofs."""
+"""States of an assembly: as `check`, open ones, pressed and carried ones."""
 
 from __future__ import annotations
 
+from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from random_friction import random_assembly
 from random_turned import random_turned
+from read_proofs import proof_of, reasons, signed
 
 import kilter
-from kilter import Assembly, InputError
-from kilter.analysis.planning.states.state import State
-from kilter.analysis.planning.states.states import States
+from kilter import Assembly, InputError, Mesh, Part, PlanRules, State, States
+from kilter.analysis.planning.order.carried_accelerations import SIDES, extreme_accelerations
 from kilter.analysis.verification import verify_proof
+from kilter.cli import main
 from kilter.contact.kept_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
+from kilter.scenes.pieces import block
 from kilter.scenes.stacks import block_on_slope
 
 
@@ -241,3 +245,222 @@ def test_large_states_are_judged_in_cones_and_small_ones_by_the_kept_program() -
     low[np.flatnonzero(~found.assembly.geometry.grounded)[12:]] = False
     assert found.judge(low, ~whole).stable
     assert (found.counts["cones"], found.counts["programs"]) == (1, 1)
+
+
+FACES = [[0, 1, 2, 3], [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]
+
+
+def ringed_dome(count: int, elevations: tuple[float, ...]) -> Assembly:
+    """Rings of `count` wedge-shaped stones, radii 4.5 and 5 m, joints in line, the lowest held."""
+    turns, rises = np.linspace(0, 2 * np.pi, count + 1), np.radians(elevations)
+    parts = []
+    for ring, k in product(range(len(rises) - 1), range(count)):
+        corners = [(turns[k + a], rises[ring + b]) for a, b in ((0, 0), (0, 1), (1, 1), (1, 0))]
+        points = [
+            [r * np.cos(e) * np.cos(t), r * np.cos(e) * np.sin(t), r * np.sin(e)]
+            for r in (4.5, 5.0)
+            for t, e in corners
+        ]
+        parts.append(Part(f"stone-{ring}-{k}", Mesh(points, FACES), grounded=ring == 0))
+    return Assembly(parts, friction=0.7)
+
+
+@pytest.fixture(scope="module")
+def dome() -> States:
+    return kilter.states(ringed_dome(6, (0, 24, 46, 66)))
+
+
+@pytest.mark.slow
+def test_a_state_that_hangs_on_edges_is_left_open_without_a_check(dome: States) -> None:
+    """The upper ring with one stone of six in place, which tips in but for edges beside it."""
+    names = [name for name in dome.assembly.names if name[:7] != "stone-2"] + ["stone-2-0"]
+    state = dome.of(names)
+    told = kilter.check(dome.sub_assembly(state), require="equilibrium", effort=0)
+    assert told.verdict == "undecided"
+    assert state.stable is None
+    assert (dome.counts["open"], dome.counts["checks"]) == (1, 0)
+    with pytest.raises(kilter.InputError):
+        dome.proof(state)
+
+
+@pytest.mark.slow
+def test_verdicts_where_edges_meet_are_those_of_check(dome: States) -> None:
+    random, verdicts = np.random.default_rng(0), set()
+    grounded = dome.assembly.geometry.grounded
+    for share in (0.2, 0.4, 0.6, 0.8, 0.9):
+        present = (random.random(len(grounded)) < share) | grounded
+        state = dome.judge(present, present & (random.random(len(grounded)) < 0.3))
+        told = kilter.check(dome.sub_assembly(state), require="equilibrium", effort=0)
+        assert state.stable == (None if told.verdict == "undecided" else told.stable)
+        verdicts.add(state.stable)
+    assert len(verdicts) > 1
+
+
+@pytest.mark.slow
+def test_a_search_among_open_states_ends_by_its_work() -> None:
+    order = kilter.plan(ringed_dome(6, (0, 24, 46, 66)), effort=0.01)
+    assert order.verdict == "none-found"
+    assert order.states.counts["open"] > 0
+
+
+REACH, OUT = 3.0, 2.25
+"""The plank reaches from -3 to 3 over an edge at 1; the weight stands at 2.25, over the void."""
+
+
+def plank(*, weight: float = 1.0) -> Assembly:
+    """A plank of 10 kg over an edge, and a weight on its free end."""
+    return Assembly(
+        [
+            block("table", [-4, -1, -1], [1, 1, 0], grounded=True),
+            block("plank", [-REACH, -1, 0], [REACH, 1, 0.5], mass=10.0),
+            block("weight", [OUT - 0.25, -0.25, 0.5], [OUT + 0.25, 0.25, 1], mass=weight),
+        ]
+    )
+
+
+def tipping() -> float:
+    """The force on the weight at which the plank tips about the edge [N]."""
+    g = float(np.linalg.norm(plank().gravity))
+    return (10.0 * g * 1.0) / (OUT - 1.0) - 1.0 * g
+
+
+@pytest.mark.parametrize("share", [0.99, 1.01])
+def test_a_plank_tips_beyond_a_force(share: float) -> None:
+    order = kilter.plan(
+        plank(), kilter.PlanRules(press=share * tipping(), hold=0, directions=[[0, 0, 1]])
+    )
+    assert order.found == (share < 1)
+    if order.found:
+        assert not reasons(order, proof_of(order))
+
+
+def test_a_hold_takes_what_the_plank_does_not() -> None:
+    order = kilter.plan(plank(), kilter.PlanRules(press=1.01 * tipping(), directions=[[0, 0, 1]]))
+    assert [step.held for step in order.steps] == [(), ("plank",)]
+    proof = proof_of(order)
+    assert not reasons(order, proof)
+    [pressed] = [one for one in proof["proofs"] if one["about"] == "pressed" and one["step"] == 2]
+    pressed["change"]["loads"][-1]["force"][2] *= 0.5
+    assert "step 2: the proof has another pressing force" in reasons(order, proof)
+
+
+@pytest.mark.slow
+def test_a_proof_without_its_pressed_states_is_refused() -> None:
+    order = kilter.plan(scene("tower"), kilter.PlanRules(press=5.0))
+    proof = proof_of(order)
+    assert not reasons(order, proof)
+    proof["proofs"] = [one for one in proof["proofs"] if one["about"] != "pressed"]
+    assert "not every step has a proof with the pressing force" in reasons(order, proof)
+
+
+def test_a_sequence_says_where_it_cannot_be_pressed() -> None:
+    order = kilter.plan(
+        plank(),
+        kilter.PlanRules(
+            press=1.01 * tipping(), hold=0, directions=[[0, 0, 1]], sequence=["plank", "weight"]
+        ),
+    )
+    assert [step.fails for step in order.steps] == [
+        (), ("the standing parts do not withstand the pressing force",)
+    ]  # fmt: skip
+
+
+def test_no_force_is_none() -> None:
+    assert all(step.pressed is None for step in kilter.plan(scene("tower")).steps)
+    with pytest.raises(InputError, match="press"):
+        kilter.plan(scene("tower"), kilter.PlanRules(press=-1.0))
+
+
+G = 9.81
+WIDTH, HEIGHT = 0.2, 0.8
+"""The post alone tips at WIDTH / HEIGHT = 0.25 g."""
+
+
+def stack(count: int = 3) -> Assembly:
+    """A tower of cubes on a deck, which tips at g / count along an axis."""
+    cubes = [block(f"cube-{k}", [0, 0, k], [1, 1, k + 1]) for k in range(count)]
+    deck = block("deck", [-3, -3, -1], [4, 4, 0], grounded=True)
+    return Assembly([deck, *cubes], friction=0.9)
+
+
+def post_in_a_vice() -> Assembly:
+    """A post that tips at 0.25 g along x alone, between two blocks that keep it upright."""
+    return Assembly(
+        [
+            block("deck", [-2, -2, -1], [2, 2, 0], grounded=True),
+            block("post", [-WIDTH / 2, -0.4, 0], [WIDTH / 2, 0.4, HEIGHT], mass=10.0),
+            block("left", [-1, -0.4, 0], [-WIDTH / 2, 0.4, 0.6], mass=100.0),
+            block("right", [WIDTH / 2, -0.4, 0], [1, 0.4, 0.6], mass=100.0),
+        ],
+        friction=0.9,
+    )
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_a_tower_carries_its_closed_form_as_a_vector(share: float) -> None:
+    order = kilter.plan(stack(), PlanRules(carried=[share * G / 3, 0, 0], hold=0))
+    assert order.verdict == ("found" if share < 1 else "impossible")
+    proof = proof_of(order)
+    assert not reasons(order, proof)
+    if share > 1:
+        assert "at a required acceleration" in order.to_dict()["sentence"]
+
+
+def test_every_horizontal_direction_is_covered_by_the_corners() -> None:
+    corners = extreme_accelerations(stack(), 2.0)
+    angle = np.linspace(0, 2 * np.pi, 721)
+    circle = 2.0 * np.column_stack([np.cos(angle), np.sin(angle)])
+    edges = np.roll(corners[:, :2], -1, axis=0) - corners[:, :2]
+    outward = np.column_stack([edges[:, 1], -edges[:, 0]])
+    outward *= np.sign(np.einsum("ij,ij->i", outward, corners[:, :2]))[:, None]
+    reach = np.einsum("ij,ij->i", outward, corners[:, :2])
+    assert (circle @ outward.T <= reach + 1e-12).all()
+    assert len(corners) == SIDES
+
+
+def test_a_post_is_held_until_its_blocks_stand() -> None:
+    """Between its blocks the post carries 0.3 g, alone only 0.25 g, so it is held before."""
+    assembly = post_in_a_vice()
+    rules = {"before": [("post", "left"), ("post", "right")], "directions": [[0, 0, 1]]}
+    still = kilter.plan(assembly, PlanRules(**rules))  # type: ignore[arg-type]
+    assert still.holds_max == 0
+    order = kilter.plan(assembly, PlanRules(carried=[0.3 * G, 0, 0], **rules))  # type: ignore[arg-type]
+    assert order.found
+    assert [step.held for step in order.steps[1:]] in ([("post",), ()], [("post",), ("post",)])
+    proof = proof_of(order)
+    assert not reasons(order, proof)
+    assert any(entry["about"] == "not fewer" for entry in proof["proofs"])
+    without = {**proof, "proofs": [e for e in proof["proofs"] if e["about"] != "carried"]}
+    wrong = reasons(order, signed(without))
+    assert "step 2 is not proved at every required acceleration" in wrong
+    other = proof_of(order)
+    other["rules"]["carried"] = [[0.4 * G, 0, 0]]
+    wrong = reasons(order, signed(other))
+    assert "at an acceleration that the rules do not require" in wrong
+
+
+def test_the_command_states_what_is_carried(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, proof = tmp_path / "stack.kilter.json", tmp_path / "p.json"
+    kilter.dump(stack(2), path)
+    words = ["plan", str(path), "--carried", "0.4g,0,0", "--proof", str(proof)]
+    assert main(words) == 0
+    assert "(3.924, 0, 0) m/s^2" in capsys.readouterr().out
+    assert main(["verify", str(path), str(proof)]) == 0
+    assert main(["plan", str(path), "--carried", "0.6g,0,0"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [(-1.0, "carried"), ([0, 0, -G], "falls freely"), ([0, np.inf, 0], "finite")],
+)
+def test_wrong_accelerations_are_refused(value: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        kilter.plan(stack(), PlanRules(carried=value))  # type: ignore[arg-type]
+
+
+def test_turns_are_not_combined_with_accelerations() -> None:
+    with pytest.raises(InputError, match="turns cannot be combined"):
+        PlanRules(carried=1.0, turn=True)

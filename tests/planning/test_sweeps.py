@@ -1,4 +1,4 @@
-"""Straight paths: against parts that manifold3d moves step by step, and in closed form."""
+"""Ways of parts: swept, locked, and of several parts as one."""
 
 from __future__ import annotations
 
@@ -9,15 +9,20 @@ import pytest
 from interlocked import hooked
 from moved_solids import deepest, places_along, skin
 from random_turned import random_turned
+from read_proofs import proof_of, reasons
+from scipy.optimize import linprog
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Order, Part, Pose
-from kilter.analysis.planning.order.removal import Leg
+from kilter import Assembly, Box, InputError, Order, Part, Pose, states
+from kilter.analysis.planning.order.locking import multipliers_of, opening, shuts
+from kilter.analysis.planning.order.removal import Removal
 from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.planning.order.together import blocked_together, units_of_groups
+from kilter.analysis.planning.states.part_sets import bits_of
 from kilter.contact.common.distances import PartSolids
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
-from kilter.scenes.pieces import block, floor, tube
+from kilter.scenes.pieces import block, floor, turned_parts
 
 
 def sampled(
@@ -126,37 +131,6 @@ def test_every_place_of_every_way_of_a_plan_is_free(name: str) -> None:
         assert entered(dataclasses.replace(order, steps=(cut,)), 500) == ["inside into lip"]
 
 
-def clamp() -> Assembly:
-    """An arm on a base, a bolt through both, a nut on the arm."""
-    bolt = Part("bolt", Cylinder(4, 40), Pose([0, 0, 20]))
-    arm, nut = tube("arm", 4, 20, 10, [0, 0, 5]), tube("nut", 4, 7, 6, [0, 0, 13])
-    return Assembly([floor([-30, -30], [30, 30]), bolt, arm, nut])
-
-
-@pytest.mark.slow
-def test_every_place_of_the_way_of_a_nut_is_free() -> None:
-    order = kilter.plan(clamp(), kilter.PlanRules(screws=[("bolt", "nut")]))
-    assert order.found
-    assert order.steps[-1].over == "bolt"
-    assert entered(order, 500) == []
-    down = (Leg((0.0, 0.0, -1.0), np.inf),)  # the other way it would pass through the arm
-    wrong = dataclasses.replace(order.steps[-1], legs=down)
-    swapped = dataclasses.replace(order, steps=(*order.steps[:-1], wrong))
-    assert "nut into arm" in entered(swapped, 500)
-
-
-@pytest.mark.slow
-def test_every_place_of_the_way_of_parts_that_move_as_one_is_free() -> None:
-    stacked = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
-    hooks = kilter.plan(hooked(), kilter.PlanRules(together=True))
-    for order in (stacked, hooks):
-        assert any(len(step.parts) > 1 for step in order.steps)
-        assert entered(order, 500) == []
-    [step] = hooks.steps  # one after the other, the second would pass through the first
-    apart = tuple(dataclasses.replace(step, parts=(name,)) for name in step.parts)
-    assert entered(dataclasses.replace(hooks, steps=apart), 500) == ["B into A"]
-
-
 @pytest.mark.parametrize("gap", [-2e-5, 0.0, 2e-5])
 def test_sliding_along_a_face_is_free_within_the_tolerance(gap: float) -> None:
     """Unit cubes side by side: 1e-5 of a size, or twice as deep as they are drawn."""
@@ -184,3 +158,183 @@ def test_a_path_ends_where_it_ends(distance: float, stops: bool) -> None:
     assert sweeps.pair_stops(0, 1, (0.0, 0.0, 1.0), distance=distance) == stops
     aside = np.array([1.5, 0.0, 0.0])
     assert not sweeps.pair_stops(0, 1, (0.0, 0.0, 1.0), distance=distance, start=aside)
+
+
+def boxed(*, above: float = 1.0) -> Assembly:
+    """A cube in a box whose lid is at a height."""
+    walls = [
+        block("west", [-1, -1, -1], [0, 2, 2]), block("east", [1, -1, -1], [2, 2, 2]),
+        block("south", [0, -1, -1], [1, 0, 2]), block("north", [0, 1, -1], [1, 2, 2]),
+        block("below", [0, 0, -1], [1, 1, 0]), block("above", [0, 0, above], [1, 1, 2]),
+    ]  # fmt: skip
+    held = [Part(p.name, p.shape, p.pose, grounded=True) for p in walls]
+    return Assembly([*held, block("inside", [0, 0, 0], [1, 1, 1])])
+
+
+@pytest.mark.parametrize("name", ["closed-frame", "boxed"])
+def test_a_closed_box_locks(name: str) -> None:
+    made = boxed() if name == "boxed" else scene(name)
+    order = kilter.plan(made)
+    assert (order.verdict, order.found) == ("impossible", False)
+    answer = order.to_dict()
+    assert answer["impossible"] == {
+        "kind": "locking", "holds": None, "parts": [made.names[-1]], "motions": None
+    }  # fmt: skip
+    assert "cannot move" in answer["sentence"]
+    assert not reasons(order, proof_of(order))
+
+
+def test_a_lid_a_little_off_locks_nothing() -> None:
+    order = kilter.plan(boxed(above=1.01))
+    assert (order.verdict, order.locked) == ("none-found", ())
+
+
+@pytest.mark.parametrize("change", ["zero", "fewer", "other"])
+def test_other_multipliers_are_refused(change: str) -> None:
+    order = kilter.plan(boxed())
+    proof = proof_of(order)
+    [entry] = proof["proofs"]
+    values = entry["multipliers"]
+    entry["multipliers"] = {
+        "zero": [0.0 if k < 4 else one for k, one in enumerate(values)],
+        "fewer": values[:-1],
+        "other": [2.0 * values[0], *values[1:]],
+    }[change]
+    assert "the multipliers do not prove that" in reasons(order, proof)
+
+
+def test_locked_wherever_it_is() -> None:
+    moved = turned_parts(list(boxed()), [0.8, 0.36, -0.48, 0.0])
+    assert kilter.plan(Assembly(moved)).verdict == "impossible"
+
+
+@pytest.mark.slow
+def test_multipliers_exist_where_no_motion_opens() -> None:
+    """Against linear programs that seek a motion, on random rows."""
+    random = np.random.default_rng(7)
+    seen = set()
+    for _ in range(60):
+        rows = random.normal(size=(int(random.integers(7, 20)), 6))
+        sides = np.zeros(len(rows))
+        found = linprog(-rows.sum(axis=0), A_ub=-rows, b_ub=sides, bounds=[(-1, 1)] * 6)
+        moves = found.fun < -1e-9
+        seen.add(moves)
+        multipliers = multipliers_of(rows)
+        assert (multipliers is None) == moves
+        if multipliers is not None:
+            assert shuts(rows, multipliers)
+            other = multipliers.copy()
+            other[0] *= 2
+            assert not shuts(rows, other)
+    assert seen == {True, False}
+
+
+def test_a_flat_cone_of_normals_locks_within_its_angle() -> None:
+    """Rows that let y slip out but for a lean: they lock while the lean shows, in closed form."""
+    axes = np.vstack([np.eye(6)[1:], -np.eye(6)[1:]])
+    for lean, locks in ((1e-1, True), (1e-3, True), (1e-5, False), (0.0, False)):
+        pair = np.array([[lean, 1, 0, 0, 0, 0], [-lean, 1, 0, 0, 0, 0]])
+        assert (multipliers_of(np.vstack([axes, pair, -pair])) is not None) == locks
+
+
+def test_rows_open_as_a_part_moves_away() -> None:
+    made = states(boxed())
+    program = made.of().program
+    part = len(made.assembly) - 1
+    rows = opening(program, part, np.ones(len(program.part_a), dtype=bool))
+    away = program.normal * np.where(program.part_b == part, 1, -1)[:, None]
+    assert np.allclose(rows[:, :3], away)
+
+
+def rechecked(order: Order) -> None:
+    assert not reasons(order, proof_of(order))
+
+
+@pytest.mark.slow
+def test_two_that_leave_only_as_one() -> None:
+    made = hooked()
+    alone = kilter.plan(made)
+    assert alone.verdict == "impossible"
+    order = kilter.plan(made, kilter.PlanRules(together=True))
+    [step] = order.steps
+    assert (step.parts, step.direction) == (("A", "B"), (0.0, -1.0, 0.0))
+    assert order.to_dict()["steps"][0]["parts"] == ["A", "B"]
+    rechecked(order)
+
+
+@pytest.mark.slow
+def test_with_the_ledges_off_each_leaves_alone() -> None:
+    """Then nothing has to move as one, and nothing does."""
+    order = kilter.plan(hooked(lid=False), kilter.PlanRules(together=True))
+    assert sorted(step.parts for step in order.steps) == [("A",), ("B",)]
+
+
+def test_sets_that_stop_one_another() -> None:
+    """One least set along +y; upwards the ledges stop all."""
+    made = hooked()
+    contacts = kilter.contacts(made)
+    units, base = units_of_groups(made, ()), bits_of(made.geometry.grounded)
+    everything = bits_of(np.ones(len(made), dtype=bool))
+
+    def found(direction: list[int]) -> list[int]:
+        removal = Removal(contacts, directions=[direction])
+        return [moved for moved, _ in blocked_together(removal, units, everything, base)]
+
+    assert found([0, 1, 0]) == [sum(units)]
+    assert found([0, 0, 1]) == found([0, -1, 0]) == found([1, 0, 0]) == []
+
+
+def test_a_group_goes_in_as_one() -> None:
+    order = kilter.plan(scene("tower"), kilter.PlanRules(groups=["cube-[23]"]))
+    assert [step.parts for step in order.steps] == [
+        ("cube-1",), ("cube-2", "cube-3"), ("cube-4",), ("cube-5",)
+    ]  # fmt: skip
+    assert order.steps[1].touches == ("cube-1",)
+    rechecked(order)
+
+
+def test_a_group_that_spans_a_part_cannot_close_round_it() -> None:
+    """Cubes below and above one that is not of the group: no way for it, none for them."""
+    order = kilter.plan(
+        scene("tower"), kilter.PlanRules(groups=[["cube-2", "cube-4"]], directions=[[0, 0, 1]])
+    )
+    assert order.verdict == "none-found"
+
+
+def test_groups_that_make_no_sense() -> None:
+    tower = scene("tower")
+    for groups, why in (
+        (["nobody*"], "no part is named"),
+        ([()], "a group names no part"),
+        (["cube-[12]", "cube-[23]"], "'cube-2' is in two groups"),
+        (["*"], "held from the start"),
+    ):
+        with pytest.raises(InputError, match=why):
+            kilter.plan(tower, kilter.PlanRules(groups=groups))
+
+
+def key_at_the_mouth() -> Assembly:
+    """A slab on a bed, under a ledge on each side; a key stands before it, behind a sill."""
+    walls = [
+        block("west", [-1, 0, 0], [0, 5, 3]), block("east", [4, 0, 0], [5, 5, 3]),
+        block("back", [-1, -1, 0], [5, 0, 3]), block("sill", [-1, 5, 0], [5, 6, 1]),
+        block("ledge-w", [0, 0, 2], [1, 4, 3]), block("ledge-e", [3, 0, 2], [4, 4, 3]),
+        block("bed", [0, 0, 0], [4, 4, 1]),
+    ]  # fmt: skip
+    return Assembly(
+        [
+            floor([-3, -3], [8, 8]),
+            *(Part(p.name, p.shape, p.pose, grounded=True) for p in walls),
+            block("slab", [0, 0, 1], [4, 4, 2]),
+            block("key", [0, 4, 0], [4, 5, 2]),
+        ]
+    )
+
+
+def test_the_key_leaves_first_and_upwards() -> None:
+    order = kilter.plan(key_at_the_mouth())
+    assert [(step.part, step.legs[0].direction) for step in order.steps] == [
+        ("slab", (0.0, 1.0, 0.0)),
+        ("key", (0.0, 0.0, 1.0)),
+    ]
+    rechecked(order)

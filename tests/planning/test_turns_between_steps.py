@@ -76,23 +76,6 @@ def test_what_needs_no_turn_has_none() -> None:
     assert (order.turns, len(order.steps)) == (0, 5)
 
 
-@pytest.mark.slow
-def test_turns_of_two_orders() -> None:
-    """B leans on the stop by itself: an order that begins with it needs no turn."""
-    free = kilter.plan(leaning(30.0), kilter.PlanRules(fewest="turns", hold=0))
-    assert ([step.part for step in free.steps], free.turns, free.fewest.least) == (
-        ["B", "A"],
-        0,
-        "always",
-    )
-    bound = kilter.plan(leaning(30.0), kilter.PlanRules(fewest="turns", hold=0, before=FIRST))
-    assert ([step.part for step in bound.steps], bound.turns) == (["A", "B"], 1)
-    assert bound.fewest.least == "as-tried"
-    words = "Along the directions that were tried no order has fewer turns with nothing held."
-    assert words in bound.to_dict()["sentence"]
-    assert not reasons(bound, proof_of(bound))
-
-
 @pytest.mark.parametrize(("fewest", "turns", "held"), [("holds", 1, 0), ("turns", 0, 1)])
 def test_a_hold_in_place_of_a_turn(fewest: str, turns: int, held: int) -> None:
     order = kilter.plan(leaning(30.0), kilter.PlanRules(before=FIRST, turn=True, fewest=fewest))

@@ -224,12 +224,6 @@ def test_each_state_at_rest_is_a_verdict_with_forces(seed: int) -> None:
     assert all(verdict.evidence is not None for verdict in holding)
 
 
-def test_the_order_of_the_parts_does_not_matter() -> None:
-    parts = [cube(str(k), 1.5 * k - 4, (0, 0.3, -0.2)[k % 3]) for k in range(6)]
-    expected = states(*parts)
-    assert states(*parts[::-1]) == expected
-
-
 def test_nothing_held_is_one_sentence_and_all_held_is_at_rest() -> None:
     with pytest.raises(InputError, match="nothing is held"):
         kilter.scene(Assembly([cube("a", 0, 0)]))
@@ -292,18 +286,6 @@ def test_every_object_has_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert text.startswith("All 30 free objects are at rest (level proved).")
 
 
-def test_the_page_shows_what_the_command_prints(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    page = Path(__file__).resolve().parents[2] / "docs" / "scene.md"
-    text = page.read_text(encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    exec(text.split("```python\n")[1].split("```")[0], {})
-    capsys.readouterr()
-    main(["scene", "kitchen.kilter.json"])
-    assert capsys.readouterr().out == text.split("```text\n")[1].split("```")[0]
-
-
 # repair ---------------------------------------------------------------------------------------
 
 
@@ -333,6 +315,7 @@ def test_a_scene_without_faults_stays_as_it_is() -> None:
     assert report.moved == {}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("ending", [".kilter.json", ".xml", ".glb"])
 def test_the_repaired_scene_is_written(
     ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -347,6 +330,7 @@ def test_the_repaired_scene_is_written(
     assert main(["scene", str(out), *held]) == 0
 
 
+@pytest.mark.slow
 def test_a_repaired_usd_scene_is_a_layer(tmp_path: Path) -> None:
     pytest.importorskip("pxr", reason="usd-core is not installed: pip install 'kilter[usd]'")
     from pxr import Usd, UsdGeom, UsdPhysics

@@ -11,8 +11,8 @@ import numpy as np
 from balance_cases import GRIP, ROLLING
 from mesh_rounds import as_mesh, ball
 from places import case_of, side_by_side
+from test_answer import BALL, FLOOR, WALL
 from test_held import RADIAL, coupling
-from test_idle import BALL, FLOOR, WALL
 from test_stopped import STOP, overhanging
 
 import kilter

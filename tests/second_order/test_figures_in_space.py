@@ -21,7 +21,6 @@ from kilter import Assembly
 from kilter.arrays import Array, unit_rows
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes import scene
-from kilter.scenes.paper import figure_1
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
 from kilter.second_order.gaps.stationary import Stationary, stationary
@@ -146,19 +145,3 @@ def test_the_corners_of_the_page_are_those_of_the_scene() -> None:
         near = np.abs(flat[:, None] - said).max(axis=2) < 1e-9
         assert near.any(axis=1).all()
         assert near.any(axis=0).all()
-
-
-def test_figure_1_b_in_the_plane_slides_only() -> None:
-    neutral = kilter.check(figure_1("b", planar=True)).neutral
-    assert neutral is not None
-    assert (neutral.two_sided, neutral.one_sided) == (1, 0)
-
-
-def test_nothing_but_the_contacts_of_the_walls_holds_the_blocks() -> None:
-    """The test of separation fails if a block penetrates a wall or the other block."""
-    assembly = scene(TURNED[0])
-    program, _ = problem_of(assembly)
-    for part, normal in ((int(program.part_b[0]), program.normal[0]),):
-        motion = np.zeros((len(program.names), 6))
-        motion[part, :3] = -1e-3 * normal
-        assert least_gap(assembly, program, motion) < -5e-4

@@ -1,20 +1,33 @@
-"""The second derivative of gaps against differences of exact gaps, with both parts moving."""
+"""Second derivatives of gaps: of each pair of features, given ones, springs and revolved ones."""
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import exact_gaps as exact
 import numpy as np
 import pytest
+from transformations import scaled
 
 import kilter
-from kilter import Assembly, Box, GivenContact, Part, Pose
+from kilter import Assembly, Box, Feature, GivenContact, InputError, Joint, Part, Pose
 from kilter.arrays import Array, across
+from kilter.files import from_dict
 from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.rows import DRAG, STOP
+from kilter.scenes.pieces import turn
+from kilter.scenes.transform import moved
 from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.fits import _revolved_surface
 from kilter.second_order.gaps.gap_form import corner_slips, formed, gap_forms
+from kilter.second_order.gaps.joint_forms import joint_errors, joint_forms, of_joints
+from kilter.second_order.gaps.joint_springs import spring_excess, spring_form
+from kilter.second_order.gaps.touched_surfaces import LINE
 
 Side = tuple[int, Array, Array]
 """Kind, edge and curvature of the feature of a part."""
@@ -260,23 +273,6 @@ def test_a_point_within_a_line_stays_where_it_is_along_it() -> None:
     assert form[11, 11] == pytest.approx(-(s**2) / (big - r), rel=1e-12)
 
 
-def test_the_form_does_not_depend_on_the_unit_of_length() -> None:
-    """Lengths times c: the form of turns times c, that of shifts over c."""
-    c = 1e6
-    n, t = exact.unit([1.0, 2, 3]), np.cross([0.0, 0, 1], exact.unit([1.0, 2, 3]))
-    t = exact.unit(t)
-    points = np.array([[0.1, 0.2, 0.3], [0.5, -1, 0.2], [1, 2, 0.7]])
-    small = program_of(points[0], n, points[1], points[2])
-    large = replace(small, point=c * small.point, center=c * small.center, radius=c * small.radius)
-    pair = [
-        features(round_face(n, t, 0.3 / f, 2 / f), round_face(n, t, 1 / f, 0.5 / f))
-        for f in (1.0, c)
-    ]
-    units = np.tile(np.repeat([c, 1.0], 3), 2)
-    one, other = gap_forms(small, pair[0])[0], gap_forms(large, pair[1])[0]
-    np.testing.assert_allclose(other * np.outer(units, units) / c, one, rtol=1e-9, atol=1e-12)
-
-
 def test_a_corner_that_has_slipped_off_an_edge_of_both_parts_has_the_other_form() -> None:
     """A corner of b on the face of a, and one of a on the face of b: -2 sigma . v_t apart."""
     random = np.random.default_rng(5)
@@ -296,3 +292,255 @@ def test_a_corner_that_has_slipped_off_an_edge_of_both_parts_has_the_other_form(
     assert np.linalg.matrix_rank(turn) == np.linalg.matrix_rank(slip) == 1
     shift = np.concatenate([np.zeros(6), across(n)[1], np.zeros(3)])
     np.testing.assert_allclose(along @ shift, 0.0, atol=1e-12)
+
+
+UP = [0.0, 0, 1]
+CYLINDER = Feature("face", [0, 3, 0], (0, 0.5))
+
+
+def assembly(*features: tuple[Feature, Feature] | None) -> Assembly:
+    """A part on a held part, with a contact for each pair of features."""
+    base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    part = Part("part", Box([1, 1, 2]), Pose([0.1, 0.2, 1]))
+    given = [
+        GivenContact(("base", "part"), [[0.1 * k, 0, 0], [0, 0.3, 0]], UP, feature=feature)
+        for k, feature in enumerate(features)
+    ]
+    return Assembly([base, part], contacts=given, detect=False)
+
+
+def found(given: Assembly) -> tuple[Features, Array]:
+    contacts = kilter.contacts(given)
+    program = build_program(given, contacts)
+    features = features_of(program, contacts)
+    forms = gap_forms(program, features)
+    np.testing.assert_array_equal(np.isnan(forms).any(axis=(1, 2)), ~formed(program, features))
+    return features, forms
+
+
+def test_a_feature_is_read_to_its_rows() -> None:
+    features, _ = found(
+        assembly(
+            (CYLINDER, Feature("edge", [1, 0, 0], 2)), None, (Feature("vertex"), Feature("face"))
+        )
+    )
+    assert features.kind_a.tolist() == [FACE, FACE, OPEN, OPEN, VERTEX, VERTEX]
+    assert features.kind_b.tolist() == [EDGE, EDGE, OPEN, OPEN, FACE, FACE]
+    assert features.group.tolist() == [0, 0, 1, 1, 2, 2]
+    np.testing.assert_allclose(features.curvature_a[0], np.diag([0.5, 0, 0]))
+    np.testing.assert_allclose(features.curvature_b[0], np.diag([2.0, 0, 0]))
+    np.testing.assert_allclose(features.edge_b[0], [1, 0, 0])
+    assert features.open.tolist() == [False, False, True, True, False, False]
+
+
+def test_a_sphere_needs_no_direction() -> None:
+    features, _ = found(assembly((Feature("face"), Feature("face", curvature=2))))
+    np.testing.assert_allclose(features.curvature_b[0], np.diag([2.0, 2, 0]))
+
+
+def around(axis: Array, radius: float, up: float, tube: float = np.inf) -> Feature:
+    """A torus above the origin, with the lowest circle of its tube at the origin."""
+    other = np.cross(UP, axis)
+    curvature = (1 / radius, 1 / tube if np.isfinite(tube) else 0.0)
+    return Feature("face", other, curvature, [0, 0, up], axis)
+
+
+def test_an_axis_turns_moves_and_scales_with_its_part() -> None:
+    given = assembly((Feature("face"), around(np.array([0.0, 1, 0]), 2.0, 2.0, tube=0.3)))
+    at = replace(given, contacts=[replace(given.contacts[0], points=[[0.0, 0, 0], [0, 0.5, 0]])])
+    pose = Pose([3, -4, 5], turn([1, 2, 3], 50))
+    for other, factor in ((moved(at, pose.rotation, pose.position), 1.0), (scaled(at, 7.0), 7.0)):
+        features, _ = found(other)
+        line, points = features.axis_b, other.contacts[0].points
+        away = np.linalg.norm(np.cross(points - line[:, :3], line[:, 3:]), axis=1)
+        np.testing.assert_allclose(away, 2.0 * factor)
+        assert not features.axis_a.any()
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-3])
+def test_a_surface_is_of_revolution_about_its_axis_or_refused(off: float) -> None:
+    y = np.array([0.0, 1, 0])
+    lean = np.array([0.3, 0, np.sqrt(1 - 0.09)])  # a rim whose plane leans from the normal
+    rim = 2.0 * np.array([0.0, 0, 1])
+    tries = [
+        lambda e: around(y, 2.0, 2.0 + e, tube=0.3),  # radius
+        lambda e: Feature("face", [1, 0, 0], (0.5, 3), rim, [e, 1, 0]),  # direction
+        lambda e: Feature("face", curvature=2, point=[e, 0, 1], axis=UP),  # a pole
+        lambda e: Feature("face", curvature=2, point=[0, 0, 1], axis=[e, 0, 1]),
+        lambda e: Feature("face", [1, 0, 0], (2, 2 + e), point=[0, 0, 1], axis=UP),
+        lambda e: Feature("face", point=[5, 6, 0], axis=[e, 0, 1]),  # a plane, upright
+        lambda e: Feature("edge", y, lean[2] / 2 + e, 2 * lean, np.cross(lean, y)),
+        lambda e: Feature("edge", [e, 1, 0], 0.5, rim, [1, 0, 0]),
+    ]
+    for make in tries:
+        one = make(off)
+        if off:
+            with pytest.raises(InputError, match="not a surface of revolution about its axis"):
+                at_origin(one)
+        else:
+            at_origin(one)
+
+
+def at_origin(feature: Feature) -> GivenContact:
+    return GivenContact(("base", "part"), [[0, 0, 0]], UP, feature=(Feature("face"), feature))
+
+
+def test_contacts_of_other_lists_are_open() -> None:
+    given = assembly((Feature("face"), Feature("vertex")))
+    contacts = kilter.contacts(given)
+    program = build_program(given, contacts)
+    without = replace(contacts, assembly=replace(given, contacts=()))
+    assert features_of(program, without).open.all()
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: Feature("fase"), "did you mean 'face'"),  # type: ignore[arg-type]
+        (lambda: Feature("edge"), 'give "along"'),
+        (lambda: Feature("face", curvature=(1, 2)), 'give "along"'),
+        (lambda: Feature("edge", [1, 0, 0], (1, 2)), "give only that along the edge"),
+        (lambda: Feature("vertex", curvature=1), "remove it"),
+        (lambda: Feature("face", curvature=np.nan), "finite"),
+        (lambda: Feature("face", axis=UP), 'give both "point" and "axis"'),
+        (lambda: Feature("vertex", point=UP, axis=UP), "remove it"),
+        (lambda: Feature("face", point=UP, axis=[0, 0, 0]), "axis of a face"),
+        (lambda: assembly((Feature("face"), Feature("edge", UP))), "not perpendicular to"),
+        (lambda: assembly((Feature("face"),)), "pair of kilter.Feature"),  # type: ignore[arg-type]
+        (lambda: assembly(("face", "face")), "pair of kilter.Feature"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_is_no_feature_is_refused(build: object, words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        build()  # type: ignore[operator]
+    assert "\n" not in str(caught.value)
+
+
+def test_shown_in_one_line() -> None:
+    given = assembly((CYLINDER, Feature("edge", [1, 0, 0], 2))).contacts[0]
+    assert repr(given).endswith("face on edge)")
+    assert repr(CYLINDER) == "Feature('face', along=(0, 1, 0), curvature=(0, 0.5))"
+
+
+@pytest.mark.slow
+def test_the_contact_of_the_page_is_a_ball_in_a_bowl() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "contacts.md").read_text(encoding="utf-8")
+    [text] = re.findall(r"```json\n(.*?)```", page, flags=re.S)
+    contact = json.loads(text)
+    parts = [
+        {"name": "bowl", "box": [1, 1, 1], "pose": {"position": [0, 0, -1]}, "grounded": True},
+        {"name": "ball", "sphere": {"radius": 0.8}, "pose": {"position": [0, 0, 0.8]}},
+    ]
+    for hollow, state in ((-0.5, "minimum"), (0.5, "balanced"), (-2.0, "open")):
+        contact["feature"][0]["curvature"] = hollow
+        whole = {"kilter": 1, "parts": parts, "contacts": [contact], "detect": False}
+        second = kilter.check(from_dict(whole, folder=".", source="page")).second_order_answer
+        assert second is not None
+        assert second.state == state
+        if state != "open":  # the ball may spin
+            assert second.free == 3
+
+
+STEP = 1e-4
+
+
+def linked(seed: int, kind: str) -> tuple[Assembly, Program]:
+    """Two free parts in random poses with a joint that has stops, friction and a spring."""
+    rng = np.random.default_rng(seed)
+    parts = [
+        Part(name, Box(rng.uniform(0.5, 2, 3)), Pose(rng.normal(size=3), rng.normal(size=4)))
+        for name in ("a", "b")
+    ]
+    joint = Joint(
+        ("a", "b"), kind, rng.normal(size=3), rng.normal(size=3), limits=(0.0, 0.0), friction=2.0,
+        stiffness=float(rng.uniform(1, 5)), rest=float(rng.normal()),
+    )  # type: ignore[arg-type]  # fmt: skip
+    assembly = Assembly(
+        parts, joints=[joint], contacts=[kilter.GivenContact(("a", "b"), [], [1, 0, 0])]
+    )
+    return assembly, build_program(assembly, kilter.contacts(assembly))
+
+
+def second_difference(value: object, along: Array) -> Array:
+    """Second derivative of a function of motions, (2, 6), along one of them."""
+    assert callable(value)
+    sides = value(STEP * along), value(0 * along), value(-STEP * along)
+    return np.asarray((sides[0] - 2 * sides[1] + sides[2]) / STEP**2)
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+@pytest.mark.parametrize("seed", range(4))
+def test_forms_are_the_second_derivatives_of_exact_gaps_and_energies(seed: int, kind: str) -> None:
+    assembly, program = linked(seed, kind)
+    joints = assembly.joints
+    assert [int((program.kind == of).sum()) for of in (STOP, DRAG)] == [2, 1]
+    forms, energy = joint_forms(program, joints), spring_form(program, joints)
+    assert energy is not None
+    rng = np.random.default_rng(seed + 100)
+    for _ in range(3):
+        motion = rng.normal(size=(2, 6))
+        motion /= np.abs(motion).max()
+        flat = motion.reshape(-1)
+        gaps = second_difference(lambda z: joint_errors(program, joints, z), motion)
+        assert of_joints(program).all()
+        assert gaps == pytest.approx(np.einsum("i,kij,j->k", flat, forms, flat), abs=1e-5)
+        cost = second_difference(lambda z: np.array(spring_excess(program, joints, z)), motion)
+        assert cost == pytest.approx(flat @ energy @ flat, rel=1e-5, abs=1e-5)
+
+
+def test_a_spring_is_a_load_in_the_drawn_pose() -> None:
+    """The first derivative of its energy k (g + rest)^2 / 2, g the motion of b past a."""
+    for kind in ("revolute", "prismatic"):
+        assembly, program = linked(1, kind)
+        joint, row = assembly.joints[0], int(np.flatnonzero(program.kind == DRAG)[0])
+        motion = np.random.default_rng(3).normal(size=(2, 6))
+        speed = -float(program.velocities(motion)[row])  # the row is along minus the axis
+        power = float((program.clamp * motion).sum())
+        assert power == pytest.approx(-joint.stiffness * joint.rest * speed)
+
+
+def rings(rng: np.random.Generator, tilts: list[float], pitch: float = 0.0) -> tuple[Array, Array]:
+    """Points and normals on rings about z, whose normals lean from the horizontal by `tilts`."""
+    points, normals = [], []
+    for k, tilt in enumerate(tilts):
+        for angle in rng.uniform(0, 2 * np.pi, 3) + np.array([0, 2, 4]):
+            away = np.array([np.cos(angle), np.sin(angle), 0.0])
+            around = np.array([-np.sin(angle), np.cos(angle), 0.0])
+            normal = np.cos(tilt) * away + np.sin(tilt) * np.array([0, 0, 1.0]) + pitch * around
+            points.append((2.0 + 0.1 * k) * away + [0, 0, 0.5 * k])
+            normals.append(normal / np.linalg.norm(normal))
+    return np.array(points), np.array(normals)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_axis_and_the_curvature_of_a_thread_of_rings(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    shift = rng.normal(size=3)
+    tilts = [0.5, -0.5, 0.5]
+    points, normals = rings(rng, tilts)
+    found = _revolved_surface(points @ turn.T + shift, normals @ turn.T)
+    assert found is not None
+    kind, place, axis, curvature = found
+    assert kind == LINE
+    assert abs(axis @ turn[:, 2]) == pytest.approx(1.0, abs=1e-9)
+    aside = (place - shift) - ((place - shift) @ axis) * axis
+    assert np.abs(aside).max() < 1e-8
+    # Meusnier: the circle of radius r bends by 1 / r, its normal curvature is cos(tilt) / r
+    radius = np.repeat([2.0, 2.1, 2.2], 3)
+    around = np.cross(axis, points @ turn.T + shift - place)
+    around /= np.linalg.norm(around, axis=1)[:, None]
+    bent = np.einsum("ki,kij,kj->k", around, curvature, around)
+    assert bent == pytest.approx(np.cos(0.5) / radius, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tilts", "pitch"),
+    [
+        pytest.param([0.0, 0.0], 0.0, id="cylinder: it slides, too"),
+        pytest.param([0.5, -0.5, 0.5], 0.1, id="normals past the axis: nothing moves, or a screw"),
+    ],
+)
+def test_other_surfaces_are_none(tilts: list[float], pitch: float) -> None:
+    points, normals = rings(np.random.default_rng(0), tilts, pitch)
+    assert _revolved_surface(points, normals) is None

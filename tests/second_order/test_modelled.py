@@ -38,6 +38,7 @@ SQUEEZE = [
 ]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("more", "neutral"),
     [
@@ -143,6 +144,7 @@ def refused(assembly: Assembly, of: Assembly, state: str = "open") -> tuple[str,
     return kilter.verify(assembly, proof).reasons
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("plain", "more", "why"),
     [
@@ -183,6 +185,7 @@ def test_a_weight_above_the_centre_may_tip_what_is_a_minimum_without_it() -> Non
     assert kilter.verify(through.assembly, through.proof()).holds
 
 
+@pytest.mark.slow
 def test_a_load_on_the_mast_of_a_weeble_is_above_the_centre_of_both() -> None:
     ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]), mass=10.0)
     low = Part("low", Box([0.1] * 3), Pose([0, 0, 0.4]), mass=3.0)

@@ -1,4 +1,4 @@
-"""Rolling with friction: both sides of each limit against closed forms, otherwise open."""
+"""What rolls, tips over an edge, or rides on what turns."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from balance_cases import GRIP, ROLLING, Case
-from places import side_by_side
 
 import kilter
-from kilter import Assembly, Box, Part, Pose, Sphere
+from kilter import Assembly, Box, Cylinder, FrictionPair, Joint, Part, Pose, Prism, Sphere
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.motions.rolling import Rolling, find_rolling
@@ -107,12 +106,6 @@ def test_the_energy_of_a_rocking_stone_curves_as_its_height_does(h: float) -> No
     assert own == pytest.approx(float(program.weight[free]) * curved / turn**2, rel=1e-5)
 
 
-@pytest.mark.parametrize("h", [0.5, 0.99, 1.01])
-def test_it_does_not_depend_on_where_or_how_large(h: float) -> None:
-    made = side_by_side([rolling_case("R2").build(h)]).with_friction(GRIP)
-    assert rolled(made)[1].state == ("falls" if h > 1 else "open")
-
-
 @pytest.mark.parametrize(("mu", "state"), [(0.4, "open"), (0.45, "holds")])
 def test_what_slips_at_once_is_not_said_to_hold(mu: float, state: str) -> None:
     """A weeble on a slope of .4 needs a coefficient of tan(.4) = .423."""
@@ -152,3 +145,104 @@ def test_equal_curvatures_shift_no_contact_up_to_their_rounding(
     close = replace(features, curvature_a=round_side, curvature_b=-round_side * (1 - play))
     found = rolling_shifts(program, close)
     assert np.abs(found).max() == pytest.approx(expected, rel=1e-6)
+
+
+TABLE = Part("table", Box([20, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
+
+
+@pytest.mark.parametrize(("inside", "verdict"), [(0.0, "potentially-stable"), (1e-3, "stable")])
+def test_a_box_on_a_slope_tips_if_its_weight_acts_above_its_lower_edge(
+    inside: float, verdict: str
+) -> None:
+    """Its energy falls by W h (1 - cos phi): friction holds its edge, not its tilt."""
+    slope = np.arctan(0.3)
+    down = 9.81 * np.array([np.sin(slope - inside), 0, -np.cos(slope - inside)])
+    box = Part("box", Box([2 * 0.3, 2, 2]), Pose([0, 0, 1]))
+    found = kilter.check(Assembly([TABLE, box], friction=0.6, gravity=down))
+    assert found.verdict == verdict
+    if inside == 0.0:
+        assert "edge" in found.sentence
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+@pytest.mark.parametrize(("off", "verdict"), [(1.0, "potentially-stable"), (0.99, "stable")])
+def test_the_top_of_a_high_stack_tips_as_that_of_a_low_one(
+    off: float, verdict: str, mu: float
+) -> None:
+    stack = [Part(f"b{k}", Box([2, 2, 1]), Pose([0, 0, k + 0.5])) for k in range(24)]
+    top = Part("top", Box([2, 2, 1]), Pose([off, 0, 24.5]))
+    assert kilter.check(Assembly([TABLE, *stack, top], friction=mu)).verdict == verdict
+
+
+@pytest.mark.quick("roof-potentially-stable")
+@pytest.mark.parametrize(
+    ("beside", "verdict"),
+    [
+        (Part("wall", Box([1, 4, 4]), Pose([1.5, 0, 2]), grounded=True), "stable"),
+        (Part("roof", Box([4, 4, 1]), Pose([2, 0, 2.5]), grounded=True), "potentially-stable"),
+        (Part("weight", Box([1, 1, 1]), Pose([-0.5, 0, 2.5])), "stable"),
+    ],
+    ids=lambda value: getattr(value, "name", value),
+)
+def test_what_touches_a_box_above_an_edge_counts(beside: Part, verdict: str) -> None:
+    """The box turns down to the right: a roof above its right half opens, a wall stops it."""
+    shelf = Part("shelf", Box([4, 4, 1]), Pose([-2, 0, -0.5]), grounded=True)
+    box = Part("box", Box([2, 2, 2]), Pose([0, 0, 1]))
+    turn = [np.cos(0.1), 0, np.sin(0.1), 0]
+    along = np.array([np.sin(0.2), 0, np.cos(0.2)])
+    ramp = Part("ramp", Box([4, 4, 1]), Pose([30, 0, 0], turn), grounded=True)
+    rider = Part("rider", Box([1, 1, 1]), Pose(np.array([30, 0, 0]) + along, turn))
+    found = kilter.check(Assembly([shelf, box, beside, ramp, rider], friction=0.5))
+    assert found.verdict == verdict
+
+
+def test_the_overhanging_brick_at_the_end_of_a_wall_tips() -> None:
+    """The rows are half a brick apart, so that the last brick of the top row is above an edge."""
+    floor = Part("floor", Box([19, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
+    bricks = [
+        Part(f"{row} {k}", Box([2, 1, 1]), Pose([2 * k + row % 2, 0, row + 0.5]))
+        for row in range(6)
+        for k in range(-2, 2)
+    ]
+    found = kilter.check(Assembly([floor, *bricks], friction=0.5))
+    assert found.verdict == "potentially-stable"
+    assert "5 1" in found.sentence
+
+
+def turntable(place: float, tilt: float = 0.1) -> Assembly:
+    """A box on a hinged disc under tilted gravity; uphill it is an inverted pendulum."""
+    parts = [
+        Part("base", Box([4, 4, 1]), Pose([0, 0, -1.5]), grounded=True),
+        Part("disc", Cylinder(1.2, 0.2)),
+        Part("box", Box([0.2, 0.2, 0.2]), Pose([place, 0, 0.2])),
+    ]
+    hinge = Joint(("disc", "ground"), "revolute", point=[0, 0, 0], axis=[0, 0, 1])
+    gravity = 9.81 * np.array([np.sin(tilt), 0, -np.cos(tilt)])
+    return Assembly(parts, gravity=gravity, friction=0.5, joints=[hinge])
+
+
+def test_a_box_uphill_on_a_turntable_is_not_stable() -> None:
+    found = kilter.check(turntable(-0.8))
+    assert found.level == "equilibrium"
+    assert kilter.verify(turntable(-0.8), found.proof(), require="equilibrium").holds
+
+
+def prism_on_its_edge(*, beside: bool) -> Assembly:
+    """A prism on its edge; on request beside a box that friction holds on a ramp."""
+    slope = [np.cos(0.1), 0, np.sin(0.1), 0]
+    up = np.array([np.sin(0.2), 0, np.cos(0.2)])
+    parts = [
+        Part("table", Box([60, 60, 1]), Pose([0, 0, -0.5]), grounded=True),
+        Part("prism", Prism([[0, 0], [1, 1], [-1, 1]], 1.0)),
+    ]
+    ramp = Part("ramp", Box([4, 4, 1]), Pose([9, 0, 3], slope), grounded=True)
+    rider = Part("rider", Box([1, 1, 1]), Pose(np.array([9, 0, 3]) + up, slope))
+    pairs = [FrictionPair(("rider", "ramp"), 0.5)]
+    return Assembly([*parts, ramp, rider], friction_pairs=pairs) if beside else Assembly(parts)
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_prism_on_its_edge_is_not_stable_whatever_stands_beside_it(beside: bool) -> None:
+    found = kilter.check(prism_on_its_edge(beside=beside))
+    assert found.level == "equilibrium"

@@ -1,15 +1,17 @@
-"""Boxes that meet in lines and corners: sharp points leave no stable state open."""
+"""Contacts at edges and corners, flush faces, and planes between parts."""
 
 from __future__ import annotations
 
 import copy
+import itertools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Box, ContactSet, Cylinder, Part, Pose
+from kilter import Assembly, Box, ContactSet, Cylinder, Part, Pose, Prism, Sphere
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.rows import CONTACT, POSSIBLE
@@ -22,6 +24,7 @@ from kilter.second_order.motions.sharp_points import (
     sharp_points,
     with_sharp,
 )
+from kilter.second_order.parts.separation import least_separation
 from kilter.second_order.proofs.paths import judge_path
 from kilter.second_order.proofs.proof_numbers import by_part, named_motion
 from kilter.second_order.searches.opening_contacts import enough_to_open
@@ -251,21 +254,7 @@ def over_an_edge(*, beside: bool = True) -> list[Part]:
     return [FLOOR, post, board, *([other] if beside else [])]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("turned", [False, True])
-def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
-    """It falls as it does alone; its path separates it from the post at its edge."""
-    parts = over_an_edge()
-    assembly = Assembly(parts[::-1] if turned else parts)
-    assert any(one.kind == "degenerate" for one in kilter.contacts(assembly).open_pairs)
-    found = kilter.check(assembly)
-    alone = kilter.check(Assembly(over_an_edge(beside=False))).second_order_answer
-    assert found.second_order_answer is not None
-    assert alone is not None
-    assert (found.second_order_answer.state, alone.state) == ("balanced", "balanced")
-    assert kilter.verify(assembly, found.proof()).holds
-
-
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("opens_at_once", [True, False])
 def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
     """The board tips, while the other post moves along, or separates only to second order."""
@@ -325,3 +314,92 @@ def test_rows_are_of_such_points_of_what_moves() -> None:
         program = build_program(assembly, contacts).frictionless
         assert (contacts.possible.degenerate < 0).any()
         assert len(with_sharp(program, contacts).kind) == len(program.kind) + 2 * ends
+
+
+Build = Callable[..., list[Part]]
+WIDTHS = (0.9, 1.0, 1.1)
+"""Widths of the upper part, over that of the lower part [-]."""
+
+
+def box_over_the_edge(width: float, off: float = 0.0) -> list[Part]:
+    """A box with its centre at a given distance from the edge of the box below."""
+    low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]), grounded=True)
+    return [low, Part("high", Box([1, width, 1]), Pose([0.5 + off, 0, 1.5]))]
+
+
+def leaning(width: float, off: float = 0.0) -> list[Part]:
+    """A leaning block with its centre at a given distance from its own lower edge."""
+    low = Part("low", Box([4, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
+    lean = Prism([(-1, 0), (0, 0), (1 + 2 * off, 1), (2 * off, 1)], width)
+    return [low, Part("high", lean, Pose([0, 0, 0]))]
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("build", [box_over_the_edge, leaning])
+@pytest.mark.parametrize("off", [1e-6, -1e-6])
+def test_within_the_edge_it_slides_and_beyond_it_falls(
+    build: Build, width: float, off: float
+) -> None:
+    for order in itertools.permutations(build(width, off)):
+        verdict = kilter.check(Assembly(order))
+        assert verdict.stable == (off < 0)
+        second = verdict.second_order_answer
+        assert off > 0 or (second is not None and second.state == "free")
+
+
+WALLS = [
+    Part("left", Box([1, 10, 10]), Pose([-1, 0, 5]), grounded=True),
+    Part("right", Box([1, 10, 10]), Pose([1, 0, 5]), grounded=True),
+]
+ENDS = [
+    Part("behind", Box([1, 1, 10]), Pose([0, -1, 5]), grounded=True),
+    Part("before", Box([1, 1, 10]), Pose([0, 1, 5]), grounded=True),
+]
+FLOOR_PLANES = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
+BALLS = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k])) for k in range(2)]
+
+
+@pytest.mark.slow
+def test_balls_upright_between_two_walls_fall_along_them() -> None:
+    assembly = Assembly([FLOOR_PLANES, *WALLS, *BALLS])
+    found = kilter.check(assembly)
+    second = found.second_order_answer
+    assert second is not None
+    assert second.state == "balanced"
+    proof = found.proof()
+    assert kilter.verify(assembly, proof).holds
+    across = second.configuration
+    assert across is not None
+    assert np.abs(across.motion[4:, 0]).max() < 1e-15
+    for axis, by in ((0, 1e-9), (0, -1e-9), (1, 1e-9)):  # into a wall, or off the path
+        other = copy.deepcopy(proof)
+        other["second_order"]["configuration"]["ball 1"][axis] += by
+        other["digest"] = digest_of(other)
+        assert not kilter.verify(assembly, other).holds, (axis, by)
+
+
+@pytest.mark.slow
+def test_balls_upright_in_a_square_tube_stay() -> None:
+    assembly = Assembly([FLOOR_PLANES, *WALLS, *ENDS, *BALLS])
+    found = kilter.check(assembly)
+    second = found.second_order_answer
+    assert second is not None
+    assert (second.state, second.neutral, second.free) == ("minimum", 6, 6)
+    assert kilter.verify(assembly, found.proof()).holds
+
+
+@pytest.mark.parametrize(("shift", "apart"), [(0.0, 0.1), (1e-10, None), (-1e-10, None)])
+def test_only_what_shifts_along_a_plane_counts_as_parted_by_it(
+    shift: float, apart: float | None
+) -> None:
+    assembly = Assembly([FLOOR_PLANES, *WALLS, BALLS[0]])
+    program = build_program(assembly, kilter.contacts(assembly))
+    motion = np.zeros((4, 6))
+    motion[3, :3] = [shift, 0.3, 0.2]
+    every = np.ones(len(program.normal), dtype=bool)
+    found = least_separation(assembly, program, motion, beyond=0.1, planes=every)
+    assert found == (pytest.approx(-1e-10, rel=1e-4) if apart is None else apart)
+    without = least_separation(assembly, program, motion, beyond=0.1)
+    assert without is not None
+    assert without <= 0

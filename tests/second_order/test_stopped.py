@@ -1,8 +1,9 @@
-"""Parts that a stop keeps from sliding off and falling: a box over the edge of its table."""
+"""Parts that a stop keeps from tipping: as found, and the proof number by number."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,8 +20,8 @@ from kilter.second_order.gaps.stationary import Stationary, stationary
 from kilter.second_order.gaps.touched_surfaces import UNKNOWN, Touched, touched_surfaces
 from kilter.second_order.motions.free_motions import find_free_motions
 from kilter.second_order.motions.free_span import free_span
-from kilter.second_order.proofs.stopped import level_contacts, level_motions
-from kilter.second_order.searches.stopping_weights import find_stopped
+from kilter.second_order.proofs.stopped import Stopped, judge_stopped, level_contacts, level_motions
+from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, DROPS, LEVEL
 
 STOP = 0.15
 """Height of the stop: it also keeps the box from tipping, so its centre may be twice as high
@@ -190,11 +191,196 @@ def test_level_motions_are_across_gravity() -> None:
         np.testing.assert_allclose(level, [[-down[2]], [down[0]], [0]], atol=1e-12)
 
 
-def test_stops_that_leave_a_way_are_no_proof() -> None:
-    """With a low stop in the middle the box turns about it, and a corner slides out."""
-    assembly = case_of("24b").build(-0.3)
-    table, stops = assembly.contacts[:4], assembly.contacts[4:]
-    middle = replace(stops[0], points=[[1, 0, 0]])
-    for given in ((*table, middle), table, (*table, stops[0])):
-        question = asked(Assembly(assembly.parts, contacts=given, detect=False))
-        assert find_stopped(*question) is None
+COUPLED, CURVES = 6.0, 5.0
+X, Y, G, Z = np.eye(4)
+TWICE = ((0, COUPLED, 0), (COUPLED, 2 * CURVES, 0), (0, 0, 0))
+JUST = (0.9, 1.1)
+"""Factors of a limit, on both sides of it [-]."""
+
+
+def word(
+    *,
+    stops: Any = (3 * X + Y,),
+    rises: Any = (2 * Y,),
+    weights: Any = ((1.0,),),
+    bears: Any = Z,
+    load: Any = -Z,
+    curvature: Any = ((0, COUPLED / 2, 0), (COUPLED / 2, CURVES, 0), (0, 0, 0)),
+    opening: Any = X,
+    motions: Any = X[:, None],
+    free: Any = G[:, None],
+    forces: Any = None,
+    blur: float = 1e-9,
+    slips: Any = None,
+) -> str:
+    """The word of the judge, with some numbers replaced; empty if the proof holds."""
+    rows = np.array([bears, *rises, *stops], dtype=float)
+    form = np.zeros((len(rows), 12, 12))
+    form[0, :3, :3] = -np.array(curvature, dtype=float)
+    places = np.tile(np.append(np.arange(4), np.full(8, -1)), (len(rows), 1))
+    problem = Stationary(rows, np.array(load, dtype=float), form, places, blur, slips=slips)
+    level = np.arange(len(rows)) <= len(rises)
+    own = np.eye(len(rows))[0] if forces is None else np.array(forces, dtype=float)
+    proof = Stopped(own, np.array(weights, dtype=float), np.array(opening, dtype=float))
+    return judge_stopped(problem, level, np.array(motions), np.array(free), proof)
+
+
+def test_it_holds_as_it_is() -> None:
+    assert word() == ""
+    assert word(opening=1e-7 * X) == ""
+    assert word(forces=[1.0, 1e-10, 0.0], bears=Z - 1e-10 * 2 * Y) == ""  # it carries nothing
+
+
+def test_forces_are_of_level_contacts_and_balance() -> None:
+    assert "do not match the parts" in word(forces=[1.0, 0.0])
+    assert "do not match the parts" in word(opening=[1.0, 0.0, 0.0])
+    assert "contact that is not horizontal" in word(forces=[1.0, 0.0, 1e-12])
+    assert "contact that is not horizontal" in word(forces=[1.0, -1e-12, 0.0])
+    assert "do not balance" in word(forces=[1.0 + 2e-9, 0.0, 0.0])
+    assert word(forces=[1.0 + 0.5e-9, 0.0, 0.0]) == ""
+    assert word(forces=[1.0 + 2e-9, 0.0, 0.0], blur=3e-9) == ""
+    assert "do not balance" in word(forces=[1.0 + 4e-9, 0.0, 0.0], blur=3e-9)
+    two = {"stops": (3 * X + Y, 3 * X + Y), "weights": [[0.5], [0.5]]}
+    assert word(**two) == ""
+    assert "contact that is not horizontal" in word(**two, forces=[1.0, 0.0, 0.0, 1e-12])
+
+
+@pytest.mark.parametrize("weight", [1.0, 1e3])
+@pytest.mark.parametrize("over", JUST)
+def test_what_carries_less_than_rounding_counts_as_a_rise(over: float, weight: float) -> None:
+    """A second rise with force removes the tilt, so no motion has to be stopped."""
+    own = over * BEARS * 1e-9 * weight
+    matrix = np.array([[0, 3.0, 0], [3.0, CURVES, 0], [0, 0, 0]]) / weight
+    found = word(
+        forces=[weight, own, 0.0], load=-weight * Z - own * 2 * Y, curvature=matrix, weights=[[-1]]
+    )
+    assert ("not positive" in found) == (over < 1)
+
+
+@pytest.mark.parametrize("what", ["weights", "opening", "forces"])
+def test_numbers_are_finite(what: str) -> None:
+    given = {"weights": [[np.inf]], "opening": np.nan * X, "forces": [np.nan, 0.0, 0.0]}[what]
+    assert "not finite" in word(**{what: given})
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_level_motions_open_no_level_contact_and_cost_nothing(over: float) -> None:
+    wrong = "opens a horizontal contact, or costs energy"
+    tilted = over * ACROSS * X
+    both = np.column_stack([X, G])
+    assert wrong in word(motions=both, load=-Z - 2 * ACROSS * G, bears=Z + 2 * ACROSS * G)
+    heavy = word(motions=both, load=-Z - 2 * ACROSS * G, blur=1e-6)
+    assert wrong in heavy
+    assert word(rises=(2 * Y + ACROSS * X,)) == ""  # the limit itself
+    for changes in ({"rises": (2 * Y + tilted,)}, {"bears": Z + tilted, "load": -Z - tilted}):
+        assert (wrong in word(**changes)) == (over > 1)
+
+
+@pytest.mark.parametrize("over", JUST)
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_the_motion_is_level_and_opens_every_stop(over: float, size: float) -> None:
+    off = size * (X + over * ACROSS * Y)
+    assert ("not horizontal" in word(opening=off)) == (over > 1)
+    assert "not horizontal" in word(opening=0 * X)
+    assert word(opening=X + ACROSS * Y) == ""
+    assert "not open every stop" in word(stops=(DROPS * X,))
+    near = (3 * X + Y, over * DROPS * X)
+    two = word(stops=near, weights=[[1.0], [1.0]], opening=size * X)
+    assert ("not open every stop" in two) == (over < 1)
+    assert "not open every stop" in word(opening=-size * X)
+    assert "not open every stop" in word(stops=(3 * X + Y, -X), weights=[[1.0], [1.0]])
+
+
+@pytest.mark.parametrize("over", JUST)
+@pytest.mark.parametrize("place", [(0, 0), (2, 2), (0, 2), (1, 2)])
+def test_the_energy_is_level_along_level_motions_and_symmetries(
+    over: float, place: tuple[int, int]
+) -> None:
+    matrix = np.array([[0, COUPLED / 2, 0], [COUPLED / 2, CURVES, 0], [0, 0, 0]])
+    matrix[place] += over * LEVEL * COUPLED
+    matrix[place[::-1]] = matrix[place]
+    assert ("changes along" in word(curvature=matrix)) == (over > 1)
+    matrix[place] = matrix[place[::-1]] = LEVEL * COUPLED
+    if place != (1, 2):
+        assert word(curvature=matrix) == ""
+
+
+def test_weights_are_positive_one_of_each_pair() -> None:
+    for weights in ([[-1.0]], [[0.0]], [1.0], [[1.0, 1.0]], [[1.0], [1.0]], []):
+        assert "not positive" in word(weights=weights)
+    both = {"stops": (3 * X + Y, 3 * X - Y)}
+    assert word(**both, weights=[[0.5], [0.5]]) == ""
+    assert "not positive" in word(**both, weights=[[1.0], [0.0]])
+    assert "not positive" in word(**both, weights=[[1.5], [-0.5]])
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_weights_are_those_of_the_energy(over: float) -> None:
+    off = 1.0 + over * LEVEL * COUPLED / (3 * 2)
+    assert ("not match the curvature" in word(weights=[[off]])) == (over > 1)
+    assert ("not match the curvature" in word(weights=[[2.0 - off]])) == (over > 1)
+    off = 1.0 + over * LEVEL / (0.3 * 0.2)  # numbers below 1 are of size 1
+    small = ((0, 0.03, 0), (0.03, 0.5, 0), (0, 0, 0))
+    found = word(stops=(0.3 * X,), rises=(0.2 * Y,), weights=[[off]], curvature=small)
+    assert ("not match the curvature" in found) == (over > 1)
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_what_is_left_of_the_tilt_curves_upward(over: float) -> None:
+    leans = (CURVES - over * CURVED) / 2  # what is left is over CURVED, of size 1
+    assert ("does not curve upward" in word(stops=(3 * X + leans * Y,))) == (over < 1)
+    assert word(stops=(3 * X - leans * Y,)) == ""
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_stops_and_rises_are_one_to_one(over: float) -> None:
+    """The least weight times the singular values of stops and rises is above rounding."""
+    reach = over * LEVEL * COUPLED
+    small = reach / 2
+    coupled = ((0, 3.0, 0), (3.0, CURVES, 0), (0, 0, 0))
+    found = word(
+        stops=(small * X,), weights=[[COUPLED / (2 * small)]], curvature=coupled, opening=X
+    )
+    assert found == ""  # few, but with a great weight
+    weak = word(
+        stops=(3 * X, 3 * X),
+        weights=[[1.0 - reach / (2 * 3 * np.sqrt(2))], [reach / (2 * 3 * np.sqrt(2))]],
+    )
+    assert ("do not keep the parts" in weak) == (over < 1)
+    off = word(weights=[[reach / 6 * 1.5]])  # far from those of the energy, which counts too
+    assert "do not keep the parts" in off
+    second = np.eye(4)[[2]].T
+    both = np.hstack([X[:, None], second])  # another level motion, that no stop takes
+    assert "do not keep the parts" in word(motions=both, free=np.zeros((4, 0)))
+
+
+def test_without_tilts_nothing_is_coupled() -> None:
+    held = {"rises": (), "weights": np.zeros((1, 0)), "curvature": np.zeros((3, 3))}
+    both = np.column_stack([Y, G])
+    assert word(**held, free=both, stops=(3 * X,)) == ""
+    assert "not open every stop" in word(**held, free=both, stops=(-3 * X,))
+    assert "not positive" in word(**{**held, "weights": [[1.0]]})
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_a_corner_that_carries_does_not_slip_off_an_edge_of_both_parts(over: float) -> None:
+    slips = np.zeros((3, 4, 12))
+    slips[0, 0, 0], slips[0, 3, 1] = 1.0, over * ACROSS
+    assert ("may slip off" in word(slips=slips)) == (over > 1)
+    assert word(slips=slips[[1, 0, 2]]) == ""  # it carries nothing
+    two = {"rises": (Z, 2 * Y), "forces": [0.5, 0.5, 0.0, 0.0], "curvature": TWICE}
+    both = np.concatenate([slips, np.zeros((1, 4, 12))])
+    assert word(**two) == ""
+    assert ("may slip off" in word(**two, slips=both)) == (over > 1)
+
+
+def test_forces_at_short_levers_carry_by_rounding() -> None:
+    """A second level contact would remove the tilt by a negligible torque."""
+    far, lever = 1.1e-8, 0.01
+    found = word(
+        rises=(Z + lever * Y, 2 * Y),
+        forces=[1 - far, far, 0.0, 0.0],
+        load=-Z - far * lever * Y,
+        weights=((1.0,),),
+    )
+    assert found == "its forces are no larger than rounding errors"

@@ -1,4 +1,4 @@
-"""Known answers of settling, on both sides of each limit, and the recheck by a second program."""
+"""Poses at rest with known answers, and the points that touch."""
 
 from __future__ import annotations
 
@@ -13,10 +13,25 @@ from independent_rest import balances, separation
 from scipy.spatial.transform import Rotation
 
 import kilter
-from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Part, Pose, Prism, Sphere
-from kilter.analysis.settled_pose.settle import Settled, settle
+from kilter import (
+    Assembly,
+    Bond,
+    Box,
+    Cylinder,
+    Joint,
+    Load,
+    Part,
+    Pose,
+    Prism,
+    Settled,
+    Sphere,
+    settle,
+)
+from kilter.analysis.settled_pose.near_points import NearPoints, _share_material, find_near_points
+from kilter.contact.overlap import inside_part
 from kilter.rigid import rotation_between
 from kilter.scenes.arches import arch
+from kilter.scenes.pieces import tube
 
 TABLE = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
 
@@ -85,6 +100,7 @@ def test_a_plate_on_four_posts_of_which_one_is_higher(side: float) -> None:
     confirmed(answer)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("friction", "state"), [(0.51, "at-rest"), (0.49, "falls")])
 def test_a_box_on_a_slope_rests_above_the_angle_of_friction(friction: float, state: str) -> None:
     turn = rotation_between([0, 0, 1], [-0.5, 0, 1])
@@ -137,9 +153,9 @@ def disturbed(assembly: Assembly, size: float, seed: int) -> tuple[Assembly, flo
     return bodies.moved(steps).assembly(), float(np.linalg.norm(steps[:, :3], axis=1).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("size", [1e-5, 1e-3, 1e-2])
-@pytest.mark.quick(1)
 def test_a_disturbed_arch_comes_to_rest(size: float, seed: int) -> None:
     drawn, most = disturbed(arch(9).with_friction(0.6), size, seed)
     answer = settle(drawn)
@@ -346,6 +362,7 @@ def test_a_time_limit_ends_the_search_with_a_sentence(
     assert "the time limit of 0 s was reached" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_levels_above_the_required_level_are_not_asked() -> None:
     drawn, _ = disturbed(arch(9).with_friction(0.6), 1e-3, 0)
     answer = settle(drawn, require="equilibrium")
@@ -355,3 +372,39 @@ def test_levels_above_the_required_level_are_not_asked() -> None:
     higher = settle(drawn)
     assert higher.level == "settles"
     assert higher.to_dict()["after_asked"] == "equilibrium"
+
+
+SPACESHIP = Path(__file__).parents[3] / "shared/data/cax-if/s1-tu-203/s1-tu-203.stp"
+
+
+@pytest.mark.parametrize(("sunk", "shares"), [(0.0, False), (-0.1, False), (0.5, True)])
+def test_a_shaft_shares_material_with_a_narrower_bore_only_if_it_reaches_into_it(
+    sunk: float, shares: bool
+) -> None:
+    """A shaft of radius 1 below a tube with a bore of .8: their faces overlap by .2 as solids."""
+    shaft = Part("shaft", Cylinder(1, 1), [0, 0, 0.5], grounded=True)
+    assembly = Assembly([shaft, tube("tube", 0.8, 2, 1, [0, 0, 1.5 - sunk])])
+    angle = np.linspace(0, 2 * np.pi, 12, endpoint=False) + 0.1
+    normal = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(12)])
+    point = 0.9 * normal + [0, 0, 1.0]  # the rim of the shaft
+    shaft_row, tube_row = np.zeros(12, dtype=np.int64), np.ones(12, dtype=np.int64)
+    bears = np.ones(12, dtype=bool)
+    points = NearPoints(shaft_row, tube_row, point, normal, np.full(12, -0.2), np.zeros(12), bears)
+    assert (_share_material(assembly.geometry, points) == shares).all()
+
+
+def test_points_inside_a_part() -> None:
+    geometry = Assembly([Part("box", Box(2, 2, 2), [1, 0, 0], grounded=True)]).geometry
+    points = np.array([[1.0, 0, 0], [1.99, 0.99, -0.99], [2.01, 0, 0], [-0.01, 0, 0]])
+    assert inside_part(geometry, 0, points).tolist() == [True, True, False, False]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SPACESHIP.is_file(), reason="real data is not here")
+def test_half_shells_on_one_axis_have_no_penetrating_points() -> None:
+    """A solid half of radius 73 and holes of 67 on its axis, over other angles: no overlap."""
+    drawn = kilter.load(SPACESHIP)
+    shells = [part for part in drawn.parts if not part.name.startswith("foot")]
+    assembly = Assembly(shells, units=drawn.units)
+    assert not kilter.contacts(assembly).overlaps
+    assert find_near_points(assembly, 12.0, 12.0).gap.min() > -0.01

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import Any
 
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
@@ -243,11 +244,6 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
         pairs = [pair.to_dict() for pair in listed]
         return undecided_sentence(pairs, assembly.units, more=decision.reasons)
     friction = decision.friction
-    coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)
-    bonded = bool(assembly.bonds)
-    gap = contacts.counted_gap
-    counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
-    has_open_pairs = bool(still_open(contacts.open_pairs, assembly))
     second = decision.second_order
     settled = friction is None or decision.verdict == "balanced"
     if second is not None and second.state == "balanced" and settled:
@@ -257,29 +253,27 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     if second is not None and len(second.bending):
         bending = [decision.program.names[k] for k in second.bending]
         return push_open_sentence(bending, second.why)
+    gap = contacts.counted_gap
+    about: dict[str, Any] = {
+        "coarse": decision.program.tolerance.max(initial=0.0) > TOLERANCE,
+        "bonded": bool(assembly.bonds),
+        "counted": "" if gap is None else f"{text_of(gap, 3)} {assembly.units}",
+        "has_open_pairs": bool(still_open(contacts.open_pairs, assembly)),
+    }
     if friction is None:
         rubs = assembly.friction > 0 or any(pair.mu > 0 for pair in assembly.friction_pairs)
-        return verdict_sentence(
-            decision.verdict,
-            frictionless=not (rubs or decision.program.mu.any()),
-            coarse=coarse,
-            counted=counted,
-            bonded=bonded,
-            has_open_pairs=has_open_pairs,
-            rubbing_joints=any(joint.friction for joint in assembly.joints),
-        )
+        about["frictionless"] = not (rubs or decision.program.mu.any())
+        about["rubbing_joints"] = any(joint.friction for joint in assembly.joints)
+        return verdict_sentence(decision.verdict, **about)
     settling = friction.settling
     return verdict_sentence(
         decision.verdict,
         guarantee=friction.guarantee,
         why=friction.why,
-        squeeze=friction.seating.seated == "runs-away",
+        seated=friction.seating.seated,
         tries=(len(friction.tries), len(settling.ends), settling.of),
         assumed="" if friction.exclusion is None else friction.exclusion.assumes,
-        coarse=coarse,
-        counted=counted,
-        bonded=bonded,
-        has_open_pairs=has_open_pairs,
+        **about,
     )
 
 

@@ -43,30 +43,20 @@ LARGEST = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitSides:
-    """Proved lower and upper bounds of the largest multiple of a load, with their proofs.
-
-    Attributes
-    ----------
-    held : float
-        Share at which contact forces balance [-]; -inf if none is known.
-    forces : ForceProof or None
-        Forces at `held`.
-    start : float
-        Share above which `motion` gains power [-]; inf if no motion is known.
-    beyond : float
-        Share at which this power is large enough for a proof [-]; inf if no proof is known.
-    motion : MotionProof or None
-        Motion at `beyond`.
-    none : bool
-        True if it is proved that no share is held.
-    """
+    """Proved lower and upper bounds of the largest multiple of a load, with their proofs."""
 
     held: float = -np.inf
+    """Share at which contact forces balance [-]; -inf if none is known."""
     forces: ForceProof | None = None
+    """Forces at `held`."""
     start: float = np.inf
+    """Share above which `motion` gains power [-]; inf if no motion is known."""
     beyond: float = np.inf
+    """Share at which this power is large enough for a proof [-]; inf if no proof is known."""
     motion: MotionProof | None = None
+    """Motion at `beyond`."""
     none: bool = False
+    """True if it is proved that no share is held."""
 
     @property
     def closed(self) -> bool:

@@ -289,12 +289,7 @@ class _Conic:
 
 @dataclass(frozen=True, eq=False)
 class SharedCones:
-    """Friction cones and starting point that all load limits of a program have in common.
-
-    Attributes
-    ----------
-    program : Program
-    """
+    """Friction cones and starting point that all load limits of a program have in common."""
 
     program: Program
 

@@ -23,7 +23,7 @@ from kilter.arrays import Array
 from kilter.assembly.bonds import Bond, require_apart
 from kilter.assembly.changed_copies import ChangedCopies
 from kilter.assembly.geometry import Geometry, build_geometry
-from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, JointEntry, Load
+from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, ListedJoint, Load
 from kilter.assembly.part import GROUND, Part
 from kilter.assembly.straps import Strap
 from kilter.errors import InputError, nearest_name, some_names
@@ -277,10 +277,10 @@ class Assembly(ChangedCopies):
             }
         )
 
-    def joints_data(self) -> tuple[JointEntry, ...]:
+    def joints_data(self) -> tuple[ListedJoint, ...]:
         """The joints as entries of answers; joints that an option added have a reason."""
         return tuple(
-            JointEntry(parts=joint.parts, kind=joint.kind, why=joint.why or None, **joint.guide)
+            ListedJoint(parts=joint.parts, kind=joint.kind, why=joint.why or None, **joint.guide)
             for joint in self.joints
         )
 

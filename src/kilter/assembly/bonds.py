@@ -21,8 +21,8 @@ __all__ = [
     "NOT_SET",
     "NO_CONE",
     "Bond",
-    "BondEntry",
     "BondKind",
+    "ListedBond",
     "require_apart",
     "require_no_bonds",
 ]
@@ -44,7 +44,7 @@ NOT_RANGED = "their strength does not scale with the masses"
 """Reason why a worst case over intervals of masses is not computed for bonds, for messages."""
 
 
-class BondEntry(Record):
+class ListedBond(Record):
     """A bond of two parts and its strength, in an answer."""
 
     parts: tuple[str, str]
@@ -178,9 +178,9 @@ class Bond(Value):
         return KINDS[self.kind] if self.shear is None and self.kind is not None else self.shear
 
     @property
-    def entry(self) -> BondEntry:
+    def entry(self) -> ListedBond:
         """The bond as an entry of an answer."""
-        return BondEntry(
+        return ListedBond(
             parts=self.parts,
             pull=self.pull,
             pull_per_area=self.pull_per_area,

@@ -17,7 +17,7 @@ from kilter.validate import finite, frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["FrictionPair", "GivenContact", "Joint", "JointEntry", "JointKind", "Load"]
+__all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "ListedJoint", "Load"]
 
 JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
 KINDS: tuple[JointKind, ...] = get_args(JointKind)
@@ -380,7 +380,7 @@ class Joint(Value):
         )
 
 
-class JointEntry(Record):
+class ListedJoint(Record):
     """A joint of two parts, or of a part and "ground", in an answer."""
 
     parts: tuple[str, str]

@@ -232,7 +232,7 @@ def margin(asked: Asked, options: MarginOptions) -> int:
     verdict = answer.check
     lowest = verdict.require if options.require == "equilibrium" else options.require
     reached = holds(verdict.level, lowest)
-    return code_of({"verdict": verdict.verdict, "level": verdict.level, "holds": reached})
+    return code_of({"verdict": verdict.verdict, "level": verdict.level, "stable": reached})
 
 
 def _ranges(

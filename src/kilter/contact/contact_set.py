@@ -21,7 +21,7 @@ from kilter.arrays import (
     Labels,
     read_only,
 )
-from kilter.assembly import Assembly, JointEntry
+from kilter.assembly import Assembly, ListedJoint
 from kilter.contact.common.distances import LonePart, Neighbour
 from kilter.contact.common.gaps import RejectedPair, Tolerance, joints_beyond, nearest_gap
 from kilter.contact.common.patches import (
@@ -205,7 +205,7 @@ class ContactSet(AnswerInWords):
 
     @property
     @key
-    def joints(self) -> tuple[JointEntry, ...]:
+    def joints(self) -> tuple[ListedJoint, ...]:
         """Joints of the assembly."""
         return self.assembly.joints_data()
 

@@ -320,6 +320,7 @@ def _listed_patches(assembly: Assembly) -> Patches:
     normal = np.array([c.normal for c in given]).reshape(-1, 3)
     count = [len(c.points) for c in given]
     none = np.zeros(len(given))
+    stated = [contact.mu if isinstance(contact, GivenContact) else None for contact in given]
     return Patches(
         pair=np.full(len(given), -1),
         parts=parts.reshape(-1, 2),
@@ -329,20 +330,11 @@ def _listed_patches(assembly: Assembly) -> Patches:
         gap=np.zeros((len(given), 2)),
         accuracy=none,
         doubt=none,
-        mu=np.array([_own_friction(contact) for contact in given], dtype=np.float64),
+        mu=np.array(stated, dtype=np.float64),
         start=starts(count),
         points=np.concatenate([np.empty((0, 3)), *(c.points for c in given)]),
         normals=np.repeat(normal, count, axis=0),
     )
-
-
-def _own_friction(contact: GivenContact | Bond) -> float:
-    """Friction coefficient that the file states for a contact [-]; NaN if it states none.
-
-    Bonds state none.
-    """
-    mu = contact.mu if isinstance(contact, GivenContact) else None
-    return np.nan if mu is None else mu
 
 
 def detected_with_friction(detected: ContactSet, mu: float) -> ContactSet:

@@ -27,7 +27,6 @@ from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import KeptPairs
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.detect import contacts_of_findings
-from kilter.contact.open_pairs import OpenPair
 from kilter.contact.pair_findings import PairFindings, examine
 
 __all__ = ["KeptContacts", "contacts_among", "without_overlaps"]
@@ -103,7 +102,7 @@ class KeptContacts:
             return False
         return all(
             part.shape is ours.parts[k].shape
-            and _same_pose(part.pose, ours.parts[k].pose)
+            and (part.pose is ours.parts[k].pose or part.pose == ours.parts[k].pose)
             and part.table == ours.parts[k].table
             and part.grounded >= ours.parts[k].grounded
             for part, k in zip(assembly.parts, old, strict=True)
@@ -145,10 +144,6 @@ class KeptContacts:
 def _given(assembly: Assembly) -> set[frozenset[str]]:
     """Pairs of parts whose contacts are given, and not only for some of their pieces."""
     return {frozenset(c.parts) for c in assembly.contacts if c.pieces is None}
-
-
-def _same_pose(first: object, second: object) -> bool:
-    return first is second or first == second
 
 
 def _reduced(
@@ -201,7 +196,11 @@ def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
         near=kept.records(contacts.near),
         overlaps=kept.records(contacts.overlaps),
         degenerate=degenerate,
-        open_pairs=_still_free(kept.records(contacts.open_pairs), assembly),
+        open_pairs=tuple(
+            pair
+            for pair in kept.records(contacts.open_pairs)
+            if not all(assembly.parts[k].grounded for k in pair.ends)
+        ),
         neighbours=(),
         fits=kept.records(contacts.fits),
         **{name: getattr(contacts, name)[patches] for name in PATCH_FIELDS},
@@ -219,11 +218,6 @@ PATCH_FIELDS = (
     "patch_pieces",
 )
 """Fields of a contact set with a row for each patch, except its parts and its points."""
-
-
-def _still_free(pairs: tuple[OpenPair, ...], assembly: Assembly) -> tuple[OpenPair, ...]:
-    """The open pairs that still have at least one free part."""
-    return tuple(p for p in pairs if not all(assembly.parts[k].grounded for k in p.ends))
 
 
 def without_overlaps(contacts: ContactSet, parts: Collection[int]) -> ContactSet:

@@ -45,7 +45,6 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.contact_search import coincide, deep_boxes
 from kilter.contact.common.distances import PartSolids, at_most, surface_distance
-from kilter.contact.common.facets import Facets
 from kilter.contact.common.findings import FacePatches, in_patch, is_settled
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import INTERFERE, SAME_BODY, Overlap
@@ -382,22 +381,17 @@ def _corners(geometry: Geometry, part: int) -> Array:
     return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
 
 
-def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
-    """Outward unit normals of a part's facets, and a point on each facet."""
-    span = slice(facets.start[part], facets.start[part + 1])
-    return facets.normal[span], facets.origin[span]
-
-
 def _convex_overlap(faces: FacePatches, parts: tuple[int, int], tolerance: float) -> Overlap | None:
     """Overlap of two convex parts; None if they are apart or only touch."""
-    geometry, (a, b) = faces.search.geometry, parts
+    geometry, facets, (a, b) = faces.search.geometry, faces.search.facets, parts
     if coincide(geometry, a, b):
         return _same_body(geometry, parts)
     middle = geometry.center[a]
     # separation by the planes of the facets, relative to the centre of a to keep digits
     normals, offsets, separation = [], [], -np.inf
     for part, other in ((a, b), (b, a)):
-        n, origin = _facet_planes(geometry, faces.search.facets, part)
+        span = slice(facets.start[part], facets.start[part + 1])
+        n, origin = facets.normal[span], facets.origin[span]
         offset = np.einsum("ij,ij->i", n, origin - middle)
         nearest = (n @ (_corners(geometry, other) - middle).T).min(axis=1) - offset
         separation = max(separation, float(nearest.max()))

@@ -25,7 +25,7 @@ from kilter.contact.common.findings import (
     is_settled,
     may_be_smooth,
 )
-from kilter.contact.common.gaps import RejectedPair, Tolerance, unknown_contacts
+from kilter.contact.common.gaps import UNKNOWN, RejectedPair, Tolerance
 from kilter.contact.common.patches import KeptPairs, Overlap, Patches, UnsupportedContact
 from kilter.contact.flat_contacts import find_flat
 from kilter.contact.overlap import find_overlaps
@@ -73,7 +73,7 @@ class PairFindings:
     @property
     def refused(self) -> list[RejectedPair]:
         """Near faces that do not count as touching, and pairs with an unknown surface."""
-        unknown = unknown_contacts(self.search.unknown)
+        unknown = [RejectedPair((a, b), 0.0, 0.0, UNKNOWN) for a, b in self.search.unknown.tolist()]
         return [*self.flat.rejected, *self.curved.rejected, *self.sharp.rejected, *unknown]
 
     @staticmethod

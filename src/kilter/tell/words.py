@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -130,48 +132,12 @@ NONE = {
 }
 
 
-def verdict_sentence(
-    verdict: str,
-    *,
-    guarantee: str | None = None,
-    why: str | None = None,
-    squeeze: bool = False,
-    tries: tuple[int, int, int] = (0, 0, 0),
-    frictionless: bool = False,
-    assumed: str = "",
-    coarse: bool = False,
-    counted: str = "",
-    bonded: bool = False,
-    has_open_pairs: bool = False,
-    rubbing_joints: bool = False,
-) -> str:
-    """Return the sentence of a verdict other than undecided.
+def verdict_sentence(verdict: str, **about: Any) -> str:
+    """Return the sentence of a verdict other than undecided, from facts `about` its assembly.
 
-    Parameters
-    ----------
-    verdict : {"stable", "settles", "potentially-stable", "unstable"}
-    guarantee : str, optional
-        Guarantee of friction, if the verdict rests on friction.
-    why : str, optional
-        Reason of a potentially stable verdict (key `why` of `check --json`).
-    squeeze : bool
-        Whether the parts move away from every starting state of the search for a seat.
-    tries : tuple of int
-        Number of tries that came to rest, that were made, and that were planned.
-    frictionless : bool
-        Whether no contact of the assembly has friction.
-    assumed : str
-        Bound on the contact forces that the proof of "proved" assumes.
-    coarse : bool
-        Whether the coordinates are less accurate than float64.
-    counted : str
-        Widest gap, with its unit, that counts as closed only by a widened tolerance.
-    bonded : bool
-        Whether the assembly has bonds.
-    has_open_pairs : bool
-        Whether the assembly has open pairs. An unstable verdict is proved for all their contacts.
-    rubbing_joints : bool
-        Whether a joint has friction.
+    Of friction: `guarantee`, `why`, `seated`, `tries` (numbers of passed, made and planned tries)
+    and `assumed` (by the proof). Of the input: `coarse` coordinates, the widest `counted` gap with
+    its unit, `bonded`, `has_open_pairs`, `frictionless` contacts and `rubbing_joints`.
 
     Examples
     --------
@@ -183,19 +149,24 @@ how it starts to move.'
     >>> verdict_sentence("stable", counted="1 mm")
     'Stable, counting gaps up to 1 mm as closed: it cannot start to move.'
     """
-    key = guarantee if verdict == "stable" else why
-    if why == "refuted" and squeeze:
+    given = defaultdict(str, about)
+    key = about.get("guarantee" if verdict == "stable" else "why")
+    if key == "refuted" and given["seated"] == "runs-away":
         key = "refuted squeeze"
-    passed, tried, of = tries
+    passed, tried, of = about.get("tries", (0, 0, 0))
+    counted, coarse = given["counted"], given["coarse"]
     counting = f", counting gaps up to {counted} as closed" if counted else ""
-    counting += ", if no bond breaks below its capacity" if bonded else ""
+    counting += ", if no bond breaks below its capacity" if given["bonded"] else ""
+    contacts_only = " of contacts" if given["rubbing_joints"] else ""
     return SENTENCES[verdict, key].format(
         within=(", up to the accuracy of its coordinates" if coarse else "") + counting,
-        slippery="" if counted else f", even without friction{' of contacts' * rubbing_joints}",
-        smooth="without friction " if frictionless else "",
-        assumed=f" ({assumed})" if assumed else "",
+        slippery="" if counted else f", even without friction{contacts_only}",
+        smooth="without friction " if given["frictionless"] else "",
+        assumed=f" ({given['assumed']})" if given["assumed"] else "",
         beyond=", by more than the accuracy of its coordinates" if coarse else "",
-        here=", not even with forces at its open pairs. Here" if has_open_pairs else "; here",
+        here=", not even with forces at its open pairs. Here"
+        if given["has_open_pairs"]
+        else "; here",
         passed=passed,
         tried=tried,
         of=of,

@@ -56,26 +56,15 @@ ENDED = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limits:
-    """The margins of equilibrium, from which the margins of a higher verdict level are computed.
-
-    Attributes
-    ----------
-    tilt : TiltMargin or None
-    about : TiltAbout or None
-    friction : LeastFriction or None
-    factor : tuple of Limit or None
-        Least and greatest load factor, the least with the opposite sign; empty without loads.
-    force : ndarray, shape (3,), or None
-        Direction of the body force of the load factor; None for the given loads.
-    pushes : sequence of Push
-    loads : sequence of PartLoad
-    """
+    """The margins of equilibrium, from which the margins of a higher verdict level are computed."""
 
     tilt: TiltMargin | None = None
     about: TiltAbout | None = None
     friction: LeastFriction | None = None
     factor: tuple[Limit | None, ...] = ()
+    """Least and greatest load factor, the least with the opposite sign; empty without loads."""
     force: Array | None = None
+    """Direction of the body force of the load factor, shape (3,); None for the given loads."""
     pushes: Sequence[Push] = ()
     loads: Sequence[PartLoad] = ()
 

@@ -64,21 +64,14 @@ class LevelLimit(Record):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelDecisions:
-    """Decisions, to first order, whether assemblies reach a verdict level; their work is counted.
-
-    Attributes
-    ----------
-    level : str
-        "settles" or "proved".
-    units : float
-        Work of each decision, as in a check.
-    work : Work
-        Work of all decisions together, and the time limit.
-    """
+    """Decisions, to first order, whether assemblies reach a level; their work is counted."""
 
     level: str
+    """"settles" or "proved"."""
     units: float
+    """Work of each decision, as in a check."""
     work: Work
+    """Work of all decisions together, and the time limit."""
 
     def reach(self, assembly: Assembly, contacts: ContactSet) -> bool:
         """Whether an assembly with these contacts reaches the verdict level."""

@@ -9,171 +9,33 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.decision.bond_factor import BondFactor
 from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.decision.open_question import open_pair_names
-from kilter.analysis.load_limit import Limit, Why
-from kilter.analysis.margins.least_friction import LeastFriction
-from kilter.analysis.margins.level_limits import LevelLimits, Limits
-from kilter.analysis.margins.margin_proofs import margin_proofs
+from kilter.analysis.load_limit import Limit
+from kilter.analysis.margins.level_limits import Limits
+from kilter.analysis.margins.margin_answer import Bracket, Margin
 from kilter.analysis.margins.margin_question import MarginQuestion, margin_question
 from kilter.analysis.margins.margin_steps import MarginSteps
-from kilter.analysis.margins.part_loads import PartLoad
-from kilter.analysis.margins.pushes import Push
-from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin, tilt_about
-from kilter.analysis.margins.uncertainty import Ranges, Uncertainty
-from kilter.analysis.margins.what_helps import Help
-from kilter.analysis.verdict.answers import OfAssembly
+from kilter.analysis.margins.tilt import NearestHeld, TiltMargin, tilt_about
+from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet
-from kilter.contact.round_edges import RoundEdge, has_round_edges
-from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE
 from kilter.tell.record import (
     Ends,
-    Guarantee,
-    InPython,
-    LevelWord,
-    Record,
-    Seconds,
-    Vector,
-    Word,
-    key,
 )
 from kilter.work import Work
 
-__all__ = ["Margin", "margin"]
-
-
-class Bracket(Record):
-    """Bounds of the least and of the greatest load factor, if slipping contacts do not dilate.
-
-    The inner bounds are held however slippery the parts.
-    """
-
-    least: Ends | None
-    """Bounds of the least factor."""
-    greatest: Ends | None
-    """Bounds of the greatest factor."""
-
-
-class Margin(OfAssembly):
-    """Answer of `kilter.margin`: limits of tilt, friction, load factor and pushes."""
-
-    answer: ClassVar[str] = "margin"
-
-    check: InPython[Verdict]
-    """Answer of `kilter.check`."""
-    program: InPython[Program]
-    """The modelled contacts, with friction."""
-    verdict: Word
-    """Verdict of `kilter.check`."""
-    sentence: str
-    """The verdict in words."""
-    guarantee: Guarantee
-    """Guarantee of the verdict."""
-    level: LevelWord
-    """Level of the limits: "proved" without friction, else "equilibrium"."""
-    require: LevelWord
-    """Level of `at_level`."""
-    tilt: InPython[TiltMargin | None]
-    """None if gravity as given is not held, with loads, or if the region is thinner than a cone."""
-    nearest: InPython[NearestHeld | None]
-    """Least turn that is held, from both sides, if gravity as given is not held."""
-    tilt_deg: float | None
-    """Least turn of gravity to the boundary [deg]; negative when outside."""
-    tilt_outside: Word | None
-    """Verdict of `kilter.check` just beyond the tilt limit, at the level "equilibrium"."""
-    at_level: LevelLimits | None
-    """Values up to which the level `require` is reached, if it is above "equilibrium"."""
-    tilt_lower_deg: float | None
-    """Turn that is proved to be held in every direction [deg]."""
-    tilt_upper_deg: float | None
-    """Turn that is proved not to reach a held direction, negative [deg]."""
-    tilt_down: Vector | None
-    """Direction of gravity at the limit; None if no tilt up to a right angle fails."""
-    tilt_limit: Limit | None
-    """Proofs of the tilt."""
-    about: TiltAbout | None
-    """Turn about the given axis."""
-    friction: float | None
-    """Least coefficient, the same at every contact [-]; None if none is enough."""
-    friction_limit: LeastFriction | None
-    """Proof of the least friction coefficient."""
-    clamped_by: tuple[str, ...]
-    """Bonds and straps, of which `bond` is the needed share."""
-    bond: float | None
-    """Least share of the strength of bonds and straps that is enough [-]; None if it is 0."""
-    bond_limit: BondFactor | None
-    """Proof of the least share of the bond strength; None if no share is enough."""
-    load_factor: Ends | None
-    """Least and greatest load factor [-], infinite without a limit; None without loads."""
-    load_factor_bracket: Bracket | None
-    """Bounds of the load factor without dilation, if requested."""
-    load_limits: tuple[Limit | None, Limit | None] | None
-    """Proofs of both ends; the values of the least have the opposite sign."""
-    pushes: tuple[Push, ...]
-    """Weakest push of each part."""
-    loads: tuple[PartLoad, ...]
-    """Additional load straight down of each part; empty if it was not requested."""
-    push: InPython[Vector | None]
-    """Direction of the body force of `load_factor`; None if the factor is that of the loads."""
-    edges: InPython[tuple[RoundEdge, ...]]
-    """Round edges over which parts tip, in the tilt."""
-    missing: dict[str, Why]
-    """Requested limits without a value, and why: "none", proved that there is none (it is not held
-    as given, or no friction or factor is enough); "failed", the numbers did."""
-    uncertainty: Uncertainty | None
-    """The worst case of inexact data; None without ranges, or if there are too many cases."""
-    helps: tuple[Help, ...]
-    """Changes that raise the tilt margin, or else the greatest load factor, most."""
-    warnings: tuple[str, ...]
-    """What to know about the answer."""
-    seconds: Seconds
-    """Duration of each stage [s]."""
-
-    @property
-    @key
-    def exact(self) -> bool:
-        """Whether all limits are those of the solids: no open pair, and no polygon for a circle.
-
-        Only the tilt counts round edges as circles; every other limit is that of polygons inside.
-        """
-        if self.contacts.open_pairs:
-            return False
-        others = self.about, self.load_limits, self.bond_limit, self.uncertainty, *self.pushes
-        tilts = self.tilt is not None and not (any(others) or self.loads)
-        tilts = tilts and not self.friction
-        known = self.edges if tilts and self.tilt is not None and self.tilt.closed else ()
-        return not has_round_edges(self.assembly, self.contacts, known)
-
-    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
-        """Forces within each limit and a motion beyond it, for `kilter.verify`, as JSON data.
-
-        Raises
-        ------
-        InputError
-            If no limit is known.
-        """
-        return make_bundle("margin", margin_proofs(self, options=options or {}))
-
-    def __repr__(self) -> str:
-        tilt = "none" if self.tilt_deg is None else f"{self.tilt_deg:.6g} deg"
-        if self.tilt is not None and self.tilt_down is None:
-            tilt = "over 90 deg"
-        mu = "none" if self.friction is None else f"{self.friction:.6g}"
-        if self.friction_limit is not None and not self.friction_limit.attained:
-            mu = f"above {mu}"
-        return f"Margin({self.verdict}, tilt {tilt}, least friction {mu})"
+__all__ = ["margin"]
 
 
 def _interval(factor: tuple[Limit | None, Limit | None] | None) -> Ends | None:

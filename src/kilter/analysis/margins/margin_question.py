@@ -26,38 +26,26 @@ PUSHED = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarginQuestion:
-    """The limits that `kilter.margin` is to compute, validated.
-
-    Attributes
-    ----------
-    assembly : Assembly
-    push : ndarray, shape (3,), or None
-        Unit direction of the body force of the load factor, world frame; None: the given loads.
-    axis : ndarray, shape (3,), or None
-        Unit axis of a further tilt, world frame, perpendicular to gravity.
-    pushed : list of int
-        Parts for which the weakest push and the gain of a grip are computed.
-    loaded : list of int
-        Parts for which the largest further load straight down is computed.
-    omits_pushes : bool
-        Whether `pushed` is empty because the assembly has more than `PUSHED` free parts.
-    ranges : Ranges or None
-        Intervals of the worst case; None: no worst case is computed.
-    bracket : bool
-        Whether the load factor without dilation is also computed.
-    require : str
-        Level of the further tilt; "equilibrium": no further tilt is computed.
-    """
+    """The limits that `kilter.margin` is to compute, validated."""
 
     assembly: Assembly
     push: Array | None
+    """Unit direction of the body force of the load factor, world frame, shape (3,); None: the
+    given loads."""
     axis: Array | None
+    """Unit axis of a further tilt, world frame, perpendicular to gravity, shape (3,)."""
     pushed: list[int]
+    """Parts for which the weakest push and the gain of a grip are computed."""
     loaded: list[int]
+    """Parts for which the largest further load straight down is computed."""
     omits_pushes: bool
+    """Whether `pushed` is empty because the assembly has more than `PUSHED` free parts."""
     ranges: Ranges | None
+    """Intervals of the worst case; None: no worst case is computed."""
     bracket: bool
+    """Whether the load factor without dilation is also computed."""
     require: str
+    """Level of the further tilt; "equilibrium": no further tilt is computed."""
 
 
 def margin_question(

@@ -63,17 +63,6 @@ LARGEST = 2_000_000
 class Ranges:
     """Intervals of uncertain data: masses, centres of mass, friction and contact normals.
 
-    Attributes
-    ----------
-    mass : (float, float)
-        Factors, of every free part by itself [-].
-    center : float
-        Every coordinate of every centre of mass, plus or minus [length unit].
-    mu : (float, float)
-        Factors [-].
-    normal_deg : float
-        Every normal, in any direction [deg].
-
     Raises
     ------
     InputError
@@ -81,9 +70,13 @@ class Ranges:
     """
 
     mass: tuple[float, float] = (1.0, 1.0)
+    """Factors, of every free part by itself [-]."""
     center: float = 0.0
+    """Every coordinate of every centre of mass, plus or minus [length unit]."""
     mu: tuple[float, float] = (1.0, 1.0)
+    """Factors [-]."""
     normal_deg: float = 0.0
+    """Every normal, in any direction [deg]."""
 
     def __post_init__(self) -> None:
         _require_interval("mass range", self.mass, positive=True)

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kilter.analysis.margins.margin_proofs import changed_proof
+from kilter.analysis.margins.margin_answer import changed_proof
 from kilter.analysis.placing.case_maps import CaseMap
 from kilter.analysis.placing.place_at import AtPlace
 from kilter.analysis.placing.place_map import Finding, LevelMap

@@ -34,21 +34,14 @@ LEAST = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoundaryRay:
-    """A direction near the boundary of the cone of held directions, with candidates for proofs.
-
-    Attributes
-    ----------
-    down : ndarray, shape (3,)
-        Unit.
-    forces : tuple of ndarray, shapes (K,) and (K, 3)
-        Forces along and across the rows that hold it [N].
-    motion : ndarray, shape (N, 6)
-        Motion that starts beyond it.
-    """
+    """A direction near the boundary of the cone of held directions, with candidates for proofs."""
 
     down: Array
+    """Unit, shape (3,)."""
     forces: tuple[Array, Array]
+    """Forces along and across the rows that hold it [N]."""
     motion: Array
+    """Motion that starts beyond it, shape (N, 6)."""
 
 
 class BoundaryRays:

@@ -170,30 +170,20 @@ class KnownSet:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Face:
-    """Bounds of the distance from 0 to the boundary of a convex set, and the nearest point.
-
-    Attributes
-    ----------
-    inner : float
-        Every point nearer than this is in the set.
-    outer : float
-        Distance of the nearest plane outside.
-    normal : ndarray, shape (d,)
-        Normal of that plane, unit.
-    answer : int
-        Which answer of the oracle brought it, from 0.
-    asked : int
-        How many questions there were.
-    failed : bool
-        Whether the oracle failed in a direction: then the distances may be farther apart.
-    """
+    """Bounds of the distance from 0 to the boundary of a convex set, and the nearest point."""
 
     inner: float
+    """Every point nearer than this is in the set."""
     outer: float
+    """Distance of the nearest plane outside."""
     normal: Array
+    """Of that plane, unit, shape (d,)."""
     answer: int
+    """Which answer of the oracle brought it, from 0."""
     asked: int
+    """How many questions there were."""
     failed: bool
+    """Whether the oracle failed in a direction: then the distances may be farther apart."""
 
 
 def nearest_face(

@@ -54,24 +54,16 @@ class Oracle(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grown:
-    """A computed cone in R^d: basis of its span, points, equations and facets, with their proofs.
-
-    Attributes
-    ----------
-    span : ndarray, shape (D, d)
-        Orthonormal basis.
-    points : list of Reach
-        Unit points of the cone, its rays among them.
-    equations : list of (ndarray, Reach, Reach)
-        Unit normals of the span, with the reach on either side, which is 0.
-    facets : list of (ndarray, Reach)
-        Unit inward normals within the span, with the reach beyond, which is 0.
-    """
+    """A computed cone in R^d: basis of its span, points, equations and facets, with proofs."""
 
     span: Array
+    """Orthonormal basis, shape (D, d)."""
     points: list[Reach]
+    """Unit points of the cone, its rays among them."""
     equations: list[tuple[Array, Reach, Reach]]
+    """Unit normals of the span, with the reach on either side, which is 0."""
     facets: list[tuple[Array, Reach]]
+    """Unit inward normals within the span, with the reach beyond, which is 0."""
 
 
 def grow(oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]) -> Grown:

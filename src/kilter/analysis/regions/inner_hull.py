@@ -14,21 +14,14 @@ __all__ = ["InnerHull", "inner_hull"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InnerHull:
-    """A pointed cone in space by its extreme rays, in order around it.
-
-    Attributes
-    ----------
-    rays : ndarray, shape (h, 3)
-        Unit.
-    number : ndarray of int, shape (h,)
-        Index of each among the given rays.
-    normals : ndarray, shape (h, 3)
-        Unit inward normals of the planes through each ray and the next.
-    """
+    """A pointed cone in space by its extreme rays, in order around it."""
 
     rays: Array
+    """Unit, shape (h, 3)."""
     number: Index
+    """Index of each among the given rays, shape (h,)."""
     normals: Array
+    """Unit inward normals of the planes through each ray and the next, shape (h, 3)."""
 
     def distances(self, directions: Array) -> Array:
         """Angle from each unit direction, shape (D, 3), to the cone [rad], shape (D,).

@@ -32,7 +32,7 @@ from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.time_limits import given_direction_known
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Mask
-from kilter.assembly import Assembly, Joint, JointEntry, require_assembly
+from kilter.assembly import Assembly, Joint, ListedJoint, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.assembly.plain_joints import plain_joints
 from kilter.assembly.question import Question, question
@@ -146,7 +146,7 @@ class Region(InCells, RegionShape, AnswerInWords):
 
     @property
     @key
-    def joints(self) -> tuple[JointEntry, ...]:
+    def joints(self) -> tuple[ListedJoint, ...]:
         """Joints, with those that fastening added."""
         return self.assemblies[0].joints_data()
 

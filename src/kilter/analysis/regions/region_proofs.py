@@ -29,24 +29,17 @@ __all__ = ["RegionProof", "common_proofs", "region_proof"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RegionProof:
-    """Proof of a ray, line, facet or equation of a region: an assembly with forces or a motion.
-
-    Attributes
-    ----------
-    about : {"ray", "line", "facet", "equation"}
-    vector : ndarray, shape (3,)
-        The ray, the line or the normal.
-    assembly : Assembly
-        With gravity along the direction that is proved: the ray, either sign of the line, or
-        a direction just outside.
-    data : dict
-        For `kilter.verify`.
-    """
+    """Proof of a ray, line, facet or equation of a region: an assembly with forces or a motion."""
 
     about: str
+    """One of "ray", "line", "facet", "equation"."""
     vector: Array
+    """The ray, the line or the normal, shape (3,)."""
     assembly: Assembly
+    """With gravity along the direction that is proved: the ray, either sign of the line, or a
+    direction just outside."""
     data: dict[str, Any]
+    """For `kilter.verify`."""
 
     def __repr__(self) -> str:
         return f"RegionProof(about={self.about!r}, vector={self.vector.tolist()})"

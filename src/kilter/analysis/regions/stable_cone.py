@@ -65,38 +65,27 @@ class DirectionProof:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StableCone:
-    """The cone of stable directions of gravity, or an inner and an outer bound; world frame.
-
-    Attributes
-    ----------
-    cone : Cone
-        Every direction in it is held, by sums of the forces of its rays.
-    facets : ndarray, shape (f, 3)
-        Unit inward normals: beyond any of them no forces hold it. Those of `cone` if `exact`.
-    proofs : tuple of DirectionProof
-        Forces for every ray and both signs of every line; a motion for a direction just
-        outside of every facet and for both sides of every equation (but that of the plane
-        of a planar program).
-    programs : int
-        How many programs were solved.
-    exact : bool
-        Whether rays and facets are of the same cone.
-    gap : float
-        No direction within the facets is farther from the cone [rad]; 0 if exact.
-    slack : float
-        How far beyond its facet, at most, the direction of a motion lies [rad]; part of `gap`.
-    is_cut : bool
-        Whether a time limit ended the search, so that the gap may be larger than required.
-    """
+    """The cone of stable directions of gravity, or an inner and an outer bound; world frame."""
 
     cone: Cone
+    """Every direction in it is held, by sums of the forces of its rays."""
     facets: Array
+    """Unit inward normals, shape (f, 3): beyond any of them no forces hold it. Those of `cone`
+    if `exact`."""
     proofs: tuple[DirectionProof, ...]
+    """Forces for every ray and both signs of every line; a motion for a direction just outside
+    of every facet and for both sides of every equation (but that of the plane of a planar
+    program)."""
     programs: int
+    """How many programs were solved."""
     exact: bool = True
+    """Whether rays and facets are of the same cone."""
     gap: float = 0.0
+    """No direction within the facets is farther from the cone [rad]; 0 if exact."""
     slack: float = 0.0
+    """How far beyond its facet, at most, the direction of a motion lies [rad]; part of `gap`."""
     is_cut: bool = False
+    """Whether a time limit ended the search, so that the gap may be larger than required."""
 
     @property
     def proved(self) -> bool:

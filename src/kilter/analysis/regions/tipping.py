@@ -42,19 +42,13 @@ __all__ = ["Tipping", "find_tipping"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tipping:
-    """The tilt and the energy at which a body on a horizontal table tips over.
-
-    Attributes
-    ----------
-    angle : float
-        Tilted by less, about any level axis, it comes back [rad].
-    rise : float or None
-        Rise of the centre of mass before it can go over [length unit]; None if it
-        comes back from anywhere, since it rests in no other way.
-    """
+    """The tilt and the energy at which a body on a horizontal table tips over."""
 
     angle: float
+    """Tilted by less, about any level axis, it comes back [rad]."""
     rise: float | None
+    """Rise of the centre of mass before it can go over [length unit]; None if it comes back from
+    anywhere, since it rests in no other way."""
 
 
 def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:

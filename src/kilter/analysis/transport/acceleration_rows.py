@@ -7,7 +7,6 @@ outer    planes of motions: a carried acceleration gives no motion a positive po
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,35 +16,22 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.program import Program
 
-__all__ = ["KnownAccelerations", "inner_rows", "outer_rows"]
+__all__ = ["inner_rows", "outer_rows"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class KnownAccelerations:
-    """Known part of the set of carrier accelerations at which an assembly stays in place.
-
-    Attributes
-    ----------
-    program : Program
-    limits : sequence of (ndarray, Limit)
-        Unit directions, shape (3,), and the largest acceleration along each [g].
-    polar : Slice or None
-    """
-
-    program: Program
-    limits: Sequence[tuple[Array, Limit]]
-    polar: Slice | None
+Known = Sequence[tuple[Array, Limit]]
+"""Unit directions, shape (3,), and the largest acceleration along each [g]."""
 
 
-def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
+def inner_rows(program: Program, known: Known, polar: Slice | None) -> tuple[Array, Array]:
     """Constraints A a <= b on an acceleration a [m/s^2]; if a satisfies all, forces can hold."""
     from scipy.spatial import ConvexHull, QhullError
 
-    points = [min(limit.value, MOST) * direction for direction, limit in known.limits]
-    if known.polar is not None:
-        points += list(known.polar.points @ known.polar.axes)
-    carried = np.vstack([np.zeros(3), *points]) * known.program.g
-    used = np.array([0, 2]) if known.program.planar else np.arange(3)
+    points = [min(limit.value, MOST) * direction for direction, limit in known]
+    if polar is not None:
+        points += list(polar.points @ polar.axes)
+    carried = np.vstack([np.zeros(3), *points]) * program.g
+    used = np.array([0, 2]) if program.planar else np.arange(3)
     try:
         facets = ConvexHull(carried[:, used]).equations
     except QhullError:
@@ -58,11 +44,10 @@ def inner_rows(known: KnownAccelerations) -> tuple[Array, Array]:
     return rows, -facets[:, -1]
 
 
-def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
+def outer_rows(program: Program, known: Known, polar: Slice | None) -> tuple[Array, Array]:
     """Constraints A a <= b on an acceleration a [m/s^2]; if a violates one, no forces can hold."""
-    program = known.program
     rows, bounds = [], []
-    for _, limit in known.limits:
+    for _, limit in known:
         if limit.motion is None:
             continue
         motion = limit.motion.motion
@@ -71,8 +56,8 @@ def outer_rows(known: KnownAccelerations) -> tuple[Array, Array]:
         if size > 0.0:
             rows.append(-moment / size)
             bounds.append(-program.power(motion) / size)
-    if known.polar is not None:
-        proved = known.polar.proved
-        rows += list((known.polar.normals @ known.polar.axes)[proved])
-        bounds += list(known.polar.reach[proved] * program.g)
+    if polar is not None:
+        proved = polar.proved
+        rows += list((polar.normals @ polar.axes)[proved])
+        bounds += list(polar.reach[proved] * program.g)
     return np.array(rows).reshape(-1, 3), np.array(bounds)

@@ -53,27 +53,18 @@ ACCURACY = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastAcceleration:
-    """The least horizontal acceleration of a carrier that no contact forces can balance.
-
-    Attributes
-    ----------
-    value : float
-        [g]; infinite if every horizontal acceleration up to `MOST` is carried.
-    lower : float
-        Every horizontal acceleration below this is carried [g].
-    direction : ndarray, shape (3,)
-        Direction of the least acceleration, unit; zero if the value is infinite.
-    limit : Limit
-        The limit along this direction, with its forces and its mechanism.
-    programs : int
-        Number of limits that were computed.
-    """
+    """The least horizontal acceleration of a carrier that no contact forces can balance."""
 
     value: float
+    """[g]; infinite if every horizontal acceleration up to `MOST` is carried."""
     lower: float
+    """Every horizontal acceleration below this is carried [g]."""
     direction: Array
+    """Of the least acceleration, unit, shape (3,); zero if the value is infinite."""
     limit: Limit
+    """The limit along this direction, with its forces and its mechanism."""
     programs: int
+    """Number of limits that were computed."""
 
 
 class Slice(Record):

@@ -43,21 +43,14 @@ __all__ = ["CODES", "CodeCase", "code_accelerations", "code_cases"]
 
 @dataclass(frozen=True, slots=True)
 class CodeCase:
-    """An acceleration that a code of load securing requires, in multiples of g.
-
-    Attributes
-    ----------
-    name : str
-        Direction in which the load is pressed, as the rule calls it.
-    inertia : tuple of float, (forward, left)
-        Direction in which the load is pressed [-].
-    size : float
-        [g]
-    """
+    """An acceleration that a code of load securing requires, in multiples of g."""
 
     name: str
+    """Direction in which the load is pressed, as the rule calls it."""
     inertia: tuple[float, float]
+    """Direction in which the load is pressed [-]."""
     size: float
+    """[g]"""
 
     def acceleration(self, forward: Array, down: Array, g: float) -> Array:
         """Acceleration of the carrier [m/s^2], shape (3,), opposite to the required inertia force.

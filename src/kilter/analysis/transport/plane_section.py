@@ -29,27 +29,19 @@ FIRST = 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SupportLine:
-    """Boundary point of a plane section of a convex set around 0, with a bounding line.
-
-    Attributes
-    ----------
-    direction : ndarray, shape (2,)
-        Unit direction of the point.
-    point, normal : ndarray, shape (2,)
-    reach : float
-        Distance of the line from 0.
-    limited : bool
-        False if the point is at the largest acceleration of the search.
-    proved : bool
-        True if a motion proves that nothing beyond the line is carried.
-    """
+    """Boundary point of a plane section of a convex set around 0, with a bounding line."""
 
     direction: Array
+    """Unit direction of the point, shape (2,)."""
     point: Array
     normal: Array
+    """Shape (2,)."""
     reach: float
+    """Distance of the line from 0."""
     limited: bool
+    """False if the point is at the largest acceleration of the search."""
     proved: bool
+    """True if a motion proves that nothing beyond the line is carried."""
 
     @property
     def angle(self) -> float:

@@ -48,24 +48,17 @@ ROUNDED = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlangeMotion:
-    """Motion of a link over time, in the world frame of the robot.
-
-    Attributes
-    ----------
-    rotation : ndarray, shape (n, 3, 3)
-        From the frame of the link to the world.
-    position, velocity, acceleration : ndarray, shape (n, 3)
-        Position of the origin of the link [m], [m/s], [m/s^2].
-    spin, turn : ndarray, shape (n, 3)
-        Angular velocity [rad/s] and angular acceleration [rad/s^2].
-    """
+    """Motion of a link over time, in the world frame of the robot."""
 
     rotation: Array
+    """From the frame of the link to the world, shape (n, 3, 3)."""
     position: Array
     velocity: Array
     acceleration: Array
+    """Of the origin of the link [m], [m/s], [m/s^2], shape (n, 3)."""
     spin: Array
     turn: Array
+    """Angular velocity [rad/s] and angular acceleration [rad/s^2], shape (n, 3)."""
 
 
 def flange_motion(

@@ -122,10 +122,10 @@ def transport(
     --------
     >>> from kilter.scenes import stacks
     >>> answer = transport(stacks.block_on_slope(0.0, friction=0.4), polar=False)
-    >>> round(answer.least.value, 6)
+    >>> round(answer.least.g, 6)
     0.4
     >>> question = transport(stacks.block_on_slope(0.0, friction=0.4), accelerate=[3.0, 0, 0])
-    >>> question.carried, round(question.cases[0].factor.value, 4)
+    >>> question.carried, round(question.cases[0].factor, 4)
     (True, 1.308)
     """
     assembly, require = asked.assembly, require_level(asked.require)

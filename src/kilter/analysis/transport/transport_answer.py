@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from kilter.analysis.load_limit import Limit, Why
-from kilter.analysis.transport.acceleration_rows import KnownAccelerations, inner_rows, outer_rows
+from kilter.analysis.transport.acceleration_rows import inner_rows, outer_rows
 from kilter.analysis.transport.carried_set import Slice
 from kilter.analysis.transport.carrier import CarrierMotion
 from kilter.analysis.transport.collapse import CollapseMultiplier
@@ -312,10 +312,9 @@ class Transport(OfAssembly):
                 "this answer has no largest accelerations along the axes",
                 hint="call kilter.transport(assembly), or give a path that is carried",
             )
-        known = KnownAccelerations(
-            self.program, [(limit.direction, limit.limit) for limit in self.limits], self.polar
-        )
-        return inner_rows(known) if inner else outer_rows(known)
+        known = [(limit.direction, limit.limit) for limit in self.limits]
+        rows = inner_rows if inner else outer_rows
+        return rows(self.program, known, self.polar)
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """Proofs on both sides of each limit and multiplier, as JSON data for `kilter.verify`.

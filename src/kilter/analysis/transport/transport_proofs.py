@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.load_limit import Limit
-from kilter.analysis.margins.margin_proofs import changed_proof
+from kilter.analysis.margins.margin_answer import changed_proof
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.turning_tolerances import AROUND_LIMIT
 from kilter.arrays import Array

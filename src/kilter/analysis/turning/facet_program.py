@@ -42,23 +42,16 @@ class FacetOptimum:
     """The most nearly stable direction of gravity on a facet of the diamond |g|_1 = 1.
 
     Its optimum z of the displacement program is the greatest: 0 if stable, negative if unstable.
-
-    Attributes
-    ----------
-    signs : ndarray, shape (3,)
-        The facet: signs * g >= 0.
-    gravity : ndarray, shape (3,)
-        On the diamond.
-    z : float
-        [kg x length unit]
-    motion : ndarray, shape (N, 6)
-        In A; -(sum_i m_i dr_i) . v <= z at every corner v of the facet.
     """
 
     signs: Array
+    """The facet, shape (3,): signs * g >= 0."""
     gravity: Array
+    """On the diamond, shape (3,)."""
     z: float
+    """[kg x length unit]"""
     motion: Array
+    """In A, shape (N, 6); -(sum_i m_i dr_i) . v <= z at every corner v of the facet."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,23 +59,16 @@ class DiamondOptimum:
     """The most nearly stable direction of gravity on the whole diamond |g|_1 = 1.
 
     Its optimum z of the displacement program is the greatest: 0 if stable, negative if unstable.
-
-    Attributes
-    ----------
-    gravity : ndarray, shape (3,)
-        On the diamond |g|_1 = 1; the zero vector if no part is free.
-    z : float
-        [kg x length unit]; 0 if `gravity` is stable.
-    facets : tuple of FacetOptimum
-        Those that were solved: all, or up to the first with z = 0.
-    programs : int
-        LPs solved.
     """
 
     gravity: Array
+    """On the diamond |g|_1 = 1, shape (3,); the zero vector if no part is free."""
     z: float
+    """[kg x length unit]; 0 if `gravity` is stable."""
     facets: tuple[FacetOptimum, ...]
+    """Those that were solved: all, or up to the first with z = 0."""
     programs: int
+    """LPs solved."""
 
 
 def joint(program: Program, *, every: bool = False) -> DiamondOptimum:

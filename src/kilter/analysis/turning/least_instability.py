@@ -50,24 +50,16 @@ LIMIT = 500
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastInstability:
-    """The direction of gravity with the least instability kappa, and a lower bound of kappa.
-
-    Attributes
-    ----------
-    direction : ndarray, shape (3,)
-        Unit.
-    value : float
-        kappa there [-].
-    bound : float
-        No direction has less [-].
-    programs : int
-        Quadratic programs solved.
-    """
+    """The direction of gravity with the least instability kappa, and a lower bound of kappa."""
 
     direction: Array
+    """Unit, shape (3,)."""
     value: float
+    """kappa there [-]."""
     bound: float
+    """No direction has less [-]."""
     programs: int
+    """Quadratic programs solved."""
 
 
 def least_instability(

@@ -320,7 +320,7 @@ def _answer_of_direction(
     turned = assembly.with_down(down)
     verdict = check(turned, contacts=contacts.of(turned), require="equilibrium")
     if every.friction:
-        z, instability = verdict.displacement.z, verdict.instability
+        z, instability = verdict.displacement.z, verdict.kappa
     sentence = _sentence(every, down, margin)
     if verdict.verdict == "balanced":
         sentence += " There it is balanced: the slightest push makes it fall."
@@ -389,7 +389,7 @@ def _not_found(
         verdict="undecided" if why else "none",
         sentence=sentence,
         z=verdict.displacement.z,
-        instability=verdict.instability,
+        instability=verdict.kappa,
         nearest=near,
         programs=every.programs + near.programs,
         judgement=judgement,

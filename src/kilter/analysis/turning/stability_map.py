@@ -36,36 +36,26 @@ class StabilityMap:
     """Polytope from which z follows for every direction of gravity; world frame.
 
     z is the optimum of the displacement program. Lengths are in kg x length unit.
-
-    Attributes
-    ----------
-    vertices : ndarray, shape (V, 3)
-    normals : ndarray, shape (F, 3)
-        Outward unit normals of the facets, in the span of Q.
-    offsets : ndarray, shape (F,)
-        ``normals @ q <= offsets``; none is negative, since 0 is in Q.
-    facets : tuple of ndarray of int
-        The vertices of each facet, in order around it.
-    equations : ndarray, shape (3 - dimension, 3)
-        Orthonormal; ``equations @ q = 0``. Of a planar program y is always in their span.
-    dimension : int
-        Dimension of Q, 0 to 3.
-    mass : float
-        Mass of the free parts [kg]: the scale of z.
-    planar : bool
-    programs : int
-        LPs solved.
     """
 
     vertices: Array
+    """Shape (V, 3)."""
     normals: Array
+    """Outward unit normals of the facets, in the span of Q, shape (F, 3)."""
     offsets: Array
+    """``normals @ q <= offsets``; none is negative, since 0 is in Q, shape (F,)."""
     facets: tuple[Index, ...]
+    """The vertices of each facet, in order around it."""
     equations: Array
+    """Orthonormal, shape (3 - dimension, 3); ``equations @ q = 0``. Of a planar program y is
+    always in their span."""
     dimension: int
+    """Of Q, 0 to 3."""
     mass: float
+    """Of the free parts [kg]: the scale of z."""
     planar: bool
     programs: int
+    """LPs solved."""
 
     def z(self, gravity: ArrayLike) -> Array:
         """Optimum z of the displacement program for gravity vectors (n, 3) of any length, (n,).

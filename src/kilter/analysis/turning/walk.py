@@ -65,75 +65,49 @@ RESTARTS = 100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkFacet:
-    """The walk in a facet of the diamond: visited directions, their optimum z, and its end.
-
-    Attributes
-    ----------
-    signs : ndarray, shape (3,)
-        The facet: signs * g >= 0.
-    path : ndarray, shape (k, 3)
-        Directions visited: the start, then the maxima of the partitions.
-    heights : ndarray, shape (k,)
-        z along the path [kg x length unit].
-    published : float
-        z at the first end of the published rule [kg x length unit].
-    stops : tuple of str
-        "interior", "revisited" or "broken off": how each walk ended, restarts included.
-    failed : int
-        Stops that were not optimal.
-    optimal : bool
-        Whether the last stop passed the test.
-    gravity : ndarray, shape (3,)
-        The best direction found.
-    z : float
-        [kg x length unit]
-    """
+    """The walk in a facet of the diamond: visited directions, their optimum z, and its end."""
 
     signs: Array
+    """The facet, shape (3,): signs * g >= 0."""
     path: Array
+    """Directions visited, shape (k, 3): the start, then the maxima of the partitions."""
     heights: Array
+    """z along the path [kg x length unit], shape (k,)."""
     published: float
+    """z at the first end of the published rule [kg x length unit]."""
     stops: tuple[str, ...]
+    """"interior", "revisited" or "broken off": how each walk ended, restarts included."""
     failed: int
+    """Stops that were not optimal."""
     optimal: bool
+    """Whether the last stop passed the test."""
     gravity: Array
+    """The best direction found, shape (3,)."""
     z: float
+    """[kg x length unit]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walk:
-    """The most nearly stable direction on the diamond |g|_1 = 1, found by the paper's walk.
-
-    Attributes
-    ----------
-    gravity : ndarray, shape (3,)
-        On the diamond |g|_1 = 1.
-    z : float
-        [kg x length unit]; 0 if `gravity` is stable.
-    facets : tuple of WalkFacet
-        Those that were walked: all, or up to the first with z = 0.
-    programs : int
-        LPs solved, all kinds.
-    partitions : int
-        Visited, those of restarts included.
-    stops : dict of str to int
-        How walks ended.
-    failed : int
-        Stops that failed the test of optimality.
-    restarts : int
-    published : float
-        z that the published rule alone gives.
-    """
+    """The most nearly stable direction on the diamond |g|_1 = 1, found by the paper's walk."""
 
     gravity: Array
+    """On the diamond |g|_1 = 1, shape (3,)."""
     z: float
+    """[kg x length unit]; 0 if `gravity` is stable."""
     facets: tuple[WalkFacet, ...]
+    """Those that were walked: all, or up to the first with z = 0."""
     programs: int
+    """LPs solved, all kinds."""
     partitions: int
+    """Visited, those of restarts included."""
     stops: dict[str, int]
+    """How walks ended."""
     failed: int
+    """Stops that failed the test of optimality."""
     restarts: int
     published: float
+    """z that the published rule alone gives."""
 
 
 @dataclass(slots=True, eq=False)

@@ -1,9 +1,9 @@
-"""Joints, open pairs and unsupported contacts, which several answers share."""
+"""Units, joints and open pairs, which several answers share."""
 
 from __future__ import annotations
 
 from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
-from kilter.assembly import Assembly, JointEntry
+from kilter.assembly import Assembly, ListedJoint
 from kilter.contact import ContactSet
 from kilter.tell.record import Answer, InPython, UnitWord, Vector, key
 
@@ -32,7 +32,7 @@ class OfAssembly(Answer):
 
     @property
     @key
-    def joints(self) -> tuple[JointEntry, ...]:
+    def joints(self) -> tuple[ListedJoint, ...]:
         """Joints, with those that fastening added."""
         return self.assembly.joints_data()
 

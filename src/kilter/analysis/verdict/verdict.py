@@ -53,7 +53,7 @@ from kilter.analysis.verdict.verdict_answer import (
     density_of,
 )
 from kilter.arrays import Array, Mask, sealed
-from kilter.assembly import Assembly, BondEntry, JointEntry
+from kilter.assembly import Assembly, ListedBond, ListedJoint
 from kilter.contact import ContactSet
 from kilter.contact.common.distances import LonePart
 from kilter.contact.common.patches import UnsupportedContact
@@ -360,13 +360,13 @@ class Verdict(InCells, Answer):
 
     @property
     @key
-    def joints(self) -> tuple[JointEntry, ...]:
+    def joints(self) -> tuple[ListedJoint, ...]:
         """Joints, including those added by fastening."""
         return self.assembly.joints_data()
 
     @property
     @key
-    def bonds(self) -> tuple[BondEntry, ...]:
+    def bonds(self) -> tuple[ListedBond, ...]:
         """Bonds and their strength."""
         return tuple(bond.entry for bond in self.assembly.bonds)
 

@@ -490,7 +490,8 @@ class EdgeCurves:
         if slack == 0 or not len(edge):
             return result
         row, number = np.nonzero(self._chord_distance(edge, points) <= slack + grow)
-        row, number = _only_rows_with_all(row, number, self.exact(edge))
+        kept = ~np.isin(row, row[~self.exact(edge)[number]])
+        row, number = row[kept], number[kept]
         rows = np.unique(row)
         if not len(rows):
             return result
@@ -524,12 +525,6 @@ class EdgeCurves:
         t = np.clip(np.einsum("nmi,mi->nm", offset, q - p) / square, 0, 1)
         distance: Array = lengths(offset - t[..., None] * (q - p))
         return distance
-
-
-def _only_rows_with_all(row: Index, number: Index, keep: Mask) -> tuple[Index, Index]:
-    """Pairs (row, number) of the rows for which all numbers are kept."""
-    kept = ~np.isin(row, row[~keep[number]])
-    return row[kept], number[kept]
 
 
 def part_curves(search: ContactSearch, part: int) -> EdgeCurves:

@@ -73,7 +73,6 @@ __all__ = [
     "reach_of",
     "reached_limits",
     "touches",
-    "unknown_contacts",
     "unknown_pairs",
 ]
 
@@ -250,14 +249,11 @@ def nearest_gap(gap: Array) -> Array:
 
 
 def gap_warnings(patches: Patches, rejected: list[RejectedPair], limits: GapLimits) -> list[str]:
-    """Warnings about a doubtful gap tolerance: too close to actual gaps, or below the rounding."""
-    return [*_cluster_warnings(patches, rejected, limits), *_coarse_warnings(limits)]
+    """Warnings about a doubtful gap tolerance: too close to actual gaps, or below the rounding.
 
-
-def _cluster_warnings(
-    patches: Patches, rejected: list[RejectedPair], limits: GapLimits
-) -> list[str]:
-    """A warning if some gaps are just below the gap tolerance and others just above it."""
+    It is too close if some gaps are just below it and others just above.
+    """
+    warnings = []
     gap, closed = limits.gap, limits.closed
     # gaps of patches near the limit are possibly cut off from a cluster beyond it
     near = nearest_gap(patches.gap)
@@ -269,23 +265,18 @@ def _cluster_warnings(
     deep_edge = CLUSTER * float(gap.max(initial=0.0))
     above = sum(r.gap < open_edge for r in rejected if r.why == APART)
     above += sum(-r.gap < deep_edge for r in rejected if r.why == PENETRATES)
-    if not (below and above):
-        return []
-    option = "clearance" if (closed > gap).any() else "gap"
-    return [
-        f"the gap tolerance falls inside a cluster of gaps: {below} patches just below it, "
-        f"{above} near pairs just above; see the histogram and set the {option}"
-    ]
-
-
-def _coarse_warnings(limits: GapLimits) -> list[str]:
-    """A warning if coordinates are rounded too coarsely for the thickness of a part."""
-    if not limits.coarse.any():
-        return []
-    return [
-        "coordinates are too coarse for the thinnest parts: "
-        f"{int(limits.coarse.sum())} pairs have rounding above a tenth of a part's thickness"
-    ]
+    if below and above:
+        option = "clearance" if (closed > gap).any() else "gap"
+        warnings.append(
+            f"the gap tolerance falls inside a cluster of gaps: {below} patches just below it, "
+            f"{above} near pairs just above; see the histogram and set the {option}"
+        )
+    if limits.coarse.any():
+        warnings.append(
+            "coordinates are too coarse for the thinnest parts: "
+            f"{int(limits.coarse.sum())} pairs have rounding above a tenth of a part's thickness"
+        )
+    return warnings
 
 
 def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits) -> list[str]:
@@ -336,11 +327,6 @@ def _meets_box(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
     corners = geometry.vertices[geometry.triangles[rows]]
     apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
     return bool((~apart.any(axis=1)).any())
-
-
-def unknown_contacts(pairs: Index) -> list[RejectedPair]:
-    """Records of pairs that may touch at an unknown surface, as `RejectedPair` values."""
-    return [RejectedPair((a, b), 0.0, 0.0, UNKNOWN) for a, b in pairs.tolist()]
 
 
 def reached_limits(assembly: Assembly, joint: Joint, tolerance: Tolerance) -> tuple[bool, bool]:

@@ -118,7 +118,11 @@ def touching_shells(
             builder.rejected.append(RejectedPair((a, b), gap[0], 0.0, THIN))
             continue
         zone = max(bound, play) + float(np.ptp(spots.points, axis=0).max())
-        inside = _points_in_region(surfaces, (solid, hollow), region.inside)
+        radius, alpha = _radius_and_angle(surfaces, solid, hollow)
+        points = shell(
+            surfaces.point[solid], surfaces.axis[solid], alpha, radius, region.inside, None
+        )
+        inside = points.points, points.normals
         patch = CurvedPatch(pair, (solid, hollow), gap, bound, spots, zone, turned)
         classify(search, builder, replace(patch, closed=closed, play=play, inside=inside))
 
@@ -144,19 +148,6 @@ def _radius_and_angle(s: Surfaces, i: int, j: int) -> tuple[float, float]:
     if s.kind[i] == CYLINDER:
         return float(s.radius[i] + s.radius[j]) / 2, 0.0
     return 0.0, float(s.half_angle[i])
-
-
-def _points_in_region(
-    s: Surfaces, names: tuple[int, int], region: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Points and outward normals on surface i at given angles and heights about its axis.
-
-    `names` holds the surfaces i and j.
-    """
-    (i, j), (angle, height) = names, region
-    radius, alpha = _radius_and_angle(s, i, j)
-    spots = shell(s.point[i], s.axis[i], alpha, radius, (angle, height), None)
-    return spots.points, spots.normals
 
 
 def _region_points(

@@ -174,7 +174,7 @@ def _true_middle(
         exact[curved] &= (s.kind[surface[curved]] != FREE) & (s.doubt[surface[curved]] == 0)
         row = surface[rows]
         # the flat neighbour and the chord both lie in the plane of the rim
-        out = _across_axis(s, row, middle[rows])
+        _, _, out = s.polar(row, middle[rows])
         for _ in range(3):
             off = s.distance(row, middle[rows])
             steep = np.einsum("ij,ij->i", s.outward(row, middle[rows]), out)
@@ -182,12 +182,6 @@ def _true_middle(
             step = off / np.where(np.abs(steep) > SMOOTH_ANGLE, steep, np.inf)
             middle[rows] -= step[:, None] * out
     return exact, middle
-
-
-def _across_axis(s: Surfaces, row: Index, points: Array) -> Array:
-    """Unit directions from the axis of each surface to points; for a sphere, from its centre."""
-    away: Array = s.polar(row, points)[2]
-    return away
 
 
 def _nearest_on_edge(

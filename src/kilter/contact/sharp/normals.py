@@ -454,9 +454,8 @@ def _cone_normals(
     single = np.flatnonzero(has_one_piece & (count == 1))
     several = np.flatnonzero(has_one_piece & (count > 1))
     accepted, accepted_normals = [owner[single]], [normals[single, 0]]
-    clauses = [
-        (owner[several], count[several], _stack_normals(normals, count, several), exact[several])
-    ]
+    inside = np.arange(normals.shape[1]) < count[several][:, None]
+    clauses = [(owner[several], count[several], normals[several][inside], exact[several])]
     first = np.searchsorted(owner, np.arange(len(rows) + 1))
     for k in np.flatnonzero(pieces > 1).tolist():
         stop_if_late()
@@ -484,13 +483,6 @@ def _cone_normals(
 def _rays(cones: Cones, piece: int) -> Array:
     """Unit directions that span the convex cone number `piece`."""
     return cones.rays[cones.ray_start[piece] : cones.ray_start[piece + 1]]
-
-
-def _stack_normals(normals: Array, count: Index, rows: Index) -> Array:
-    """The first ``count[k]`` normals of each row k, shape (m, 3)."""
-    inside = np.arange(normals.shape[1]) < count[rows][:, None]
-    stacked: Array = normals[rows][inside]
-    return stacked
 
 
 def _pieces_apart(cones: Cones, piece_a: Index, piece_b: Index) -> tuple[Array, Index, Mask]:

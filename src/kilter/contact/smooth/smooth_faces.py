@@ -31,7 +31,7 @@ has a corner; the normals there are interpolated between the ends of the two edg
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -317,13 +317,9 @@ def matches(first: SmoothFace, second: SmoothFace, reach: float, slack: float) -
     """
     lateral = slack + SMOOTH_ASIDE * reach
     forward = _project_corners(first, second, reach, lateral)
-    backward = _reversed_matches(_project_corners(second, first, reach, lateral))
+    backward = _project_corners(second, first, reach, lateral)
+    backward = replace(backward, normal=-backward.normal)
     return Matches.join([forward, backward, _rim_crossings(first, second, reach)])
-
-
-def _reversed_matches(matched: Matches) -> Matches:
-    """The same contact points with the two faces exchanged."""
-    return Matches(matched.point, -matched.normal, matched.gap, matched.apart, matched.doubt)
 
 
 def _project_corners(

@@ -1,23 +1,69 @@
-"""Separation of bodies against closed forms, and of random polyhedra against a linear program."""
+"""Answers of second order against the energy of exact places, and the separation of bodies."""
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
+from random_grids import elsewhere, random_grid
+from random_rests import random_rest
+from rest_energy import LOWER, contradicts, least_beside
+from round_energy import compared
+from scipy.linalg import eigh
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
-from kilter import Assembly, Cylinder, Mesh, Part, Pose, Sphere
+import kilter
+from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Sphere
 from kilter.arrays import Array
 from kilter.mechanics.program import build_program
 from kilter.rigid import matrix_to_quaternion, turn_of
+from kilter.scenes.pieces import block, turn
 from kilter.second_order.parts.separation import (
     bodies_of,
     least_separation,
     separation,
     separation_of_point,
 )
-from kilter.shape.primitives import Box
+
+
+@pytest.mark.slow
+def test_a_descent_comes_lower_than_what_balances_and_no_lower_than_a_minimum() -> None:
+    floor = Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
+    ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))
+    box = Part("box", Box([1, 1, 1]), Pose([0, 0, 1.5]))
+    assert least_beside(Assembly([floor, ball, box]), 0, 0.02) < -0.01
+    can = Part("box below", Box([0.6, 0.6, 1]), Pose([0, 0, 0.5]))
+    assert least_beside(Assembly([floor, can, box]), 0, 0.02) > -LOWER
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [*range(1000, 1021), "grid 0", "grid 7", "grid 11", "grid 13"])
+def test_random_rests_have_no_contradiction(seed: int | str) -> None:
+    grid = isinstance(seed, str)
+    number = int(str(seed).split()[-1])
+    assembly = random_grid(number) if grid else random_rest(number)[1]
+    verdict = kilter.check(assembly)
+    second = verdict.second_order_answer
+    assert kilter.verify(assembly, verdict.proof()).holds
+    if second is not None and second.state != "open":
+        assert contradicts(assembly, second, number)[0] == ""
+    for other in (Assembly(assembly.parts[::-1]), elsewhere(assembly)) if grid else ():
+        there = kilter.check(other)
+        assert kilter.verify(other, there.proof()).holds
+        told = [one.second_order_answer.state if one.second_order_answer else one.verdict
+                for one in (verdict, there)]  # fmt: skip
+        assert told[0] == told[1] or "open" in told
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(3))
+def test_random_rounds_have_no_contradiction(block: int) -> None:
+    states = Counter(compared(seed) for seed in range(100 + 30 * block, 130 + 30 * block))
+    assert min(states["minimum"], states["balanced"]) >= 3
+    assert states["open"] == 0
+
 
 NO_HINT = np.empty((0, 3))
 
@@ -135,3 +181,55 @@ def test_a_turn_keeps_lengths_and_its_axis() -> None:
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-15)
     np.testing.assert_allclose(turn @ rotation, rotation, atol=1e-15)
     assert np.trace(turn) == pytest.approx(1 + 2 * np.cos(np.linalg.norm(rotation)))
+
+
+G = 9.81
+
+
+def rate_of(assembly: kilter.Assembly) -> float:
+    second = kilter.check(assembly, require="equilibrium").second_order_answer
+    assert second is not None
+    assert second.state == "balanced"
+    assert second.rate is not None
+    return second.rate
+
+
+@pytest.mark.parametrize(
+    ("under", "upper", "raised"),
+    [(1.0, 0.2, 0.0), (0.5, 0.7, 0.0), (0.4, 0.3, 0.1), (2.0, 0.3, 0.25), (0.3, 0.8, -0.2)],
+)
+@pytest.mark.quick(1)
+def test_a_ball_on_a_ball(under: float, upper: float, raised: float) -> None:
+    ball = kilter.Part(
+        "ball", kilter.Sphere(upper), [0, 0, under + upper], center_of_mass=[0, 0, raised]
+    )
+    held = kilter.Part("held", kilter.Sphere(under), [0, 0, 0], grounded=True)
+    assembly = kilter.Assembly([held, ball])
+    geometry = assembly.geometry
+    mass, inertia = geometry.mass[1], geometry.inertia[1][0, 0]
+    length = under + upper
+    kinetic = mass * np.array([[length**2, length * raised], [length * raised, raised**2]])
+    kinetic += np.diag([0.0, inertia])
+    values = eigh(-mass * G * np.diag([length, raised]), kinetic, eigvals_only=True)
+    assert rate_of(assembly) == pytest.approx(np.sqrt(-values.min()), rel=1e-5)
+    if not raised:
+        assert rate_of(assembly) == pytest.approx(np.sqrt(G / length), rel=1e-5)
+
+
+@pytest.mark.parametrize("raised", [0.05, 0.3])
+@pytest.mark.quick(1)
+def test_a_curved_foot_turns_in_place(raised: float) -> None:
+    """Without friction no force moves the centre of mass aside: I q'' = m g e q."""
+    roller = kilter.Part(
+        "foot",
+        kilter.Cylinder(0.5, 1.0),
+        kilter.Pose([0, 0, 0.5], turn([1, 0, 0], 90)),
+        center_of_mass=[0, raised, 0],
+    )
+    table = block("table", [-2, -2, -1], [2, 2, 0], grounded=True)
+    assembly = kilter.Assembly([table, roller])
+    geometry = assembly.geometry
+    rise = geometry.center[1][2] - 0.5
+    expected = np.sqrt(geometry.mass[1] * G * rise / geometry.inertia[1][1, 1])
+    assert rise == pytest.approx(raised)
+    assert rate_of(assembly) == pytest.approx(expected, rel=1e-5)
