@@ -31,7 +31,7 @@ _HOMES: dict[str, str]
 
 def is_asked(value: Any) -> bool:
     """Whether a public name is a function with the keywords of a question."""
-    return inspect.isfunction(value) and "asked" in inspect.unwrap(value).__annotations__
+    return inspect.isfunction(value) and hasattr(value, "__signature__")
 
 
 def homes_of(module: str) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """Tests of a source file, for `pytest --for FILE`: they import it, or modules that import it."""
 
+import functools
 import re
 import tomllib
 from collections.abc import Iterable
@@ -52,6 +53,7 @@ def _words(names: Iterable[str]) -> set[str]:
     return {word[:5].rstrip("s") for name in names for word in name.split("_")} - {"analy", "test"}
 
 
+@functools.cache
 def _imports(path: Path) -> set[str]:
     """Names of modules, and of what is imported from them, that may be modules."""
     text = path.read_text(encoding="utf-8")

@@ -1,5 +1,7 @@
 """Arrays, work, and the nearest point of a cone."""
 
+from __future__ import annotations  # the fields of Rows are read as text
+
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The public names: one map, its types, the reference and the commands agree."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import sys
@@ -33,21 +31,21 @@ BESIDE |= {"load_answer"}
 """Functions that are no command: what they do is an option of one, or its reading."""
 
 
-def test_what_a_type_checker_sees_is_what_is_there() -> None:
+def test_what_a_type_checker_sees_is_what_is_there():
     assert build_stub.STUB.read_text(encoding="utf-8") == build_stub.page()
     assert sorted(HOMES) == kilter.__all__
     assert set(kilter.__all__) <= set(dir(kilter))
 
 
 @pytest.mark.parametrize("name", sorted(HOMES))
-def test_each_name_is_at_home_where_the_map_says(name: str) -> None:
+def test_each_name_is_at_home_where_the_map_says(name):
     value = getattr(kilter, name)
     assert value is getattr(importlib.import_module(HOMES[name]), name)
     assert (value.__module__, value.__name__) == (HOMES[name], name)
     assert value.__doc__
 
 
-def test_the_reference_has_every_name() -> None:
+def test_the_reference_has_every_name():
     pages = sorted((ROOT / "docs" / "reference").glob("*.md"))
     named = re.findall(r"^::: (\S+)$", "".join(p.read_text("utf-8") for p in pages), flags=re.M)
     for name, home in HOMES.items():  # of functions with shared keywords, the stub is shown
@@ -57,12 +55,12 @@ def test_the_reference_has_every_name() -> None:
         assert hasattr(importlib.import_module(home), name), one
 
 
-def test_every_command_is_a_function_and_every_function_a_command() -> None:
+def test_every_command_is_a_function_and_every_function_a_command():
     functions = {name for name in HOMES if name.islower()}
     commands = {name.replace("-", "_") for name in COMMANDS}
     assert commands - {"mcp"} == functions - BESIDE  # a server for other programs
 
 
-def test_an_unknown_name_is_an_attribute_error() -> None:
+def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'chek'"):
         kilter.chek  # noqa: B018

@@ -60,7 +60,6 @@ _NAMES = {
     "kilter.assembly.straps": "Strap",
     "kilter.contact.contact_set": "ContactSet",
     "kilter.contact.detect": "contacts",
-    "kilter.contact.fits.choices_saving": "save",
     "kilter.contact.fits.fastening": "fastened",
     "kilter.contact.common.gaps": "Tolerance",
     "kilter.contact.common.patches": "Patch",
@@ -68,8 +67,8 @@ _NAMES = {
     "kilter.errors": "InputError KilterError SolverError",
     "kilter.files.answer_files": "LoadedAnswer load_answer",
     "kilter.files.choices": "Choices",
-    "kilter.files.reading": "load",
     "kilter.files.writing": "dump",
+    "kilter.loading": "load save",
     "kilter.health": "Health doctor",
     "kilter.notebook": "Shown",
     "kilter.publish.answer_figures": "draw",
@@ -90,9 +89,8 @@ __all__ = sorted(_HOMES)
 
 _HOOKS = {
     "cell": "kilter.notebook",
-    "load": "kilter.files.reading",
+    "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
-    "read_chosen": "kilter.contact.fits.chosen",
     "scene_of": "kilter.files.objects.trimesh_objects",
     "settle_remedy": "kilter.analysis.settled_pose.settle_remedy",
     "to_mjcf": "kilter.files.mjcf",

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import kilter
-from kilter import files
+from kilter import files, loading
 from kilter.tell.record import Record, key
 
 __all__ = ["EXTRAS", "NEEDED", "Health", "Look", "doctor"]
@@ -332,7 +332,7 @@ def _read_ball() -> None:
     """Check the volume of a ball of radius 1 read from a STEP file."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "ball.step").write_text(BALL, encoding="ascii")
-        [volume] = files.load(str(Path(folder) / "ball.step")).geometry.volume.tolist()
+        [volume] = loading.load(str(Path(folder) / "ball.step")).geometry.volume.tolist()
     if abs(volume - 4 / 3 * math.pi) > EXACT * volume:
         raise _WrongAnswer(f"the ball of radius 1 has the volume {volume:.9g} instead of 4/3 pi")
 

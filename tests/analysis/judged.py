@@ -108,16 +108,6 @@ def sides(program: Program) -> dict[Solver, bool | None]:
     return {solver: judge(program, solver=solver).stable for solver in SOLVERS}
 
 
-def z_of(assembly: Assembly) -> float:
-    """Optimum z of the displacement program, for an assembly of any verdict."""
-    return judged(assembly).displacement.z
-
-
-def kappa(assembly: Assembly) -> float:
-    """Instability of an assembly of any verdict [-]."""
-    return judged(assembly).motion.instability
-
-
 def random_turn(random: np.random.Generator) -> np.ndarray:
     """A unit quaternion, uniform over all turns."""
     quaternion = random.normal(size=4)

@@ -103,8 +103,11 @@ def test_another_format_of_several_proofs_is_refused(bundle: Any) -> None:
 
 
 def test_no_proof_at_all_is_no_file_of_proofs() -> None:
+    none = {**json.loads(region()), "proofs": []}
     with pytest.raises(InputError, match="it has no proofs"):
-        require_bundle_form({**json.loads(region()), "proofs": []})
+        require_bundle_form(none)
+    with pytest.raises(InputError, match="it has no proofs"):
+        kilter.verify(example("tower"), none)
 
 
 @pytest.mark.parametrize("proof", [[], "x", None, {}, {"kilter_proof": 2}])

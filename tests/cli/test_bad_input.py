@@ -265,7 +265,7 @@ def test_a_command_started_with_the_signal_ignored_is_interrupted_all_the_same(n
     ],
     ids=["save", "place None", "place str", "contacts", "effort", "time_limit"],
 )
-def test_values_of_wrong_types_get_a_sentence(call) -> None:
+def test_values_of_wrong_types_get_a_sentence(call):
     with pytest.raises(kilter.InputError) as caught:
         call(kilter.example("tower"))
     assert "\n" not in str(caught.value)

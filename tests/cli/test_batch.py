@@ -1,7 +1,5 @@
 """`kilter batch`: whatever is killed, full or interrupted, no row is lost or doubled."""
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import json
@@ -108,9 +106,7 @@ def until(ready: Any, seconds: float = 60.0) -> bool:
 
 
 @pytest.mark.slow
-def test_rows_are_the_verdicts_of_check_and_a_bad_file_is_a_row(
-    piles: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_rows_are_the_verdicts_of_check_and_a_bad_file_is_a_row(piles, tmp_path, capsys):
     words = ["batch", str(piles), "-o", str(tmp_path / "out"), "--chunk", "10", "--processes", "1"]
     assert main(words) == 1
     assert "24 rows in 3 files" in capsys.readouterr().out
@@ -131,7 +127,7 @@ def test_rows_are_the_verdicts_of_check_and_a_bad_file_is_a_row(
 
 
 @pytest.mark.slow
-def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_path: Path) -> None:
+def test_a_list_names_files_beside_it_and_options_reach_them(piles, tmp_path):
     listed = tmp_path / "some.txt"
     first = os.path.relpath(piles / "pile-1.kilter.json", tmp_path)
     listed.write_text(f"# two\n{first}\n\n{first}\n")
@@ -157,7 +153,7 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
 
 
 @pytest.mark.slow
-def test_damaged_rows_are_told_and_never_counted(piles: Path, tmp_path: Path) -> None:
+def test_damaged_rows_are_told_and_never_counted(piles, tmp_path):
     kilter.batch(piles, tmp_path, chunk=12, processes=1)
     part = tmp_path / "part-000001.csv"
     part.write_text("".join(part.read_text().splitlines(keepends=True)[:-1]))
@@ -169,9 +165,7 @@ def test_damaged_rows_are_told_and_never_counted(piles: Path, tmp_path: Path) ->
 
 
 @pytest.mark.slow
-def test_an_assembly_that_kills_is_found_and_has_a_row(
-    piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_assembly_that_kills_is_found_and_has_a_row(piles, tmp_path, monkeypatch):
     deadly = (
         "import sys, os; sys.path[:] = {path!r}; import kilter.analysis.many.batch_workers as w; "
         "judged = w.judged_rows; "
@@ -190,9 +184,7 @@ def test_an_assembly_that_kills_is_found_and_has_a_row(
 
 
 @pytest.mark.slow
-def test_workers_that_do_not_come_up_blame_no_assembly(
-    piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_workers_that_do_not_come_up_blame_no_assembly(piles, tmp_path, monkeypatch):
     monkeypatch.setattr(pipes, "_SERVE", "raise SystemExit({path!r})")
     with pytest.raises(KilterError, match="no worker process starts"):
         kilter.batch(piles, tmp_path, processes=2)
@@ -201,7 +193,7 @@ def test_workers_that_do_not_come_up_blame_no_assembly(
 
 @POSIX
 @pytest.mark.slow
-def test_a_killed_worker_costs_no_row_and_blames_none(piles: Path, tmp_path: Path) -> None:
+def test_a_killed_worker_costs_no_row_and_blames_none(piles, tmp_path):
     run = begun(piles, tmp_path)
     assert until(lambda: children(run))
     os.kill(children(run)[0], signal.SIGKILL)
@@ -210,9 +202,7 @@ def test_a_killed_worker_costs_no_row_and_blames_none(piles: Path, tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_tables_are_the_same_bytes_with_any_number_of_processes(
-    piles: Path, tmp_path: Path
-) -> None:
+def test_tables_are_the_same_bytes_with_any_number_of_processes(piles, tmp_path):
     for count in (1, 3):
         kilter.batch(piles, tmp_path / str(count), chunk=5, processes=count)
     for part in sorted((tmp_path / "1").glob("part-*")):
@@ -221,7 +211,7 @@ def test_tables_are_the_same_bytes_with_any_number_of_processes(
 
 @POSIX
 @pytest.mark.slow
-def test_a_run_that_is_killed_eight_times_at_random_ends_whole(piles: Path, tmp_path: Path) -> None:
+def test_a_run_that_is_killed_eight_times_at_random_ends_whole(piles, tmp_path):
     random = np.random.default_rng(7)
     for seconds in random.uniform(0.0, 3.0, 8):
         run = begun(piles, tmp_path)
@@ -238,9 +228,7 @@ def test_a_run_that_is_killed_eight_times_at_random_ends_whole(piles: Path, tmp_
 
 @POSIX
 @pytest.mark.slow
-def test_an_interrupted_run_ends_within_a_second_and_goes_on_where_it_was(
-    piles: Path, tmp_path: Path
-) -> None:
+def test_an_interrupted_run_ends_within_a_second_and_goes_on_where_it_was(piles, tmp_path):
     run = begun(piles, tmp_path)
     assert until(lambda: children(run))
     asked = time.monotonic()
@@ -254,7 +242,7 @@ def test_an_interrupted_run_ends_within_a_second_and_goes_on_where_it_was(
 
 @POSIX
 @pytest.mark.slow
-def test_a_full_disk_is_told_and_what_is_there_stays(piles: Path, tmp_path: Path) -> None:
+def test_a_full_disk_is_told_and_what_is_there_stays(piles, tmp_path):
     import resource
 
     def no_room() -> None:
@@ -293,9 +281,7 @@ def disk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Path]:
 @POSIX
 @pytest.mark.slow
 @pytest.mark.parametrize("free", [0, 6])
-def test_a_disk_that_fills_up_is_told_and_the_run_goes_on_when_there_is_room(
-    piles: Path, disk: Path, free: int
-) -> None:
+def test_a_disk_that_fills_up_is_told_and_the_run_goes_on_when_there_is_room(piles, disk, free):
     ballast, out, block = disk / "ballast", disk / "out", os.statvfs(disk).f_frsize
     out.mkdir()
     with open(ballast, "wb", buffering=0) as stream, contextlib.suppress(OSError):
@@ -315,9 +301,7 @@ def test_a_disk_that_fills_up_is_told_and_the_run_goes_on_when_there_is_room(
 
 
 @pytest.mark.slow
-def test_a_second_run_in_one_folder_is_refused(
-    piles: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_second_run_in_one_folder_is_refused(piles, tmp_path, capsys):
     files = listed_files(piles)[1]
     with open_folder(tmp_path, files, BatchQuestion(), size=1000):
         assert main(["batch", str(piles), "-o", str(tmp_path)]) == 2
@@ -326,9 +310,7 @@ def test_a_second_run_in_one_folder_is_refused(
 
 
 @pytest.mark.slow
-def test_tables_are_parquet_where_pyarrow_is(
-    piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_tables_are_parquet_where_pyarrow_is(piles, tmp_path, monkeypatch):
     parquet = pytest.importorskip("pyarrow.parquet")
     monkeypatch.undo()
     first = kilter.batch(piles, tmp_path, chunk=13, processes=1)
@@ -343,7 +325,7 @@ def test_tables_are_parquet_where_pyarrow_is(
 @POSIX
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_a_cluster_that_loses_a_worker_finishes(piles: Path, tmp_path: Path) -> None:
+def test_a_cluster_that_loses_a_worker_finishes(piles, tmp_path):
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
@@ -363,20 +345,18 @@ def test_a_cluster_that_loses_a_worker_finishes(piles: Path, tmp_path: Path) -> 
     require_whole(piles, tmp_path)
 
 
-def test_no_scheduler_is_told(piles: Path, tmp_path: Path) -> None:
+def test_no_scheduler_is_told(piles, tmp_path):
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match="no Dask scheduler answers"):
         kilter.batch(piles, tmp_path, cluster="nowhere")
 
 
-def test_a_row_of_an_error_has_every_column() -> None:
+def test_a_row_of_an_error_has_every_column():
     assert list(error_row(3, "a.json", "why")) == list(COLUMNS)
 
 
 @pytest.mark.slow
-def test_the_counts_of_a_run_are_those_of_its_tables(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_counts_of_a_run_are_those_of_its_tables(tmp_path, capsys):
     """A cube of .5 kg in the air, in millimetres: as it falls at 1 m/s it gains its weight [W]."""
     table = kilter.Part("table", kilter.Box([900, 900, 10]), [0, 0, -5], grounded=True)
     falls = kilter.Part("falls", kilter.Box([100] * 3), [0, 0, 90], density=500.0)

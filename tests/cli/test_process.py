@@ -377,8 +377,8 @@ def handled(number: int, frame: object) -> None:
     """A signal, by a program that listens for itself."""
 
 
-@pytest.fixture(autouse=True)
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     kilter.dump(scene("tower"), "tower.kilter.json")
     kilter.dump(scene("wall"), "wall.kilter.json")
@@ -425,6 +425,7 @@ def mask() -> int:
     return now
 
 
+@pytest.mark.usefixtures("assemblies")
 @pytest.mark.quick(1)
 @POSIX
 @pytest.mark.parametrize(
@@ -445,6 +446,7 @@ def test_a_command_changes_nothing_of_the_process(name, capsys):
     assert [key for key, value in was.items() if now[key] != value] == []
 
 
+@pytest.mark.usefixtures("assemblies")
 @POSIX
 @pytest.mark.slow
 def test_a_fault_changes_nothing_either(monkeypatch, capsys):
@@ -460,6 +462,7 @@ def test_a_fault_changes_nothing_either(monkeypatch, capsys):
     assert [key for key, value in was.items() if now[key] != value] == []
 
 
+@pytest.mark.usefixtures("assemblies")
 @POSIX
 def test_a_command_in_a_thread_of_somebody_else(capsys):
     """No signal can be set there, and none is."""

@@ -309,6 +309,7 @@ def test_the_readme_counts_the_blocks_of_its_first_command():
     assert re.search(rf"checks an example of {words[free]} free blocks", readme)
 
 
+@pytest.mark.slow
 def test_a_stack_that_a_simulator_sank_is_not_proposed_to_be_joined(say):
     """It topples: the upper cube hangs over the lower one by more than half of its width."""
     cube = Box(0.1, 0.1, 0.1)

@@ -184,12 +184,9 @@ def test_one_patch_a_pair_and_plane(name):
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("file", sorted(REAL))
 def test_real_assemblies_agree_with_the_oracle(file):
-    files = pytest.importorskip("kilter.files")
-    if not hasattr(files, "load"):
-        pytest.skip("kilter.files.load is not there")
     if not (DATA / file).exists():
         pytest.skip(f"no {DATA / file}")
-    assembly = files.load(DATA / file)
+    assembly = kilter.load(DATA / file)
     regions = oracle(assembly, REAL[file])
     assert regions, "the oracle finds no contact: nothing is tested"
     found = kilter.contact.contacts(assembly, tolerance=REAL[file])

@@ -386,6 +386,7 @@ def test_other_contacts_are_those_without_the_copy():
     assert np.array_equal(found.patch_area[kept], alone.patch_area)
 
 
+@pytest.mark.slow
 def test_both_sides_of_the_limit_between_a_copy_and_an_overlap():
     size = float(twice().geometry.size[2])
     near, far = (contacts(twice(share * SAME_PLACE * size)) for share in (0.5, 2.0))

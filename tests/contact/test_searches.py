@@ -23,6 +23,7 @@ from kilter.contact.kept_contacts import KeptContacts
 from kilter.errors import TimeLimitReached
 from kilter.scenes import scene, stacks
 from kilter.scenes.registry import SCENES
+from kilter.tell.record import json_value
 from kilter.tell.text import text_of
 from kilter.work import stop_after
 from literals import unnamed
@@ -168,6 +169,7 @@ def test_another_tolerance_gives_the_contacts_of_a_new_geometry(name, tolerance)
     assert_equal(again, kilter.contacts(fresh(assembly), tolerance=tolerance))
 
 
+@pytest.mark.slow
 def test_equal_conditions_need_no_second_search(monkeypatch):
     """Friction changes no finding; a new tolerance, and a new geometry, need a search."""
     assembly = pegs()
@@ -354,7 +356,7 @@ def test_batches_change_no_contact(name, monkeypatch):
     for key in ARRAYS:
         assert np.array_equal(getattr(batches, key), getattr(whole, key))
     for key in RECORDS:
-        assert getattr(batches, key) == getattr(whole, key)
+        assert json_value(getattr(batches, key)) == json_value(getattr(whole, key))
     for key in ("part_a", "points", "normals", "degenerate"):
         assert np.allclose(getattr(batches.possible, key), getattr(whole.possible, key))
     assert np.array_equal(batches.degenerate.normals, whole.degenerate.normals)
@@ -411,13 +413,13 @@ def test_a_search_inside_a_limit_of_another_computation_raises():
 @pytest.mark.parametrize(
     ("analysis", "contacts_of"),
     [
-        (kilter.check, "contacts"),
+        (kilter.check, "contact_set"),
         (kilter.states, "contacts"),
         (kilter.margin, "contacts"),
-        (kilter.hold, "supported.contacts"),
+        (kilter.hold, "contacts"),
         (kilter.plan, "states.contacts"),
         (kilter.region, "contacts"),
-        (kilter.orient, "region.contacts"),
+        (kilter.orient, "stable_region.contacts"),
     ],
 )
 def test_every_analysis_passes_its_limit_to_the_search(analysis, contacts_of, clock):

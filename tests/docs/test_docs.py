@@ -192,7 +192,8 @@ def test_the_verdict_shown_in_the_readme_is_what_kilter_says(monkeypatch, capsys
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.json")), ids=lambda p: p.name)
 def test_an_example_is_what_its_scene_makes(path):
-    from kilter.files import load, to_dict
+    from kilter.files import to_dict
+    from kilter.loading import load
     from kilter.scenes import scene
 
     made = scene(path.name.removesuffix(".kilter.json"))

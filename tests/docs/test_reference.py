@@ -1,7 +1,5 @@
 """The reference has every public name, and says of each what it holds."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import inspect
@@ -48,7 +46,7 @@ def unexplained(value: Any) -> list[str]:
     return missing
 
 
-def test_the_python_page_lists_every_verb_and_every_answer() -> None:
+def test_the_python_page_lists_every_verb_and_every_answer():
     page = (PAGES[0].parents[1] / "python.md").read_text(encoding="utf-8")
     [verbs] = re.findall(
         r"^((?:`\w+`(?:, | and ))+`\w+`) accept an assembly or a path", page, flags=re.M
@@ -68,21 +66,21 @@ def test_the_python_page_lists_every_verb_and_every_answer() -> None:
 
 @pytest.mark.quick(22)
 @pytest.mark.parametrize("name", sorted(set(kilter.__all__)))
-def test_a_public_name_has_its_place(name: str) -> None:
+def test_a_public_name_has_its_place(name):
     value = getattr(kilter, name)
     assert {f"{value.__module__}.{value.__qualname__}", f"kilter.{name}"} & set(NAMED)
 
 
 @pytest.mark.quick(22)
 @pytest.mark.parametrize("name", NAMED)
-def test_what_it_holds_is_explained(name: str) -> None:
+def test_what_it_holds_is_explained(name):
     value = found(name)
     assert inspect.getdoc(value)
     if inspect.isclass(value):
         assert unexplained(value) == []
 
 
-def test_what_is_left_out_is_seen() -> None:
+def test_what_is_left_out_is_seen():
     @dataclasses.dataclass
     class Half:
         """Two numbers."""

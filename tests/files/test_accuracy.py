@@ -11,9 +11,9 @@ import kilter
 from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files import load
 from kilter.files.accuracy import text_accuracy
 from kilter.files.bodies import split_bodies
+from kilter.loading import load
 from kilter.shape import sound
 from kilter.shape.closed import open_edges, weld
 from kilter.shape.primitives import Box, Cylinder, Mesh, surface
@@ -350,6 +350,7 @@ def test_a_heavy_rim_does_not_turn_with_its_carrier(kind, tmp_path, capsys):
     assert case["factor"] <= 0.35
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", FORMATS)
 @pytest.mark.parametrize(
     ("size", "beyond", "mass", "inertia", "expected"),

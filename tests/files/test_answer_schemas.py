@@ -1,7 +1,5 @@
 """The published schemas: made from the models, and strict about every key of every answer."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -25,7 +23,7 @@ FIGURE = str(EXAMPLES / "paper-figure-8.kilter.json")
 INVALID = fastjsonschema.JsonSchemaValueException
 
 
-def test_the_published_schemas_are_those_of_the_models() -> None:
+def test_the_published_schemas_are_those_of_the_models():
     """After a change of a model: python docs/build_schemas.py."""
     from answer_schemas import build_all_schemas
 
@@ -36,7 +34,7 @@ def test_the_published_schemas_are_those_of_the_models() -> None:
     assert set(str(caught.value).partition("there are: ")[2].split(", ")) == set(built)
 
 
-def test_every_class_of_answers_is_validated() -> None:
+def test_every_class_of_answers_is_validated():
     bases = [Answer]
     for base in bases:
         bases += [kind for kind in base.__subclasses__() if not kind.answer]
@@ -52,7 +50,7 @@ def answers() -> dict[str, Answer]:
     return {verb: getattr(kilter, verb)(assembly) for verb in verbs}
 
 
-def test_a_text_matches_its_schema_and_a_wrong_key_does_not(answers: dict[str, Answer]) -> None:
+def test_a_text_matches_its_schema_and_a_wrong_key_does_not(answers):
     for verb, answer in answers.items():
         data = json.loads(answer.to_json())
         assert (data["answer"], data["schema"]) == (verb, SCHEMA_VERSION)
@@ -70,7 +68,7 @@ def _wrong(data: dict[str, Any]) -> list[dict[str, Any]]:
     return [data | {"unlisted": None}, *others, *lacking[2:]]  # the first two keys are optional
 
 
-def test_each_key_of_an_answer_is_an_attribute_with_its_value(answers: dict[str, Answer]) -> None:
+def test_each_key_of_an_answer_is_an_attribute_with_its_value(answers):
     assembly = kilter.example("tower")
     box = kilter.box_to_place([0.5, 0.5, 0.5], 1.0)
     upper = PackedBox("b", (1, 1, 1), 1, (0.6, 0, 1), 2, max_load=1.0)
@@ -101,7 +99,7 @@ def require_attributes(value: Any, data: Any) -> None:
         assert (rings_of(value) if isinstance(value, Geometry) else json_value(value)) == data
 
 
-def test_an_unlisted_key_of_an_entry_fails(answers: dict[str, Answer]) -> None:
+def test_an_unlisted_key_of_an_entry_fails(answers):
     data = json.loads(answers["check"].to_json())
     data["parts"][0]["unlisted"] = 1
     with pytest.raises(INVALID, match="unlisted"):
@@ -112,7 +110,7 @@ def test_an_unlisted_key_of_an_entry_fails(answers: dict[str, Answer]) -> None:
         validator("check")(data)
 
 
-def test_a_writer_with_an_unlisted_key_fails_in_every_test() -> None:
+def test_a_writer_with_an_unlisted_key_fails_in_every_test():
     """The session validates `to_dict`: an answer with a wrong word raises an error."""
     verdict = kilter.check(kilter.example("paper-figure-8"))
     verdict.to_dict()
@@ -177,9 +175,7 @@ COMMANDS: dict[str, Callable[[Path], list[str]]] = {
 
 @pytest.mark.quick("check", "verify")
 @pytest.mark.parametrize("verb", sorted(WRITERS))
-def test_the_printed_data_of_a_command_match_the_schema(
-    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_printed_data_of_a_command_match_the_schema(verb, tmp_path, capsys):
     words = COMMANDS[verb](tmp_path)
     capsys.readouterr()
     assert main([*words, "--json"]) in (0, 1, 3, 4)

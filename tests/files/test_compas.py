@@ -9,9 +9,9 @@ import pytest
 
 from kilter import Assembly, Box, Part, Sphere
 from kilter.errors import InputError
-from kilter.files import load
 from kilter.files.compas import from_compas
 from kilter.files.compas_writing import to_compas
+from kilter.loading import load
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
 

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.assembly.brick import Brick
 from kilter.errors import InputError
-from kilter.files import dump, from_dict, load, schema, to_dict
+from kilter.files import dump, from_dict, schema, to_dict
+from kilter.loading import load
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere
 

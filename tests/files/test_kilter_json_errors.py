@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kilter.errors import InputError
-from kilter.files import from_dict, load
+from kilter.files import from_dict
+from kilter.loading import load
 
 BASE: dict[str, Any] = {
     "kilter": 1,

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kilter.errors import InputError
-from kilter.files import load
+from kilter.loading import load
 
 # ruff: noqa: E501 (a row of a table is a line)
 

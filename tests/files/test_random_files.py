@@ -9,7 +9,7 @@ from random_files import Made, mesh_file, step_file
 from kilter.assembly import Assembly
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files import load
+from kilter.loading import load
 
 CASES = {"mesh": 24, "STEP": 5}
 """Files in the quick suite; the slow suite has more."""

@@ -20,13 +20,14 @@ from pydantic import BaseModel, ValidationError
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, GivenContact, Part
 from kilter.errors import InputError, TimeLimitReached
-from kilter.files import dump, from_dict, load
+from kilter.files import dump, from_dict
 from kilter.files.kilter_json import to_dict
 from kilter.files.models import AssemblyFile
 from kilter.files.naming import distinct
 from kilter.files.plain_entries import MOST_VALUES, plain_entries
 from kilter.files.reader_guard import reader_guard
 from kilter.files.reading import Reading
+from kilter.loading import load
 from kilter.rigid import Pose
 from kilter.scenes import example
 from kilter.shape.primitives import Box, surface

@@ -29,7 +29,8 @@ from step_maker import as_splines, compound, moved, placement, write_step
 
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files import from_dict, load, to_dict
+from kilter.files import from_dict, to_dict
+from kilter.loading import load
 from kilter.shape.closed import open_edges
 from kilter.shape.recognition import recognise
 from kilter.shape.solid import Solid, height

@@ -22,7 +22,6 @@ from kilter.analysis.check import check
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files import checked_solid as checking
-from kilter.files import load
 from kilter.files.checked_solid import checked_solid
 from kilter.files.doubled_faces import has_doubled_faces
 from kilter.files.file_tolerances import DOUBLED
@@ -34,6 +33,7 @@ from kilter.files.step_bodies import step_bodies
 from kilter.files.step_repairs import _area, with_other_sides
 from kilter.files.step_solids import read_solid
 from kilter.files.step_statements import text_statements
+from kilter.loading import load
 from kilter.rigid import Pose, quaternion_to_matrix
 from kilter.scenes.pieces import turn
 from kilter.shape.solid import Solid, Surface

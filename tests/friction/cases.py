@@ -9,7 +9,7 @@ import numpy as np
 from kilter.assembly import Assembly, GivenContact, Part
 from kilter.contact import detect
 from kilter.mechanics.program import build_program
-from kilter.scenes import rounds, stacks, walls
+from kilter.scenes import rounds, stacks
 from kilter.scenes.pieces import block
 from kilter.shape.primitives import Box
 
@@ -26,13 +26,6 @@ def slope(share, mu, height):
     """Case S1 at a fraction of its limit, tan = min(mu, width / height)."""
     angle = float(np.degrees(np.arctan(share * min(mu, 1.0 / height))))
     return stacks.block_on_incline(angle=angle, friction=mu, height=height)
-
-
-def tilted(courses, bricks, degrees, mu=0.6):
-    """A running bond in its plane, gravity leaning along it."""
-    angle = np.radians(degrees)
-    down = [9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle)]
-    return walls.wall(courses, bricks, gravity=down, friction=mu, planar=True)
 
 
 def _with_points(assembly):

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from kilter.assembly import Assembly, GivenContact, Load
+from kilter.assembly import Assembly, GivenContact
 from kilter.contact import detect
 from kilter.mechanics.program import Program, build_program
 
@@ -20,23 +20,6 @@ def leaning(assembly: Assembly, along, degrees: float) -> Assembly:
     """Gravity turned from where it is toward a direction across it."""
     angle = np.radians(degrees)
     return assembly.with_down(np.cos(angle) * assembly.down + np.sin(angle) * np.asarray(along))
-
-
-def force_of(assembly: Assembly, part: str) -> float:
-    """The weight of a part [N]."""
-    mass = assembly.geometry.mass[assembly.index_of(part)]
-    return float(mass * np.linalg.norm(assembly.gravity))
-
-
-def loaded(assembly: Assembly, along, factor: float) -> Assembly:
-    """A body force of `factor` weights on every free part."""
-    along = np.asarray(along) / np.linalg.norm(along)
-    loads = [
-        Load(part.name, force=factor * force_of(assembly, part.name) * along)
-        for part in assembly.parts
-        if not part.grounded
-    ]
-    return dataclasses.replace(assembly, loads=[*assembly.loads, *loads])
 
 
 def by_points(assembly: Assembly) -> Assembly:

@@ -520,6 +520,7 @@ def test_a_kilter_file_keeps_limits_friction_and_springs(tmp_path):
             from_dict({**data, "joints": [joint]})
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("verb", "words"),
     [

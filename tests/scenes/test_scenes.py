@@ -212,7 +212,7 @@ class TestChangesNoAnswer:
         assert np.allclose(turned.geometry.mass, assembly.geometry.mass)
         assert stable(turned) == stable(assembly)
 
-    @pytest.mark.quick(2)
+    @pytest.mark.quick(1)
     def test_scaled(self, name):
         assembly = SCENES[name].build()
         twice = scaled(assembly, 2.0)
@@ -220,7 +220,7 @@ class TestChangesNoAnswer:
         assert np.allclose(twice.geometry.mass, 8 * assembly.geometry.mass)
         assert np.allclose(twice.geometry.center, 2 * assembly.geometry.center)
 
-    @pytest.mark.quick(2)
+    @pytest.mark.quick(1)
     def test_permuted(self, name):
         assembly = SCENES[name].build()
         order = np.random.default_rng(0).permutation(len(assembly.parts))
@@ -228,7 +228,7 @@ class TestChangesNoAnswer:
         assert other.names == tuple(assembly.names[k] for k in order)
         assert stable(other) == stable(assembly)
 
-    @pytest.mark.quick(2)
+    @pytest.mark.quick(1)
     def test_renamed(self, name):
         assembly = SCENES[name].build()
         other = renamed(assembly, lambda part: f"x {part}")

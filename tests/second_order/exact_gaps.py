@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
 from kilter.arrays import Array
@@ -143,28 +142,6 @@ def ellipsoid_plane(c: Array, axes: Array, x: Array, n: Array) -> Gap:
     def gap(a: Pose, b: Pose) -> float:
         up = a.along(n)
         return float((b.at(c) - a.at(x)) @ up - np.linalg.norm(axes * (b.turn.T @ up)))
-
-    return gap
-
-
-def circle_cylinder(
-    c: Array, e1: Array, e2: Array, r: float, x: Array, d: Array, radius: float, wire: float = 0.0
-) -> Gap:
-    """A circle of b, c + r (sin t e1 + cos t e2) near t = 0, at a cylinder of a.
-
-    radius < 0: within it. `wire`: the radius of the tube about the circle.
-    """
-    side = np.sign(radius)
-
-    def gap(a: Pose, b: Pose) -> float:
-        middle, u, w = b.at(c), b.along(e1), b.along(e2)
-
-        def off(t: float) -> float:
-            point = middle + r * (np.sin(t) * u + np.cos(t) * w)
-            return float(side * (_polar(a, x, d, point)[0] - abs(radius)))
-
-        found = minimize_scalar(off, bounds=(-0.6, 0.6), method="bounded", options={"xatol": 1e-12})
-        return float(found.fun) - wire
 
     return gap
 

@@ -83,41 +83,6 @@ def random_round(seed: int) -> Round:
             return made
 
 
-def beside(first: Round, second: Round) -> Round:
-    """Two assemblies that do not touch; parts of the second are renamed."""
-
-    def other(name: str) -> str:
-        return name if name == "base" else f"other {name}"
-
-    parts = [
-        Part(other(part.name), part.shape, part.pose, mass=part.given_mass)
-        for part in second.assembly.parts
-        if not part.grounded
-    ]
-    contacts = [
-        GivenContact((other(one.parts[0]), other(one.parts[1])), one.points, one.normal,
-                     feature=one.feature)
-        for one in second.assembly.contacts
-    ]  # fmt: skip
-    after = len(first.masses)
-    gaps = [(a if a < 0 else a + after, b + after, gap) for a, b, gap in second.gaps]
-    both = Assembly(
-        [*first.assembly.parts, *parts],
-        contacts=[*first.assembly.contacts, *contacts],
-        detect=False,
-    )
-    none = [np.zeros(6 * len(one.masses)) for one in (second, first)]
-    spins = [np.concatenate([spin, none[0]]) for spin in first.spins]
-    spins += [np.concatenate([none[1], spin]) for spin in second.spins]
-    return Round(
-        both,
-        first.gaps + gaps,
-        first.centers + second.centers,
-        first.masses + second.masses,
-        spins,
-    )
-
-
 def _attempt(random: Random) -> Round | None:
     count, kinds = int(random.integers(1, 4)), ANY if random.uniform() < 0.4 else HOLLOW
     angle = 2 * np.pi * (np.arange(count) + 0.3 * random.uniform(-1, 1, count)) / count

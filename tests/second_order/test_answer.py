@@ -229,7 +229,7 @@ def test_without_work_it_is_open_and_states_why() -> None:
     assert (second.state, second.why) == ("open", SPENT)
     phrase = f"whether a small push makes b fall: {SPENT}"
     assert second.left_open(verdict.program.names) == phrase
-    assert second.to_dict(verdict.program.names)["left_open"] == phrase
+    assert second.summary(verdict.program.names).to_dict()["left_open"] == phrase
     assert verdict.to_dict()["level"] != "strict"
 
 

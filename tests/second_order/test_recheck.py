@@ -94,6 +94,7 @@ DAMAGES = [
     ("stopped", "free", 4, OWN),
     ("stopped", "stopped", scaled(1.1), "do not balance"),
     ("stopped", "weights", lambda old: [scaled(2.0)(one) for one in old], "stops do not keep"),
+    ("stopped", "motion", {}, FORM),
     ("stopped", "motion", scaled(-1.0), "does not open every stop"),
     ("minimum", "state", "free", OWN),
     ("minimum", "state", "balanced", OWN),

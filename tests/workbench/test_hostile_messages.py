@@ -115,6 +115,7 @@ RAW = [
 ]
 
 
+@pytest.mark.slow
 def test_a_text_that_is_no_message_is_answered(page, bench):
     other = Page(bench)
     for text in (*RAW, b"\xff\x00"):

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from kilter.agents.tool_calls import ToolCalls
-from kilter.agents.tool_schemas import TOOLS
+from kilter.agents.tool_schemas import TOOLS, Tool
 from kilter.errors import InputError
 
 __all__ = ["build_server", "serve"]
@@ -78,21 +78,7 @@ def build_server(folder: str | Path) -> Any:
     lock = anyio.Lock()
 
     async def list_tools(context: Any, request: Any) -> Any:
-        writes = ("example", "settle", "scene")
-        tools = [
-            types.Tool(
-                name=tool.name,
-                description=tool.description,
-                input_schema=tool.schema,
-                annotations=types.ToolAnnotations(
-                    read_only_hint=tool.name not in writes,
-                    destructive_hint=False,
-                    open_world_hint=False,
-                ),
-            )
-            for tool in TOOLS
-        ]
-        return types.ListToolsResult(tools=tools)
+        return types.ListToolsResult(tools=[_described(tool, types) for tool in TOOLS])
 
     async def call_tool(context: Any, request: Any) -> Any:
         async with lock:
@@ -127,6 +113,20 @@ def build_server(folder: str | Path) -> Any:
         on_call_tool=call_tool,
         on_list_resources=list_resources,
         on_read_resource=read_resource,
+    )
+
+
+def _described(tool: Tool, types: Any) -> Any:
+    """A tool as the protocol lists it."""
+    return types.Tool(
+        name=tool.name,
+        description=tool.description,
+        input_schema=tool.schema,
+        annotations=types.ToolAnnotations(
+            read_only_hint=tool.name not in ("example", "settle", "scene"),
+            destructive_hint=False,
+            open_world_hint=False,
+        ),
     )
 
 

@@ -19,10 +19,10 @@ from kilter.assembly import Assembly
 from kilter.contact import contacts
 from kilter.contact.fits.fastening import fastened
 from kilter.errors import FAULT, NO_MEMORY, InputError, fault_words, nearest_name, visible
-from kilter.files.reading import load
 from kilter.files.start_folder import only_below, require_below
 from kilter.files.usd.usd_poses import write_usd_poses
 from kilter.files.writing import to_text, write_text
+from kilter.loading import load
 from kilter.publish import draw
 from kilter.scenes import SCENES
 from kilter.scenes import scene as example_of

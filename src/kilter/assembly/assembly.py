@@ -199,7 +199,8 @@ class Assembly(ChangedCopies):
                     self.index_of(name)
         for joint in self.joints if self.planar else ():
             joint.require_planar()
-        require_apart(tuple(self.bonds))
+        if self.bonds:
+            require_apart(tuple(self.bonds))
         of_pieces: list[FrictionPair | GivenContact] = [*self.friction_pairs, *self.contacts]
         for stated in of_pieces:
             for name, piece in zip(stated.parts, stated.pieces or (0, 0), strict=True):

@@ -139,7 +139,9 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     """
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
     warnings: list[str] = []
-    meshes = mesh_surfaces(parts, warnings)
+    meshes: dict[int, MeshSurface] = {}
+    if any(isinstance(part.shape, Mesh) for part in parts):
+        meshes = mesh_surfaces(parts, warnings)
     local = _local_surfaces(parts, boxes, meshes)
     vertices, vertex_start, triangles, triangle_start = local
 
@@ -173,6 +175,9 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     surfaces, triangle_surface = _curved_surfaces(
         parts, boxes, (vertices, triangles, world), local, (rotation, position)
     )
+    unknown = UnknownSurfaces.none()
+    if meshes or any(isinstance(part.shape, Solid) for part in parts):
+        unknown = unknown_surfaces(parts, meshes, (rotation, position))
     return Geometry(
         vertices=world,
         vertex_start=vertex_start,
@@ -193,7 +198,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         triangle_piece=_triangle_pieces(parts, meshes, triangle_start),
         slack=_group_slack(len(parts), surfaces),
         warnings=tuple(warnings),
-        unknown=unknown_surfaces(parts, meshes, (rotation, position)),
+        unknown=unknown,
     )
 
 

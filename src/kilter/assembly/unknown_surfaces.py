@@ -39,12 +39,6 @@ class UnknownSurfaces(Rows):
     def __post_init__(self) -> None:
         read_only(self)
 
-    @classmethod
-    def none(cls) -> UnknownSurfaces:
-        """A value without unknown regions."""
-        empty = np.empty((0, 3))
-        return cls(np.empty(0, np.int64), empty, empty, np.empty(0, dtype=bool))
-
     def stand_ins(self, count: int) -> Mask:
         """Mask of the parts whose shape is a mere replacement of an unreadable solid, (count,)."""
         stands_in = np.zeros(count, dtype=bool)

@@ -203,7 +203,7 @@ class Asked:
         if choices is None:
             plain = replace(self.typed, off=())  # a file without choices has nothing to ignore
             return replace(asked, typed=plain, reading=plain, all_touch=self.touch)
-        from kilter.contact.fits.chosen import chosen
+        from kilter.files.reading import chosen
 
         try:
             both = chosen(choices, self.typed)

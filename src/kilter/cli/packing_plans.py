@@ -123,7 +123,7 @@ def _decided(options: CheckPlanOptions) -> CheckedPlan:
 
 def _held_parts(path: Path) -> Assembly:
     """The assembly of a file, all of whose parts are held."""
-    from kilter.files import load
+    from kilter.loading import load
 
     assembly = load(path)
     return assembly.with_grounded(assembly.names)

@@ -85,19 +85,7 @@ def place(asked: Asked, options: PlaceOptions) -> int:
     from kilter import publish
     from kilter.analysis.placing.place import place as find
 
-    turns = options.turn or [0.0]
-    if options.at is not None and len(turns) > 1:
-        raise InputError("--at and several --turn are given", hint="give a single angle with --at")
-    if options.part is not None and options.turn:
-        raise InputError("--part and --turn are given", hint="turn the part in its file")
-    if options.figure is not None:
-        publish.require_figure(options.figure, None)
-        asked.apart(options.figure)
-        if options.at is not None:
-            raise InputError("--figure and --at are given", hint="a map has a figure: no --at")
-    page = asked.output is not None and asked.output.suffix.lower() in publish.PAGES
-    if page and options.at is not None:
-        raise InputError("--at and -o FILE.html are given", hint="a page shows a map: no --at")
+    page, turns = _is_page(asked, options), options.turn or [0.0]
     masses = None if options.mass is None else _masses(options.mass)
     within = 0.0 if options.centre_within is None else _share(options.centre_within)
     with Progress(asked.quiet) as progress:
@@ -148,6 +136,25 @@ def place(asked: Asked, options: PlaceOptions) -> int:
     return PLACE["none"] if best.level is None else LOWER
 
 
+def _is_page(asked: Asked, options: PlaceOptions) -> bool:
+    """Whether the answer is a page; raises `InputError` for options that contradict each other."""
+    from kilter import publish
+
+    if options.at is not None and len(options.turn or ()) > 1:
+        raise InputError("--at and several --turn are given", hint="give a single angle with --at")
+    if options.part is not None and options.turn:
+        raise InputError("--part and --turn are given", hint="turn the part in its file")
+    if options.figure is not None:
+        publish.require_figure(options.figure, None)
+        asked.apart(options.figure)
+        if options.at is not None:
+            raise InputError("--figure and --at are given", hint="a map has a figure: no --at")
+    page = asked.output is not None and asked.output.suffix.lower() in publish.PAGES
+    if page and options.at is not None:
+        raise InputError("--at and -o FILE.html are given", hint="a page shows a map: no --at")
+    return page
+
+
 def _masses(words: str) -> tuple[float, float]:
     """Least and largest mass from an option such as 6 or 5..8."""
     ends = words.split("..")
@@ -189,7 +196,7 @@ def _part_of(
         If not exactly one part is described.
     """
     from kilter.analysis.placing.place import box_to_place
-    from kilter.files import load
+    from kilter.loading import load
 
     if (box is None) == (path is None):
         raise InputError(

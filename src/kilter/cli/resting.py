@@ -194,7 +194,7 @@ def _write_kilter(answer: Settled | SceneReport, asked: Asked, output: Path) -> 
 
         dump(settled, output)
         return
-    from kilter.contact.fits.choices_saving import save_reading
+    from kilter.loading import save_reading
 
     source = asked.source or Path(asked.file)
     save_reading(source, output, _with_poses(asked, answer), asked.all_touch.saved())

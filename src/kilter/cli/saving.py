@@ -47,8 +47,8 @@ def save(asked: Asked, options: SaveOptions) -> int:
     These keys have no option and are edited in X.kilter.json: gravity, friction_pairs, joints,
     bonds with more than a pull, loads, poses.
     """
-    from kilter.contact.fits.choices_saving import save_reading
     from kilter.files.choices_writing import require_place
+    from kilter.loading import save_reading
 
     if options.output is None:
         raise InputError("the name of the output file is missing", hint="add -o X.kilter.json")

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from kilter.files.kilter_json import from_dict as from_dict
     from kilter.files.kilter_json import schema as schema
     from kilter.files.kilter_json import to_dict as to_dict
-    from kilter.files.reading import load as load
     from kilter.files.writing import dump as dump
     from kilter.files.writing import to_text as to_text
     from kilter.files.writing import write_bytes as write_bytes
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 _HOMES = {
     "dump": "writing",
     "from_dict": "kilter_json",
-    "load": "reading",
     "schema": "kilter_json",
     "to_dict": "kilter_json",
     "to_text": "writing",

@@ -123,6 +123,20 @@ def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -
             file=source,
             hint="give the path of the file of choices: the file that they name is beside it",
         )
+    other = None
+    if not (isinstance(content, dict) and "parts" in content):
+        other = _from_other_json(content, data, source, options)
+    if other is not None:
+        return other
+    assembly = from_dict(content, folder=folder, source=source)
+    _check_units(assembly, options.units)
+    return FileContent(assembly, states_gravity=True)
+
+
+def _from_other_json(
+    content: Any, data: bytes, source: str, options: FormatOptions
+) -> FileContent | None:
+    """The assembly in JSON data of another program; None if no such format is recognised."""
     if is_compas(content):
         units, contacts = options.units, options.contacts
         return FileContent(from_compas(content, units=units, source=source, contacts=contacts))
@@ -135,9 +149,7 @@ def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -
         except InputError as error:
             raise error.located(file=source) from None
         return FileContent(plan.assembly(), states_gravity=True)
-    assembly = from_dict(content, folder=folder, source=source)
-    _check_units(assembly, options.units)
-    return FileContent(assembly, states_gravity=True)
+    return None
 
 
 def _check_units(assembly: Assembly, units: str | None) -> None:

@@ -9,18 +9,22 @@ import dataclasses
 import fnmatch
 import math
 import os
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
-
-from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
 from kilter.assembly.question import holding, on_floor
 from kilter.errors import InputError, some_names
-from kilter.files.choices import LOWEST, Choices, find_choices
-from kilter.files.choices_off import require_off, require_saved
+from kilter.files.choices import LOWEST, Choices, digest, find_choices
+from kilter.files.choices_off import (
+    released_in_part,
+    require_off,
+    require_saved,
+    switched_off,
+)
 from kilter.files.file_content import FileContent, read_path
 from kilter.files.format_options import BASES, FormatOptions
 from kilter.files.lying import UP, note_on_up
@@ -43,12 +47,10 @@ from kilter.files.saved_entries import (
     with_bodies,
     with_interactions,
 )
-from kilter.hooks import hook
 from kilter.units import metres_per_unit
-from kilter.validate import finite, number
 from kilter.values.guesses import guarded
 
-__all__ = ["LOWEST", "Reading", "load", "reading_for"]
+__all__ = ["LOWEST", "Chosen", "Reading", "chosen"]
 
 SOURCES = ("file", "geometry")
 """Values of the option `contacts`: the sources of the contacts."""
@@ -293,149 +295,50 @@ class Reading(ReadingOptions):
         return on_carrier(assembly, self.accelerate)
 
 
-@guarded
-def load(
-    source: Any,
-    *,
-    units: str | None = None,
-    density: float | None = None,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    without: str | Iterable[str] = (),
-    down: ArrayLike | None = None,
-    up: str | None = None,
-    friction: float | None = None,
-    contacts: str | None = None,
-    keyframe: str | None = None,
-    base: str | None = None,
-    stud_pull: float | None = None,
-    stud_shear: float | str | None = None,
-    brick_sides: str | None = None,
-    off: str | Iterable[str] = (),
-    release: str | Iterable[str] = (),
-) -> Assembly:
-    """Read an assembly from a file, a folder, standard input (``-``) or an object.
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """A file to read and the options for it: those saved with it, overridden by the caller's.
 
-    Every command has the same options. They are applied in the order `without`, `friction`,
-    `down`, `ground`, `floor`.
-
-    Parameters
+    Attributes
     ----------
-    source : path or object
-        A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb), a
-        STEP file (.step, .stp), an MJCF or URDF scene (.xml, .mjcf, .urdf), a model of toy
-        bricks (LDraw .ldr and .mpd, StableLego .json, BrickGPT .txt), a folder of meshes, or
-        ``-`` for JSON on standard input.
-        Or `kilter.Choices`, or the path of their file: the file that they name, with the saved
-        options. The options given here win over them; a note of the assembly names what they
-        replace.
-        Or an object: a trimesh Trimesh or Scene, a pair of arrays (vertices, faces), a
-        shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
-        model of MuJoCo or (model, data); a list of these, or a dict of them by name.
-    units : {"m", "cm", "mm", "in"}, optional
-        Length unit of a format that states none; default metres.
-    density : float, optional
-        Density of parts without density and mass [kg/m^3]; of all parts of STEP files.
-    ground, without : str or iterable of str
-        Names of the parts to hold, and of the parts to leave out; ``*`` and ``?`` are globs.
-    floor : bool or float, optional
-        True: a held table under the lowest point, with respect to the up direction of the file; a
-        number: at that height [length unit]; False: no floor, also if the choices have a floor.
-    down : array_like, shape (3,), optional
-        Direction of gravity; its magnitude stays that of the file. A floor turns with the parts.
-    up : {"x", "y", "z", "-x", "-y", "-z"}, optional
-        The axis of the file that points up, against gravity: ``"y"`` turns gravity to [0, -1, 0],
-        and a floor lies across this axis.
-    friction : float, optional
-        Friction coefficient of contacts that have no coefficient of their own [-].
-    contacts : {"file", "geometry"}, optional
-        "file": only the contacts that the file lists (interfaces of COMPAS, `contacts` of a
-        kilter file); "geometry": all contacts are detected. By default, the contacts of a kilter
-        file replace detection for their pairs. Interfaces of COMPAS are then ignored, with a note.
-    keyframe : str, optional
-        MuJoCo: name of the keyframe whose pose is used; default the first keyframe.
-    base : {"fixed", "floating"}, optional
-        URDF: whether the root link is held; default "fixed".
-    stud_pull : float, optional
-        Bricks: largest pull at each point of a stud [N]; default .98.
-    stud_shear : float or {"unlimited", "mu"}, optional
-        Bricks: largest sideways force at each point of a stud: a number [N], no limit, or
-        mu (f_n + pull); default "unlimited".
-    brick_sides : {"lower-edge", "face", "none"}, optional
-        Bricks: the points at which neighbours side by side push each other; default "lower-edge".
-    off : str or iterable of str
-        Choices: options whose saved values are ignored, as in ``off=["floor", "loose"]``.
-    release : str or iterable of str
-        Choices: saved held parts that are not held; ``*`` and ``?`` are wildcards.
+    path : Path
+        The file that the choices name.
+    reading : Reading
+        Options of reading it, with its digest for proofs.
+    choices : Choices
+        The choices without the keys that are switched off.
+    notes : tuple of str
+        Sentences about replaced choices and about a changed file.
+    """
+
+    path: Path
+    reading: Reading
+    choices: Choices
+    notes: tuple[str, ...]
+
+
+def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
+    """Merge the options of a file of choices with the caller's options, which have priority.
 
     Raises
     ------
     InputError
-        If the source cannot be read; the message names the fault, its place and the remedy.
-
-    See Also
-    --------
-    kilter.load_answer : reads an answer, not an assembly.
-    kilter.example : a built-in assembly.
+        If the file does not exist, or the choices do not hold a released part.
     """
-    reading = reading_for(
-        units=units,
-        density=density,
-        ground=ground,
-        floor=floor,
-        without=without,
-        down=down,
-        up=up,
-        friction=friction,
-        contacts=contacts,
-        keyframe=keyframe,
-        base=base,
-        stud_pull=stud_pull,
-        stud_shear=stud_shear,
-        brick_sides=brick_sides,
-        off=off,
-        release=release,
+    path = choices.path
+    if find_choices(path) is not None:
+        raise InputError(f"{choices.file} is a file of choices itself", hint="name its file")
+    given = reading or Reading()
+    partly = released_in_part(choices.held, given.release)
+    choices, notes = switched_off(choices, given.off, given.release)
+    merged, replaced = dataclasses.replace(given, off=(), release=()).over(choices)
+    notes += replaced
+    present = digest(path)
+    if choices.sha256 not in (None, present):
+        notes.append(
+            f"{choices.file} has changed since the choices were saved; 'kilter save' renews them"
+        )
+    merged = dataclasses.replace(
+        merged, entries={**merged.entries, "sha256": present}, release=partly
     )
-    choices = find_choices(source)
-    if choices is None:
-        assembly, options = reading.read(source), reading.options()
-        return dataclasses.replace(assembly, reading=options) if options else assembly
-    chosen: Assembly = hook("read_chosen")(choices, reading)
-    return chosen
-
-
-def reading_for(
-    *,
-    ground: str | Iterable[str] = (),
-    floor: bool | float | None = None,
-    without: str | Iterable[str] = (),
-    down: ArrayLike | None = None,
-    off: str | Iterable[str] = (),
-    release: str | Iterable[str] = (),
-    **others: Any,
-) -> Reading:
-    """Build a `Reading` from the keywords of `kilter.load`.
-
-    Raises
-    ------
-    InputError
-        If an option has an invalid value.
-    """
-    height: float | str | None = LOWEST if floor is True else None
-    if floor is not None and not isinstance(floor, bool):
-        height = number(floor, "height of the floor")
-    x, y, z = (0.0, 0.0, 0.0) if down is None else finite(down, (3,), "down").tolist()
-    return Reading(
-        ground=_names(ground),
-        floor=height,
-        without=_names(without),
-        down=None if down is None else (x, y, z),
-        off=(*_names(off), *(["floor"] if floor is False else [])),
-        release=_names(release),
-        **others,
-    )
-
-
-def _names(patterns: str | Iterable[str]) -> tuple[str, ...]:
-    """Name patterns as a tuple, from a single pattern or several."""
-    return (patterns,) if isinstance(patterns, str) else tuple(patterns)
+    return Chosen(path, merged, choices, tuple(notes))

@@ -17,12 +17,12 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.contact.fits.chosen import Chosen, chosen, tolerance_of
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.contact.kept_contacts import KeptContacts
 from kilter.files.choices import Choices
 from kilter.files.file_content import FileContent
-from kilter.files.reading import Reading
+from kilter.files.reading import Chosen, Reading, chosen
+from kilter.loading import tolerance_of
 from kilter.units import metres_per_unit
 from kilter.workbench.opened_parts import OpenedParts
 

@@ -23,7 +23,7 @@ from kilter.analysis.many.batch_workers import LocalWorkers, Task, Workers
 from kilter.assembly.question import Question, question
 from kilter.contact import Tolerance
 from kilter.errors import InputError
-from kilter.files.reading import reading_for
+from kilter.loading import reading_for
 from kilter.tell.levels import require_level
 from kilter.tell.record import Answer, Record
 

@@ -12,11 +12,11 @@ from kilter.analysis.many.check_many import check_many
 from kilter.analysis.many.verdicts import Verdicts
 from kilter.assembly import Assembly
 from kilter.contact import Tolerance
-from kilter.contact.fits.chosen import read_chosen
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError, KilterError, visible
 from kilter.files.choices import find_choices
 from kilter.files.reading import Reading
+from kilter.loading import read_chosen
 from kilter.tell.levels import REQUIRE
 from kilter.work import EFFORT
 

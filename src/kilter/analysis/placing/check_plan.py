@@ -96,7 +96,7 @@ class Walls(Record):
     """The first item that falls nevertheless."""
 
 
-class Carried(Record):
+class CarriedAcceleration(Record):
     """Largest acceleration of the finished pile along a direction."""
 
     direction: str
@@ -128,7 +128,7 @@ class CheckedPlan(Answer):
     """The first item whose top must carry more than its limit."""
     walls: Walls | None = None
     """Assumed walls around the pile; null unless an item falls."""
-    carried: tuple[Carried, ...] = ()
+    carried: tuple[CarriedAcceleration, ...] = ()
     """Largest accelerations of the finished pile, if requested."""
     warnings: tuple[str, ...]
     """Warnings about file, geometry and contacts."""
@@ -377,8 +377,8 @@ def _walled(
     return Walls(inner_size=tuple(size[:2]), stands=first is None, first=first)
 
 
-def _carried(whole: Assembly, contacts: ContactSet) -> tuple[Carried, ...]:
+def _carried(whole: Assembly, contacts: ContactSet) -> tuple[CarriedAcceleration, ...]:
     """Largest accelerations of the finished pile by direction."""
     data = transport(whole, contacts=contacts, polar=False).to_dict()
     found = [limit for limit in data["limits"] if limit["name"][1:] != "z"]
-    return tuple(Carried(direction=limit["name"], g=limit["g"]) for limit in found)
+    return tuple(CarriedAcceleration(direction=limit["name"], g=limit["g"]) for limit in found)

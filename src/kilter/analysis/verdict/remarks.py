@@ -51,8 +51,11 @@ def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
     if assembly.geometry.grounded.all():
         return []  # contacts between held parts are not detected, so nothing is known to be alone
     nearest = contacts.of(assembly).nearest
-    alone = lone_warnings([entry.to_dict() for entry in nearest], assembly.units)
-    return alone + group_warnings(floating_groups(assembly, contacts))
+    warnings = []
+    if nearest:
+        warnings += lone_warnings([entry.to_dict() for entry in nearest], assembly.units)
+    groups = floating_groups(assembly, contacts)
+    return warnings + group_warnings(groups) if groups else warnings
 
 
 def floating_groups(assembly: Assembly, contacts: ContactSet) -> list[list[str]]:
