@@ -211,7 +211,9 @@ def test_planar_program_has_three_freedoms_a_part():
 def test_possible_rows_come_after_and_are_named():
     program = program_of(stacks.tower(1).with_friction(0.5), possible=True, sticking=True)
     assert [row[0] for row in program.row_labels] == ["contact"] * 4 + ["sticking"] * 8
-    assert [row[3] for row in program.row_labels[4:]] == [row[3] for row in program.row_labels[:4]] * 2
+    assert [row[3] for row in program.row_labels[4:]] == [
+        row[3] for row in program.row_labels[:4]
+    ] * 2
     tangents = program.normal[4:]
     assert np.allclose(tangents @ [0, 0, 1], 0)
     assert np.allclose(np.linalg.norm(tangents, axis=1), 1)

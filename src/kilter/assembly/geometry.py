@@ -175,9 +175,6 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     surfaces, triangle_surface = _curved_surfaces(
         parts, boxes, (vertices, triangles, world), local, (rotation, position)
     )
-    unknown = UnknownSurfaces.none()
-    if meshes or any(isinstance(part.shape, Solid) for part in parts):
-        unknown = unknown_surfaces(parts, meshes, (rotation, position))
     return Geometry(
         vertices=world,
         vertex_start=vertex_start,
@@ -198,8 +195,17 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         triangle_piece=_triangle_pieces(parts, meshes, triangle_start),
         slack=_group_slack(len(parts), surfaces),
         warnings=tuple(warnings),
-        unknown=unknown,
+        unknown=_unknown_of(parts, meshes, (rotation, position)),
     )
+
+
+def _unknown_of(
+    parts: Sequence[Part], meshes: dict[int, MeshSurface], poses: tuple[Array, Array]
+) -> UnknownSurfaces:
+    """The surfaces of unknown form, which only meshes and solids have."""
+    if meshes or any(isinstance(part.shape, Solid) for part in parts):
+        return unknown_surfaces(parts, meshes, poses)
+    return UnknownSurfaces.none()
 
 
 def _group_slack(count: int, surfaces: Surfaces) -> Array:
