@@ -168,10 +168,9 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     inertia = np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moment
     largest = _group_max(np.abs(world).max(axis=1), vertex_start)
     _require_resolved(parts, reach, largest)
-    accuracy = np.array(
-        [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
-    )
-    accuracy = np.maximum(accuracy, largest * 2.0**-52)
+    shapes = [part.shape for part in parts]
+    stated = [shape.accuracy if isinstance(shape, Mesh | Solid) else 0.0 for shape in shapes]
+    accuracy = np.maximum(np.array(stated), largest * 2.0**-52)
     surfaces, triangle_surface = _curved_surfaces(
         parts, boxes, (vertices, triangles, world), local, (rotation, position)
     )
