@@ -26,6 +26,7 @@ from kilter.mechanics.mechanics_tolerances import (
     TOLERANCE,
     UNITS_IN_LAST_PLACE,
 )
+from kilter.mechanics.rows import CONTACT, JOINT, STICKING
 from kilter.scenes import friction, packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
 from kilter.solvers.highs import solve_linear
@@ -177,7 +178,7 @@ def test_jacobian_is_velocities_and_wrenches(name):
     forces = random.normal(size=len(program.part_a))
     motion = program.full(columns)
     rows = program.jacobian()
-    assert rows.shape == (len(program.row_labels), len(program.columns))
+    assert rows.shape == (len(program.part_a), len(program.columns))
     assert np.allclose(rows @ columns, program.velocities(motion), atol=1e-12)
     assert np.allclose(rows @ columns, dense_rows(program) @ motion.ravel(), atol=1e-12)
     wrenches = program.wrenches(forces)
@@ -191,11 +192,12 @@ def test_labels_name_rows_and_columns():
     program = program_of(hanging_pair())
     freedoms = ["dx", "dy", "dz", "rx", "ry", "rz"]
     assert program.columns == [(n, f) for n in ("post", "arm", "lamp") for f in freedoms]
-    kinds = [row[0] for row in program.row_labels]
-    assert kinds == ["contact"] * 4 + ["joint"] * 12
-    assert program.row_labels[0][1:] in {("floor", "post", 0), ("post", "floor", 0)}
-    assert program.row_labels[4] == ("joint", "post", "arm", 0)
-    assert program.row_labels[-1] == ("joint", "ground", "lamp", 1)
+    assert program.kind.tolist() == [CONTACT] * 4 + [JOINT] * 12
+    names = [*program.names, "ground"]  # -1 is the ground
+    ends = [(names[a], names[b]) for a, b in zip(program.part_a, program.part_b, strict=True)]
+    assert set(ends[0]) == {"floor", "post"}
+    assert (ends[4], ends[-1]) == (("post", "arm"), ("ground", "lamp"))
+    assert program.source[[0, 4, -1]].tolist() == [0, 0, 1]
     assert program.two_sided.tolist() == [False] * 4 + [True] * 12
     assert program.angular.tolist() == [False] * 4 + ([False] * 3 + [True] * 3) * 2
 
@@ -210,9 +212,8 @@ def test_planar_program_has_three_freedoms_a_part():
 
 def test_possible_rows_come_after_and_are_named():
     program = program_of(stacks.tower(1).with_friction(0.5), possible=True, sticking=True)
-    labels = program.row_labels
-    assert [row[0] for row in labels] == ["contact"] * 4 + ["sticking"] * 8
-    assert [row[3] for row in labels[4:]] == [row[3] for row in labels[:4]] * 2
+    assert program.kind.tolist() == [CONTACT] * 4 + [STICKING] * 8
+    assert program.source[4:].tolist() == program.source[:4].tolist() * 2
     tangents = program.normal[4:]
     assert np.allclose(tangents @ [0, 0, 1], 0)
     assert np.allclose(np.linalg.norm(tangents, axis=1), 1)

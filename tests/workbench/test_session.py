@@ -146,7 +146,7 @@ def test_a_wrong_request_is_refused_in_a_sentence(page):
         ({"do": "save", "file": ".bashrc"}, "the name is '.bashrc'"),
         ({"do": "ask", "tab": 3}, "there is no tab"),
         ({"do": "compare", "a": 0, "b": 1e300}, "b is 1e+300"),
-        ({"do": "poses", "poses": [1]}, "a wrong value"),
+        ({"do": "poses", "poses": [1]}, "the poses have another form"),
         (json.loads("[" * 30 + "]" * 30), "nested too deeply"),
     ):
         reply = page.say(**(request if isinstance(request, dict) else {"do": request}))

@@ -85,7 +85,7 @@ def wrong_limits(
     bundle : mapping
         As `Margin.proof` or `Transport.proof` writes it.
     verdicts : sequence of str
-        Of its proofs.
+        Verdicts of its proofs.
     """
     sides: dict[str, tuple[list[float], list[float]]] = {}
     weaker = [entry["change"].get("mu_share") for entry in bundle["proofs"]]

@@ -152,33 +152,13 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
 
     volume, center, second, area_center = part_moments(parts, boxes, local)
     _set_closed_moments(meshes, (volume, center, second))
-    flipped = np.flatnonzero(volume < 0)
-    for k in flipped:
-        span = slice(triangle_start[k], triangle_start[k + 1])
-        triangles[span] = triangles[span, ::-1]
-    if len(flipped):
-        volume[flipped] *= -1
-        second[flipped] *= -1
-        turned = some_names([parts[k].name for k in flipped.tolist()])
-        warnings.append(f"the faces pointed inwards and were reversed: {turned}")
+    if (volume < 0).any():
+        warnings.append(_turn_outwards(parts, volume, second, triangles, triangle_start))
     reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
     sheets = np.array([k for k, mesh in meshes.items() if not mesh.small], dtype=np.int64)
     volume[sheets], center[sheets] = reach[sheets] ** 3, area_center[sheets]
     second[sheets] = (reach[sheets] ** 5 / 5)[:, None, None] * np.eye(3)
-    extreme = np.flatnonzero(~((reach > 1 / LARGEST) & (reach < LARGEST)))
-    if len(extreme):
-        raise InputError(
-            f"its size is {2 * reach[extreme[0]]:.3g}, which is out of range",
-            part=parts[int(extreme[0])].name,
-            hint="check its units: the range is 1e-30 to 1e30",
-        )
-    flat = np.flatnonzero(~(volume > FLAT_PART * reach**3))
-    if len(flat):
-        raise InputError(
-            f"the part is flat, its volume is {volume[flat[0]]:.3g}",
-            part=parts[flat[0]].name,
-            hint="give a closed solid",
-        )
+    _require_solid(parts, reach, volume)
     _require_positive_moments(parts, boxes, second)
     mass, center, second = part_masses(parts, units, (volume, center, second), warnings)
 
@@ -187,27 +167,13 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     moment = np.einsum("nij,njk,nlk->nil", rotation, second, rotation)
     inertia = np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moment
     largest = _group_max(np.abs(world).max(axis=1), vertex_start)
-    lost = np.flatnonzero(reach < RESOLVED * largest)
-    if len(lost):
-        size, off = 2 * reach[lost[0]], largest[lost[0]]
-        raise InputError(
-            f"its size is {size:.3g}, too small to resolve its corners at the distance {off:.3g} "
-            "from the origin",
-            part=parts[int(lost[0])].name,
-            hint="check its units, or move the assembly to the origin",
-        )
-    accuracy = np.array(
-        [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
-    )
-    accuracy = np.maximum(accuracy, largest * 2.0**-52)
+    _require_resolved(parts, reach, largest)
+    shapes = [part.shape for part in parts]
+    stated = [shape.accuracy if isinstance(shape, Mesh | Solid) else 0.0 for shape in shapes]
+    accuracy = np.maximum(np.array(stated), largest * 2.0**-52)
     surfaces, triangle_surface = _curved_surfaces(
         parts, boxes, (vertices, triangles, world), local, (rotation, position)
     )
-    unknown = UnknownSurfaces.none()
-    if meshes or any(isinstance(part.shape, Solid) for part in parts):
-        unknown = unknown_surfaces(parts, meshes, (rotation, position))
-    slack = np.zeros(len(parts))
-    np.maximum.at(slack, surfaces.part, surfaces.sagitta)
     return Geometry(
         vertices=world,
         vertex_start=vertex_start,
@@ -226,10 +192,71 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         surfaces=surfaces,
         triangle_surface=triangle_surface,
         triangle_piece=_triangle_pieces(parts, meshes, triangle_start),
-        slack=slack,
+        slack=_group_slack(len(parts), surfaces),
         warnings=tuple(warnings),
-        unknown=unknown,
+        unknown=_unknown_of(parts, meshes, (rotation, position)),
     )
+
+
+def _unknown_of(
+    parts: Sequence[Part], meshes: dict[int, MeshSurface], poses: tuple[Array, Array]
+) -> UnknownSurfaces:
+    """The surfaces of unknown form, which only meshes and solids have."""
+    if meshes or any(isinstance(part.shape, Solid) for part in parts):
+        return unknown_surfaces(parts, meshes, poses)
+    return UnknownSurfaces.none()
+
+
+def _group_slack(count: int, surfaces: Surfaces) -> Array:
+    """Largest distance between triangles and curved surface of each part, shape (N,)."""
+    slack = np.zeros(count)
+    np.maximum.at(slack, surfaces.part, surfaces.sagitta)
+    return slack
+
+
+def _turn_outwards(
+    parts: Sequence[Part], volume: Array, second: Array, triangles: Index, start: Index
+) -> str:
+    """Reverse, in place, the surfaces whose volume is negative; return the warning about them."""
+    flipped = np.flatnonzero(volume < 0)
+    for k in flipped:
+        span = slice(start[k], start[k + 1])
+        triangles[span] = triangles[span, ::-1]
+    volume[flipped] *= -1
+    second[flipped] *= -1
+    turned = some_names([parts[k].name for k in flipped.tolist()])
+    return f"the faces pointed inwards and were reversed: {turned}"
+
+
+def _require_solid(parts: Sequence[Part], reach: Array, volume: Array) -> None:
+    """Raise an InputError if the size of a part is out of range, or the part is flat."""
+    extreme = np.flatnonzero(~((reach > 1 / LARGEST) & (reach < LARGEST)))
+    if len(extreme):
+        raise InputError(
+            f"its size is {2 * reach[extreme[0]]:.3g}, which is out of range",
+            part=parts[int(extreme[0])].name,
+            hint="check its units: the range is 1e-30 to 1e30",
+        )
+    flat = np.flatnonzero(~(volume > FLAT_PART * reach**3))
+    if len(flat):
+        raise InputError(
+            f"the part is flat, its volume is {volume[flat[0]]:.3g}",
+            part=parts[flat[0]].name,
+            hint="give a closed solid",
+        )
+
+
+def _require_resolved(parts: Sequence[Part], reach: Array, largest: Array) -> None:
+    """Raise an InputError if a part is too far from the origin to resolve its corners."""
+    lost = np.flatnonzero(reach < RESOLVED * largest)
+    if len(lost):
+        size, off = 2 * reach[lost[0]], largest[lost[0]]
+        raise InputError(
+            f"its size is {size:.3g}, too small to resolve its corners at the distance {off:.3g} "
+            "from the origin",
+            part=parts[int(lost[0])].name,
+            hint="check its units, or move the assembly to the origin",
+        )
 
 
 def _require_positive_moments(parts: Sequence[Part], boxes: Mask, second: Array) -> None:
@@ -237,11 +264,6 @@ def _require_positive_moments(parts: Sequence[Part], boxes: Mask, second: Array)
 
     The second moment of a body is an integral of squares. A negative eigenvalue means that the
     surface intersects itself and encloses regions of negative volume.
-
-    Raises
-    ------
-    InputError
-        If a second moment has a negative eigenvalue.
     """
     solid = np.flatnonzero(~boxes)
     spread = np.linalg.eigvalsh(second[solid])

@@ -37,7 +37,7 @@ class ChainJoint:
     ----------
     name : str
     origin : Pose
-        Of the joint in the frame of its parent link, at the value 0 [m].
+        Pose of the joint in the frame of its parent link, at the value 0 [m].
     axis : ndarray, shape (3,)
         Unit, in the frame of the joint.
     turns, slides : bool

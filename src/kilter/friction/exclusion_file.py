@@ -69,7 +69,7 @@ def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str]
     Parameters
     ----------
     program : Program
-        Of the assembly, with contacts found anew.
+        Program of the assembly, with contacts found anew.
     data : dict
         In the form of `exclusion_data`; malformed data are an objection.
     """

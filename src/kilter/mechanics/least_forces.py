@@ -43,7 +43,7 @@ def least_forces(problem: ScaledProblem) -> tuple[Array, Array] | None:
     Parameters
     ----------
     problem : ScaledProblem
-        Of a program without friction.
+        Problem of a program without friction.
     """
     program, matrix = problem.program, problem.matrix
     if not program.pull.any():

@@ -75,7 +75,7 @@ class LockedParts:
         Returns
         -------
         along, aside : ndarray, shapes (K,) and (K, 3)
-            Of the original program [N].
+            Forces of the original program [N].
         """
         if self.welds is None:
             return along, aside
@@ -102,7 +102,7 @@ class Welds:
     Attributes
     ----------
     wide : ConeProblem
-        Of the original program.
+        Problem of the original program.
     squeeze : ndarray
         Scaled forces of the squeeze, one for each column of `wide`.
     columns : ndarray of int

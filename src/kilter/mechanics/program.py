@@ -25,7 +25,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from kilter.arrays import Array, Index, Mask, cross
-from kilter.assembly import GROUND, Assembly
+from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.strap_wrenches import strap_wrenches
 from kilter.contact.contact_set import ContactSet
@@ -37,7 +37,6 @@ from kilter.mechanics.rows import (
     BONDED,
     CONTACT,
     DRAG,
-    KINDS,
     STOP,
     STRAP,
     ForceRows,
@@ -156,17 +155,6 @@ class Program(RowArrays):
         labels = ("dx", "dy", "dz", "rx", "ry", "rz")
         moving = [name for name, free in zip(self.names, self.free, strict=True) if free]
         return [(name, labels[k]) for name in moving for k in self.freedoms]
-
-    @property
-    def row_labels(self) -> list[tuple[str, str, str, int]]:
-        """Labels of the rows: (kind, part a, part b, number of its patch, force or joint)."""
-        names = (*self.names, GROUND)
-        return [
-            (KINDS[kind], names[a], names[b], int(source))
-            for kind, a, b, source in zip(
-                self.kind, self.part_a, self.part_b, self.source, strict=True
-            )
-        ]
 
     def jacobian(self) -> csr_array:
         """Matrix J from motions of the free parts to opening speeds, shape (K, freedoms)."""

@@ -60,6 +60,10 @@ class Evidence:
     exclusion: dict[str, Any] | None = None
 
 
+TOLERANCES = ("gap", "relative_gap", "angle", "clearance")
+"""Keys of the tolerance in a proof file."""
+
+
 def make_proof(
     assembly: Assembly,
     contacts: ContactSet,
@@ -90,8 +94,6 @@ def make_proof(
     if certificate is None:
         raise InputError("an undecided verdict has no proof to write")
     rows = np.flatnonzero(program.kind == CONTACT)
-    mu = coefficients(contacts, program, rows)
-    names = program.names
     proof: dict[str, Any] = {
         "kilter_proof": FORMAT,
         "verdict": _verdict_word(certificate, evidence),
@@ -100,33 +102,9 @@ def make_proof(
         "gravity": assembly.gravity.tolist(),
         "down": assembly.down.tolist(),
         "options": options or dict(assembly.reading or {}),
-        "tolerance": {
-            "gap": contacts.searched.gap,
-            "relative_gap": contacts.searched.relative_gap,
-            "angle": contacts.searched.angle,
-            "clearance": contacts.searched.clearance,
-        },
-        "parts": [
-            {
-                "name": name,
-                "grounded": not free,
-                "mass": float(mass),
-                "center": center.tolist(),
-            }
-            for name, free, mass, center in zip(
-                names, program.free, program.mass, program.center, strict=True
-            )
-        ],
-        "points": [
-            {
-                "parts": [names[program.part_a[k]], names[program.part_b[k]]],
-                "x": program.point[k].tolist(),
-                "normal": program.normal[k].tolist(),
-                "mu": float(friction),
-                **_bond_data(program, int(k)),
-            }
-            for k, friction in zip(rows, mu, strict=True)
-        ],
+        "tolerance": {key: getattr(contacts.searched, key) for key in TOLERANCES},
+        "parts": _parts_data(program),
+        "points": _points_data(program, rows, coefficients(contacts, program, rows)),
         "loads": [
             {
                 "part": load.part,
@@ -151,7 +129,7 @@ def make_proof(
     else:
         motion = certificate.motion
         proof["motion"] = {
-            name: motion[k].tolist() for k, name in enumerate(names) if program.free[k]
+            name: motion[k].tolist() for k, name in enumerate(program.names) if program.free[k]
         }
         proof["open_pairs"] = open_pairs_of(assembly, contacts)
         proof["certificate"] = {
@@ -161,6 +139,30 @@ def make_proof(
         }
     proof["digest"] = digest_of(proof)
     return proof
+
+
+def _parts_data(program: Program) -> list[dict[str, Any]]:
+    """The parts of a proof file."""
+    rows = zip(program.names, program.free, program.mass, program.center, strict=True)
+    return [
+        {"name": name, "grounded": not free, "mass": float(mass), "center": center.tolist()}
+        for name, free, mass, center in rows
+    ]
+
+
+def _points_data(program: Program, rows: Index, mu: Array) -> list[dict[str, Any]]:
+    """The contact points of a proof file, with their friction coefficients."""
+    names = program.names
+    return [
+        {
+            "parts": [names[program.part_a[k]], names[program.part_b[k]]],
+            "x": program.point[k].tolist(),
+            "normal": program.normal[k].tolist(),
+            "mu": float(friction),
+            **_bond_data(program, int(k)),
+        }
+        for k, friction in zip(rows, mu, strict=True)
+    ]
 
 
 def _verdict_word(certificate: ForceProof | MotionProof, evidence: Evidence | None) -> str:

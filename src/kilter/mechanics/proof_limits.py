@@ -61,7 +61,7 @@ def balanced_parts(
     Parameters
     ----------
     program : Program
-        Of a single assembly, or of several side by side.
+        Program of a single assembly, or of several side by side.
     imbalance, weight, sums : ndarray, shape (..., N)
         Imbalance |r_i|, weight W_i, and sum S_i of the forces on each part [N].
     pressed : ndarray, shape (..., N)
@@ -165,7 +165,7 @@ def power_limit(
     Parameters
     ----------
     program : Program
-        Of a single assembly, or of several side by side.
+        Program of a single assembly, or of several side by side.
     opening : ndarray, shape (K,)
         u_n - mu |u_t| of each row, times its arm; 0 for straps with a capacity and for joint
         friction.

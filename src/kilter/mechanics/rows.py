@@ -36,7 +36,6 @@ __all__ = [
     "CONTACT",
     "DRAG",
     "JOINT",
-    "KINDS",
     "OF_JOINTS",
     "POSSIBLE",
     "STICKING",
@@ -57,8 +56,6 @@ CONTACT, POSSIBLE, JOINT, STICKING, BONDED, STRAP, STOP, DRAG = range(8)
 """Kinds of rows."""
 OF_JOINTS = (JOINT, STOP, DRAG)
 """Kinds of rows whose source is a joint."""
-KINDS = ("contact", "possible", "joint", "sticking", "bonded", "strap", "stop", "drag")
-"""Names of the kinds of rows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -81,15 +81,12 @@ def draw_parts(
     striped = int(sum(grounded[polygon.part] for polygon in ordered)) <= HELD
     light = LIGHT / np.linalg.norm(LIGHT) @ np.stack([camera.right, -camera.towards, camera.up])
     outlines: list[Array] = []
-    fills: list[Colour] = []
-    strokes: list[Colour] = []
-    widths: list[float] = []
+    looks: list[tuple[Colour, Colour, float]] = []  # fill, stroke and width of each outline
 
-    def line(ends: Array, colour: Colour, width: float) -> None:
-        outlines.append(ends)
-        fills.append(CLEAR)
-        strokes.append(colour)
-        widths.append(width)
+    def lines(pieces: Iterable[Array], colour: Colour, width: float) -> None:
+        for ends in pieces:
+            outlines.append(ends)
+            looks.append((CLEAR, colour, width))
 
     # a polygon, then its edges, so that nearer polygons hide both
     for polygon in ordered:
@@ -98,41 +95,27 @@ def draw_parts(
         colour = (red, green, blue, 1.0)
         flat = camera.flat(polygon.corners)
         outlines.append(flat)
-        fills.append(colour)
         # an outline in the same colour closes the gaps between neighbouring polygons
-        strokes.append(colour)
-        widths.append(0.4)
-        if striped and grounded[polygon.part]:
-            for ends in _stripes(flat, STRIPES * size):
-                line(ends, STRIPE, 0.5)
+        looks.append((colour, colour, 0.4))
         held = polygon.part in gripped
-        for ends in _stripes(flat, STRIPES * size) if held else []:
-            line(ends, GRIP, 1.1 * line_width)
-        after = np.roll(flat, -1, axis=0)
-        for k in np.flatnonzero(polygon.drawn):
-            line(np.array([flat[k], after[k]]), GRIP if held else EDGE, line_width)
+        if striped and grounded[polygon.part]:
+            lines(_stripes(flat, STRIPES * size), STRIPE, 0.5)
+        if held:
+            lines(_stripes(flat, STRIPES * size), GRIP, 1.1 * line_width)
+        ends = np.stack([flat, np.roll(flat, -1, axis=0)], axis=1)
+        lines(ends[np.flatnonzero(polygon.drawn)], GRIP if held else EDGE, line_width)
     if outlines:
+        fills, strokes, widths = zip(*looks, strict=True)
+        closed = [np.vstack([p, p[:1]]) if len(p) > 2 else p for p in outlines]
         style: dict[str, Any] = {"capstyle": "round", "joinstyle": "round", "zorder": 1}
-        axes.add_collection(
-            PolyCollection(
-                _close_outlines(outlines),
-                closed=False,
-                facecolors=fills,
-                edgecolors=strokes,
-                linewidths=widths,
-                **style,
-            )
-        )
+        style |= {"facecolors": fills, "edgecolors": strokes, "linewidths": widths}
+        axes.add_collection(PolyCollection(closed, closed=False, **style))
     faces = [(polygon.part, camera.flat(polygon.corners)) for polygon in ordered]
     if not grounded.any():
         return [], faces
     hatch = "/////" if striped else None
     sign = Patch(facecolor=base[grounded][0], edgecolor=STRIPE, hatch=hatch, linewidth=0.6)
     return [(sign, "held")], faces
-
-
-def _close_outlines(outlines: list[Array]) -> list[Array]:
-    return [np.vstack([p, p[:1]]) if len(p) > 2 else p for p in outlines]
 
 
 def _polygons(assembly: Assembly) -> list[Polygon]:

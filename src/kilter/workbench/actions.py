@@ -56,7 +56,7 @@ def apply(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
         raise InputError(f"unknown action {name!r:.40}", hint="reload the page")
     try:
         changes, label = change(action, keys, bodies)
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError) as error:
+    except (KeyError, TypeError, ValueError) as error:  # a value is missing, or of another type
         raise InputError(
             f"the action {name!r} has a wrong value: {error}"[:160], hint="reload the page"
         ) from None
@@ -132,9 +132,11 @@ def _poses(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
 
     Loads, joints and bonds at points of these parts are replaced by the moved entries.
     """
-    poses = action.get("poses")
+    poses, replaced = action.get("poses"), action.get("replaced") or {}
     if poses is None:
         return {"poses": None}, "parts placed as in the file"
+    if not isinstance(poses, dict) or not isinstance(replaced, dict):
+        raise InputError("the poses have another form", hint="settle the parts again")
     unknown = [name for name in poses if name not in bodies.names]
     if unknown:
         raise InputError(f"there is no part {_named(unknown)}", hint="settle the parts again")
@@ -149,7 +151,7 @@ def _poses(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
         for name, pose in poses.items()
     }
     changes: Keys = {"poses": {**keys.get("poses", {}), **new}}
-    for key, pairs in (action.get("replaced") or {}).items():
+    for key, pairs in replaced.items():
         changes[key] = [
             next((after for before, after in pairs if before == entry), entry)
             for entry in keys.get(key, [])
@@ -227,13 +229,20 @@ def _bond(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     return {"bonds": [*keys.get("bonds", []), _plain(entry)]}, f"bond of {a} and {b}: {pull:g} N"
 
 
+def _index_in(entries: Sequence[Any], action: Action, words: str) -> int:
+    """The index of an action in a list; an InputError if the list has no such entry."""
+    index = index_of(action, "index")
+    if index >= len(entries):
+        raise InputError(f"there is no {words} number {index + 1}", hint="reload the page")
+    return index
+
+
 def _removal(key: str, words: str) -> Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]:
     """The action that removes an entry of a list by its index."""
 
     def change(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
-        index, entries = index_of(action, "index"), list(keys.get(key, []))
-        if index >= len(entries):
-            raise InputError(f"there is no {words} number {index + 1}", hint="reload the page")
+        entries = list(keys.get(key, []))
+        index = _index_in(entries, action, words)
         del entries[index]
         return {key: entries}, f"remove {words} {index + 1}"
 
@@ -259,7 +268,7 @@ def _load(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     size = math.hypot(*entry["force"])
     if action.get("index") is None:
         return {"loads": [*loads, entry]}, f"load of {size:.3g} N on {part}"
-    index = index_of(action, "index")
+    index = _index_in(loads, action, "load")
     loads[index] = entry
     return {"loads": loads}, f"load {index + 1}: {size:.3g} N on {part}"
 
@@ -419,7 +428,10 @@ def _plain(entry: Keys) -> Keys:
 
 
 def _finite(value: Any, what: str) -> float:
-    number = float(value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
     if isinstance(value, bool) or not math.isfinite(number):
         raise InputError(f"{what} is {value!r:.40}", hint="give a number")
     return number

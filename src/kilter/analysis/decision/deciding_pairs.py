@@ -63,15 +63,8 @@ value serves if the first set does not hold."""
 class DecidingPairs:
     """Open pairs that make an equilibrium possible if their parts are joined.
 
-    Attributes
-    ----------
-    pairs : tuple of OpenPair
-    smallest : bool
-        Whether it is proved that no smaller set of pairs suffices.
-    irreducible : bool
-        Whether it is proved that none of the pairs can be left out.
-    programs : int
-        Number of programs solved.
+    `smallest` and `irreducible` state what is proved: that no smaller set suffices, and that none
+    of the pairs can be left out. `programs` is the number of programs solved.
     """
 
     pairs: tuple[OpenPair, ...]
@@ -85,23 +78,8 @@ def find_deciding(
 ) -> DecidingPairs | None:
     """Find open pairs whose joining holds an assembly that its certain contacts do not hold.
 
-    None if no set was found.
-
-    Parameters
-    ----------
-    program : Program
-        Program of the certain contacts.
-    group : ndarray of int, shape (N,)
-        Number of the rigid group of each part; parts that are joined share a number.
-    pairs : sequence of OpenPair
-        The open pairs.
-    work : Work, optional
-        The time limit applies.
-
-    Returns
-    -------
-    DecidingPairs or None
-        None if there are no open pairs, or if all pairs joined are not proved to hold.
+    None if there are no open pairs, or if all pairs joined are not proved to hold. `program` has
+    the certain contacts; parts that are joined share a number in `group`, shape (N,).
     """
     ranked = sorted(pairs, key=lambda pair: _unlikeliness(pair, program.radius))
     ends = np.array([pair.ends for pair in ranked]).reshape(-1, 2)

@@ -107,7 +107,7 @@ def places_left(
     low, high : ndarray, shape (2,)
         The rectangle of centres [length unit].
     motion : ndarray, shape (N + 1, 6)
-        Of all parts of the assembly and of the part, whose contacts are not yet known to open.
+        Motion of all parts and of the added part, whose contacts are not yet known to open.
     """
     middle, half = (low + high) / 2, (high - low) / 2
     alone = loads.alone.program

@@ -118,7 +118,7 @@ class ContactRoom:
         shares : ndarray, shape (areas,)
             Shares of the weight on each area [-].
         weight : float
-            Of the part [N].
+            Weight of the part [N].
         shift : ndarray, shape (2,)
             [length unit]
         forces : ndarray, shape (n,)

@@ -101,7 +101,7 @@ def wrong_places(
         Without the part.
     contacts : ContactSet
     bundle : mapping
-        Of the form that `require_place_form` verifies.
+        Data of the form that `require_place_form` verifies.
     verdicts : sequence of str
         Verdicts of the proofs of the file, which hold one by one.
     """

@@ -34,7 +34,7 @@ def least_top_load(program: Program, name: str) -> float | None:
     Parameters
     ----------
     program : Program
-        Of a pile that is in equilibrium, with gravity along -z.
+        Program of a pile that is in equilibrium, with gravity along -z.
     name : str
         Name of the part.
 

@@ -50,9 +50,9 @@ class BoundaryRays:
     Parameters
     ----------
     locked : LockedParts
-        Of the program; at least one body is free.
+        Locked parts of the program; at least one body is free.
     opening : Opening
-        Of the smaller program.
+        Opening of the smaller program.
     """
 
     def __init__(self, locked: LockedParts, opening: Opening) -> None:

@@ -58,9 +58,9 @@ class ConeOracle:
     two_sided : ndarray of bool, shape (n,)
         Which f may be negative.
     price : float or None
-        Of a unit of imbalance in any row; None: no imbalance.
+        Price of a unit of imbalance in any row; None: no imbalance.
     tolerance : float
-        Of the data [-]: forces of a tenth of its inverse, over the weight, jam.
+        Tolerance of the data [-]: forces of a tenth of its inverse, over the weight, jam.
     spread : float
         Mass of the heaviest part over that of the lightest part [-].
 

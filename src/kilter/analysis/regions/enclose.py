@@ -206,7 +206,7 @@ def nearest_face(
     agree : float
         The search ends if inner and outer distance differ by at most this fraction.
     limit : int
-        Of questions.
+        Largest number of questions.
     most : float
         Distances from here on count as unlimited: the search ends.
     within : float

@@ -135,7 +135,7 @@ class Cone:
         Parameters
         ----------
         directions : array_like, shape (..., 3)
-            Of any length; zero is in no cone but the whole space.
+            Directions of any length; zero is in no cone but the whole space.
         margin : float
             How far inside the facets they must be, within the span [rad]; the span itself
             is always blurred by `blur`.

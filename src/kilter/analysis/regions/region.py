@@ -442,7 +442,7 @@ def common_region(
     assemblies : sequence of Assembly
         Assemblies in a common frame.
     contacts : sequence of ContactSet, optional
-        Of each assembly.
+        Contacts of each assembly.
     tolerance, progress
         As of `region`.
 

@@ -80,7 +80,7 @@ def wrong_region(
     bundle : mapping
         As `Region.proof` writes it.
     verdicts : sequence of str
-        Of its proofs.
+        Verdicts of its proofs.
     """
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
         if STAYS[entry["about"]] != (verdict != "unstable"):

@@ -66,7 +66,7 @@ def region_proof(
     friction : bool
         Whether forces of friction were counted.
     options : dict
-        Of the reading, for the file.
+        Options of the reading, for the file.
     """
     turned = assembly.with_down(proof.down)
     program = program.turned(turned.down)

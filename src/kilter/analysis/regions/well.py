@@ -70,7 +70,7 @@ def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Wel
     contacts : ContactSet
         Found in it.
     verdict : Verdict
-        Of them: stable without friction.
+        Verdict about them: stable without friction.
 
     Returns
     -------

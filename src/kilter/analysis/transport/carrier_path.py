@@ -65,14 +65,14 @@ class CarrierPath:
     rotation : ndarray, shape (n, 3, 3)
         From the frame of the carrier to the world.
     acceleration, angular_velocity, angular_acceleration : ndarray, shape (n, 3)
-        Of the reference point [m/s^2], [rad/s], [rad/s^2].
+        Accelerations of the reference point [m/s^2], [rad/s], [rad/s^2].
     about : ndarray, shape (3,)
         Reference point in the frame of the carrier [length unit of the assembly].
     linear : bool
         True if the orientation is fixed and the acceleration changes linearly between samples.
     velocity : ndarray, shape (n, 3), optional
-        Of the reference point, in the frame of the carrier [m/s]; only the constraints for a
-        planner of speeds need it (`Transport.rows`).
+        Velocity of the reference point, in the frame of the carrier [m/s]; only the constraints for
+        a planner of speeds need it (`Transport.rows`).
     """
 
     time: Array
@@ -141,7 +141,7 @@ def path_from_poses(
     time : array_like, shape (n,)
         Increasing [s].
     position : array_like, shape (n, 3)
-        Of the origin of the carrier's frame, in the world [`units`].
+        Position of the origin of the carrier's frame, in the world [`units`].
     orientation : array_like, shape (n, 4), optional
         Quaternions w x y z from the frame of the carrier to the world; by default none turns.
     units : str

@@ -73,7 +73,7 @@ def least_instability(
     gap : float
         The search stops if value and bound differ by at most this [-].
     limit : int
-        Of quadratic programs; the bound reached is reported.
+        Largest number of quadratic programs; the bound reached is reported.
 
     Raises
     ------

@@ -46,7 +46,7 @@ class Reachable:
     work : VirtualWork
         The oracle; `work.programs` were solved.
     basis : ndarray, shape (dimension, 3)
-        Of the span of Q, orthonormal.
+        Basis of the span of Q, orthonormal.
     known : KnownSet or None
         In coordinates of `basis`; a facet of its hull that is `done` is a facet of Q. None if Q
         is {0}.

@@ -97,7 +97,7 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
     ----------
     program : Program
     limit : int
-        Of programs.
+        Largest number of programs.
 
     Raises
     ------

@@ -121,7 +121,7 @@ class Candidates(Rows):
     bend : ndarray, shape (n,)
         Radius at which the gap opens beside the contact [length unit].
     rim : ndarray, shape (n,)
-        Of a circle that is the end of a face: 1 if that face is i, 2 if it is j; else 0. The same
+        Whether a circle is the end of a face: 1 if that face is i, 2 if it is j; else 0. The same
         for the tip of a face.
     """
 

@@ -130,7 +130,7 @@ def touching(boxes: BoxRows, size: Array, corner: Array) -> Touching:
     ----------
     boxes : BoxRows
     size : ndarray, shape (3,)
-        Of the new box [length unit].
+        Size of the new box [length unit].
     corner : ndarray, shape (m, 2)
         Places of its corner with the least coordinates; they lie within the base.
     """

@@ -47,7 +47,7 @@ def decide_rough(
     rough : (Program, bool)
         `rough_program` of the pile. Motions do not exclude what an open pair may carry.
     boxes : BoxRows
-        Of the pile.
+        Boxes of the pile.
     mu : float
         Friction coefficient [-].
     new : BoxRows

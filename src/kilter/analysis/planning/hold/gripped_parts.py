@@ -28,14 +28,8 @@ REDUCING = 0.25
 def grips_that_hold(given: Supported, work: Work, charge: float) -> frozenset[int] | None:
     """Grips that hold an assembly, none of which can be left out; None if none were found.
 
-    Parameters
-    ----------
-    given : Supported
-        Its assembly does not hold without supports.
-    work : Work
-        If a quarter of it is spent, grips may be left that are not needed.
-    charge : float
-        Units of work of a judgement.
+    The assembly does not hold without supports, and a judgement costs `charge` units of work. If a
+    quarter of the work is spent, grips may be left that are not needed.
     """
     program, index = given.without_supports(), given.assembly.index
     held = np.flatnonzero(~program.free)

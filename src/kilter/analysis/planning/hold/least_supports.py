@@ -34,15 +34,7 @@ RAISING = 1 / 80
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stopping:
-    """A proved motion of an assembly, and the candidate supports that may stop it.
-
-    Attributes
-    ----------
-    state : SupportedState
-        With supports of which none stops it: it falls.
-    shares : mapping
-        The supports that may stop it, each with its share.
-    """
+    """A proved motion of an assembly, and the candidate supports that may stop it."""
 
     state: SupportedState
     shares: Shares
@@ -52,17 +44,8 @@ class Stopping:
 class LeastSupports:
     """The smallest set of supports that holds an assembly, and the proof that fewer do not.
 
-    Attributes
-    ----------
-    state : SupportedState or None
-        State with the fewest supports, which holds; None if no such supports were found.
-    least : int
-        Fewer are not enough, that is proved.
-    enough : bool or None
-        Whether supports were found that hold it; False: all together do not, that is proved.
-    motions : tuple of Stopping
-    complete : bool
-        Whether the search ended before its work limit.
+    `enough` is False if all supports together are proved not to hold it; `complete` is False if the
+    search reached its work limit.
     """
 
     state: SupportedState | None
@@ -86,17 +69,6 @@ def find_least_supports(
     in equilibrium is decided with the effort of a check. If it does not reach the required level,
     sets with a support on a part that may still move are tried within a share of the work
     (`RAISING`). If none of them reaches the level, the first set in equilibrium is the answer.
-
-    Parameters
-    ----------
-    given : Supported
-    work : Work
-        Work limit; if it is exceeded, the best bound so far is returned.
-    most : int, optional
-        Largest number of supports to consider.
-    require : {"equilibrium", "settles", "proved"}
-    effort : float
-        Effort of the guarantee of friction for one set.
     """
     count = len(given.supports)
     limit = count if most is None else min(most, count)

@@ -35,18 +35,7 @@ LEFT = 1e-3
 class SupportedState:
     """Verdict on an assembly with a subset of its candidate supports, with the proof.
 
-    Attributes
-    ----------
-    chosen : frozenset of int
-        The supports that are there.
-    stable : bool or None
-        Whether forces that hold it exist; None: undecided.
-    program : Program
-        Of which the certificate speaks.
-    forces : ForceProof or None
-    motion : MotionProof or None
-    decision : Decision or None
-        The decision up to the required level, of a state in equilibrium.
+    `decision` is the decision up to the required level, of a state in equilibrium.
     """
 
     chosen: frozenset[int]
@@ -68,17 +57,7 @@ class SupportedState:
 class Supported:
     """An assembly with candidate supports, of which any subset may be present.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    supports : sequence of Support
-
-    Attributes
-    ----------
-    assembly, contacts, supports
-    asked : int
-        How many sets of supports were judged.
+    `asked` counts the sets of supports that were judged.
     """
 
     def __init__(
@@ -213,17 +192,8 @@ def shares_of(
 ) -> dict[int, float]:
     """Absent supports that may stop a motion, and the fraction of its work that each takes.
 
-    Parameters
-    ----------
-    supports : sequence of Support
-    whole : Program
-        With every support but the grips.
-    first : int
-        The patch of the first of them.
-    proof : MotionProof
-        Of the assembly with those that are there; its motion may lack the held part that stands
-        for the outside.
-    present : frozenset of int
+    `whole` has every support but the grips, from the patch `first` on. The motion of the proof may
+    lack the held part that stands for the outside.
     """
     motion = np.zeros((len(whole.names), 6))
     motion[: len(proof.motion)] = proof.motion

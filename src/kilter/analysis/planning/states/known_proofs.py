@@ -94,11 +94,11 @@ def forces_for_others(whole: Program, rows: Mask, proof: ForceProof, free: Mask)
     Parameters
     ----------
     whole : Program
-        Of all parts.
+        Program of all parts.
     rows : ndarray of bool, shape (K,)
         Its rows that the state has.
     proof : ForceProof
-        Of the state.
+        Proof of the state.
     free : ndarray of bool, shape (N,)
     """
     forces, friction = np.zeros(len(rows)), np.zeros((len(rows), 3))
@@ -113,7 +113,7 @@ def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> li
     Parameters
     ----------
     outer : Program
-        Of all parts, with every force that there may be.
+        Program of all parts, with every force that there may be.
     state : Program
         The same of the state in which the motion is proved.
     proof : MotionProof

@@ -33,7 +33,7 @@ class PyramidProgram:
     Parameters
     ----------
     whole : Program
-        Of all parts.
+        Program of all parts.
 
     Attributes
     ----------
