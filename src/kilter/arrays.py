@@ -204,12 +204,7 @@ def counted(count: ArrayLike) -> tuple[Index, Index]:
 def group_sums(group: Index, values: Array, count: int) -> Array:
     """Sums of the rows of `values`, shape (n, ...), by group, shape (count, ...).
 
-    Parameters
-    ----------
-    group : ndarray of int, shape (n,)
-        Group of each row, less than `count`.
-    values : ndarray, shape (n, ...)
-    count : int
+    Arguments: `group` (n,): group of each row, less than `count`; `values` (n, ...).
 
     Examples
     --------

@@ -20,24 +20,14 @@ _LOADERS: dict[str, Callable[[], Function]] = {}
 
 
 def register(name: str, loader: Callable[[], Function]) -> None:
-    """Register the loader of a function, for calls by name from lower packages.
-
-    Parameters
-    ----------
-    name : str
-    loader : callable
-        Function without parameters that returns the registered function.
-    """
+    """Register the loader of a function, for calls by name from lower packages."""
     _LOADERS[name] = loader
 
 
 def hook(name: str) -> Function:
     """Return the function that is registered under a name.
 
-    Raises
-    ------
-    KeyError
-        If no function has that name.
+    Raises `KeyError` if no function has that name.
 
     Examples
     --------

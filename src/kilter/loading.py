@@ -159,10 +159,7 @@ def reading_for(
 ) -> Reading:
     """Build a `Reading` from the keywords of `kilter.load`.
 
-    Raises
-    ------
-    InputError
-        If an option has an invalid value.
+    Raises `InputError` if an option has an invalid value.
     """
     height: float | str | None = LOWEST if floor is True else None
     if floor is not None and not isinstance(floor, bool):
@@ -204,10 +201,7 @@ def read_chosen(
 
     A `tolerance` other than the default one wins over that of the choices.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or an option is invalid.
+    Raises `InputError` if the file cannot be read, or an option is invalid.
     """
     both = chosen(choices, reading)
     if tolerance in (None, Tolerance()):
@@ -308,22 +302,8 @@ def save_reading(
 ) -> Choices:
     """Read a file with given options as a trial, then save these options as choices.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    output : path
-        File of the choices.
-    reading : Reading
-    keys : mapping
-        Keys of the tolerance: `tolerance` and `loose`.
-    progress : callable, optional
-        Called with the name of each stage.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read with the options, or the choices cannot be written.
+    Raises `InputError` if the file cannot be read with the options, or the choices cannot be
+    written.
     """
     output = Path(output)
     require_place(output)

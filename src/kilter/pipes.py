@@ -55,10 +55,7 @@ def send(stream: IO[bytes], value: Any) -> None:
 def receive(stream: IO[bytes]) -> Any:
     """Read the next pickled value from a pipe.
 
-    Raises
-    ------
-    EOFError
-        If the other end is closed.
+    Raises `EOFError` if the other end is closed.
     """
     head = stream.read(8)
     if len(head) < 8:

@@ -150,10 +150,7 @@ def in_brackets(values: ArrayLike) -> str:
 def matrix_to_quaternion(matrix: ArrayLike) -> Array:
     """Unit quaternion (w, x, y, z), w >= 0, of a rotation matrix, shape (3, 3).
 
-    Raises
-    ------
-    InputError
-        If the matrix is not a rotation: it scales, shears or mirrors.
+    Raises `InputError` if the matrix is not a rotation: it scales, shears or mirrors.
 
     Examples
     --------
@@ -367,12 +364,7 @@ def common_frames(normals: Array, areas: Array, start: Index) -> Array:
     Normals that agree to about five digits count as equal. If all normals of all groups are along
     the axes, every frame is that of the axes.
 
-    Parameters
-    ----------
-    normals : ndarray, shape (n, 3)
-    areas : ndarray, shape (n,)
-    start : ndarray of int, shape (M + 1,)
-        First row of each run.
+    Arguments: `normals` (n, 3); `areas` (n,); `start` (M + 1,): first row of each run.
 
     Examples
     --------
@@ -445,19 +437,9 @@ def screwed(screw: ArrayLike, amounts: ArrayLike) -> tuple[Array, Array]:
 
     Bodies with a common screw keep their relative positions.
 
-    Parameters
-    ----------
-    screw : array_like, shape (6,)
-        Velocity v of the centre and angular velocity w, world frame.
-    amounts : array_like, shape (k,)
-        Amounts a of the screw [-].
-
-    Returns
-    -------
-    turns : ndarray, shape (k, 3, 3)
-        Rotation matrices.
-    shifts : ndarray, shape (k, 3)
-        Shifts of the centre [length unit].
+    Arguments: `screw` (6,): velocity v of the centre and angular velocity w, world frame; `amounts`
+    (k,): amounts a of the screw [-]. Returns `turns` (k, 3, 3): rotation matrices; `shifts` (k, 3):
+    shifts of the centre [length unit].
 
     Examples
     --------

@@ -17,10 +17,7 @@ METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 def metres_per_unit(units: str) -> float:
     """Length of a unit of length such as "mm" [m].
 
-    Raises
-    ------
-    InputError
-        If the unit is not one of m, cm, mm, in.
+    Raises `InputError` if the unit is not one of m, cm, mm, in.
 
     Examples
     --------

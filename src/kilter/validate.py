@@ -52,10 +52,7 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
 def name_list(value: Any, what: str = "the names") -> list[str]:
     """A name, or an iterable of names, as a list; raises an error for other types.
 
-    Raises
-    ------
-    InputError
-        If the value is not text, or an iterable of texts.
+    Raises `InputError` if the value is not text, or an iterable of texts.
 
     Examples
     --------
@@ -72,18 +69,8 @@ def name_list(value: Any, what: str = "the names") -> list[str]:
 def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
     """Raise an error if a number is larger than 1e100 or smaller than 1e-100.
 
-    Parameters
-    ----------
-    values : array_like
-    what : str
-        Name of the values for the message.
-    tiny : bool
-        Allow small numbers; for positions, of which only the differences need a size.
-
-    Raises
-    ------
-    InputError
-        If a number is not zero and its size is above 1e100 or below 1e-100.
+    Arguments: `tiny`: allow small numbers; for positions, of which only the differences need a
+    size. Raises `InputError` if a number is not zero and its size is above 1e100 or below 1e-100.
     """
     size = float(np.abs(values).max(initial=0.0))
     if size > LARGEST or (0 < size < 1 / LARGEST and not tiny):
@@ -96,18 +83,7 @@ def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
 def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = "") -> Array:
     """Copy values to a read-only float64 array; raises for another shape or other types.
 
-    Parameters
-    ----------
-    values : array_like
-    shape : tuple of int, optional
-        Required shape; -1 allows any length.
-    what : str
-        Name of the values for the message.
-
-    Raises
-    ------
-    InputError
-        If the values are not numbers, or have another shape.
+    Raises `InputError` if the values are not numbers, or have another shape.
     """
     name = f"{what}: " if what else ""
     try:
@@ -126,10 +102,7 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = 
 def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Array:
     """Copy finite values to a read-only float64 array; raises for another shape, inf or NaN.
 
-    Raises
-    ------
-    InputError
-        If a number is not finite, or for the reasons of `frozen`.
+    Raises `InputError` if a number is not finite, or for the reasons of `frozen`.
     """
     array = frozen(values, shape, what)
     if not np.isfinite(array).all():

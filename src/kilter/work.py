@@ -324,15 +324,8 @@ _DEADLINE: ContextVar[float] = ContextVar("deadline", default=inf)
 def stop_after(time_limit: float | None) -> Iterator[None]:
     """Context manager: limit the time of every computation inside [s].
 
-    Parameters
-    ----------
-    time_limit : float or None
-        Time from now [s]; None changes nothing. A limit of an outer context stays in force.
-
-    Raises
-    ------
-    TimeLimitReached
-        By the first solver call without a `Work` after the limit.
+    Arguments: `time_limit` [s]: None changes nothing. Raises `TimeLimitReached` by the first solver
+    call without a `Work` after the limit.
 
     Examples
     --------
@@ -367,10 +360,7 @@ def is_late() -> bool:
 def stop_if_late() -> None:
     """End a computation that has no `Work`, if the limit of `stop_after` is reached.
 
-    Raises
-    ------
-    TimeLimitReached
-        If the limit is reached.
+    Raises `TimeLimitReached` if the limit is reached.
     """
     if is_late():
         raise TimeLimitReached
@@ -379,10 +369,8 @@ def stop_if_late() -> None:
 def seconds_left(work: Work | None) -> float | None:
     """Time that a solver call may take [s]; None without a limit.
 
-    Raises
-    ------
-    TimeLimitReached
-        If no `Work` is given, which could report the cut, and the limit of `stop_after` is reached.
+    Raises `TimeLimitReached` if no `Work` is given, which could report the cut, and the limit of
+    `stop_after` is reached.
     """
     if work is not None:
         return work.seconds

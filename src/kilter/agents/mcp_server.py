@@ -35,15 +35,7 @@ NOT_FOUND = -32002
 def serve(folder: str | Path) -> None:
     """Serve the tools until standard input ends.
 
-    Parameters
-    ----------
-    folder : path
-        Start folder: only files below it are read and written.
-
-    Raises
-    ------
-    InputError
-        If the library `mcp` is not installed, or the folder does not exist.
+    Raises `InputError` if the library `mcp` is not installed, or the folder does not exist.
     """
     server = build_server(folder)
     import anyio
@@ -59,10 +51,7 @@ def serve(folder: str | Path) -> None:
 def build_server(folder: str | Path) -> Any:
     """Build the server, of the type `mcp.server.lowlevel.Server`.
 
-    Raises
-    ------
-    InputError
-        As `serve`.
+    Raises `InputError` as `serve`.
     """
     try:
         import anyio

@@ -69,15 +69,6 @@ ENTRIES: dict[tuple[str, str], tuple[str, ...]] = {
 def short_text(verb: str, answer: Mapping[str, Any], resource: str) -> str:
     """The text of a short answer.
 
-    Parameters
-    ----------
-    verb : str
-        Name of the tool.
-    answer : mapping
-        Data of the whole answer.
-    resource : str
-        Name of the resource with the whole answer.
-
     Examples
     --------
     >>> short_text("hold", {"sentence": "It holds.", "seconds": 0.1}, "kilter://answers/hold-1")

@@ -42,34 +42,19 @@ DOTS = 110
 
 @dataclass(frozen=True, slots=True)
 class Called:
-    """Result of a call: the text of the answer or of the error, and a picture.
-
-    Attributes
-    ----------
-    text : str
-    image : bytes or None
-        PNG data.
-    failed : bool
-        Whether the text is an error.
-    """
+    """Result of a call: the text of the answer or of the error, and a picture."""
 
     text: str
     image: bytes | None = None
+    """PNG data."""
     failed: bool = False
+    """Whether the text is an error."""
 
 
 class ToolCalls:
     """The tools of a server with a start folder.
 
-    Parameters
-    ----------
-    folder : path
-        Start folder; only files below it are read and written.
-
-    Attributes
-    ----------
-    answers : mapping from str to str
-        Texts of the latest whole answers, by the name of their resource.
+    - `answers`: texts of the latest whole answers, by the name of their resource.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -79,15 +64,7 @@ class ToolCalls:
         self.answers: OrderedDict[str, str] = OrderedDict()
 
     def call(self, name: str, arguments: Mapping[str, Any]) -> Called:
-        """Answer a call. Every fault is a result with a single sentence, that of the command.
-
-        Parameters
-        ----------
-        name : str
-            Name of a tool.
-        arguments : mapping
-            Arguments by name.
-        """
+        """Answer a call. Every fault is a result with a single sentence, that of the command."""
         try:
             tool = tool_named(name)
             if tool is None:
@@ -160,10 +137,7 @@ class ToolCalls:
     def path_of(self, name: str) -> Path:
         """Path of a file of the start folder.
 
-        Raises
-        ------
-        InputError
-            If the path leads out of the start folder.
+        Raises `InputError` if the path leads out of the start folder.
         """
         path = self.folder / name
         if name in ("", "-"):
@@ -216,10 +190,7 @@ def _cut(text: str) -> str:
 def _validate(tool: Tool, arguments: Mapping[str, Any]) -> None:
     """Verify the names and types of arguments.
 
-    Raises
-    ------
-    InputError
-        If an argument is unknown, missing, or of another type.
+    Raises `InputError` if an argument is unknown, missing, or of another type.
     """
     known = tool.arguments
     for name, value in arguments.items():

@@ -40,22 +40,14 @@ OUTPUT = {"type": "string", "description": "new file: X.kilter.json, X.xml, or X
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """A tool for agents.
-
-    Attributes
-    ----------
-    name : str
-    description : str
-    options : dict
-        JSON schema of each argument besides those of reading a file.
-    reads : bool
-        Whether the tool has a file as its argument.
-    """
+    """A tool for agents."""
 
     name: str
     description: str
     options: dict[str, dict[str, Any]]
+    """JSON schema of each argument besides those of reading a file."""
     reads: bool = True
+    """Whether the tool has a file as its argument."""
 
     @property
     def arguments(self) -> dict[str, dict[str, Any]]:

@@ -127,17 +127,7 @@ def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
     Second order, the deciding open pairs, remedies, z and displacements are left out. Forces and
     motion are proved.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        At least one part is held.
-    contacts : ContactSet
-        The contacts of this assembly.
-
-    Raises
-    ------
-    InputError
-        If no part is held.
+    Raises `InputError` if no part is held.
 
     Examples
     --------
@@ -163,15 +153,7 @@ def check_level(asked: Question) -> Verdict:
     that no motion exists is left out if every try came to rest, so that a stable assembly may have
     the level "settles" instead of "proved". Lower levels are those of `check`.
 
-    Parameters
-    ----------
-    asked : Question
-        The assembly, its contacts, and the level; at least one part is held.
-
-    Raises
-    ------
-    InputError
-        If no part is held, or an argument is invalid.
+    Raises `InputError` if no part is held, or an argument is invalid.
 
     Examples
     --------

@@ -72,122 +72,82 @@ they would fill the page."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Balance:
-    """Contact forces that balance every part for a direction of gravity.
-
-    Attributes
-    ----------
-    down : ndarray, shape (3,)
-        Direction of gravity.
-    points : ndarray, shape (K, 3)
-        Contact points, world frame [length unit].
-    parts : ndarray of int, shape (K, 2)
-        Indices of the two parts at each point.
-    forces : ndarray, shape (K, 3)
-        Force on the second part at each point, world frame [N].
-    pull : ndarray, shape (K,), or None
-        Strength of the bond in tension at each point [N]; None if the assembly has no bonds.
-    use : ndarray, shape (K,), or None
-        Least share of the friction that the patch of each point needs [-], nan without friction;
-        None if it is not known.
-    """
+    """Contact forces that balance every part for a direction of gravity."""
 
     down: Array
+    """Direction of gravity, shape (3,)."""
     points: Array
+    """Contact points, world frame [length unit], shape (K, 3)."""
     parts: Index
+    """Indices of the two parts at each point, shape (K, 2)."""
     forces: Array
+    """Force on the second part at each point, world frame [N], shape (K, 3)."""
     pull: Array | None = None
+    """Strength of the bond in tension at each point [N], shape (K,); None if the assembly has no
+    bonds."""
     use: Array | None = None
+    """Least share of the friction that the patch of each point needs [-], nan without friction,
+    shape (K,); None if it is not known."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answered:
-    """The verdict, with forces or a motion, for a direction of gravity.
-
-    Attributes
-    ----------
-    down : ndarray, shape (3,)
-        Direction of gravity.
-    check : dict
-        The answer of `kilter check --json`.
-    balance : Balance or None
-        The forces of that answer; None if no forces balance the parts.
-    sentence : str
-        A sentence about this direction; empty for the given direction.
-    path : PathPlaces or None
-        The path along which a balanced assembly falls.
-    """
+    """The verdict, with forces or a motion, for a direction of gravity."""
 
     down: Array
+    """Direction of gravity, shape (3,)."""
     check: Mapping[str, Any]
+    """The answer of `kilter check --json`."""
     balance: Balance | None
+    """The forces of that answer; None if no forces balance the parts."""
     sentence: str = ""
+    """A sentence about this direction; empty for the given direction."""
     path: PathPlaces | None = None
+    """The path along which a balanced assembly falls."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapMotions:
-    """Motion of the assembly at each vertex of its stability map, world frame, without friction.
-
-    Attributes
-    ----------
-    vertices : ndarray, shape (V, 3)
-        Vertices q of the map [kg x length unit]: z(g) = -max over q of q.g for a direction g.
-    mass : float
-        Mass of the free parts [kg].
-    motions : ndarray, shape (V, N, 6)
-        Displacement of least 2-norm of the displacement program, for a direction of gravity in
-        the middle of the partition of each vertex.
-    """
+    """Motion of the assembly at each vertex of its stability map, world frame, without friction."""
 
     vertices: Array
+    """Vertices q of the map [kg x length unit], shape (V, 3): z(g) = -max over q of q.g for a
+    direction g."""
     mass: float
+    """Mass of the free parts [kg]."""
     motions: Array
+    """Displacement of least 2-norm of the displacement program, for a direction of gravity in
+    the middle of the partition of each vertex, shape (V, N, 6)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Everything:
-    """All answers about an assembly that a page shows.
-
-    Attributes
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    given : Answered
-        The answer for the direction of gravity of the assembly.
-    recommended : Answered or None
-        The answer for the direction that `kilter.orient` recommends, or for the centre of the
-        region.
-    region : dict or None
-        The answer of `kilter region --json`.
-    inner : Cone or None
-        Inner cone of the region, if friction makes its boundary round. The facets of `region` then
-        belong to an outer cone. None for an exact region.
-    none : bool
-        Whether it is proved that no direction is stable, whatever further forces act.
-    rays : sequence of Balance
-        Forces for each ray of the region, and for both signs of each line.
-    map : MapMotions or None
-        The stability map.
-    margin : dict or None
-        The answer of `kilter margin --json`, for gravity as given.
-    change : Improvement or None
-        The brick to add or to remove, for models of bricks.
-    notes : sequence of str
-        Sentences about omitted answers, with the reasons.
-    """
+    """All answers about an assembly that a page shows."""
 
     assembly: Assembly
     contacts: ContactSet
     given: Answered
+    """The answer for the direction of gravity of the assembly."""
     recommended: Answered | None
+    """The answer for the direction that `kilter.orient` recommends, or for the centre of the
+    region."""
     region: Mapping[str, Any] | None
+    """The answer of `kilter region --json`."""
     inner: Cone | None
+    """Inner cone of the region, if friction makes its boundary round. The facets of `region`
+    then belong to an outer cone. None for an exact region."""
     none: bool
+    """Whether it is proved that no direction is stable, whatever further forces act."""
     rays: Sequence[Balance]
+    """Forces for each ray of the region, and for both signs of each line."""
     map: MapMotions | None
+    """The stability map."""
     margin: Mapping[str, Any] | None
+    """The answer of `kilter margin --json`, for gravity as given."""
     change: Improvement | None
+    """The brick to add or to remove, for models of bricks."""
     notes: Sequence[str]
+    """Sentences about omitted answers, with the reasons."""
 
     def __repr__(self) -> str:
         return f"Everything({self.given.check['verdict']!r}, {len(self.assembly.parts)} parts)"
@@ -197,23 +157,9 @@ class Everything:
 def everything(asked: Question, *, margins: bool = False) -> Everything:
     """Compute all answers about an assembly that a page shows.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        It has at least one held part.
-    time_limit : float, optional
-        Time limit of all answers together [s].
-    margins : bool
-        Whether margins, and changes of models of bricks, are computed without a limit of size.
-
-    Returns
-    -------
-    Everything
-
-    Raises
-    ------
-    InputError
-        If no part is held, or if the geometry is not usable.
+    Arguments: `time_limit`: time limit of all answers together [s]; `margins`: whether margins, and
+    changes of models of bricks, are computed without a limit of size. Raises `InputError` if no
+    part is held, or if the geometry is not usable.
 
     Examples
     --------

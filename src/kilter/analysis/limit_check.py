@@ -64,10 +64,7 @@ FALLING = ("friction", "bond", "nearest held", "least load factor")
 def require_limit_form(bundle: Entry, names: Sequence[str]) -> None:
     """Reject limits in a proof file if an entry has a wrong key or type.
 
-    Raises
-    ------
-    MalformedProof
-        With the first key that is missing or of another kind.
+    Raises `MalformedProof` with the first key that is missing or of another kind.
     """
     if fault := FORM(bundle, ""):
         raise MalformedProof(fault)
@@ -76,17 +73,7 @@ def require_limit_form(bundle: Entry, names: Sequence[str]) -> None:
 def wrong_limits(
     assembly: Assembly, contacts: ContactSet, bundle: Entry, verdicts: Sequence[str]
 ) -> Iterator[str]:
-    """Yield the reasons why proofs that are valid one by one do not prove the stated limits.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    bundle : mapping
-        As `Margin.proof` or `Transport.proof` writes it.
-    verdicts : sequence of str
-        Verdicts of its proofs.
-    """
+    """Yield the reasons why proofs that are valid one by one do not prove the stated limits."""
     sides: dict[str, tuple[list[float], list[float]]] = {}
     weaker = [entry["change"].get("mu_share") for entry in bundle["proofs"]]
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):

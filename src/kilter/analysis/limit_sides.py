@@ -83,16 +83,10 @@ def limit_sides(
 ) -> LimitSides:
     """Compute bounds of the largest multiple of the given wrenches that contacts can hold.
 
-    Parameters
-    ----------
-    program : Program
-        Program with the base load, which does not scale with the share.
-    wrench : ndarray, shape (N, 6)
-        Force [N] and torque about the centre of mass [N x length unit] on each part.
-    most : float
-        Largest share of the programs [-]; if it is held, `beyond` is infinite.
-    across : list of ndarray, shape (K, 3), optional
-        Guesses of the directions of friction at the contact rows, for the first rays and sides.
+    Arguments: `wrench` (N, 6): force [N] and torque about the centre of mass [N x length unit] on
+    each part; `most`: largest share of the programs [-]; if it is held, `beyond` is infinite;
+    `across` (K, 3): guesses of the directions of friction at the contact rows, for the first rays
+    and sides.
 
     Examples
     --------
@@ -179,14 +173,8 @@ def held_at(
 ) -> LimitSides:
     """Load bounds with `share` as lower bound, if the given forces prove it; else no bounds.
 
-    Parameters
-    ----------
-    program : Program
-    wrench : ndarray, shape (N, 6)
-        Further wrenches per unit of the share [N], [N x length unit].
-    share : float
-    along, aside : ndarray, shapes (K,), (K, 3)
-        Forces along and across the contact rows [N].
+    Arguments: `wrench` (N, 6): further wrenches per unit of the share [N], [N x length unit];
+    `along`, `aside`: forces along and across the contact rows [N].
     """
     loaded = program.with_rows(applied=program.applied + share * wrench)
     proof = balanced_proof(loaded, check_forces(loaded, along, aside))
@@ -196,15 +184,7 @@ def held_at(
 def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> LimitSides:
     """Load bounds with an upper bound just above `share`, if a motion proves it; else no bounds.
 
-    Parameters
-    ----------
-    program : Program
-    wrench : ndarray, shape (N, 6)
-        Further wrenches per unit of the share [N], [N x length unit].
-    share : float
-        Expected limit [-]. If it is infinite, there is no bound.
-    motion : ndarray, shape (N, 6)
-        Motion that should gain power above the limit.
+    Arguments: `wrench` (N, 6) [N]; `share` [-]; `motion` (N, 6).
     """
     start = motion_share(program, wrench, motion)
     for step in BEYOND_LIMIT if np.isfinite(share) else ():

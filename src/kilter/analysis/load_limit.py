@@ -218,20 +218,7 @@ def find_limit(
     The result is a `NoLimit` with the reason "none" if it is proved that no share is held, or
     "failed" if the solvers give no proof.
 
-    Parameters
-    ----------
-    program : Program
-        Program with the base load, which does not scale with the share.
-    wrench : ndarray, shape (N, 6)
-        Force [N] and torque about the centre of mass [N x length unit] on each part.
-    opening : Opening, optional
-        ``Opening(cone_problem(program))``, if the caller has it.
-    most : float
-        Largest share of the search [-]. If it is held, the limit is infinite.
-    shared : SharedCones, optional
-        ``SharedCones(program)``, if the caller computes several limits of this program.
-    from_none : bool
-        True if a share of 0 must be held: if small shares fail, larger shares are not tried.
+    Arguments: `wrench` (N, 6) [N]; `most` [-].
 
     Examples
     --------

@@ -200,11 +200,8 @@ def reduced_by_halves(
 ) -> set[int]:
     """Reduce the members of which a motion needs one: some stop while a motion remains.
 
-    Parameters
-    ----------
-    stopped : callable
-        Function of the members and those of them that no longer help: the members of a motion that
-        remains, a subset of the others; None if none is proved.
+    Arguments: `stopped`: function of the members and those of them that no longer help: the members
+    of a motion that remains, a subset of the others; None if none is proved.
     """
     needed: set[int] = set()
     size = max(len(members) // 2, 1)

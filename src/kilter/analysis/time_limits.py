@@ -23,19 +23,9 @@ def given_direction_known(
 ) -> Iterator[None]:
     """Limit the time of an analysis; its error then states the verdict of the given direction.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-        The contacts of this assembly.
-    time_limit : float or None
-        Time from now [s]; None for no limit.
-
-    Raises
-    ------
-    TimeLimitReached
-        At the limit. `TimeLimitReached.known` has the verdict of the given direction of gravity,
-        if it is known or found within the following 0.4 s.
+    Arguments: `time_limit`: time from now [s]; None for no limit. Raises `TimeLimitReached` at the
+    limit. `TimeLimitReached.known` has the verdict of the given direction of gravity, if it is
+    known or found within the following 0.4 s.
     """
     try:
         with stop_after(time_limit):

@@ -250,10 +250,7 @@ def _of_another_file(proof: Mapping[str, Any], path: Path, require: str | None) 
 def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
     """The contact tolerance with which a proof was made, from the proof's data.
 
-    Raises
-    ------
-    InputError
-        If the data do not have the form of a proof.
+    Raises `InputError` if the data do not have the form of a proof.
     """
     require_form(proof)
     values = proof["tolerance"]
@@ -276,10 +273,7 @@ def verify_bundle(
 
     The residual is the largest of all proofs, the power is the least.
 
-    Raises
-    ------
-    InputError
-        If an entry does not have the form of a proof.
+    Raises `InputError` if an entry does not have the form of a proof.
     """
     reasons, residual, power, counts = [], [], [], Counter[str]()
     if bundle.get("digest") != digest_of(bundle):
@@ -343,10 +337,7 @@ def _judged_together(
 ) -> tuple[list[str], list[str]]:
     """Reasons why proofs that are valid one by one do not prove the statement of the file; notes.
 
-    Raises
-    ------
-    InputError
-        If the data of the statement do not have the required form.
+    Raises `InputError` if the data of the statement do not have the required form.
     """
     require_statements, judge = JUDGES[bundle["kind"]]
     try:
@@ -370,10 +361,7 @@ def verify_proof(
 ) -> Verification:
     """Recompute a single proof from an assembly and its contacts.
 
-    Raises
-    ------
-    InputError
-        If keys of the proof are missing or have the wrong type.
+    Raises `InputError` if keys of the proof are missing or have the wrong type.
     """
     require_form(proof)
     named = with_ends_of(assembly, proof.get("straps", []))

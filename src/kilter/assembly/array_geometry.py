@@ -41,12 +41,8 @@ def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Inde
 
     A mesh is plain if it needs no repair.
 
-    Returns
-    -------
-    joined : SideBySide or None
-        None if no assembly has only plain meshes.
-    which : ndarray of int
-        Positions of these assemblies.
+    Returns `joined`: None if no assembly has only plain meshes; `which`: positions of these
+    assemblies.
     """
     with np.errstate(all="ignore"):
         chosen, ordered = arrays, _boxes_in_order(arrays)
@@ -139,11 +135,8 @@ def _boxes_in_order(arrays: AssemblyArrays) -> tuple[Array, Index, Mask]:
 
     A box is a plain mesh: its triangles lie in its sides and form a closed surface.
 
-    Returns
-    -------
-    vertices, faces : ndarray, shape (V, 3), (F, 3)
-        Those of the arrays, with the corners of boxes in the order of `BOX_CORNERS`.
-    is_box : ndarray of bool, shape (N,)
+    Returns `vertices, faces` (V, 3): those of the arrays, with the corners of boxes in the order of
+    `BOX_CORNERS`; `is_box` (N,).
     """
     vertices, faces = arrays.vertices.astype(np.float64), arrays.faces
     first = arrays.vertex_start[:-1]

@@ -519,16 +519,7 @@ def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
 def require_assembly(value: object, verb: str) -> None:
     """Raise an InputError if the argument of a function is no assembly; `verb` names it.
 
-    Parameters
-    ----------
-    value : object
-    verb : str
-        Name of the function that needs the assembly, for the message.
-
-    Raises
-    ------
-    InputError
-        If it is not; the error states how to make an assembly from the value.
+    Raises `InputError` if it is not; the error states how to make an assembly from the value.
 
     Examples
     --------

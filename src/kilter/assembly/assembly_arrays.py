@@ -113,10 +113,7 @@ class AssemblyArrays:
     def __getitem__(self, k: int) -> Assembly:
         """The assembly with index k of the batch; its parts are named 0, 1, ...
 
-        Raises
-        ------
-        InputError
-            If one of its meshes is invalid.
+        Raises `InputError` if one of its meshes is invalid.
         """
         k = range(len(self))[k]
         first, last = self.part_start[k : k + 2].tolist()
@@ -182,10 +179,7 @@ def _array(values: Any, kind: type, shape: tuple[int, ...], what: str = "gravity
 def _require_starts(start: Index, what: str, runs: int | None, rows: int) -> None:
     """Verify that `start` divides `rows` rows into runs without an empty run.
 
-    Raises
-    ------
-    InputError
-        If it does not; `what` is the name of the array for the message.
+    Raises `InputError` if it does not; `what` is the name of the array for the message.
     """
     valid = len(start) > 1 and start[0] == 0 and start[-1] == rows and (np.diff(start) > 0).all()
     if not valid or (runs is not None and len(start) != runs + 1):

@@ -215,10 +215,7 @@ class Bond(Value):
 def require_apart(bonds: tuple[Bond, ...]) -> None:
     """Raise an InputError if two bonds of the same parts both act at all contact points.
 
-    Raises
-    ------
-    InputError
-        If a pair has two such bonds.
+    Raises `InputError` if a pair has two such bonds.
     """
     seen: set[frozenset[str]] = set()
     for bond in bonds:
@@ -247,18 +244,8 @@ class _HasBonds(Protocol):
 def require_no_bonds(assembly: _HasBonds, verb: str, why: str) -> None:
     """Raise an InputError if an assembly has bonds or straps, for a function `verb` without them.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    verb : str
-        Name of the function, for the message.
-    why : str
-        Reason why it does not support bonds, for the message; the same reason excludes straps.
-
-    Raises
-    ------
-    InputError
-        If the assembly has bonds or straps.
+    Arguments: `why`: reason why it does not support bonds, for the message; the same reason
+    excludes straps. Raises `InputError` if the assembly has bonds or straps.
     """
     if assembly.straps:
         raise InputError(

@@ -25,19 +25,7 @@ class Brick:
 
     Its box has ``cells`` along x and y, and a stud in the middle of each cell.
 
-    Attributes
-    ----------
-    cells : tuple of int
-        Number of studs along x and along y.
-    plates : int
-        Height [plates]; a brick has 3.
-    color : int or None
-        LDraw colour code; None if the file states none.
-
-    Raises
-    ------
-    InputError
-        If a number is not an integer, or out of range.
+    Raises `InputError` if a number is not an integer, or out of range.
 
     Examples
     --------
@@ -50,8 +38,11 @@ class Brick:
     """
 
     cells: tuple[int, int]
+    """Number of studs along x and along y."""
     plates: int = BRICK_PLATES
+    """Height [plates]; a brick has 3."""
     color: int | None = None
+    """LDraw colour code; None if the file states none."""
 
     def __post_init__(self) -> None:
         cells = tuple(self.cells) if isinstance(self.cells, tuple | list) else ()

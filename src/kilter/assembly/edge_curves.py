@@ -23,38 +23,21 @@ STEPS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chords:
-    """Straight edges of a mesh that stand for n curved edges, each between two exact faces.
-
-    Attributes
-    ----------
-    p, q : ndarray, shape (n, 3)
-        Ends of the chords, on both faces.
-    surface : ndarray of int, shape (n, 2)
-        Exact surface of each face, or -1 for the plane of a triangle.
-    origin, normal : ndarray, shape (n, 2, 3)
-        A point and the unit normal of that plane.
-    """
+    """Straight edges of a mesh that stand for n curved edges, each between two exact faces."""
 
     p: Array
     q: Array
+    """Ends of the chords, on both faces, shape (n, 3)."""
     surface: Index
+    """Exact surface of each face, or -1 for the plane of a triangle, shape (n, 2)."""
     origin: Array
     normal: Array
+    """A point and the unit normal of that plane, shape (n, 2, 3)."""
 
     def rising(self, side: int, points: Array, s: Surfaces) -> tuple[Array, Array]:
         """Signed distance of points from one of the two faces at each edge, and its gradient.
 
-        Parameters
-        ----------
-        side : int
-            0 or 1: the first or second face of each edge.
-        points : ndarray, shape (n, 3)
-        s : Surfaces
-
-        Returns
-        -------
-        value : ndarray, shape (n,)
-        gradient : ndarray, shape (n, 3)
+        Arguments: `points` (n, 3). Returns `value` (n,); `gradient` (n, 3).
         """
         row = self.surface[:, side]
         normal = self.normal[:, side].copy()
@@ -67,17 +50,9 @@ class Chords:
     def on_edge(self, share: Array, s: Surfaces) -> tuple[Array, Mask]:
         """Points on the true curved edges above points of the chords, and a mask of success.
 
-        Parameters
-        ----------
-        share : ndarray, shape (n,)
-            Position along each chord, from 0 at p to 1 at q.
-        s : Surfaces
-
-        Returns
-        -------
-        points : ndarray, shape (n, 3)
-        converged : ndarray of bool, shape (n,)
-            False if the faces meet smoothly, or Newton's method has not converged.
+        Arguments: `share` (n,): position along each chord, from 0 at p to 1 at q. Returns `points`
+        (n, 3); `converged` (n,): False if the faces meet smoothly, or Newton's method has not
+        converged.
         """
         along = unit_rows(self.q - self.p)
         points = self.p + share[:, None] * (self.q - self.p)

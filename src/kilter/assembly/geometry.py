@@ -32,72 +32,53 @@ __all__ = ["Geometry", "build_geometry", "mass_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Geometry:
-    """Geometry and mass properties of N parts as arrays, world frame.
-
-    Attributes
-    ----------
-    vertices : ndarray, shape (V, 3)
-        Vertices of all parts [length unit]; those of part i are rows
-        ``vertex_start[i]`` to ``vertex_start[i + 1]``.
-    vertex_start : ndarray of int, shape (N + 1,)
-    triangles : ndarray of int, shape (T, 3)
-        Rows of `vertices`, counterclockwise seen from outside; the triangles of part i are
-        rows ``triangle_start[i]`` to ``triangle_start[i + 1]``.
-    triangle_start : ndarray of int, shape (N + 1,)
-    grounded : ndarray of bool, shape (N,)
-        Whether each part is held.
-    mass : ndarray, shape (N,)
-        Masses [kg].
-    center : ndarray, shape (N, 3)
-        Centres of mass [length unit].
-    inertia : ndarray, shape (N, 3, 3)
-        Inertia about the centre of mass, world axes [kg x length unit^2].
-    volume : ndarray, shape (N,)
-        Volumes [length unit^3].
-    radius : ndarray, shape (N,)
-        Largest distance of a vertex from the centre of mass [length unit].
-    size : ndarray, shape (N,)
-        Twice the largest distance of a vertex from the centroid of the surface [length unit].
-        The tolerances of a part are relative to this length; it does not depend on the pose.
-    accuracy : ndarray, shape (N,)
-        Largest error of a coordinate [length unit].
-    single : ndarray of bool, shape (N,)
-        Whether the coordinates are coarser than float64.
-    is_box : ndarray of bool, shape (N,)
-        Whether the vertices of a part are the eight corners of a box, in order.
-    surfaces : Surfaces
-        The exact curved surfaces of all parts, ordered by part.
-    triangle_surface : ndarray of int, shape (T,)
-        Row of `surfaces` that each triangle approximates; -1 if the triangle itself is exact.
-    triangle_piece : ndarray of int, shape (T,)
-        Piece of its part to which each triangle belongs (`Mesh.pieces`).
-    slack : ndarray, shape (N,)
-        Largest distance of the true surface of a part from its triangles [length unit].
-    warnings : tuple of str
-    unknown : UnknownSurfaces
-        Regions of unknown surface: at holes of open meshes, and all over stand-ins.
-    """
+    """Geometry and mass properties of N parts as arrays, world frame."""
 
     vertices: Array
+    """Vertices of all parts [length unit], shape (V, 3); those of part i are rows
+    ``vertex_start[i]`` to ``vertex_start[i + 1]``."""
     vertex_start: Index
+    """Shape (N + 1,)."""
     triangles: Index
+    """Rows of `vertices`, counterclockwise seen from outside; the triangles of part i are rows
+    ``triangle_start[i]`` to ``triangle_start[i + 1]``, shape (T, 3)."""
     triangle_start: Index
+    """Shape (N + 1,)."""
     grounded: Mask
+    """Whether each part is held, shape (N,)."""
     mass: Array
+    """Masses [kg], shape (N,)."""
     center: Array
+    """Centres of mass [length unit], shape (N, 3)."""
     inertia: Array
+    """Inertia about the centre of mass, world axes [kg x length unit^2], shape (N, 3, 3)."""
     volume: Array
+    """Volumes [length unit^3], shape (N,)."""
     radius: Array
+    """Largest distance of a vertex from the centre of mass [length unit], shape (N,)."""
     size: Array
+    """Twice the largest distance of a vertex from the centroid of the surface [length unit],
+    shape (N,). The tolerances of a part are relative to this length; it does not depend on the
+    pose."""
     accuracy: Array
+    """Largest error of a coordinate [length unit], shape (N,)."""
     single: Mask
+    """Whether the coordinates are coarser than float64, shape (N,)."""
     is_box: Mask
+    """Whether the vertices of a part are the eight corners of a box, in order, shape (N,)."""
     surfaces: Surfaces
+    """The exact curved surfaces of all parts, ordered by part."""
     triangle_surface: Index
+    """Row of `surfaces` that each triangle approximates; -1 if the triangle itself is exact,
+    shape (T,)."""
     triangle_piece: Index
+    """Piece of its part to which each triangle belongs (`Mesh.pieces`), shape (T,)."""
     slack: Array
+    """Largest distance of the true surface of a part from its triangles [length unit], shape
+    (N,)."""
     warnings: tuple[str, ...]
     unknown: UnknownSurfaces
+    """Regions of unknown surface: at holes of open meshes, and all over stand-ins."""
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -132,10 +113,8 @@ class Geometry:
 def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     """Compute the geometry of parts, with lengths in `units`.
 
-    Raises
-    ------
-    InputError
-        If a mesh is flat, empty, self-intersecting or out of range; the error names the part.
+    Raises `InputError` if a mesh is flat, empty, self-intersecting or out of range; the error names
+    the part.
     """
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
     warnings: list[str] = []
@@ -281,12 +260,8 @@ def _local_surfaces(
 ) -> tuple[Array, Index, Index, Index]:
     """Meshes of all parts in their own frames: vertices, triangles, and starts of each part.
 
-    Returns
-    -------
-    vertices : ndarray, shape (V, 3)
-    vertex_start : ndarray of int, shape (N + 1,)
-    triangles : ndarray of int, shape (T, 3)
-    triangle_start : ndarray of int, shape (N + 1,)
+    Returns `vertices` (V, 3); `vertex_start` (N + 1,); `triangles` (T, 3); `triangle_start` (N +
+    1,).
     """
     others = {
         k: (meshes[k].vertices, meshes[k].triangles) if k in meshes else surface(parts[k].shape)
@@ -361,16 +336,8 @@ def _curved_surfaces(
 ) -> tuple[Surfaces, Index]:
     """Curved surfaces of all parts, and the surface on which each triangle lies.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-    boxes : ndarray of bool, shape (N,)
-    corners : (ndarray, ndarray, ndarray)
-        Vertices in the frames of the parts, triangles, vertices in the world frame.
-    local : tuple of ndarray
-        Result of `_local_surfaces`.
-    poses : (ndarray, ndarray)
-        Rotations and positions of the parts.
+    Arguments: `boxes` (N,); `corners`: vertices in the frames of the parts, triangles, vertices in
+    the world frame.
     """
     (vertices, triangles, world), (_, first, _, start) = corners, local
     by_part = {}

@@ -29,10 +29,7 @@ def closed_octets(faces: Index) -> Mask:
     All eight vertices must be used, and each edge must have two faces in opposite senses. Meshes of
     the same origin list their faces in the same order, so few orders are examined.
 
-    Parameters
-    ----------
-    faces : ndarray of int, shape (n, 12, 3)
-        Indices of vertices; an index outside of 0 to 7 is not valid.
+    Arguments: `faces` (n, 12, 3): indices of vertices; an index outside of 0 to 7 is not valid.
 
     Examples
     --------
@@ -66,20 +63,10 @@ def _is_closed(faces: Index) -> bool:
 def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Mask]:
     """Decide which meshes are boxes, and find the standard order of their corners.
 
-    Parameters
-    ----------
-    corners : ndarray, shape (n, 8, 3)
-    faces : ndarray of int, shape (n, 12, 3)
-        Closed surfaces; the entries are indices of corners.
-    accuracy : ndarray, shape (n,)
-        Largest errors of the coordinates [length unit].
-
-    Returns
-    -------
-    order : ndarray of int, shape (n, 8)
-        ``corners[k, order[k]]`` are in the order of `kilter.shape.primitives.BOX_CORNERS` if
-        mesh k is a box.
-    is_box : ndarray of bool, shape (n,)
+    Arguments: `corners` (n, 8, 3); `faces` (n, 12, 3): closed surfaces; the entries are indices of
+    corners; `accuracy` (n,): largest errors of the coordinates [length unit]. Returns `order` (n,
+    8): ``corners[k, order[k]]`` are in the order of `kilter.shape.primitives.BOX_CORNERS` if mesh k
+    is a box; `is_box` (n,).
 
     Examples
     --------
@@ -119,10 +106,7 @@ def box_moments(corners: Array) -> tuple[Array, Array, Array]:
 
     With the edges u, v, w the integral of x x^T is V (u u^T + v v^T + w w^T) / 12.
 
-    Parameters
-    ----------
-    corners : ndarray, shape (n, 8, 3)
-        Corners in the order of `kilter.shape.primitives.BOX_CORNERS`.
+    Arguments: `corners` (n, 8, 3): corners in the order of `kilter.shape.primitives.BOX_CORNERS`.
 
     Examples
     --------

@@ -59,10 +59,7 @@ def inertia_fault(matrix: Array) -> str:
 def valid_inertia(values: Any) -> Array:
     """Copy six numbers of an inertia that a body can have to a read-only array.
 
-    Raises
-    ------
-    InputError
-        If there are not six finite numbers, or no body has this inertia.
+    Raises `InputError` if there are not six finite numbers, or no body has this inertia.
     """
     numbers = finite(values, (6,), "inertia")
     in_range(numbers, "inertia")

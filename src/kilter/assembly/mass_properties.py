@@ -24,18 +24,13 @@ __all__ = ["MassProperties"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MassProperties:
-    """Mass [kg], centre [length unit], and inertia about it [kg x length unit^2], in one frame.
-
-    Attributes
-    ----------
-    mass : float
-    center : ndarray, shape (3,)
-    inertia : ndarray, shape (3, 3)
-    """
+    """Mass [kg], centre [length unit], and inertia about it [kg x length unit^2], in one frame."""
 
     mass: float
     center: Array
+    """Shape (3,)."""
     inertia: Array
+    """Shape (3, 3)."""
 
     @classmethod
     def of_part(cls, part: Part) -> Self:

@@ -39,13 +39,8 @@ def part_moments(
 
     Boxes, cylinders and spheres are computed by closed forms.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-    boxes : ndarray of bool, shape (N,)
-        Whether each part is a box.
-    local : tuple of ndarray
-        Vertices, first vertex of each part, triangles, first triangle of each part.
+    Arguments: `boxes` (N,): whether each part is a box; `local`: vertices, first vertex of each
+    part, triangles, first triangle of each part.
     """
     vertices, _, triangles, triangle_start = local
     count = len(parts)
@@ -88,15 +83,7 @@ def part_masses(
 ) -> tuple[Array, Array, Array]:
     """Masses [kg], centres and mass-weighted second moments of parts; given values override.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-    units : str
-        Length unit.
-    moments : (ndarray, ndarray, ndarray)
-        Volumes, centroids, second moments about them.
-    warnings : list of str
-        A warning is appended if the default density is used beside given masses.
+    Arguments: `warnings`: a warning is appended if the default density is used beside given masses.
     """
     volume, center, second = moments
     cubic_metres = volume * metres_per_unit(units) ** 3

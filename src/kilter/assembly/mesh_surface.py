@@ -33,28 +33,20 @@ __all__ = ["MeshSurface", "close_holes", "mesh_surface", "mesh_surfaces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshSurface:
-    """Vertices and triangles of a mesh after repair, and triangles that close its holes.
-
-    Attributes
-    ----------
-    vertices : ndarray, shape (V, 3)
-    triangles : ndarray of int, shape (T, 3)
-    caps : ndarray, shape (C, 3, 3)
-        Corners of the triangles that close the holes; empty for a closed mesh.
-    holes : tuple of (ndarray, ndarray)
-        Lower and upper corner of the bounding box of each hole.
-    small : bool
-        Whether the caps are small against the surface, so that the closed volume is plausible.
-    stand_in : bool
-        Whether the surface is the convex hull of the mesh, because its body is unknown.
-    """
+    """Vertices and triangles of a mesh after repair, and triangles that close its holes."""
 
     vertices: Array
+    """Shape (V, 3)."""
     triangles: Index
+    """Shape (T, 3)."""
     caps: Array
+    """Corners of the triangles that close the holes, shape (C, 3, 3); empty for a closed mesh."""
     holes: tuple[tuple[Array, Array], ...] = ()
+    """Lower and upper corner of the bounding box of each hole."""
     small: bool = True
+    """Whether the caps are small against the surface, so that the closed volume is plausible."""
     stand_in: bool = False
+    """Whether the surface is the convex hull of the mesh, because its body is unknown."""
 
 
 def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshSurface]:
@@ -62,10 +54,8 @@ def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshS
 
     A valid mesh that several parts share is examined once. Warnings are appended to `warnings`.
 
-    Raises
-    ------
-    InputError
-        If a mesh has no faces, or bounds no body because its corners lie in a plane.
+    Raises `InputError` if a mesh has no faces, or bounds no body because its corners lie in a
+    plane.
     """
     shapes = {k: part.shape for k, part in enumerate(parts) if isinstance(part.shape, Mesh)}
     distinct = {id(mesh): mesh for mesh in shapes.values() if len(mesh.triangles)}
@@ -97,10 +87,8 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
 
     Every change is appended to `warnings`.
 
-    Raises
-    ------
-    InputError
-        If the mesh has no faces, or bounds no body because its corners lie in a plane.
+    Raises `InputError` if the mesh has no faces, or bounds no body because its corners lie in a
+    plane.
     """
     name = part.name
     if len(mesh.triangles) == 0 or len(mesh.vertices) == 0:
@@ -143,10 +131,7 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
 def _hull_in_place(part: Part, vertices: Array, what: str, warnings: list[str]) -> MeshSurface:
     """The convex hull of a mesh that bounds no known body, with a warning.
 
-    Raises
-    ------
-    InputError
-        If the corners of the mesh lie in a plane.
+    Raises `InputError` if the corners of the mesh lie in a plane.
     """
     name = part.name
     try:
@@ -166,12 +151,8 @@ def _hull_in_place(part: Part, vertices: Array, what: str, warnings: list[str]) 
 def close_holes(vertices: Array, triangles: Index, edges: Index) -> MeshSurface:
     """Close the holes of a surface with triangles from each hole's rim to its mean point.
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (V, 3)
-    triangles : ndarray of int, shape (T, 3)
-    edges : ndarray of int, shape (n, 2)
-        Open edges; the caps run along them in the opposite sense.
+    Arguments: `vertices` (V, 3); `triangles` (T, 3); `edges` (n, 2): open edges; the caps run along
+    them in the opposite sense.
     """
     if not len(edges):
         return MeshSurface(vertices, triangles, np.empty((0, 3, 3)))

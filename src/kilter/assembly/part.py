@@ -230,10 +230,7 @@ def _flag(value: Any, name: str) -> bool:
 def _shape_of(value: Any) -> Shape:
     """The mesh of an object with vertices and faces, such as a mesh of trimesh.
 
-    Raises
-    ------
-    InputError
-        If the object is another one.
+    Raises `InputError` if the object is another one.
     """
     if hasattr(value, "vertices") and hasattr(value, "faces"):
         try:

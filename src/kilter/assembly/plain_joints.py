@@ -52,10 +52,7 @@ def plain_joints(assembly: Assembly, verb: str) -> Assembly:
 def require_plain_joints(assembly: Assembly, what: str) -> None:
     """Raise an InputError if a joint has friction or a spring, for a margin without them.
 
-    Raises
-    ------
-    InputError
-        If there is such a joint.
+    Raises `InputError` if there is such a joint.
     """
     for joint in assembly.joints:
         if set(STRENGTH) & set(joint.guide):

@@ -24,22 +24,10 @@ def polyhedron_moments(
 ) -> tuple[Array, Array, Array, Array]:
     """Volume, centroid, second moment about it, and surface centroid of N polyhedra.
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (V, 3)
-    triangles : ndarray of int, shape (T, 3)
-    start : ndarray of int, shape (N + 1,)
-        First triangle of each polyhedron, followed by T.
-
-    Returns
-    -------
-    volume : ndarray, shape (N,)
-        Volumes, negative if the faces point inwards [length unit^3].
-    centroid : ndarray, shape (N, 3)
-    second : ndarray, shape (N, 3, 3)
-        Integral of x x^T about the centroid [length unit^5].
-    surface_centroid : ndarray, shape (N, 3)
-        Centroid of the surface, weighted by area.
+    Arguments: `vertices` (V, 3); `triangles` (T, 3); `start` (N + 1,): first triangle of each
+    polyhedron, followed by T. Returns `volume` (N,): volumes, negative if the faces point inwards
+    [length unit^3]; `centroid` (N, 3); `second` (N, 3, 3): integral of x x^T about the centroid
+    [length unit^5]; `surface_centroid` (N, 3): centroid of the surface, weighted by area.
     """
     origin = vertices[triangles[start[:-1], 0]]
     shift = np.repeat(origin, np.diff(start), axis=0)

@@ -171,11 +171,8 @@ class Question:
     def read(self, subject: object) -> Assembly:
         """An assembly, or that of a path, with the changes of the keywords.
 
-        Raises
-        ------
-        InputError
-            If it is neither, the file cannot be read, a name matches no part, or contacts are given
-            beside a keyword that changes them.
+        Raises `InputError` if it is neither, the file cannot be read, a name matches no part, or
+        contacts are given beside a keyword that changes them.
 
         Examples
         --------
@@ -339,13 +336,8 @@ def on_floor(assembly: Assembly, floor: bool | float | None, down: ArrayLike | N
     The floor belongs to the assembly as drawn, as in margins and regions. A note states this if
     gravity is oblique to it.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    floor : bool or float or None
-        True for a floor under the lowest point, or its height; None and False for no floor.
-    down : array_like, shape (3,), optional
-        Direction of gravity.
+    Arguments: `floor`: True for a floor under the lowest point, or its height; None and False for
+    no floor; `down` (3,): direction of gravity.
 
     Examples
     --------

@@ -24,20 +24,8 @@ def refine(
 ) -> tuple[Array, Index]:
     """Divide the triangles of a part within a box into smaller ones on the true surface.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    part : int
-    rounds : int
-        Number of refinements.
-    box : (ndarray, ndarray), shape (3,)
-        Lower and upper corner, world frame; sides whose bounding box overlaps it are divided.
-
-    Returns
-    -------
-    vertices : ndarray, shape (n, 3)
-        World frame.
-    triangles : ndarray of int, shape (m, 3)
+    Arguments: `box` (3,): lower and upper corner, world frame; sides whose bounding box overlaps it
+    are divided. Returns `vertices` (n, 3): world frame; `triangles` (m, 3).
 
     Examples
     --------
@@ -85,17 +73,8 @@ def _middles(
 ) -> Array:
     """New corners at the middles of triangle sides, moved to the true surfaces, shape (n, 3).
 
-    Parameters
-    ----------
-    s : Surfaces
-    corner : ndarray, shape (m, 3, 3)
-        Corners of the triangles.
-    label : ndarray of int, shape (m,)
-        Surface of each triangle, or -1.
-    sides : (ndarray, ndarray), shape (n,)
-        The two triangles at each side.
-    ends : (ndarray, ndarray), shape (n, 3)
-        Ends of the sides.
+    Arguments: `corner` (m, 3, 3): corners of the triangles; `label` (m,): surface of each triangle,
+    or -1; `sides` (n,): the two triangles at each side; `ends` (n, 3): ends of the sides.
     """
     normal = unit_rows(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
     both, (p, q) = np.column_stack(sides), ends
@@ -114,17 +93,8 @@ def _middles(
 def _divide(triangles: Index, at: Index) -> tuple[Index, Index]:
     """Divide triangles at the new corners on their sides (`at`, -1: none).
 
-    Parameters
-    ----------
-    triangles : ndarray of int, shape (m, 3)
-    at : ndarray of int, shape (m, 3)
-        New corner on each side, from corner k to corner k + 1, or -1.
-
-    Returns
-    -------
-    pieces : ndarray of int, shape (n, 3)
-    source : ndarray of int, shape (n,)
-        The triangle that each piece is from.
+    Arguments: `triangles` (m, 3); `at` (m, 3): new corner on each side, from corner k to corner k +
+    1, or -1. Returns `pieces` (n, 3); `source` (n,): the triangle that each piece is from.
     """
     count = (at >= 0).sum(axis=1)
     rows = np.arange(len(triangles))

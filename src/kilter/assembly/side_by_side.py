@@ -22,21 +22,14 @@ __all__ = ["SideBySide", "join_geometry", "side_by_side"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SideBySide:
-    """M independent assemblies as a single list of parts, all planar or none, in the same unit.
-
-    Attributes
-    ----------
-    whole : Assembly
-        All parts, without friction. Names may repeat, and its gravity has no meaning.
-    start : ndarray of int, shape (M + 1,)
-        The first part of each assembly, followed by the number of parts.
-    gravity : ndarray, shape (M, 3)
-        Acceleration of gravity of each assembly [m/s^2].
-    """
+    """M independent assemblies as a single list of parts, all planar or none, in the same unit."""
 
     whole: Assembly
+    """All parts, without friction. Names may repeat, and its gravity has no meaning."""
     start: Index
+    """The first part of each assembly, followed by the number of parts, shape (M + 1,)."""
     gravity: Array
+    """Acceleration of gravity of each assembly [m/s^2], shape (M, 3)."""
 
     def __len__(self) -> int:
         return len(self.gravity)
@@ -50,10 +43,7 @@ class SideBySide:
 def side_by_side(assemblies: Sequence[Assembly]) -> SideBySide:
     """Join independent assemblies without given contacts, joints or loads, to search them at once.
 
-    Raises
-    ------
-    InputError
-        If the geometry of a part is invalid.
+    Raises `InputError` if the geometry of a part is invalid.
     """
     parts = [part for assembly in assemblies for part in assembly.parts]
     units = assemblies[0].units
@@ -78,18 +68,8 @@ def join_geometry(
 ) -> SideBySide:
     """Join independent assemblies whose geometry is already computed.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-        Parts of all assemblies.
-    geometry : Geometry
-        Geometry of these parts.
-    start : ndarray of int, shape (M + 1,)
-        First part of each assembly, followed by the number of parts.
-    gravity : ndarray, shape (M, 3)
-        Acceleration of gravity of each assembly [m/s^2].
-    units : str
-    planar : bool
+    Arguments: `start` (M + 1,): first part of each assembly, followed by the number of parts;
+    `gravity` (M, 3): acceleration of gravity of each assembly [m/s^2].
     """
     whole = object.__new__(Assembly)  # the constructor would reject repeated names
     fields = {

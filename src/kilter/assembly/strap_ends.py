@@ -20,10 +20,7 @@ MOST_OPEN = 6
 def with_named_ends(assembly: Assembly) -> list[Assembly]:
     """Copies of an assembly with every combination of tensioned ends; itself if all are named.
 
-    Raises
-    ------
-    InputError
-        If more than `MOST_OPEN` straps name no tensioned end.
+    Raises `InputError` if more than `MOST_OPEN` straps name no tensioned end.
     """
     unnamed = [k for k, strap in enumerate(assembly.straps) if strap.open_end]
     if not unnamed:

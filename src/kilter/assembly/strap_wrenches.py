@@ -19,11 +19,8 @@ def strap_wrenches(assembly: Assembly) -> Array:
 
     Force [N], and torque about the centre of mass [N x length unit].
 
-    Raises
-    ------
-    InputError
-        If a strap passes through a part, a point is away from its part, or a strap with friction
-        names no tensioned end.
+    Raises `InputError` if a strap passes through a part, a point is away from its part, or a strap
+    with friction names no tensioned end.
     """
     geometry = assembly.geometry
     total = np.zeros((len(assembly.parts), 6))

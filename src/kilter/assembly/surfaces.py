@@ -53,44 +53,32 @@ RECENT_MESHES = 256
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surfaces:
-    """Curved surfaces of N parts, ordered by part; world frame.
-
-    Attributes
-    ----------
-    part : ndarray of int, shape (S,)
-        Part of each surface.
-    start : ndarray of int, shape (N + 1,)
-        The surfaces of part i are rows ``start[i]`` to ``start[i + 1]``.
-    kind : ndarray of int, shape (S,)
-        Index in `KINDS`.
-    point, axis : ndarray, shape (S, 3)
-    radius, tube, half_angle : ndarray, shape (S,)
-        As in `kilter.shape.solid.Surface` [length unit, length unit, rad].
-    hollow : ndarray of bool, shape (S,)
-        Whether the material lies outside, as around a hole or socket.
-    sagitta : ndarray, shape (S,)
-        Largest distance of a triangle from its surface [length unit].
-    doubt : ndarray, shape (S,)
-        Largest error of the surface itself: 0 if exact, the sagitta if recognised in a mesh
-        [length unit].
-    triangle_start, triangle : ndarray of int, shape (S + 1,) and (M,)
-        The triangles of surface k are ``triangle[triangle_start[k] : triangle_start[k + 1]]``, as
-        rows of the geometry's triangles.
-    """
+    """Curved surfaces of N parts, ordered by part; world frame."""
 
     part: Index
+    """Part of each surface, shape (S,)."""
     start: Index
+    """The surfaces of part i are rows ``start[i]`` to ``start[i + 1]``, shape (N + 1,)."""
     kind: Index
+    """Index in `KINDS`, shape (S,)."""
     point: Array
     axis: Array
+    """Shape (S, 3)."""
     radius: Array
     tube: Array
     half_angle: Array
+    """As in `kilter.shape.solid.Surface` [length unit, length unit, rad], shape (S,)."""
     hollow: Mask
+    """Whether the material lies outside, as around a hole or socket, shape (S,)."""
     sagitta: Array
+    """Largest distance of a triangle from its surface [length unit], shape (S,)."""
     doubt: Array
+    """Largest error of the surface itself, shape (S,): 0 if exact, the sagitta if recognised in
+    a mesh [length unit]."""
     triangle_start: Index
     triangle: Index
+    """The triangles of surface k are ``triangle[triangle_start[k] : triangle_start[k + 1]]``, as
+    rows of the geometry's triangles, shape (S + 1,)."""
 
     def __len__(self) -> int:
         return len(self.part)
@@ -105,18 +93,9 @@ class Surfaces:
     def polar(self, rows: Index, points: Array) -> tuple[Array, Array, Array]:
         """Polar coordinates of points about the axis of each surface, or a sphere's centre.
 
-        Parameters
-        ----------
-        rows : ndarray of int, shape (n,)
-            Surface of each point.
-        points : ndarray, shape (n, 3)
-
-        Returns
-        -------
-        height, distance : ndarray, shape (n,)
-            Height along the axis (0 for a sphere), distance from the axis or centre.
-        away : ndarray, shape (n, 3)
-            Unit direction away from the axis or centre.
+        Arguments: `rows` (n,): surface of each point; `points` (n, 3). Returns `height, distance`
+        (n,): height along the axis (0 for a sphere), distance from the axis or centre; `away` (n,
+        3): unit direction away from the axis or centre.
         """
         apart = points - self.point[rows]
         axis = np.where((self.kind[rows] == SPHERE)[:, None], 0.0, self.axis[rows])
@@ -130,22 +109,14 @@ class Surfaces:
 
         It is positive outside of the material: outside of a solid, inside of a hole.
 
-        Parameters
-        ----------
-        rows : ndarray of int, shape (n,)
-            Surface of each point.
-        points : ndarray, shape (n, 3)
+        Arguments: `rows` (n,): surface of each point; `points` (n, 3).
         """
         return self._distance_at(rows, self.polar(rows, points))
 
     def outward(self, rows: Index, points: Array) -> Array:
         """Unit normals of surfaces at points, out of the material, shape (n, 3).
 
-        Parameters
-        ----------
-        rows : ndarray of int, shape (n,)
-            Surface of each point.
-        points : ndarray, shape (n, 3)
+        Arguments: `rows` (n,): surface of each point; `points` (n, 3).
         """
         return self._outward_at(rows, self.polar(rows, points))
 
@@ -184,23 +155,15 @@ class Surfaces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartSurfaces:
-    """Curved surfaces of a part in its own frame, and the surface of each triangle.
-
-    Attributes
-    ----------
-    surfaces : tuple of Surface
-    triangle_surface : ndarray of int, shape (T,)
-        Row of `surfaces`, -1 for a flat face, ``len(surfaces)`` for a free form.
-    exact : bool
-        Whether the surfaces are given, and not recognised in a mesh.
-    sagitta : float
-        Largest distance of a triangle from the free form [length unit].
-    """
+    """Curved surfaces of a part in its own frame, and the surface of each triangle."""
 
     surfaces: tuple[Surface, ...]
     triangle_surface: Index
+    """Row of `surfaces`, -1 for a flat face, ``len(surfaces)`` for a free form, shape (T,)."""
     exact: bool
+    """Whether the surfaces are given, and not recognised in a mesh."""
     sagitta: float = 0.0
+    """Largest distance of a triangle from the free form [length unit]."""
 
 
 def surfaces_of(
@@ -208,13 +171,7 @@ def surfaces_of(
 ) -> PartSurfaces | None:
     """Curved surfaces of a shape, exact or recognised; None if all faces are flat.
 
-    Parameters
-    ----------
-    shape : Shape
-    vertices, triangles : ndarray
-        Surface of the shape.
-    accuracy : float
-        Largest error of a coordinate [length unit].
+    Arguments: `accuracy`: largest error of a coordinate [length unit].
     """
     if isinstance(shape, Cylinder):
         label = np.full(len(triangles), -1)
@@ -297,20 +254,8 @@ def join_surfaces(
 ) -> tuple[Surfaces, Index]:
     """Join the curved surfaces of all parts in the world frame, with a label for each triangle.
 
-    Parameters
-    ----------
-    by_part : mapping from part to `PartSurfaces`
-        The curved surfaces of parts that have any.
-    rotation, position : ndarray, shape (N, 3, 3), (N, 3)
-        Poses of the parts.
-    vertices, triangles, triangle_start : ndarray
-        As in `Geometry`, world frame.
-
-    Returns
-    -------
-    surfaces : Surfaces
-    label : ndarray of int, shape (T,)
-        Surface of each triangle, or -1.
+    Arguments: `rotation`, `position` (N, 3, 3): poses of the parts. Returns `label` (T,): surface
+    of each triangle, or -1.
     """
     label = np.full(len(triangles), -1)
     rows: list[tuple[int, Surface | None, bool, float]] = []
@@ -356,12 +301,8 @@ def join_surfaces(
 def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | None]]:
     """Merge surfaces of a part that are pieces of the same surface.
 
-    Returns
-    -------
-    names : ndarray of int, shape (number of surfaces + 1,)
-        New number of each surface, and of the free form.
-    kept : list of Surface or None
-        The distinct surfaces; None is the free form, if a triangle has it.
+    Returns `names` (number of surfaces + 1,): new number of each surface, and of the free form;
+    `kept`: the distinct surfaces; None is the free form, if a triangle has it.
     """
     kept: list[Surface | None] = []
     names = np.zeros(len(local_surfaces.surfaces) + 1, dtype=np.int64)

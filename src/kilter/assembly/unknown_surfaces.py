@@ -20,21 +20,16 @@ __all__ = ["UnknownSurfaces", "unknown_surfaces"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnknownSurfaces(Rows):
-    """Boxes around regions of parts whose true surface is unknown; world frame.
-
-    Attributes
-    ----------
-    part : ndarray of int, shape (n,)
-    low, high : ndarray, shape (n, 3)
-        Lower and upper corner of the box [length unit].
-    whole : ndarray of bool, shape (n,)
-        Whether the whole surface of the part is unknown, because its shape is a stand-in.
-    """
+    """Boxes around regions of parts whose true surface is unknown; world frame."""
 
     part: Index
+    """Shape (n,)."""
     low: Array = columns(3)
     high: Array = columns(3)
+    """Lower and upper corner of the box [length unit], shape (n, 3)."""
     whole: Mask = columns()
+    """Whether the whole surface of the part is unknown, because its shape is a stand-in, shape
+    (n,)."""
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -51,13 +46,8 @@ def unknown_surfaces(
 ) -> UnknownSurfaces:
     """Regions of parts whose true surface is unknown: holes, and replaced unreadable solids.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-    meshes : dict of int to MeshSurface
-        Surface of each part that is a mesh, by the index of the part.
-    poses : (ndarray, ndarray)
-        Rotation matrices, shape (N, 3, 3), and positions, shape (N, 3) [length unit].
+    Arguments: `poses`: rotation matrices, shape (N, 3, 3), and positions, shape (N, 3) [length
+    unit].
     """
     places: list[tuple[int, Array, bool]] = []
     for k, part in enumerate(parts):

@@ -44,13 +44,7 @@ collection of so many takes 40 ms; more objects need more memory."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a kilter command, given as words, and return its exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Words of the command line; those of this process by default.
-    """
+    """Run a kilter command, given as words, and return its exit code."""
     import warnings
 
     words = list(sys.argv[1:] if arguments is None else arguments)

@@ -62,66 +62,45 @@ class Incomplete(Record):
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """Values of the options that commands share: file, reading, tolerance, limits, output.
-
-    Attributes
-    ----------
-    file : str
-        Path of the assembly, or "-" for standard input.
-    reading : Reading
-        Options of reading the file; those of a file of choices are included.
-    typed : Reading
-        Options of reading, as they are typed.
-    tolerance : Tolerance
-        Tolerance of contact detection.
-    touch : ToleranceOptions
-        Options of the tolerance, as they are typed.
-    effort : float or None
-        Limit of the work of searches with friction; None for a command without.
-    limit : float or None
-        Limit of the time for a file, its reading included [s].
-    begun : float
-        Time at which the command, or the work on this file, began [s].
-    json, quiet, verbose : bool
-        Options of these names.
-    output, proof : Path or None
-        Files to write.
-    source : Path or None
-        The file that a file of choices names; None for a file without choices.
-    notes : tuple of str
-        Sentences about the choices: replaced keys, a changed file.
-    all_touch : ToleranceOptions
-        Options of the tolerance, with those of the choices.
-    straps : Path or None
-        File of straps that are added.
-    """
+    """Values of the options that commands share: file, reading, tolerance, limits, output."""
 
     file: str
+    """Path of the assembly, or "-" for standard input."""
     reading: Reading
+    """Options of reading the file; those of a file of choices are included."""
     typed: Reading
+    """Options of reading, as they are typed."""
     tolerance: Tolerance
+    """Tolerance of contact detection."""
     touch: ToleranceOptions
+    """Options of the tolerance, as they are typed."""
     effort: float | None
+    """Limit of the work of searches with friction; None for a command without."""
     limit: float | None
+    """Limit of the time for a file, its reading included [s]."""
     begun: float
+    """Time at which the command, or the work on this file, began [s]."""
     json: bool
     output: Path | None
     proof: Path | None
+    """Files to write."""
     quiet: bool
     verbose: bool
+    """Options of these names."""
     source: Path | None = None
+    """The file that a file of choices names; None for a file without choices."""
     notes: tuple[str, ...] = ()
+    """Sentences about the choices: replaced keys, a changed file."""
     all_touch: ToleranceOptions = NOTHING_TYPED
+    """Options of the tolerance, with those of the choices."""
     straps: Path | None = None
+    """File of straps that are added."""
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
         """Take the shared options out of the values of all options of a command, by name.
 
-        Raises
-        ------
-        InputError
-            If a value is invalid, or the answer would overwrite the file.
+        Raises `InputError` if a value is invalid, or the answer would overwrite the file.
         """
         import_scipy_quickly()
         from kilter.files.choices_off import require_off
@@ -269,12 +248,8 @@ class Asked:
     def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: Any) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
-        Parameters
-        ----------
-        make : callable or None
-            Function that returns the proof; None without a proof.
-        answer : dict
-            Data of the answer; it gets a warning if the file of an earlier proof remains.
+        Arguments: `make`: function that returns the proof; None without a proof; `answer`: data of
+        the answer; it gets a warning if the file of an earlier proof remains.
         """
         if self.proof is None:
             return ""
@@ -296,18 +271,8 @@ class Asked:
     ) -> None:
         """Print warnings on the error stream, and the answer as JSON or as text.
 
-        Parameters
-        ----------
-        answer : mapping
-            Data of the answer.
-        *more : Table
-            Further lists of the text.
-        after : str
-            End of the text. If it has a paragraph, it replaces the next step.
-        typed : sequence of str
-            Options of this command besides those of reading, for a next step of the same name.
-        bricks : bool
-            Whether the assembly is a model of bricks, for the next step.
+        Arguments: `typed`: options of this command besides those of reading, for a next step of the
+        same name.
         """
         from kilter.tell.facts import kind_of
         from kilter.tell.text import text_of
@@ -384,10 +349,7 @@ def tell_cut(
 def _not_negative(value: float, option: str, unit: str) -> float:
     """Validate that an option value is not negative, and return it.
 
-    Raises
-    ------
-    InputError
-        If the value is negative or not finite.
+    Raises `InputError` if the value is negative or not finite.
     """
     if not (math.isfinite(value) and value >= 0):
         raise InputError(f"{option} is {value:g}", hint=f"give {option} {unit}, 0 or more")

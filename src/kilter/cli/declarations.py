@@ -20,27 +20,18 @@ NUMBERS = {float: "a number", int: "a whole number"}
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """A parameter of a command: its declaration, the types of its values, whether it repeats.
-
-    Attributes
-    ----------
-    name : str
-        Name of the parameter.
-    declaration : Declaration
-        Its names and its help.
-    kinds : tuple of type
-        Types of its values; a single `bool` for a flag.
-    repeats : bool
-        Whether the option may be given several times.
-    default : object
-        Value of an option that is not given; `REQUIRED` where one is required.
-    """
+    """A parameter of a command: its declaration, the types of its values, whether it repeats."""
 
     name: str
+    """Name of the parameter."""
     declaration: Declaration
+    """Its names and its help."""
     kinds: tuple[Any, ...]
+    """Types of its values; a single `bool` for a flag."""
     repeats: bool
+    """Whether the option may be given several times."""
     default: Any
+    """Value of an option that is not given; `REQUIRED` where one is required."""
 
     @property
     def required(self) -> bool:
@@ -72,10 +63,8 @@ class Declared:
     def value(self, words: Any) -> Any:
         """Value of what the parser collected: a word, nested lists of words, True, or None.
 
-        Raises
-        ------
-        InputError
-            If a word is not a number, or not one of the words that the option accepts.
+        Raises `InputError` if a word is not a number, or not one of the words that the option
+        accepts.
         """
         if words is None:
             return self.default

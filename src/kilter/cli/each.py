@@ -30,17 +30,7 @@ def code_of(answer: Answer) -> int:
 def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answer]) -> int:
     """Print the verdict or the error of each file; return the worst exit code.
 
-    Parameters
-    ----------
-    asked : Asked
-    files : sequence of str
-    judge : callable
-        Function that returns the data of the verdict of one file.
-
-    Returns
-    -------
-    int
-        The worst exit code.
+    Returns the worst exit code.
     """
     from kilter.tell.numbers import plain
     from kilter.tell.text import aligned

@@ -40,15 +40,7 @@ REPLACED = (signal.SIG_DFL, signal.SIG_IGN, signal.default_int_handler)
 def interruptible(*, alone: bool) -> Iterator[Callable[[], bool]]:
     """Handle signals while a command runs, even if the calling script ignores them.
 
-    Parameters
-    ----------
-    alone : bool
-        Whether the process belongs to the command, so that it may be ended.
-
-    Yields
-    ------
-    callable
-        Function that returns whether a signal has arrived.
+    Yields function that returns whether a signal has arrived.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
@@ -100,15 +92,8 @@ def _end_if_dropped(dropped: sys.UnraisableHookArgs) -> None:
 def _watch(heard: list[float]) -> int:
     """Start a thread that ends the process if the main thread does not handle a signal in time.
 
-    Parameters
-    ----------
-    heard : list of float
-        Times at which the main thread handled signals [s].
-
-    Returns
-    -------
-    int
-        Descriptor to which the interpreter writes the signals.
+    Arguments: `heard`: times at which the main thread handled signals [s]. Returns descriptor to
+    which the interpreter writes the signals.
     """
     receiver, sender = os.pipe()
     os.set_blocking(sender, False)

@@ -61,10 +61,7 @@ class _Help(argparse.RawDescriptionHelpFormatter):
 class CommandParser(argparse.ArgumentParser):
     """Parser of a command. Its errors are `InputError`, with the name of the option that is meant.
 
-    Attributes
-    ----------
-    declared : dict of str to Declared
-        The parameters of the command, by name.
+    - `declared`: the parameters of the command, by name.
     """
 
     def __init__(self, declared: Sequence[Declared] = (), **settings: Any) -> None:
@@ -98,10 +95,7 @@ class CommandParser(argparse.ArgumentParser):
     def values(self, words: Sequence[str]) -> dict[str, Any]:
         """Values of the parameters of the command.
 
-        Raises
-        ------
-        InputError
-            If the command line is wrong.
+        Raises `InputError` if the command line is wrong.
         """
         given, unknown = self.parse_known_intermixed_args(with_values(words, self.of_name))
         if unknown:
@@ -167,15 +161,7 @@ def _add(group: Any, each: Declared) -> None:
 
 
 def with_values(words: Sequence[str], options: Mapping[str, Declared]) -> list[str]:
-    """Write ``--option=value`` where argparse would read the value as something else.
-
-    Parameters
-    ----------
-    words : sequence of str
-        Words after the name of the command.
-    options : dict of str to Declared
-        The options of the command, by each of their names.
-    """
+    """Write ``--option=value`` where argparse would read the value as something else."""
     from kilter.files.choices import LOWEST  # imported late: a help text does not need it
 
     result: list[str] = []
@@ -254,10 +240,7 @@ def help_text(name: str) -> str:
 def values_of(function: Callable[..., int], words: Sequence[str]) -> dict[str, Any]:
     """Values of the parameters of a command, from the words after its name.
 
-    Raises
-    ------
-    InputError
-        If the command line is wrong.
+    Raises `InputError` if the command line is wrong.
     """
     return parser_of(function).values(words)
 
@@ -265,10 +248,7 @@ def values_of(function: Callable[..., int], words: Sequence[str]) -> dict[str, A
 def completion(shell: str) -> str:
     """A script that completes the words of `kilter` in a shell: bash, fish, tcsh or zsh.
 
-    Raises
-    ------
-    InputError
-        If the extra `completion` is missing, or the shell is unknown.
+    Raises `InputError` if the extra `completion` is missing, or the shell is unknown.
     """
     try:
         import shtab

@@ -167,18 +167,6 @@ def asks(
 
     An option of the command replaces a shared option of the same name. All commands have
     ``--time-limit``.
-
-    Parameters
-    ----------
-    searches : bool
-        Whether to add ``--effort``, for commands that search with friction.
-    proves : bool
-        Whether to add ``--proof``, for answers with a proof.
-    answers : bool
-        Whether to add ``--json``, ``--output`` and ``--verbose``. Commands that write a page or a
-        figure have output options of their own.
-    writes : tuple of str
-        Endings of pages, figures and films that the command writes with ``--output``.
     """
 
     def decorate(act: Callable[..., int]) -> Callable[..., int]:

@@ -57,13 +57,7 @@ def as_json(data: Any) -> str:
 def emit(text: str, output: Path | None, answer: Mapping[str, Any] | None = None) -> None:
     """Print a text, or write it to a file; characters that do not print are escaped.
 
-    Parameters
-    ----------
-    text : str
-    output : Path or None
-        None: standard output.
-    answer : mapping, optional
-        Data of the answer whose colour the first line has on a terminal.
+    Arguments: `output`: None: standard output.
     """
     text = visible(text, keep="\n")
     if output is not None:
@@ -88,10 +82,7 @@ def tell_written(output: Path | None, content: str, quiet: bool) -> None:
 def keep_apart(file: str, *outputs: Path | None) -> None:
     """Raise an error if an output file would overwrite the input file or another output.
 
-    Raises
-    ------
-    InputError
-        If an output is the file that is read or an earlier output.
+    Raises `InputError` if an output is the file that is read or an earlier output.
     """
     seen = [os.path.realpath(file)] if file != "-" else []
     for output in outputs:
@@ -106,16 +97,7 @@ def keep_apart(file: str, *outputs: Path | None) -> None:
 def require_answer_file(output: Path | None, writes: Sequence[str] = ()) -> None:
     """Raise an error if the file of an answer has the ending of a page, a picture or a film.
 
-    Parameters
-    ----------
-    output : Path or None
-    writes : sequence of str
-        Endings of this kind that the command writes.
-
-    Raises
-    ------
-    InputError
-        If the command would write text into such a file.
+    Raises `InputError` if the command would write text into such a file.
     """
     ending = "" if output is None else output.suffix.lower()
     if ending in OTHER_FILES and ending not in writes:
@@ -129,10 +111,7 @@ def require_answer_file(output: Path | None, writes: Sequence[str] = ()) -> None
 def write_whole(path: Path, text: str) -> None:
     """Write text to a file completely, or leave the file as it was.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises `InputError` if the file cannot be written.
     """
     from kilter.files import write_text
 

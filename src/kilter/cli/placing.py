@@ -188,10 +188,7 @@ def _part_of(
 ) -> Part:
     """The part that the options describe.
 
-    Raises
-    ------
-    InputError
-        If not exactly one part is described.
+    Raises `InputError` if not exactly one part is described.
     """
     from kilter.analysis.placing.place import box_to_place
     from kilter.loading import load

@@ -99,15 +99,9 @@ class PlanOptions:
     def rules(self, gravity: Sequence[float]) -> PlanRules:
         """The options about the order as rules of `kilter.plan`.
 
-        Parameters
-        ----------
-        gravity : sequence of float, shape (3,)
-            Gravity of the assembly [m/s^2], for an acceleration in g.
-
-        Raises
-        ------
-        InputError
-            If a direction, a pair of names, an acceleration or the file of the sequence is invalid.
+        Arguments: `gravity` (3,): gravity of the assembly [m/s^2], for an acceleration in g. Raises
+        `InputError` if a direction, a pair of names, an acceleration or the file of the sequence is
+        invalid.
         """
         from kilter.analysis.planning.order.plan_rules import MOST_HELD, PlanRules
         from kilter.files.sequence import read_sequence
@@ -148,10 +142,7 @@ def _acceleration(text: str, gravity: Sequence[float]) -> float | list[float]:
 def _direction(word: str) -> str | list[float]:
     """Parse the value of a direction: a name, or three numbers.
 
-    Raises
-    ------
-    InputError
-        If the word is neither.
+    Raises `InputError` if the word is neither.
     """
     if word in ("axes", "normals"):
         return word

@@ -57,10 +57,7 @@ def density_of(word: str) -> float:
 def material_of(words: str) -> dict[str, Any]:
     """The material entry of a value of ``--material``: a name of parts, and density or material.
 
-    Raises
-    ------
-    InputError
-        If the value has no name of parts, or no density.
+    Raises `InputError` if the value has no name of parts, or no density.
 
     Examples
     --------
@@ -83,10 +80,7 @@ def material_of(words: str) -> dict[str, Any]:
 def named_numbers(option: str, words: str, count: int, example: str) -> tuple[Any, ...]:
     """Split ``NAME=X`` or ``NAME=X,Y,Z`` into the name and its numbers.
 
-    Raises
-    ------
-    InputError
-        If the name or a number is missing; the message names `option`.
+    Raises `InputError` if the name or a number is missing; the message names `option`.
 
     Examples
     --------

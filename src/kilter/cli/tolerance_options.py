@@ -49,10 +49,7 @@ class ToleranceOptions:
     def tolerance(self) -> Tolerance:
         """The contact tolerance for these option values.
 
-        Raises
-        ------
-        InputError
-            If a value is not positive, or the angle [deg] is 45 or more.
+        Raises `InputError` if a value is not positive, or the angle [deg] is 45 or more.
         """
         from kilter.contact import Tolerance
 
@@ -105,10 +102,7 @@ class ToleranceOptions:
 def straps_of(path: Path) -> dict[str, Any]:
     """Read the file of ``--straps`` as entries of a reading: a JSON list of straps.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or an entry is no strap.
+    Raises `InputError` if the file cannot be read, or an entry is no strap.
     """
     from kilter.files.raw import read_bytes
     from kilter.files.saved_entries import valid_entries

@@ -181,10 +181,7 @@ def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet
 
     Nearest neighbours and warnings are left out.
 
-    Raises
-    ------
-    InputError
-        If the tolerance is not above zero.
+    Raises `InputError` if the tolerance is not above zero.
     """
     tolerance.require_sound()
 

@@ -32,13 +32,6 @@ __all__ = ["KeptContacts", "contacts_among", "without_overlaps"]
 class KeptContacts:
     """Findings of a contact search for all assemblies with the same bodies in the same places.
 
-    Attributes
-    ----------
-    assembly : Assembly
-        The assembly of the search; its held parts must be held in each later assembly.
-    tolerance : Tolerance
-    findings : PairFindings
-
     Examples
     --------
     >>> from kilter.scenes import scene
@@ -51,6 +44,7 @@ class KeptContacts:
     """
 
     assembly: Assembly
+    """The assembly of the search; its held parts must be held in each later assembly."""
     tolerance: Tolerance
     findings: PairFindings
 

@@ -139,21 +139,15 @@ FIRST = 200
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedBody:
-    """The intersection of two overlapping parts, as a mesh in the world frame.
-
-    Attributes
-    ----------
-    volume : float
-        Volume [length unit^3].
-    corners : ndarray, shape (T, 3, 3)
-        Triangles of its surface.
-    of_first : ndarray of bool, shape (T,)
-        True if a triangle lies on the surface of the first part, else on that of the second.
-    """
+    """The intersection of two overlapping parts, as a mesh in the world frame."""
 
     volume: float
+    """Volume [length unit^3]."""
     corners: Array
+    """Triangles of its surface, shape (T, 3, 3)."""
     of_first: Mask
+    """True if a triangle lies on the surface of the first part, else on that of the second,
+    shape (T,)."""
 
 
 def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:

@@ -33,27 +33,19 @@ WIDEST = np.pi / 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundEdge:
-    """Arcs of a circle to which a flat contact extends beyond its corners; world frame.
-
-    Attributes
-    ----------
-    patch : int
-        Patch of the contact.
-    center, u, v : ndarray, shape (3,)
-        Centre of the circle, and unit directions in its plane.
-    radius : float
-        [length unit]
-    begin, extent : ndarray, shape (m,)
-        First angle of each arc from u toward v, in [-pi, pi], and its angle [rad].
-    """
+    """Arcs of a circle to which a flat contact extends beyond its corners; world frame."""
 
     patch: int
+    """Patch of the contact."""
     center: Array
     u: Array
     v: Array
+    """Centre of the circle, and unit directions in its plane, shape (3,)."""
     radius: float
+    """[length unit]"""
     begin: Array
     extent: Array
+    """First angle of each arc from u toward v, in [-pi, pi], and its angle [rad], shape (m,)."""
 
     def angle(self, point: Array) -> float:
         """Angle of a point about the centre [rad]."""

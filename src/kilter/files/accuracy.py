@@ -39,18 +39,8 @@ SAMPLE = 10_000
 def text_accuracy(values: ArrayLike, *, exponent: bool = False) -> Callable[[Array], float | None]:
     """Estimate how coarsely the numbers of a text file are rounded, from all its coordinates.
 
-    Parameters
-    ----------
-    values : array_like
-        Every coordinate of the file.
-    exponent : bool
-        Whether the numbers have an exponent (``1.234568e+01``).
-
-    Returns
-    -------
-    callable
-        Function from the coordinates of a mesh of the file to their largest error [length unit];
-        None for float64.
+    Returns function from the coordinates of a mesh of the file to their largest error [length
+    unit]; None for float64.
 
     Examples
     --------

@@ -64,11 +64,7 @@ def _labels(places: Array, faces: Index) -> Index:
 
     A hole is a shell of its own.
 
-    Parameters
-    ----------
-    places : ndarray, shape (n, 3)
-        Distinct vertices.
-    faces : ndarray of int, shape (m, 3)
+    Arguments: `places` (n, 3): distinct vertices; `faces` (m, 3).
     """
     sign = 1 if signed_volume(places, faces) >= 0 else -1
     face, key, turn, (low, high) = _edges(faces)
@@ -112,16 +108,8 @@ def _edges(faces: Index) -> tuple[Index, Index, Index, tuple[Index, Index]]:
 def _third(faces: Index, low: Index, high: Index) -> Index:
     """The corner of each face that is not on the given edge; the first corner if the area is 0.
 
-    Parameters
-    ----------
-    faces : ndarray of int, shape (n, s, 3)
-        The s faces at each of n edges.
-    low, high : ndarray of int, shape (n, 1)
-        Ends of the edges.
-
-    Returns
-    -------
-    ndarray of int, shape (n, s)
+    Arguments: `faces` (n, s, 3): the s faces at each of n edges; `low`, `high` (n, 1): ends of the
+    edges. Returns (n, s).
     """
     off = (faces != low[:, :, None]) & (faces != high[:, :, None])
     third: Index = np.take_along_axis(faces, off.argmax(axis=2)[:, :, None], axis=2)[:, :, 0]
@@ -137,19 +125,10 @@ def _pair_about_edge(
     outside at larger angles, so the material ends there: it closes. A face that runs against the
     edge opens. Among faces that lie on each other, the closing faces come first.
 
-    Parameters
-    ----------
-    edge : (ndarray, ndarray), shape (n, 3)
-        Ends of the edges.
-    opposite : ndarray, shape (n, s, 3)
-        Third corner of each of the s faces at an edge.
-    turn : ndarray of int, shape (n, s)
-        1 if a face runs along the edge, -1 if it runs against it.
-
-    Returns
-    -------
-    edge, opening, closing : ndarray of int, shape (m,)
-        Index of the edge, and indices of the two faces among the s faces at that edge.
+    Arguments: `edge` (n, 3): ends of the edges; `opposite` (n, s, 3): third corner of each of the s
+    faces at an edge; `turn` (n, s): 1 if a face runs along the edge, -1 if it runs against it.
+    Returns `edge, opening, closing` (m,): index of the edge, and indices of the two faces among the
+    s faces at that edge.
     """
     axis = edge[1] - edge[0]
     arm = opposite - edge[0][:, None]
@@ -169,12 +148,8 @@ def _pair_about_edge(
 def _match_brackets(order: Index, turn: Index) -> tuple[Index, Index, Index]:
     """Pair each closing face with the last unpaired opening face, as brackets, for n edges at once.
 
-    Parameters
-    ----------
-    order : ndarray of int, shape (n, s)
-        Faces at each edge in the order of their angles.
-    turn : ndarray of int, shape (n, s)
-        1 if a face closes, -1 if it opens.
+    Arguments: `order` (n, s): faces at each edge in the order of their angles; `turn` (n, s): 1 if
+    a face closes, -1 if it opens.
     """
     every, size = np.arange(len(order)), order.shape[1]
     waiting, height = np.empty((len(order), 2 * size), dtype=np.int64), np.zeros_like(every)

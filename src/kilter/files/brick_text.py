@@ -35,11 +35,8 @@ EXAMPLE = "write a brick like 2x4 (10,3,0)"
 def load_brick_text(path: Path, *, rules: StudRules | None = None) -> Assembly:
     """Read a BrickGPT file as an assembly; empty lines are ignored.
 
-    Raises
-    ------
-    InputError
-        If a line is not a brick, or its brick has an unknown size, a negative layer, or a cell
-        of another brick; the error names the line.
+    Raises `InputError` if a line is not a brick, or its brick has an unknown size, a negative
+    layer, or a cell of another brick; the error names the line.
     """
     with reader_guard(path):
         return _read(read_bytes(path, most=MOST_TABLE_BYTES), rules, str(path))

@@ -20,11 +20,8 @@ def checked_solid(solid: Solid) -> Solid:
     The enclosed volume may differ from the stated volume by the distance of the triangles from
     the faces times their area. A solid with holes is not verified.
 
-    Raises
-    ------
-    InputError
-        If the triangles are not closed, or enclose another volume than the solid states, or if
-        round faces lie on each other.
+    Raises `InputError` if the triangles are not closed, or enclose another volume than the solid
+    states, or if round faces lie on each other.
     """
     vertices, triangles = solid.vertices, solid.triangles
     if len(solid.holes) and len(triangles):

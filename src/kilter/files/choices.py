@@ -254,10 +254,7 @@ DEFAULT = {field.name: field.default for field in fields(Choices)}
 def find_choices(source: Any) -> Choices | None:
     """The choices in the file at a path; None if the source is no file of choices.
 
-    Raises
-    ------
-    InputError
-        If the choices are invalid; the error names their file.
+    Raises `InputError` if the choices are invalid; the error names their file.
     """
     if isinstance(source, Choices):
         return source

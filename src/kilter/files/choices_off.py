@@ -33,20 +33,8 @@ WILD = "*?["
 def require_off(off: Sequence[str], release: Sequence[str], given: Collection[str]) -> None:
     """Verify that options can be switched off, and that none of them is given as well.
 
-    Parameters
-    ----------
-    off : sequence of str
-        Names of options.
-    release : sequence of str
-        Names of parts that are released.
-    given : collection of str
-        Options and keys that the caller gives.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown (the error names the most similar option), or if an option is given
-        and switched off.
+    Raises `InputError` if a name is unknown (the error names the most similar option), or if an
+    option is given and switched off.
     """
     for name in off:
         if name not in OFF:
@@ -75,19 +63,7 @@ def switched_off(
 ) -> tuple[Choices, list[str]]:
     """Copy of saved choices without some keys and held parts, and a sentence for each removal.
 
-    Parameters
-    ----------
-    choices : Choices
-    off : iterable of str
-        Options in `OFF` whose saved values are ignored.
-    release : sequence of str
-        Names of held parts that are not held; ``*`` and ``?`` are wildcards. A saved wildcard
-        remains if these names match only some of its parts: see `released_in_part`.
-
-    Raises
-    ------
-    InputError
-        If a released name matches no saved name of a held part.
+    Raises `InputError` if a released name matches no saved name of a held part.
 
     Examples
     --------

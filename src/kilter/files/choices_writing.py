@@ -20,22 +20,7 @@ SUFFIX = ".json"
 def choices_about(path: Path, folder: Path, options: Mapping[str, Any], **keys: Any) -> Choices:
     """Build choices from the options with which a file is read: the inverse of `Choices.options`.
 
-    Parameters
-    ----------
-    path : Path
-        The file that the choices are about.
-    folder : Path
-        Folder of the choices.
-    options : mapping
-        `kilter.files.reading.Reading.options()`. Gravity of the option `down` depends on the file,
-        so it is one of the `keys`.
-    **keys
-        Further keys of the choices, which win over the options.
-
-    Raises
-    ------
-    InputError
-        If the file does not lie in the folder or below.
+    Raises `InputError` if the file does not lie in the folder or below.
     """
     values = {key: options[option] for key, option in OPTIONS.items() if option in options}
     studs = {key: options[option] for key, option in STUDS.items() if option in options}
@@ -66,10 +51,8 @@ def _relative(path: Path, folder: Path) -> str:
 def require_place(output: Path) -> bool:
     """Verify that choices may be written to a file; return whether it already holds choices.
 
-    Raises
-    ------
-    InputError
-        If the file has another ending than .json, or has another content than choices.
+    Raises `InputError` if the file has another ending than .json, or has another content than
+    choices.
     """
     if output.suffix.lower() != SUFFIX:
         raise InputError(
@@ -95,10 +78,7 @@ def write_choices(choices: Choices, output: str | Path, *, links: bool = True) -
 
     `links` is that of `kilter.files.writing.write_bytes`.
 
-    Raises
-    ------
-    InputError
-        As `require_place`, or if the file cannot be written.
+    Raises `InputError` as `require_place`, or if the file cannot be written.
     """
     require_place(Path(output))
     write_text(output, json_lines(choices.to_dict()), links=links)

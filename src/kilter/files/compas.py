@@ -55,21 +55,9 @@ def from_compas(
 ) -> Assembly:
     """Build the assembly of a COMPAS file.
 
-    Parameters
-    ----------
-    data : JSON value
-        Content of the file.
-    units : {"m", "cm", "mm", "in"}, optional
-        Length unit; default metres.
-    source : str
-        Name of the file, for messages.
-    contacts : {"file", "geometry"}, optional
-        "file": the interfaces of the file are the contacts, and contacts are not detected.
-
-    Raises
-    ------
-    InputError
-        If the value is not an assembly of blocks, or a block is damaged; the error names it.
+    Arguments: `contacts`: "file": the interfaces of the file are the contacts, and contacts are not
+    detected. Raises `InputError` if the value is not an assembly of blocks, or a block is damaged;
+    the error names it.
     """
     with reader_guard(source):
         nodes, graph = _graph(data)
@@ -157,12 +145,8 @@ def _name_beside_data(node: dict[str, Any]) -> Any:
 def _names(blocks: dict[str, dict[str, Any]], beside: dict[str, Any]) -> dict[str, str]:
     """Part name for each node: the name of its block if that is unique, else the node's key.
 
-    Parameters
-    ----------
-    blocks : dict
-        Data of the block of each node key.
-    beside : dict
-        `_name_beside_data` of each node key, used if the block has no attribute `name`.
+    Arguments: `beside`: `_name_beside_data` of each node key, used if the block has no attribute
+    `name`.
     """
     given = {}
     for key, block in blocks.items():

@@ -19,16 +19,7 @@ _TAGS = re.compile(r"as path|inline|named|constrained-\w+|literal\[.*\]|float|li
 
 
 def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseModel]) -> InputError:
-    """Convert a validation error of a file to one clear `InputError`, for its first fault.
-
-    Parameters
-    ----------
-    error : pydantic.ValidationError
-    data : dict
-        Content of the file.
-    model : type of pydantic.BaseModel
-        Model of the whole file; its keys serve to suggest a spelling.
-    """
+    """Convert a validation error of a file to one clear `InputError`, for its first fault."""
     faults = error.errors(include_url=False, include_context=True)
     fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
     place = _fault_place(fault)

@@ -44,12 +44,8 @@ def has_doubled_faces(solid: Solid) -> bool:
 def _covered(corners: Array, others: Array, reach: float) -> float:
     """Fraction of the area of triangles whose centroids lie on other triangles [-].
 
-    Parameters
-    ----------
-    corners, others : ndarray, shape (n, 3, 3) and (m, 3, 3)
-        Corners of triangles.
-    reach : float
-        Largest distance of a centroid from the plane of the other triangle [length unit].
+    Arguments: `corners`, `others` (n, 3, 3): corners of triangles; `reach`: largest distance of a
+    centroid from the plane of the other triangle [length unit].
     """
     step = -(-len(corners) // MOST_SAMPLES) or 1
     corners = corners[::step]

@@ -99,10 +99,7 @@ def read_path(
 def read_json(path: Path) -> Any:
     """Read the value of a JSON file.
 
-    Raises
-    ------
-    InputError
-        If the file is missing or is not JSON; the error names the file.
+    Raises `InputError` if the file is missing or is not JSON; the error names the file.
     """
     data = read_bytes(path)
     try:

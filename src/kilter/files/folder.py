@@ -25,10 +25,8 @@ __all__ = ["load_folder"]
 def load_folder(path: Path, *, units: str | None = None) -> Assembly:
     """Read all mesh and STEP files of a folder as an assembly; subfolders are ignored.
 
-    Raises
-    ------
-    InputError
-        If the folder cannot be read, has no mesh or STEP file, or a file is damaged.
+    Raises `InputError` if the folder cannot be read, has no mesh or STEP file, or a file is
+    damaged.
     """
     try:
         entries = sorted(path.iterdir(), key=lambda entry: natural_key(entry.name))

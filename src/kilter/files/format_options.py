@@ -14,24 +14,15 @@ BASES = ("fixed", "floating")
 
 @dataclass(frozen=True, slots=True)
 class FormatOptions:
-    """Options of `kilter.load` for specific file formats; None: the default.
-
-    Attributes
-    ----------
-    units : {"m", "cm", "mm", "in"} or None
-        Length unit, for formats that state none.
-    contacts : {"file", "geometry"} or None
-        COMPAS: whether the interfaces of the file are the contacts.
-    keyframe : str or None
-        MuJoCo: name of the keyframe whose pose is used.
-    base : {"fixed", "floating"} or None
-        URDF: whether the root link is held.
-    studs : StudRules or None
-        Bricks: strength of studs, and points at which sides push each other.
-    """
+    """Options of `kilter.load` for specific file formats; None: the default."""
 
     units: str | None = None
+    """One of "m", "cm", "mm", "in". Length unit, for formats that state none."""
     contacts: str | None = None
+    """One of "file", "geometry". COMPAS: whether the interfaces of the file are the contacts."""
     keyframe: str | None = None
+    """MuJoCo: name of the keyframe whose pose is used."""
     base: str | None = None
+    """One of "fixed", "floating". URDF: whether the root link is held."""
     studs: StudRules | None = None
+    """Bricks: strength of studs, and points at which sides push each other."""

@@ -110,18 +110,9 @@ def read_bodies(
 ) -> FileBodies:
     """Read the meshes or solids of a file, in the file's own length unit.
 
-    Parameters
-    ----------
-    path : Path
-    without : sequence of str
-        Names, or globs, of bodies that are left out; only the STEP reader leaves them out here.
-    progress : callable, optional
-        Called with a word at each stage (STEP only).
-
-    Raises
-    ------
-    InputError
-        If the file is missing, empty, damaged, or holds no faces; it names the file.
+    Arguments: `without`: names, or globs, of bodies that are left out; only the STEP reader leaves
+    them out here. Raises `InputError` if the file is missing, empty, damaged, or holds no faces; it
+    names the file.
     """
     require_below(path)
     suffix = path.suffix.lower()
@@ -143,16 +134,8 @@ def load_bodies(
 
     `without` and `progress` are those of `read_bodies`.
 
-    Returns
-    -------
-    assembly : Assembly
-    left_out : tuple of str
-        Names of the bodies that the reader has left out.
-
-    Raises
-    ------
-    InputError
-        As `read_bodies`; also if `units` differ from the units that the file states.
+    Returns `left_out`: names of the bodies that the reader has left out. Raises `InputError` as
+    `read_bodies`; also if `units` differ from the units that the file states.
     """
     bodies = read_bodies(path, without=without, progress=progress)
     with reader_guard(path):
@@ -167,10 +150,7 @@ def assembly_of(
     A body without a name is named after `stem`. A single mesh without a name is split into its
     separate bodies.
 
-    Raises
-    ------
-    InputError
-        If there is no body, or `units` differ from the units that are stated.
+    Raises `InputError` if there is no body, or `units` differ from the units that are stated.
     """
     if not bodies.shapes:
         raise InputError("all parts are left out", hint="leave fewer parts out")
@@ -196,22 +176,9 @@ def agreed_units(
 ) -> str:
     """The length unit to use: the unit that the file states, else the given unit, else "m".
 
-    Parameters
-    ----------
-    stated : str or None
-        Unit that the file or the standard of its format states.
-    asked : str or None
-        Unit that the user gives.
-    notes : list of str, optional
-        Given if the unit is only that of the standard: the user's unit then wins, and a note is
-        appended.
-    what : str
-        Noun for the message.
-
-    Raises
-    ------
-    InputError
-        If both units are given, differ, and `notes` is None.
+    Arguments: `notes`: given if the unit is only that of the standard: the user's unit then wins,
+    and a note is appended. Raises `InputError` if both units are given, differ, and `notes` is
+    None.
     """
     if asked is not None:
         metres_per_unit(asked)

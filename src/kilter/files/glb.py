@@ -50,16 +50,8 @@ _DEEP = "export it again, with its objects in fewer groups"
 def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
     """Read the meshes of a GLB file, with their names.
 
-    Returns
-    -------
-    solids : list of (str or None, Mesh)
-        Name and mesh, at its place.
-    notes : list of str
-
-    Raises
-    ------
-    InputError
-        If the file is damaged, compressed, or refers to other files.
+    Returns `solids`: name and mesh, at its place. Raises `InputError` if the file is damaged,
+    compressed, or refers to other files.
     """
     header, binary = _chunks(data)
     _require_readable(header)
@@ -70,10 +62,7 @@ def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
 def _header_entry(rows: list[_Row], k: int, what: str) -> _Row:
     """Entry k of a list in the header, checked; `what` is the noun for the error message.
 
-    Raises
-    ------
-    InputError
-        If k is out of range.
+    Raises `InputError` if k is out of range.
     """
     if k >= len(rows):
         raise InputError(f"damaged GLB: {what} {k} of {len(rows)} is missing", hint=_DAMAGED)
@@ -160,10 +149,8 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
 def _placed_nodes(header: Gltf) -> Iterator[tuple[Node, Array, tuple[str, ...]]]:
     """Nodes of the scene, their transforms to its frame (4, 4), and the names of nodes above them.
 
-    Raises
-    ------
-    InputError
-        If a node has two parent nodes, a transform that is not finite, or too many nodes above it.
+    Raises `InputError` if a node has two parent nodes, a transform that is not finite, or too many
+    nodes above it.
     """
     seen: set[int] = set()
     start: tuple[str, ...] = ()
@@ -260,10 +247,8 @@ def _primitive(header: Gltf, binary: bytes, primitive: Primitive) -> Mesh | None
 def _accessor(header: Gltf, binary: bytes, index: int, wanted: str) -> NDArray[Any]:
     """The rows of numbers that an accessor of the header describes, shape (n, width).
 
-    Raises
-    ------
-    InputError
-        If the type of the accessor is not `wanted` ("SCALAR" or "VEC3"), or bytes are missing.
+    Raises `InputError` if the type of the accessor is not `wanted` ("SCALAR" or "VEC3"), or bytes
+    are missing.
     """
     accessor = _header_entry(header.accessors, index, "accessor")
     if accessor.type != wanted:
@@ -307,18 +292,7 @@ def _view(
     kind: np.dtype[Any],
     shape: tuple[int, int],
 ) -> NDArray[Any]:
-    """Read rows of numbers from a place in the binary chunk.
-
-    Parameters
-    ----------
-    header : Gltf
-    binary : bytes
-    place : (int, int)
-        Index of the buffer view, and first byte within the view.
-    kind : dtype
-    shape : (int, int)
-        Number of rows, and numbers per row.
-    """
+    """Read rows of numbers from a place in the binary chunk."""
     view = _header_entry(header.bufferViews, place[0], "buffer view")
     start = view.byteOffset + place[1]
     row = shape[1] * kind.itemsize

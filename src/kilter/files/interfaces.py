@@ -70,17 +70,9 @@ def contacts_of(
 ) -> list[GivenContact]:
     """Convert COMPAS interfaces to contacts of parts.
 
-    Parameters
-    ----------
-    interfaces : list of (str, str, dict)
-        Keys of the two nodes, and the interface, as `interfaces_of` returns them.
-    parts : mapping of str to Part
-        The part of each node key.
-
-    Raises
-    ------
-    InputError
-        If there is no interface, or an interface has an unknown block or no valid corners.
+    Arguments: `interfaces`: keys of the two nodes, and the interface, as `interfaces_of` returns
+    them. Raises `InputError` if there is no interface, or an interface has an unknown block or no
+    valid corners.
     """
     if not interfaces:
         raise InputError(

@@ -71,19 +71,8 @@ def schema(name: str = "assembly") -> dict[str, Any]:
 def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assembly:
     """Build an assembly from the JSON data of kilter's assembly file.
 
-    Parameters
-    ----------
-    data : dict
-        Content of the file.
-    folder : path
-        Folder that the paths of meshes are relative to.
-    source : str
-        Name of the file, for messages.
-
-    Raises
-    ------
-    InputError
-        If an entry is unknown, missing or invalid; the error names the part and the place.
+    Raises `InputError` if an entry is unknown, missing or invalid; the error names the part and the
+    place.
 
     Examples
     --------
@@ -306,15 +295,6 @@ def _keep(
 
     A second division by the length may change the last digit, but a file that is read and
     written again must be the same.
-
-    Parameters
-    ----------
-    value : frozen dataclass
-        Value whose field is overwritten.
-    name : str
-        Name of the field.
-    numbers : list of float
-        Components of the direction as written.
     """
     if abs(float(np.linalg.norm(numbers)) - 1.0) <= 4 * np.finfo(float).eps:
         object.__setattr__(value, name, frozen(numbers, (3,)))

@@ -76,11 +76,8 @@ class _PlacedBrick:
 def load_ldraw(path: Path, *, rules: StudRules | None = None) -> Assembly:
     """Read an LDraw model as an assembly, in mm.
 
-    Raises
-    ------
-    InputError
-        If a line is invalid, or a part is not a plain brick or plate, is tilted or off the grid,
-        or occupies a cell of another part; the error names the line.
+    Raises `InputError` if a line is invalid, or a part is not a plain brick or plate, is tilted or
+    off the grid, or occupies a cell of another part; the error names the line.
     """
     with reader_guard(path):
         data = read_bytes(path, most=MOST_TABLE_BYTES)
@@ -145,11 +142,8 @@ def _line(number: int, text: str) -> _PartLine:
 def _placed_bricks(models: dict[str, list[_PartLine]]) -> Iterator[_PlacedBrick]:
     """Yield the bricks of the first model, including those of the models that it contains.
 
-    Raises
-    ------
-    InputError
-        If a model contains itself, parts are unknown, or there are too many bricks; the error
-        names all unknown parts.
+    Raises `InputError` if a model contains itself, parts are unknown, or there are too many bricks;
+    the error names all unknown parts.
     """
     if not models:
         return
@@ -253,12 +247,8 @@ def _grid_model(bricks: list[_PlacedBrick]) -> BrickModel:
 def _cells(low: Array, line: Index) -> Index:
     """Grid cell of the lowest corner of each brick, shape (n, 3), from corners in cell units.
 
-    Parameters
-    ----------
-    low : ndarray, shape (n, 3)
-        Lowest corners [cells, cells, plates]; they share the fraction of the first corner.
-    line : ndarray of int, shape (n,)
-        Line of each part, for the message.
+    Arguments: `low` (n, 3): lowest corners [cells, cells, plates]; they share the fraction of the
+    first corner; `line` (n,): line of each part, for the message.
     """
     beside = low - low[0]
     whole = np.round(beside)

@@ -78,13 +78,6 @@ class SceneCount(NamedTuple):
 class Tally:
     """A counter that raises an error when it exceeds a limit.
 
-    Parameters
-    ----------
-    what : str
-        Plural noun of the counted things, for the message.
-    most : int
-        Largest count that is allowed.
-
     Examples
     --------
     >>> corners = Tally("corners", 10)
@@ -103,10 +96,7 @@ class Tally:
     def add(self, count: int) -> None:
         """Add a number to the counter; raises an error beyond the limit.
 
-        Raises
-        ------
-        InputError
-            If the count is then above the bound.
+        Raises `InputError` if the count is then above the bound.
         """
         self.count += count
         if self.count > self.most:
@@ -119,10 +109,7 @@ class Tally:
 def require_unfolded(size: int, held: int) -> None:
     """Verify that a zip file of `held` bytes does not unpack to too many bytes (`size`).
 
-    Raises
-    ------
-    InputError
-        If the unpacked size is above the bound.
+    Raises `InputError` if the unpacked size is above the bound.
     """
     most = min(max(SMALL, MOST_FOLD * held), MOST_BYTES)
     if size > most:
@@ -136,10 +123,7 @@ def require_unfolded(size: int, held: int) -> None:
 def require_few_entries(text: bytes) -> None:
     """Verify that an XML text is not too large for the reader, and has no DTD.
 
-    Raises
-    ------
-    InputError
-        If it has more tags and attributes, or a DTD.
+    Raises `InputError` if it has more tags and attributes, or a DTD.
     """
     if b"<!DOCTYPE" in text[:100_000]:
         raise InputError(
@@ -156,18 +140,9 @@ def require_few_entries(text: bytes) -> None:
 def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
     """Path of a file named inside another file, after a check that it stays in the folder.
 
-    Parameters
-    ----------
-    folder : Path
-        Folder of the naming file; `name` is relative to it.
-    name : str
-    top : Path, optional
-        Folder that the path may not leave, after following links; default `folder`.
-
-    Raises
-    ------
-    InputError
-        If the path leads out of `top`, or to a device or a pipe instead of a regular file.
+    Arguments: `top`: folder that the path may not leave, after following links; default `folder`.
+    Raises `InputError` if the path leads out of `top`, or to a device or a pipe instead of a
+    regular file.
     """
     path = folder / name
     require_below(path)
@@ -189,10 +164,7 @@ def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
 def require_regular(path: Path) -> None:
     """Verify that a path is no device and no pipe, which may have no end; it need not exist.
 
-    Raises
-    ------
-    InputError
-        If it is a device, a pipe or a folder.
+    Raises `InputError` if it is a device, a pipe or a folder.
     """
     try:
         kind = path.stat().st_mode

@@ -62,12 +62,7 @@ def note_on_up(assembly: Assembly) -> list[str]:
 def _stands(corners: Array, up: str) -> bool:
     """Whether the centre of mass is above the support polygon, with the axis `up` upwards.
 
-    Parameters
-    ----------
-    corners : ndarray, shape (n, 3)
-        Positions relative to the centre of mass.
-    up : str
-        Key of `UP`.
+    Arguments: `corners` (n, 3): positions relative to the centre of mass.
     """
     axis = int(np.abs(UP[up]).argmax())
     heights = corners @ np.array(UP[up])

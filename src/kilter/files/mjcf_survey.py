@@ -53,11 +53,9 @@ class Survey(NamedTuple):
 def survey_mjcf(path: Path) -> Survey:
     """Survey an MJCF scene: verify its counts and the files that it names.
 
-    Raises
-    ------
-    InputError
-        If the scene would make too many parts, points, keyframes or other elements, if it attaches
-        itself, or if a file that it names is a device, a pipe, or outside of the start folder.
+    Raises `InputError` if the scene would make too many parts, points, keyframes or other elements,
+    if it attaches itself, or if a file that it names is a device, a pipe, or outside of the start
+    folder.
     """
     models: dict[Path, _Model] = {}
     main = _Model(path.resolve(), models)
@@ -76,14 +74,7 @@ def survey_mjcf(path: Path) -> Survey:
 
 
 class _Model:
-    """An MJCF file with the scenes that it includes.
-
-    Parameters
-    ----------
-    path : Path
-    models : dict
-        All models by path; this model is added.
-    """
+    """An MJCF file with the scenes that it includes."""
 
     def __init__(self, path: Path, models: dict[Path, _Model]) -> None:
         models[path] = self

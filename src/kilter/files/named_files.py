@@ -17,15 +17,7 @@ __all__ = ["NamedFiles"]
 
 
 class NamedFiles:
-    """Shapes from the mesh and STEP files that an assembly file names; each file is read once.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder that the paths are relative to.
-    units : str
-        Length unit of the assembly.
-    """
+    """Shapes from the mesh and STEP files that an assembly file names; each file is read once."""
 
     def __init__(self, folder: Path, units: str) -> None:
         self.folder = folder
@@ -84,10 +76,7 @@ class NamedFiles:
 def _position(names: Sequence[str | None], name: str | None) -> int:
     """Index of the solid with a name; without a name, 0 if there is only one solid.
 
-    Raises
-    ------
-    InputError
-        If no solid has the name, or if there are several and no name is given.
+    Raises `InputError` if no solid has the name, or if there are several and no name is given.
     """
     known = [str(label) for label in names]
     if name is None and len(known) > 1:

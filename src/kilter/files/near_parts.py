@@ -23,10 +23,7 @@ AT_ONCE = 128
 def near_pairs(parts: Sequence[Part], reach: float) -> tuple[Index, Index]:
     """Pairs of parts whose bounding spheres overlap after enlargement by the factor `reach`.
 
-    Raises
-    ------
-    InputError
-        If there are too many pairs.
+    Raises `InputError` if there are too many pairs.
     """
     points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
     middle = np.array([(p.min(axis=0) + p.max(axis=0)) / 2 for p in points])

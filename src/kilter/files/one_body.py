@@ -40,28 +40,8 @@ def one_body(
 ) -> tuple[Shape, Pose]:
     """Unite shapes to the single shape of a part, and return its pose.
 
-    Parameters
-    ----------
-    shapes : sequence of (Shape, Pose)
-        Shapes, and their poses in the frame of the body.
-    name : str
-        Name of the part.
-    notes : list of str
-        A note counts the meshes among several shapes that are not closed. The convex hull replaces
-        such a mesh, as for contacts in MuJoCo and Bullet. A flat mesh is left out.
-    pieces : sequence of int, optional
-        Number of the piece to which each shape belongs, for the friction of its surface; default 0.
-
-    Returns
-    -------
-    shape : Shape
-    pose : Pose
-        Pose of the shape in the frame of the body.
-
-    Raises
-    ------
-    InputError
-        If there are several shapes and each is a flat mesh.
+    Returns `pose`: pose of the shape in the frame of the body. Raises `InputError` if there are
+    several shapes and each is a flat mesh.
     """
     if len(shapes) == 1:
         return shapes[0]
@@ -97,12 +77,7 @@ def one_body(
 def capsule(radius: float, height: float) -> Shape:
     """A cylinder about z with its middle at the origin, and a half-ball at each end.
 
-    Parameters
-    ----------
-    radius : float
-        [m].
-    height : float
-        Length of the cylinder [m]; 0 for a ball.
+    Arguments: `radius` [m]; `height`: length of the cylinder [m]; 0 for a ball.
     """
     ball = Sphere(radius)
     if not height > 0:

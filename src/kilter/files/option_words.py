@@ -13,11 +13,6 @@ __all__ = ["option_words"]
 def option_words(options: Mapping[str, Any]) -> list[str]:
     """Words of the command line for the options of a reading; of its `entries`, the materials.
 
-    Parameters
-    ----------
-    options : mapping
-        `kilter.files.reading.Reading.options()`.
-
     Examples
     --------
     >>> option_words({"ground": ["base"], "floor": "lowest", "friction": 0.3})

@@ -67,49 +67,32 @@ HEADER = "name,length,width,height,mass,x,y,z"
 
 @dataclass(frozen=True, slots=True)
 class PackedBox:
-    """A box of a packing plan.
-
-    Attributes
-    ----------
-    name : str
-    size : tuple of 3 float
-        Lengths along x, y, z as it stands [length unit].
-    mass : float
-        [kg]
-    corner : tuple of 3 float
-        Corner with the least coordinates [length unit].
-    line : int
-        Line of the table, or number of the item in its order, counted from 1.
-    max_load : float or None
-        Largest mass that its top may carry [kg]; None without a limit.
-    """
+    """A box of a packing plan."""
 
     name: str
     size: tuple[float, float, float]
+    """Lengths along x, y, z as it stands [length unit]."""
     mass: float
+    """[kg]"""
     corner: tuple[float, float, float]
+    """Corner with the least coordinates [length unit]."""
     line: int
+    """Line of the table, or number of the item in its order, counted from 1."""
     max_load: float | None = None
+    """Largest mass that its top may carry [kg]; None without a limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class PackingPlan:
-    """Boxes in the order in which they are packed.
-
-    Attributes
-    ----------
-    boxes : tuple of PackedBox
-    units : {"m", "cm", "mm", "in"}
-    order : str
-        Name of the order; empty for a table.
-    source : str
-        Path of the file.
-    """
+    """Boxes in the order in which they are packed."""
 
     boxes: tuple[PackedBox, ...]
     units: str
+    """One of "m", "cm", "mm", "in"."""
     order: str = ""
+    """Name of the order; empty for a table."""
     source: str = ""
+    """Path of the file."""
 
     @property
     def low(self) -> Any:
@@ -141,18 +124,8 @@ def load_plan(
 ) -> PackingPlan:
     """Read a packing plan from a CSV or JSON file.
 
-    Parameters
-    ----------
-    path : path
-    order : str, optional
-        Name of the order, for a file with several orders.
-    units : {"m", "cm", "mm", "in"}, optional
-        Length unit of a table that states none; default metres.
-
-    Raises
-    ------
-    InputError
-        If the file is no packing plan, or a box is invalid; the error names the line.
+    Raises `InputError` if the file is no packing plan, or a box is invalid; the error names the
+    line.
     """
     path = Path(path)
     is_table = path.suffix.lower() in CSV
@@ -183,10 +156,7 @@ def is_packing_plan(content: Any) -> bool:
 def plan_of_json(content: Any, order: str | None = None) -> PackingPlan:
     """The packing plan of an order in BED-BPP data.
 
-    Raises
-    ------
-    InputError
-        If the data are no orders, the order is missing, or an item is invalid.
+    Raises `InputError` if the data are no orders, the order is missing, or an item is invalid.
     """
     if not is_packing_plan(content):
         raise InputError(

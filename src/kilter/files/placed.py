@@ -19,42 +19,28 @@ __all__ = ["FileBodies", "join_meshes", "scale_mesh", "transform_mesh"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileBodies:
-    """Meshes or solids of a file with names and poses, in the file's own length unit.
-
-    Attributes
-    ----------
-    names : tuple of str or None
-    shapes : tuple of Mesh or Solid
-        Shapes in their own frames; instances of a shape are the same object.
-    poses : tuple of Pose
-        Transforms from the frame of each shape to the frame of the file; empty if the frames are
-        the same.
-    units : str or None
-        Length unit; None if the file states none.
-    by_standard : bool
-        Whether the unit is fixed by the standard of the format, and not stated in the file.
-    notes : tuple of str
-    left_out : tuple of str
-        Names of the bodies that the options leave out.
-    densities : tuple of float or None
-        Density that the file states for each body [kg/m^3]; empty if it states none.
-    colors : tuple of str or None
-        Colour of each body ("#rrggbb"); empty if the file states none.
-    materials, layers : tuple of str or None
-        Names of the material and of the layer of each body; empty if the file states none.
-    """
+    """Meshes or solids of a file with names and poses, in the file's own length unit."""
 
     names: tuple[str | None, ...]
     shapes: tuple[Mesh | Solid, ...]
+    """Shapes in their own frames; instances of a shape are the same object."""
     poses: tuple[Pose, ...] = ()
+    """Transforms from the frame of each shape to the frame of the file; empty if the frames are
+    the same."""
     units: str | None = None
+    """Length unit; None if the file states none."""
     by_standard: bool = False
+    """Whether the unit is fixed by the standard of the format, and not stated in the file."""
     notes: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    """Names of the bodies that the options leave out."""
     densities: tuple[float | None, ...] = ()
+    """Density that the file states for each body [kg/m^3]; empty if it states none."""
     colors: tuple[str | None, ...] = ()
+    """Colour of each body ("#rrggbb"); empty if the file states none."""
     materials: tuple[str | None, ...] = ()
     layers: tuple[str | None, ...] = ()
+    """Names of the material and of the layer of each body; empty if the file states none."""
 
     @property
     def places(self) -> tuple[Pose, ...]:

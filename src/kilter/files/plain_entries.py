@@ -32,15 +32,8 @@ class _NotPlainError(Exception):
 def plain_entries(data: Any) -> Any | None:
     """The entries of a small valid kilter file, with the attributes of `AssemblyFile`.
 
-    Parameters
-    ----------
-    data : JSON value
-        Content of the file.
-
-    Returns
-    -------
-    entries : namespace or None
-        None if the content is invalid, has more than `MOST_VALUES` values or defines a solid.
+    Returns `entries`: None if the content is invalid, has more than `MOST_VALUES` values or defines
+    a solid.
     """
     schema = json.loads(SCHEMA.read_text("utf-8"))
     try:

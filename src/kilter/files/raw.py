@@ -31,11 +31,8 @@ def is_folder(path: Path) -> bool:
 def read_bytes(path: Path, *, most: int = MOST_BYTES) -> bytes:
     """Read all bytes of a file, at most `most`; raises `InputError` if it cannot be read.
 
-    Raises
-    ------
-    InputError
-        If the path is missing, a folder, or not readable; or the file is empty or too large; or it
-        is outside of the start folder.
+    Raises `InputError` if the path is missing, a folder, or not readable; or the file is empty or
+    too large; or it is outside of the start folder.
     """
     require_below(path)
     try:
@@ -57,10 +54,7 @@ def read_bytes(path: Path, *, most: int = MOST_BYTES) -> bytes:
 def read_bounded(stream: BinaryIO, file: str, most: int = MOST_BYTES) -> bytes:
     """Read a stream to its end; raises `InputError` if it has more than `most` bytes.
 
-    Raises
-    ------
-    InputError
-        If it is longer; the error names `file`.
+    Raises `InputError` if it is longer; the error names `file`.
     """
     data = stream.read(most + 1)
     if len(data) > most:

@@ -47,17 +47,8 @@ LONGEST = 160
 def reader_guard(file: str | Path, also: Collection[str] = ()) -> Iterator[None]:
     """Turn the exceptions of a damaged file into an `InputError` that names the file.
 
-    Parameters
-    ----------
-    file : str or Path
-        Name of the file for the message.
-    also : collection of str
-        Names of further exceptions that the reader of this format may raise, as "module.Class".
-
-    Raises
-    ------
-    InputError
-        If the reader raises it, or an exception of damaged data.
+    Arguments: `also`: names of further exceptions that the reader of this format may raise, as
+    "module.Class". Raises `InputError` if the reader raises it, or an exception of damaged data.
 
     Examples
     --------

@@ -51,13 +51,7 @@ class ReaderFault(Exception):
 
 
 class ReaderProcess:
-    """A child process that reads files one after the other.
-
-    Parameters
-    ----------
-    module : str
-        Module whose function `serve` runs in the process.
-    """
+    """A child process that reads files one after the other."""
 
     def __init__(self, module: str) -> None:
         self.process = start_process(module)
@@ -83,22 +77,9 @@ class ReaderProcess:
     ) -> Any:
         """Send a request and return the answer.
 
-        Parameters
-        ----------
-        request : tuple
-        tell : callable
-            Called with each progress message.
-        most_memory : int, optional
-            Memory above which the process is ended [bytes].
-
-        Raises
-        ------
-        EOFError
-            If the process has ended.
-        InputError
-            If the reader rejects the file.
-        ReaderFault
-            If the reader has a fault.
+        Arguments: `most_memory`: memory above which the process is ended [bytes]. Raises `EOFError`
+        if the process has ended. Raises `InputError` if the reader rejects the file. Raises
+        `ReaderFault` if the reader has a fault.
         """
         with self._lock, self._watched(most_memory):
             kind, value = self._answer(request, tell)

@@ -64,11 +64,8 @@ _OR = " or "
 class Reading(ReadingOptions):
     """The options of reading a file, and the assembly that they make of its content.
 
-    Raises
-    ------
-    InputError
-        If `up`, `base`, `contacts`, `off`, a bond or a brick rule has an invalid value, or if two
-        of the given options contradict each other.
+    Raises `InputError` if `up`, `base`, `contacts`, `off`, a bond or a brick rule has an invalid
+    value, or if two of the given options contradict each other.
     """
 
     def __post_init__(self) -> None:
@@ -121,10 +118,7 @@ class Reading(ReadingOptions):
     def from_options(cls, options: Any) -> Reading:
         """Build a reading from JSON data: the inverse of `options`.
 
-        Raises
-        ------
-        InputError
-            If the options are invalid.
+        Raises `InputError` if the options are invalid.
         """
         try:
             values = dict(options)
@@ -188,11 +182,6 @@ class Reading(ReadingOptions):
         """The reading without saved options for parts that do not exist, and their patterns.
 
         Options that are not `saved` stay: an unknown name is then an error.
-
-        Parameters
-        ----------
-        names : collection of str
-            Names of the parts, without a floor.
         """
         everywhere = list(names) if self.floor is None else [*names, "floor"]
         of_choices = {key: value for key, value in self.entries.items() if key in self.saved}
@@ -213,15 +202,7 @@ class Reading(ReadingOptions):
 
         It is the reading itself if nothing is released.
 
-        Parameters
-        ----------
-        names : sequence of str
-            Names of the parts, without a floor.
-
-        Raises
-        ------
-        InputError
-            If a released name matches no held part.
+        Raises `InputError` if a released name matches no held part.
         """
         if not self.release:
             return self
@@ -297,33 +278,22 @@ class Reading(ReadingOptions):
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """A file to read and the options for it: those saved with it, overridden by the caller's.
-
-    Attributes
-    ----------
-    path : Path
-        The file that the choices name.
-    reading : Reading
-        Options of reading it, with its digest for proofs.
-    choices : Choices
-        The choices without the keys that are switched off.
-    notes : tuple of str
-        Sentences about replaced choices and about a changed file.
-    """
+    """A file to read and the options for it: those saved with it, overridden by the caller's."""
 
     path: Path
+    """The file that the choices name."""
     reading: Reading
+    """Options of reading it, with its digest for proofs."""
     choices: Choices
+    """The choices without the keys that are switched off."""
     notes: tuple[str, ...]
+    """Sentences about replaced choices and about a changed file."""
 
 
 def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
     """Merge the options of a file of choices with the caller's options, which have priority.
 
-    Raises
-    ------
-    InputError
-        If the file does not exist, or the choices do not hold a released part.
+    Raises `InputError` if the file does not exist, or the choices do not hold a released part.
     """
     path = choices.path
     if find_choices(path) is not None:

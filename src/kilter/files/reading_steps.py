@@ -27,18 +27,8 @@ def with_contacts_of(assembly: Assembly, source: str | None, *, floor: bool) -> 
 
     Without given contacts, kilter detects the contacts.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    source : {"file", "geometry"} or None
-        Source of the contacts; None changes nothing.
-    floor : bool
-        Whether a floor will be added, which has no contacts in the file.
-
-    Raises
-    ------
-    InputError
-        If only contacts of the file count, and it lists none, or none with the floor.
+    Arguments: `source`: source of the contacts; None changes nothing. Raises `InputError` if only
+    contacts of the file count, and it lists none, or none with the floor.
     """
     if source == "geometry":
         return dataclasses.replace(assembly, contacts=(), detect=True)
@@ -94,10 +84,7 @@ def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Asse
 
     If several patterns match a part, the last mass counts.
 
-    Raises
-    ------
-    InputError
-        If a pattern matches no part, or a mass is not positive.
+    Raises `InputError` if a pattern matches no part, or a mass is not positive.
     """
     if not masses:
         return assembly
@@ -112,10 +99,7 @@ def with_masses(assembly: Assembly, masses: Sequence[tuple[str, float]]) -> Asse
 def with_loads(assembly: Assembly, loads: Sequence[tuple[str, float, float, float]]) -> Assembly:
     """The assembly with further forces [N] at the centres of mass of the named parts.
 
-    Raises
-    ------
-    InputError
-        If a name matches no part.
+    Raises `InputError` if a name matches no part.
     """
     if not loads:
         return assembly
@@ -130,10 +114,7 @@ def with_loads(assembly: Assembly, loads: Sequence[tuple[str, float, float, floa
 def on_carrier(assembly: Assembly, accelerate: Sequence[str] | None) -> Assembly:
     """The assembly on a carrier with this acceleration: it feels gravity less the acceleration.
 
-    Raises
-    ------
-    InputError
-        If a component is no number, or if no weight remains.
+    Raises `InputError` if a component is no number, or if no weight remains.
     """
     if accelerate is None:
         return assembly
@@ -153,10 +134,7 @@ def on_carrier(assembly: Assembly, accelerate: Sequence[str] | None) -> Assembly
 def acceleration_of(option: str, text: str) -> tuple[float, bool]:
     """Parse a component of an acceleration: its number, and whether its unit is g.
 
-    Raises
-    ------
-    InputError
-        If it is no finite number; the message names `option`.
+    Raises `InputError` if it is no finite number; the message names `option`.
 
     Examples
     --------

@@ -39,15 +39,7 @@ def known(pattern: str, names: Collection[str]) -> bool:
 
 
 def entries_for(entries: Entries, names: Collection[str]) -> tuple[dict[str, Any], list[str]]:
-    """The saved entries whose parts exist, and the name patterns that match no part.
-
-    Parameters
-    ----------
-    entries : mapping
-        Entries of choices by key.
-    names : collection of str
-        Names of the parts.
-    """
+    """The saved entries whose parts exist, and the name patterns that match no part."""
     everywhere = [*names, GROUND]
     kept: dict[str, Any] = {}
     missing: list[str] = []

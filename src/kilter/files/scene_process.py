@@ -99,22 +99,8 @@ def _seconds(size: int) -> float:
 def read_scene(kind: str, path: Path, choices: FormatOptions) -> Any:
     """Read an MJCF or USD file, in a process that a crash may end.
 
-    Parameters
-    ----------
-    kind : {"mjcf", "usd"}
-    path : Path
-    choices : FormatOptions
-        The options `units` and `keyframe`.
-
-    Returns
-    -------
-    Assembly or Snapshot
-        The assembly of a USD file, or the MuJoCo model of an MJCF file.
-
-    Raises
-    ------
-    InputError
-        If the library is not installed, crashes or does not finish, or if the file is damaged.
+    Returns the assembly of a USD file, or the MuJoCo model of an MJCF file. Raises `InputError` if
+    the library is not installed, crashes or does not finish, or if the file is damaged.
     """
     from kilter.arrays import sealed
 

@@ -27,10 +27,8 @@ __all__ = ["read_sequence"]
 def read_sequence(path: Path) -> list[list[str]]:
     """Read an assembly sequence: the names of the parts that each step adds, in order.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or has no valid sequence; the error names the file.
+    Raises `InputError` if the file cannot be read or has no valid sequence; the error names the
+    file.
     """
     data = read_bytes(path, most=MOST_TABLE_BYTES)
     with reader_guard(path):

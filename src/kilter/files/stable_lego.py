@@ -54,21 +54,8 @@ def from_stable_lego(
 ) -> Assembly:
     """Build the assembly of a StableLego file.
 
-    Parameters
-    ----------
-    data : dict
-        Content of the file.
-    text : bytes
-        The file itself, to find the lines of bricks for messages.
-    rules : StudRules, optional
-    source : str
-        Name of the file, for messages.
-
-    Raises
-    ------
-    InputError
-        If a brick is unknown, damaged, in a negative layer, or in a cell of another brick; the
-        error names the line.
+    Raises `InputError` if a brick is unknown, damaged, in a negative layer, or in a cell of another
+    brick; the error names the line.
     """
     try:
         values = [list(map(brick.get, KEYS)) for brick in data.values()]

@@ -25,11 +25,8 @@ _START: ContextVar[tuple[str, str] | None] = ContextVar("start folder", default=
 def only_below(folder: str | Path, remedy: str = "") -> Iterator[None]:
     """Refuse all files outside of a folder while the context lasts, in this thread.
 
-    Parameters
-    ----------
-    folder : path
-    remedy : str, optional
-        Remedy in the error; "{folder}" in it becomes the folder above that also contains the file.
+    Arguments: `remedy`: remedy in the error; "{folder}" in it becomes the folder above that also
+    contains the file.
 
     Examples
     --------
@@ -59,10 +56,7 @@ def is_restricted() -> bool:
 def require_below(path: str | Path) -> None:
     """Raise an error if a file is outside of the start folder; without such a folder, do nothing.
 
-    Raises
-    ------
-    InputError
-        If the path, with symbolic links followed, is not below the start folder.
+    Raises `InputError` if the path, with symbolic links followed, is not below the start folder.
     """
     restriction = _START.get()
     if restriction is None:

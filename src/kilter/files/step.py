@@ -32,18 +32,9 @@ def read_step(
 ) -> FileBodies:
     """Read the solids of a STEP file.
 
-    Parameters
-    ----------
-    path : Path
-    without : sequence of str
-        Names of solids, or globs, that are left out before they are triangulated.
-    progress : callable, optional
-        Called with a word at each stage.
-
-    Raises
-    ------
-    InputError
-        If OCCT is not installed, or the file is missing, not STEP, damaged, or has no solid.
+    Arguments: `without`: names of solids, or globs, that are left out before they are triangulated.
+    Raises `InputError` if OCCT is not installed, or the file is missing, not STEP, damaged, or has
+    no solid.
     """
     try:
         _check_text(read_bytes(path))
@@ -62,10 +53,7 @@ def _check_text(data: bytes) -> None:
 
     References to undefined entities crash OCCT, and Python with it.
 
-    Raises
-    ------
-    InputError
-        If a check fails.
+    Raises `InputError` if a check fails.
     """
     start = data[:4096].lstrip(b"\xef\xbb\xbf \t\r\n\0")
     if not start.startswith((b"ISO-10303-21", b"/*")):

@@ -25,20 +25,8 @@ def step_bodies(
 ) -> FileBodies:
     """Read the solids of a STEP file as bodies with names and poses.
 
-    Parameters
-    ----------
-    path : Path
-    without : sequence of str
-        Names, or globs, of solids that are left out.
-    tell : callable
-        Called before each step with its description and the key of the current solid, or -1.
-    broken : collection of int
-        Keys of solids that crash OCCT; a stand-in replaces them.
-
-    Raises
-    ------
-    InputError
-        If the file is damaged, or has no solid with a volume.
+    Arguments: `tell`: called before each step with its description and the key of the current
+    solid, or -1. Raises `InputError` if the file is damaged, or has no solid with a volume.
     """
     try:
         with quiet():

@@ -48,50 +48,32 @@ _UNITS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Occurrence:
-    """A placed copy of a solid in the product tree of a STEP file.
-
-    Attributes
-    ----------
-    name : str
-    shape : TopoDS_Solid
-        Shape in its own frame.
-    key : int
-        Number of the solid, equal for all its occurrences.
-    pose : Pose
-        Transform from the frame of the solid to that of the file.
-    skin : bool
-        Whether the file has a shell instead of a solid; it counts only if it closes.
-    stated : Stated
-        Statements of the file about the solid.
-    """
+    """A placed copy of a solid in the product tree of a STEP file."""
 
     name: str
     shape: Any
+    """Shape in its own frame."""
     key: int
+    """Number of the solid, equal for all its occurrences."""
     pose: Pose
+    """Transform from the frame of the solid to that of the file."""
     skin: bool = False
+    """Whether the file has a shell instead of a solid; it counts only if it closes."""
     stated: Stated = UNSTATED
+    """Statements of the file about the solid."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepDocument:
-    """The contents of a STEP file: placed solids, length unit, and other shapes.
-
-    Attributes
-    ----------
-    solids : tuple of Occurrence
-    units : str
-        Length unit of the solids.
-    passed : tuple of str
-        Description of each shape that is not a solid.
-    files : tuple of Path
-        The file, and the files that it names.
-    """
+    """The contents of a STEP file: placed solids, length unit, and other shapes."""
 
     solids: tuple[Occurrence, ...]
     units: str
+    """Length unit of the solids."""
     passed: tuple[str, ...]
+    """Description of each shape that is not a solid."""
     files: tuple[Path, ...]
+    """The file, and the files that it names."""
 
 
 def number_repeats(names: Sequence[str]) -> list[str]:
@@ -119,10 +101,7 @@ def number_repeats(names: Sequence[str]) -> list[str]:
 def read_document(path: Path) -> StepDocument:
     """Read the product tree of a STEP file.
 
-    Raises
-    ------
-    InputError
-        If the file is damaged, or names files that are missing.
+    Raises `InputError` if the file is damaged, or names files that are missing.
     """
     with quiet():
         reader, units = _open_reader(path)
@@ -203,14 +182,7 @@ def _solids(
 
 
 def occurrences(leaves: Sequence[TreeSolid], shapes: Any) -> list[Occurrence]:
-    """Convert solids of the product tree to placed solids with distinct names.
-
-    Parameters
-    ----------
-    leaves : sequence of TreeSolid
-    shapes : OCCT map
-        Map that numbers shapes; it gives each distinct solid its key.
-    """
+    """Convert solids of the product tree to placed solids with distinct names."""
     names = distinct(tails([leaf.path for leaf in leaves]))
     return [_occurrence(name, leaf, shapes) for name, leaf in zip(names, leaves, strict=True)]
 
@@ -231,16 +203,9 @@ class TreeSolid(NamedTuple):
 class _TreeWalk:
     """A traversal of a STEP product tree that collects solids and describes other shapes.
 
-    Attributes
-    ----------
-    transfer : OCCT transfer reader
-    stated : StepStatements
-    shapes : OCCT map
-        Numbers of the shapes met.
-    skins : dict
-        The solid made of each shell, by number.
-    passed : list of str
-        Descriptions of shapes that are not solids.
+    - `shapes`: numbers of the shapes met.
+    - `skins`: the solid made of each shell, by number.
+    - `passed`: descriptions of shapes that are not solids.
     """
 
     def __init__(self, transfer: Any, stated: StepStatements) -> None:
@@ -253,18 +218,7 @@ class _TreeWalk:
     def below(
         self, neighbours: list[Any], above: tuple[str, ...], place: Any, stem: str
     ) -> list[TreeSolid]:
-        """Collect the solids below labels that are siblings in the product tree.
-
-        Parameters
-        ----------
-        neighbours : list of TDF_Label
-        above : tuple of str
-            Names of the products above.
-        place : TopLoc_Location
-            Placement of the parent product.
-        stem : str
-            Name of a product without a name.
-        """
+        """Collect the solids below labels that are siblings in the product tree."""
         from OCP.TDF import TDF_Label
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
 

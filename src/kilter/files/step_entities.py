@@ -25,17 +25,8 @@ _CODED = re.compile(
 class StepEntities:
     """The entities of a STEP file as text, by number.
 
-    Parameters
-    ----------
-    data : bytes
-        Content of the file.
-
-    Attributes
-    ----------
-    text : dict of str to str
-        Definition of each entity, without its quoted names.
-    of_type : dict of str to list of str
-        Numbers of the entities of each type; a complex entity counts as its first type.
+    - `text`: definition of each entity, without its quoted names.
+    - `of_type`: numbers of the entities of each type; a complex entity counts as its first type.
     """
 
     def __init__(self, data: bytes) -> None:

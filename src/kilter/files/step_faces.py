@@ -22,24 +22,18 @@ __all__ = ["StepFace", "cut_faces", "size_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepFace:
-    """A triangulated face of a STEP solid; triangles are counterclockwise seen from outside.
-
-    Attributes
-    ----------
-    shape : TopoDS_Face
-    nodes : ndarray, shape (n, 3)
-    parameters : ndarray, shape (n, 2)
-        Parameters of the nodes if the kind of surface is unknown; else shape (0, 2).
-    triangles : ndarray of int, shape (m, 3)
-    edges : list of (TopoDS_Edge, ndarray of int)
-        Each edge with the nodes along it.
-    """
+    """A triangulated face of a STEP solid; triangles are counterclockwise seen from outside."""
 
     shape: Any
     nodes: Array
+    """Shape (n, 3)."""
     parameters: Array
+    """Parameters of the nodes if the kind of surface is unknown, shape (n, 2); else shape (0,
+    2)."""
     triangles: Index
+    """Shape (m, 3)."""
     edges: list[tuple[Any, Index]]
+    """Each edge with the nodes along it."""
 
 
 def size_of(shape: Any) -> float:
@@ -55,19 +49,9 @@ def size_of(shape: Any) -> float:
 def cut_faces(shape: Any, deflection: float, turn: float) -> tuple[list[StepFace], int]:
     """Triangulate the faces of a solid; also count the faces for which this fails.
 
-    Parameters
-    ----------
-    shape : TopoDS_Shape
-    deflection : float
-        Largest distance of a triangle from its face [sizes of the solid].
-    turn : float
-        Angular deflection for OCCT [rad].
-
-    Returns
-    -------
-    faces : list of StepFace
-    lost : int
-        Number of faces that could not be triangulated.
+    Arguments: `deflection`: largest distance of a triangle from its face [sizes of the solid];
+    `turn`: angular deflection for OCCT [rad]. Returns `lost`: number of faces that could not be
+    triangulated.
     """
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools

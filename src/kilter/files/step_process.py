@@ -70,18 +70,7 @@ def _end() -> None:
 def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], None]) -> FileBodies:
     """Read the solids of a STEP file in a child process, which a crash of OCCT may end.
 
-    Parameters
-    ----------
-    path : Path
-    without : tuple of str
-        Names, or globs, of solids that are left out.
-    progress : callable
-        Called with a description of each step.
-
-    Raises
-    ------
-    InputError
-        If the file is damaged.
+    Raises `InputError` if the file is damaged.
     """
     if not can_start():
         from kilter.files.step_bodies import step_bodies

@@ -110,19 +110,8 @@ def _attempts(shape: Any) -> Iterator[tuple[str, Any, tuple[float, float]]]:
 def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:
     """Build a solid from triangulated faces; also return whether its faces pointed inwards.
 
-    Parameters
-    ----------
-    shape : TopoDS_Solid
-    faces : list of StepFace
-    lost : int
-        Number of faces that could not be triangulated.
-
-    Returns
-    -------
-    solid : Solid
-        With holes if the faces do not close.
-    inwards : bool
-        Whether the faces pointed inwards; they are reversed.
+    Returns `solid`: with holes if the faces do not close; `inwards`: whether the faces pointed
+    inwards; they are reversed.
     """
     vertices, triangles, owner = _weld_faces(faces)
     if not len(triangles):
@@ -172,10 +161,7 @@ def _plausible_moments(vertices: Array, moments: _Moments) -> _Moments:
 def _hull(points: Array) -> Solid:
     """The convex hull of points, which replaces a solid that cannot be read.
 
-    Raises
-    ------
-    InputError
-        If the points lie in a plane.
+    Raises `InputError` if the points lie in a plane.
     """
     vertices, triangles = hull_surface(points)
     volume, center, second, _ = polyhedron_moments(
@@ -299,15 +285,9 @@ def _surfaces(
 ) -> tuple[list[Surface], Index, float, float]:
     """The exact surfaces of a solid, and the surface on which each triangle lies.
 
-    Returns
-    -------
-    surfaces : list of Surface
-    lies_on : ndarray of int, shape (m,)
-        Surface of each triangle, or -1.
-    sagitta : float
-        Largest distance of a triangle from its face [length unit].
-    off : float
-        Largest distance of a corner from its surface [length unit].
+    Returns `lies_on` (m,): surface of each triangle, or -1; `sagitta`: largest distance of a
+    triangle from its face [length unit]; `off`: largest distance of a corner from its surface
+    [length unit].
     """
     surfaces: list[Surface] = []
     of_face = np.full(len(faces), -1)
@@ -349,19 +329,8 @@ def _merge_surfaces(
 ) -> tuple[list[Surface], Index]:
     """Merge equal surfaces of adjacent faces, such as the two halves of a cylinder.
 
-    Parameters
-    ----------
-    surfaces : list of Surface
-    lies_on : ndarray of int, shape (m,)
-        Surface of each triangle, or -1.
-    triangles : ndarray of int, shape (m, 3)
-    size : float
-        Size of the solid [length unit].
-
-    Returns
-    -------
-    surfaces : list of Surface
-    lies_on : ndarray of int, shape (m,)
+    Arguments: `lies_on` (m,): surface of each triangle, or -1; `triangles` (m, 3); `size`: size of
+    the solid [length unit]. Returns `lies_on` (m,).
     """
     if not surfaces:
         return surfaces, lies_on

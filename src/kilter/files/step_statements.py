@@ -26,25 +26,17 @@ _SAID = re.compile(
 
 
 class Stated(NamedTuple):
-    """Statements of a file about a solid; None if the file states none.
-
-    Attributes
-    ----------
-    density : float or None
-        [kg/m^3]
-    color : str or None
-        "#rrggbb".
-    material, layer : str or None
-        Name of the material, and of the layer.
-    hidden : bool
-        Whether the file hides the solid.
-    """
+    """Statements of a file about a solid; None if the file states none."""
 
     density: float | None = None
+    """[kg/m^3]"""
     color: str | None = None
+    """"#rrggbb"."""
     material: str | None = None
     layer: str | None = None
+    """Name of the material, and of the layer."""
     hidden: bool = False
+    """Whether the file hides the solid."""
 
 
 UNSTATED = Stated()
@@ -74,15 +66,7 @@ def text_statements(path: Path) -> dict[int, Stated]:
 
 
 class StepStatements:
-    """Access to the statements of a STEP document after its transfer to OCCT.
-
-    Parameters
-    ----------
-    document : TDocStd_Document
-    session : XSControl_WorkSession
-    in_text : dict of int to Stated
-        Statements in the text (`text_statements`).
-    """
+    """Access to the statements of a STEP document after its transfer to OCCT."""
 
     def __init__(self, document: Any, session: Any, in_text: dict[int, Stated]) -> None:
         from OCP.XCAFDoc import XCAFDoc_DocumentTool

@@ -24,13 +24,8 @@ def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:
 
     The side of the material is not set yet.
 
-    Parameters
-    ----------
-    face : TopoDS_Face
-    nodes : ndarray, shape (n, 3)
-        Corners of its triangles.
-    probes : ndarray, shape (m, 3)
-        Points of the face between the corners.
+    Arguments: `nodes` (n, 3): corners of its triangles; `probes` (m, 3): points of the face between
+    the corners.
     """
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 

@@ -28,16 +28,8 @@ _TRUNCATED = "export it again: it is incomplete or damaged"
 def read_stl(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
     """Read the meshes of an STL file, with the names of its solids, and notes.
 
-    Returns
-    -------
-    solids : list of (str or None, Mesh)
-        Name and mesh; a single solid has the name None.
-    notes : list of str
-
-    Raises
-    ------
-    InputError
-        If the file is incomplete, or neither binary nor ASCII STL.
+    Returns `solids`: name and mesh; a single solid has the name None. Raises `InputError` if the
+    file is incomplete, or neither binary nor ASCII STL.
 
     Examples
     --------
@@ -67,11 +59,7 @@ def _merge_corners(corners: NDArray[np.floating], accuracy: float | None) -> Mes
 
     The corners keep their dtype while they are compared, so that float32 values stay equal.
 
-    Parameters
-    ----------
-    corners : ndarray, shape (3 n, 3)
-    accuracy : float or None
-        Largest error of a coordinate [length unit].
+    Arguments: `corners` (3 n, 3); `accuracy`: largest error of a coordinate [length unit].
     """
     if not np.isfinite(corners).all():
         row = int(np.flatnonzero(~np.isfinite(corners).all(axis=1))[0])

@@ -57,19 +57,9 @@ class _Object:
 def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str, list[str]]:
     """Read the meshes of a 3MF file with their names, and its length unit.
 
-    Returns
-    -------
-    solids : list of (str or None, Mesh)
-        Name and mesh, at its place.
-    units : str
-        Length unit of the meshes.
-    notes : list of str
-
-    Raises
-    ------
-    InputError
-        If an item names an object that does not exist, or a value is invalid. A damaged zip or XML
-        raises the exceptions of the libraries, which the caller's guard converts.
+    Returns `solids`: name and mesh, at its place; `units`: length unit of the meshes. Raises
+    `InputError` if an item names an object that does not exist, or a value is invalid. A damaged
+    zip or XML raises the exceptions of the libraries, which the caller's guard converts.
     """
     with zipfile.ZipFile(io.BytesIO(data)) as archive, np.errstate(all="ignore"):
         require_unfolded(sum(entry.file_size for entry in archive.infolist()), len(data))
@@ -136,22 +126,9 @@ def _leaves(
 ) -> Iterator[tuple[_Object, Array, str]]:
     """Yield the meshes in the component tree below an object, with their matrices.
 
-    Parameters
-    ----------
-    archive : ZipFile
-    models : dict
-        Objects of each model by path and id; models of other paths are added when needed.
-    start : (str, str)
-        Model path and id of the object at the root of the tree.
-    matrix : ndarray, shape (4, 4)
-        Placement of that object.
-    tally : Tally
-        Count of triangles; it bounds the number of objects too.
-
-    Yields
-    ------
-    (_Object, ndarray, str)
-        Object, its placement, and the nearest name above it.
+    Arguments: `models`: objects of each model by path and id; models of other paths are added when
+    needed; `matrix` (4, 4): placement of that object. Yields object, its placement, and the nearest
+    name above it.
     """
     pending = [(start, matrix, "", frozenset[tuple[str, str]]())]
     while pending:

@@ -26,35 +26,24 @@ LOOKS = 33
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CutFace:
-    """A triangulated face with the surface parameters of its nodes.
-
-    Attributes
-    ----------
-    nodes : ndarray, shape (n, 3)
-    parameters : ndarray, shape (n, 2)
-        Parameters of the nodes on the surface.
-    triangles : ndarray of int, shape (m, 3)
-        Triangles, counterclockwise in the parameter plane.
-    edges : list of (TopoDS_Edge, ndarray of int)
-        Each edge of the face with the nodes along it.
-    """
+    """A triangulated face with the surface parameters of its nodes."""
 
     nodes: Array
+    """Shape (n, 3)."""
     parameters: Array
+    """Parameters of the nodes on the surface, shape (n, 2)."""
     triangles: Index
+    """Triangles, counterclockwise in the parameter plane, shape (m, 3)."""
     edges: list[tuple[Any, Index]]
+    """Each edge of the face with the nodes along it."""
 
 
 def cut_face(face: Any, known: list[tuple[Any, Array]], turn: float) -> CutFace | None:
     """Triangulate a face; None if its outline crosses itself or does not close.
 
-    Parameters
-    ----------
-    face : TopoDS_Face
-    known : list of (TopoDS_Edge, ndarray)
-        Edges of the neighbouring faces, each with the edge parameters of the corners along it.
-    turn : float
-        Largest angle between the edge directions at neighbouring corners [rad].
+    Arguments: `known`: edges of the neighbouring faces, each with the edge parameters of the
+    corners along it; `turn`: largest angle between the edge directions at neighbouring corners
+    [rad].
     """
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.TopAbs import TopAbs_ShapeEnum
@@ -168,23 +157,10 @@ def _fill_outline(
 ) -> tuple[Array, Index] | None:
     """Triangulate the inside of an outline in the parameter plane; None if it is invalid.
 
-    Parameters
-    ----------
-    parameters : ndarray, shape (n, 2)
-        Corners of the outline.
-    loops : list of ndarray of int
-        Corners of each closed loop, in order.
-    stretch : ndarray, shape (2,)
-        Lengths per unit of the parameters.
-    step : ndarray, shape (2,)
-        Parameter steps of the inner points; infinite for none.
-
-    Returns
-    -------
-    parameters : ndarray, shape (m, 2)
-        Corners, followed by inner points.
-    triangles : ndarray of int, shape (k, 3)
-        Triangles, counterclockwise.
+    Arguments: `parameters` (n, 2): corners of the outline; `stretch` (2,): lengths per unit of the
+    parameters; `step` (2,): parameter steps of the inner points; infinite for none. Returns
+    `parameters` (m, 2): corners, followed by inner points; `triangles` (k, 3): triangles,
+    counterclockwise.
     """
     import shapely
 

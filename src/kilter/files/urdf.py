@@ -52,19 +52,7 @@ MOVING = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prisma
 def read_urdf(root: Element, path: Path, choices: FormatOptions) -> Assembly:
     """Build an assembly from the XML of a URDF robot.
 
-    Parameters
-    ----------
-    root : Element
-        Root element of the file.
-    path : Path
-        Path of the file, which mesh paths are relative to.
-    choices : FormatOptions
-        The options `units` and `base`.
-
-    Raises
-    ------
-    InputError
-        If a link or a joint is invalid; the error names it.
+    Raises `InputError` if a link or a joint is invalid; the error names it.
     """
     if choices.units not in (None, "m"):
         raise InputError(

@@ -31,49 +31,32 @@ TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChainJoint:
-    """A joint of a chain.
-
-    Attributes
-    ----------
-    name : str
-    origin : Pose
-        Pose of the joint in the frame of its parent link, at the value 0 [m].
-    axis : ndarray, shape (3,)
-        Unit, in the frame of the joint.
-    turns, slides : bool
-        Both are False for a fixed joint.
-    driver : str
-        Joint whose value moves this one: itself, or that of `mimic`.
-    multiplier, offset : float
-        The value is ``multiplier * q + offset`` [-], [rad or m].
-    range : (float, float)
-        Least and largest value [rad or m].
-    """
+    """A joint of a chain."""
 
     name: str
     origin: Pose
+    """Pose of the joint in the frame of its parent link, at the value 0 [m]."""
     axis: Array
+    """Unit, in the frame of the joint, shape (3,)."""
     turns: bool
     slides: bool
+    """Both are False for a fixed joint."""
     driver: str
+    """Joint whose value moves this one: itself, or that of `mimic`."""
     multiplier: float
     offset: float
+    """The value is ``multiplier * q + offset`` [-], [rad or m]."""
     range: tuple[float, float]
+    """Least and largest value [rad or m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointChain:
-    """Joints from the root of a robot to a link, the nearest to the root first.
-
-    Attributes
-    ----------
-    joints : tuple of ChainJoint
-    movable : tuple of str
-        Names of all joints of the robot that move, also outside of the chain.
-    """
+    """Joints from the root of a robot to a link, the nearest to the root first."""
 
     joints: tuple[ChainJoint, ...]
     movable: tuple[str, ...]
+    """Names of all joints of the robot that move, also outside of the chain."""
 
     @property
     def drivers(self) -> tuple[str, ...]:
@@ -85,11 +68,8 @@ class JointChain:
 def read_joint_chain(file: str | Path, link: str) -> JointChain:
     """Read the chain of joints from the root of a URDF robot to a link.
 
-    Raises
-    ------
-    InputError
-        If the file is no URDF, the link does not exist, joints form a loop, or a joint of the chain
-        is invalid.
+    Raises `InputError` if the file is no URDF, the link does not exist, joints form a loop, or a
+    joint of the chain is invalid.
     """
     path = Path(file)
     root = xml_root(path)

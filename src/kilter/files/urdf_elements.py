@@ -62,10 +62,7 @@ def joints_by_child(
 ) -> dict[str, Element]:
     """The joint that carries each link; `child` returns the link that a joint carries.
 
-    Raises
-    ------
-    InputError
-        If two joints carry the same link.
+    Raises `InputError` if two joints carry the same link.
     """
     leads: dict[str, Element] = {}
     for joint in joints:

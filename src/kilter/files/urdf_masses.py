@@ -40,10 +40,7 @@ def read_inertial(link: Element, notes: list[str]) -> Inertial | None:
     A note is appended for a mass of zero, and for an inertia that no body has. An inertia of zeros
     counts as not stated.
 
-    Raises
-    ------
-    InputError
-        If a number is invalid or the mass is negative; the error names the link.
+    Raises `InputError` if a number is invalid or the mass is negative; the error names the link.
     """
     try:
         return _inertial(link, notes)

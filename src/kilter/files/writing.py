@@ -54,10 +54,7 @@ def dump(assembly: Assembly, path: str | Path) -> None:
 def to_text(assembly: Assembly) -> str:
     """The text of the kilter file of an assembly, one part per line.
 
-    Raises
-    ------
-    InputError
-        If a name cannot be encoded, or a number is not finite.
+    Raises `InputError` if a name cannot be encoded, or a number is not finite.
     """
     try:
         return json_lines(to_dict(assembly))
@@ -71,10 +68,7 @@ def to_text(assembly: Assembly) -> str:
 def write_text(path: str | Path, text: str, *, links: bool = True) -> None:
     """Write a text file in UTF-8, completely or not at all; `links` as in `write_bytes`.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises `InputError` if the file cannot be written.
     """
     try:
         data = text.encode("utf-8")
@@ -90,19 +84,7 @@ def write_text(path: str | Path, text: str, *, links: bool = True) -> None:
 def write_bytes(path: str | Path, data: bytes, *, links: bool = True) -> None:
     """Write a binary file, completely or not at all.
 
-    Parameters
-    ----------
-    path : path
-        A device or a pipe is written into, and stays.
-    data : bytes
-    links : bool
-        Whether a link is followed: the link stays, and its target is written. Otherwise only a
-        regular file is replaced, for files whose names the user did not choose.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises `InputError` if the file cannot be written.
     """
     try:
         if not links:

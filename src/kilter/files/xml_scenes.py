@@ -19,16 +19,8 @@ __all__ = ["load_xml"]
 def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
     """Read an MJCF or URDF file; also return whether it fixes the direction of gravity.
 
-    Returns
-    -------
-    assembly : Assembly
-    states_gravity : bool
-        Always True: both formats fix the direction of gravity.
-
-    Raises
-    ------
-    InputError
-        If the file is neither MJCF nor URDF, or is damaged; the error names the file.
+    Returns `states_gravity`: always True: both formats fix the direction of gravity. Raises
+    `InputError` if the file is neither MJCF nor URDF, or is damaged; the error names the file.
     """
     root = xml_root(path)
     with reader_guard(path):

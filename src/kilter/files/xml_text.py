@@ -15,10 +15,7 @@ __all__ = ["xml_root"]
 def xml_root(path: Path) -> ElementTree.Element:
     """Root element of an XML file.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is no XML; the error names the file.
+    Raises `InputError` if the file cannot be read or is no XML; the error names the file.
     """
     data = read_bytes(path)
     try:

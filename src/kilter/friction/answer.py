@@ -157,19 +157,7 @@ def ask_friction(
     work: Work | float = EFFORT,
     enough: str | None = None,
 ) -> FrictionAnswer:
-    """Decide whether an assembly in equilibrium with friction stays, and try to prove it.
-
-    Parameters
-    ----------
-    program : Program
-        With friction; not stable without it.
-    work : Work or float
-        Work limit of the search and the proof together, or an effort.
-    enough : {"settles", "proved"}, optional
-        Verdict level of a caller who needs only the answer whether it is reached. Questions that
-        cannot change this answer are left out: for "proved" the seat, the tries and the contact
-        modes; for "settles" most of the proof that no motion exists, if all tries came to rest.
-    """
+    """Decide whether an assembly in equilibrium with friction stays, and try to prove it."""
     whole = Work.of(work)
     before = whole.total
     if enough == "proved":

@@ -43,20 +43,9 @@ class Mode(IntEnum):
 class CaseTree(Generic[Question, Case]):
     """Unfinished cases of a branch and bound over contact modes, ordered by priority.
 
-    Parameters
-    ----------
-    bound : callable
-        From a question (the decisions of a case) and its parent case (None at the root) to the
-        bounded case, or None if it is closed.
-    divide : callable
-        From a case to questions that cover it; none if it should not be divided.
-    promise : callable
-        Priority of a case; the largest is divided first, and among equals the oldest.
+    Arguments: `bound`: None at the root) to the bounded case, or None if it is closed.
 
-    Attributes
-    ----------
-    nodes : int
-        Number of questions that were bounded.
+    - `nodes`: number of questions that were bounded.
     """
 
     def __init__(
@@ -89,14 +78,8 @@ class CaseTree(Generic[Question, Case]):
 
         Yields every open case when it is bounded.
 
-        Parameters
-        ----------
-        root : Question
-        enough : callable, optional
-            If it returns true for the most promising case, the search ends before that case is
-            divided, and the case stays open.
-        most : float
-            Maximum number of nodes.
+        Arguments: `enough`: if it returns true for the most promising case, the search ends before
+        that case is divided, and the case stays open.
         """
         ready: Iterable[Question] = [root]
         parent: Case | None = None

@@ -99,10 +99,7 @@ def contract(
 
     `kinds` are the kinds of bounds that are shrunk, a subset of `ALL`.
 
-    Returns
-    -------
-    (Enclosure, float)
-        The bounds, and the greatest power w.a that they leave.
+    Returns the bounds, and the greatest power w.a that they leave.
     """
     relaxation = attempt.relaxation
     until = until or attempt.work
@@ -149,19 +146,7 @@ def shrunk(
     kinds: Sequence[str] = ALL,
     until: Work | None = None,
 ) -> Enclosure:
-    """Shrink the bounds of the given kinds of quantities, with a linear program for each.
-
-    Parameters
-    ----------
-    attempt : ProofAttempt
-    bounds : Enclosure
-    start : Solution
-        Solution of the greatest power within these bounds.
-    kinds : sequence of str
-        Subset of `ALL`.
-    until : Work, optional
-        Quantities that are not reached before it is spent keep their bounds.
-    """
+    """Shrink the bounds of the given kinds of quantities, with a linear program for each."""
     relaxation = attempt.relaxation
     until = until or attempt.work
     attempt.solver.load(with_one(relaxation, bounds), start.basis)

@@ -46,16 +46,7 @@ class ElasticForces:
 def elastic_forces(
     law: CoulombLaw, *, work: Work, factor: SharedFactor | None = None
 ) -> ElasticForces | None:
-    """Equilibrium forces of the least elastic energy; None if none is found.
-
-    Parameters
-    ----------
-    law : CoulombLaw
-    work : Work
-        The conic solver is not called if it is expected to take more.
-    factor : SharedFactor, optional
-        Factorisation of the springs, if it exists.
-    """
+    """Equilibrium forces of the least elastic energy; None if none is found."""
     factor = factor or SharedFactor(spring_system(law))
     springs = _DilatingSprings(factor.system, np.ones(len(law.mu)))
     if not factor.narrow:

@@ -86,11 +86,7 @@ class LargestSpeeds:
 def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
     """Largest opening and sliding speed of each contact point over all motions of size 1.
 
-    Parameters
-    ----------
-    law : ReducedLaw
-    directions : ndarray, shape (m, T)
-        The d_k across a contact.
+    Arguments: `directions` (m, T): the d_k across a contact.
     """
     opening = np.sqrt(np.asarray(law.normal.multiply(law.normal).sum(axis=1)).ravel())
     rows = [law.tangent[k :: law.directions] for k in range(law.directions)]
@@ -104,14 +100,7 @@ def first_enclosure(
 ) -> Enclosure:
     """Bounds of motions and forces before the first step of a proof.
 
-    Parameters
-    ----------
-    law : ReducedLaw
-    fastest : LargestSpeeds
-    force : ndarray, shape (K,)
-        Upper bounds of the normal forces.
-    tangents : int
-        Number of tangents of the ball to keep.
+    Arguments: `force` (K,): upper bounds of the normal forces.
     """
     sides = fastest.ut.shape[1]
     rough = law.group >= 0
@@ -229,18 +218,9 @@ def widened(cone: TwistCone) -> TwistCone:
 def sector(cone: TwistCone, lever: Array) -> tuple[Array, float] | None:
     """Sector of the sliding directions of a point, if the twist of its patch lies in a cone.
 
-    Parameters
-    ----------
-    cone : ndarray, shape (d, d)
-        Not `AT_REST`.
-    lever : ndarray, shape (2, 3)
-        L of the point, ut = L t.
-
-    Returns
-    -------
-    (ndarray of shape (2,), float) or None
-        Middle direction and half width [rad]. None if the point may be at rest, or if the
-        directions span more than `WIDEST_SECTOR` of half a turn.
+    Arguments: `cone` (d, d): not `AT_REST`; `lever` (2, 3): l of the point, ut = L t. Returns (2,):
+    middle direction and half width [rad]. None if the point may be at rest, or if the directions
+    span more than `WIDEST_SECTOR` of half a turn.
     """
     velocities = lever[:, : len(cone)] @ cone
     speeds = np.linalg.norm(velocities, axis=0)

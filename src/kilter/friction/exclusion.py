@@ -106,12 +106,7 @@ class Exclusion(Record, kw_only=False):
 def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     """Try to prove that no motion that obeys Coulomb's contact law can start.
 
-    Parameters
-    ----------
-    program : Program
-        Contains only modelled contacts; a program with possible rows is refused.
-    work : Work or float
-        Work limit, or an effort (`kilter.work`).
+    Arguments: `program`: contains only modelled contacts; a program with possible rows is refused.
 
     Examples
     --------

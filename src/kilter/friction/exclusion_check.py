@@ -36,10 +36,8 @@ def power_not_excluded(
 ) -> tuple[float, float]:
     """Power of the load that a proof does not exclude, and the power that counts as zero [-].
 
-    Raises
-    ------
-    MalformedProof
-        If a step refers to points, rows or quantities that the law does not have.
+    Raises `MalformedProof` if a step refers to points, rows or quantities that the law does not
+    have.
     """
     if not program.free.any() or not program.load[program.free].any():
         return 0.0, 0.0

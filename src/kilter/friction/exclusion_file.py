@@ -64,15 +64,7 @@ def exclusion_data(exclusion: Exclusion) -> dict[str, Any]:
 
 
 def recheck_exclusion(program: Program, data: dict[str, Any]) -> tuple[list[str], list[str]]:
-    """Repeat a proof that no motion can start, from its data; returns objections and notes.
-
-    Parameters
-    ----------
-    program : Program
-        Program of the assembly, with contacts found anew.
-    data : dict
-        In the form of `exclusion_data`; malformed data are an objection.
-    """
+    """Repeat a proof that no motion can start, from its data; returns objections and notes."""
     fault = EXCLUSION(data, "exclusion")
     if fault:
         return [f"the steps that exclude every motion cannot be repeated ({fault})"], []
@@ -156,10 +148,7 @@ EXCLUSION = keys(opening=nullable(NUMBERS), steps=list_of(keys()), kind=WORD, as
 def _read(data: dict[str, Any]) -> ExclusionStep:
     """Read a step of the proof from its JSON data.
 
-    Raises
-    ------
-    MalformedProof
-        If the data do not have the form of a step.
+    Raises `MalformedProof` if the data do not have the form of a step.
     """
     if len(data) != 1 or not STEPS.keys() >= data.keys():
         raise MalformedProof(f"a step has the keys {sorted(data)!r:.40}")

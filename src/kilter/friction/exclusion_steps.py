@@ -43,10 +43,7 @@ class PowerStep:
     def over(self, count: int) -> Array:
         """Multipliers of all `count` rows as a dense array, with zeros added.
 
-        Raises
-        ------
-        MalformedProof
-            If a row does not exist.
+        Raises `MalformedProof` if a row does not exist.
         """
         if self.rows.max(initial=-1) >= count:
             raise MalformedProof("a row does not exist")

@@ -23,13 +23,8 @@ def search_step_length(
 ) -> State:
     """State after a step of suitable length; the whole step is tried first.
 
-    Parameters
-    ----------
-    trial : callable
-        From a fraction of the step to the state there, the work of its imbalance along the step,
-        and whether that state is good enough for any work.
-    work_at_start : float
-        Work of the imbalance at the start of the step.
+    Arguments: `trial`: from a fraction of the step to the state there, the work of its imbalance
+    along the step, and whether that state is good enough for any work.
     """
     low, high = (0.0, work_at_start), (1.0, 0.0)
     limit, part = LEFT * work_at_start, 1.0

@@ -66,16 +66,7 @@ class _Node:
 
 
 def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion]:
-    """Yield candidate motions: the optima of up to `nodes` relaxations, best node first.
-
-    Parameters
-    ----------
-    law : CoulombLaw
-    nodes : int
-        Maximum number of nodes.
-    work : Work
-        Limits each relaxation; the caller decides when to stop.
-    """
+    """Yield candidate motions: the optima of up to `nodes` relaxations, best node first."""
     count, lines = len(law.mu), law.matrix.toarray()
 
     def bound(decided: _Decisions, _: _Node | None) -> _Node | None:

@@ -63,17 +63,7 @@ def squares_of(forms: MomentForms, squares: Squares) -> list[Index]:
 def power_left(law: ReducedLaw, step: MomentStep, forces: float) -> float:
     """Largest scaled power of the load that the multipliers of a step do not exclude.
 
-    Parameters
-    ----------
-    law : ReducedLaw
-    step : MomentStep
-    forces : float
-        Upper bound of the sum of all normal forces.
-
-    Returns
-    -------
-    float
-        At most scale^2, which is known a priori; equal to it if the multipliers do not fit.
+    Returns at most scale^2, which is known a priori; equal to it if the multipliers do not fit.
     """
     a_priori = step.scale**2
     forms = moment_forms(law, step.scale)

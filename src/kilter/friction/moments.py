@@ -69,14 +69,8 @@ class MomentProof:
 def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Work) -> MomentProof:
     """Bound the power of all motions by moment relaxations, until it is small or stalls.
 
-    Parameters
-    ----------
-    law : ReducedLaw
-    opening : ndarray, shape (n,)
-        A motion that bounds the forces (`kilter.friction.opening_motion.opening_motion`).
-    tolerance : float
-        Power that counts as zero.
-    work : Work
+    Arguments: `opening` (n,): a motion that bounds the forces
+    (`kilter.friction.opening_motion.opening_motion`).
     """
     forces, least_power = force_bound(law, opening), 1.0
     steps: list[MomentStep] = []

@@ -199,21 +199,7 @@ def find_coulomb_motion(
 ) -> CoulombMotion | None:
     """Search for a motion from rest that obeys Coulomb's contact law; None if none was found.
 
-    Parameters
-    ----------
-    program : Program
-        Contacts with mu, no pyramids.
-    work : Work or float
-        Work limit, or an effort (`kilter.work`).
-    seed : int
-        Seed of the random choice of lubricated patches.
-    impending : bool
-        No forces of equilibrium exist, so that every motion that obeys the law counts, however
-        slow: near a limit the accelerations vanish with the distance.
-    runaway : ndarray, shape (N, 6), optional
-        Result of `find_seating`, if it is known.
-    only : {"starts", "modes"}, optional
-        Use only the starts of De Saxce's iteration, which are cheap, or only contact modes.
+    Arguments: `runaway` (N, 6).
     """
     search = _MotionSearch(program, Work.of(work), impending)
     if not len(search.law.load) or not search.law.strength:

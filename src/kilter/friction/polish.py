@@ -68,17 +68,8 @@ def polished(
 ) -> Iterator[TrialMotion]:
     """Yield motions near `start` that exactly solve the equations of a contact mode.
 
-    Parameters
-    ----------
-    law : CoulombLaw
-    start : TrialMotion
-    seen : set of bytes
-        Modes that are not solved again; the solved modes are added.
-    work : Work
-        Limits the work; when it is spent, no further motions follow.
-    impending : bool
-        The motion may be slow, little above the error of the solver: points that slide much slower
-        than the fastest are tried as sticking first.
+    Arguments: `impending`: the motion may be slow, little above the error of the solver: points
+    that slide much slower than the fastest are tried as sticking first.
     """
     with np.errstate(over="ignore"):
         if not np.isfinite(start.forces**2).all():  # the squares overflow

@@ -66,21 +66,12 @@ circle.
 class Relaxation:
     """Linear relaxation of a contact law; bounds and contact modes enter as numbers.
 
-    Parameters
-    ----------
-    law : ReducedLaw
-
-    Attributes
-    ----------
-    directions : ndarray, shape (m, T)
-        The d_k across a contact: in the plane both signs, in space `SIDES` around.
-    fastest : LargestSpeeds
-        Largest speeds of contact points in motions of size 1.
-    tangents : int
-        Number of tangents of the ball of accelerations.
-    columns : dict
-        Slices of the columns: "motion" b, "one" l, "square" q, "fn", "un", "ft", "ut", "slip" s,
-        "loss" D, "total" N, "rest" g, "twist" t of flat patches in space.
+    - `directions` (m, T): the d_k across a contact: in the plane both signs, in space `SIDES`
+      around.
+    - `fastest`: largest speeds of contact points in motions of size 1.
+    - `tangents`: number of tangents of the ball of accelerations.
+    - `columns`: slices of the columns: "motion" b, "one" l, "square" q, "fn", "un", "ft", "ut",
+      "slip" s, "loss" D, "total" N, "rest" g, "twist" t of flat patches in space.
     """
 
     def __init__(self, law: ReducedLaw) -> None:

@@ -85,17 +85,8 @@ def relaxed(
 ) -> Rest:
     """Follow the path of the parts from a displacement x until they balance or run away.
 
-    Parameters
-    ----------
-    springs : Springs
-    x : ndarray, shape (n,)
-        First displacement.
-    work : Work
-        The path ends when it is spent.
-    first : float
-        First step h.
-    size : float
-        Size of displacements in balance; parts that are much farther away have run away.
+    Arguments: `x` (n,): first displacement; `size`: size of displacements in balance; parts that
+    are much farther away have run away.
     """
     state, step, steps = springs.at(x), first, 0
     far, behind = FAR * max(size, 1.0), np.zeros(len(x))

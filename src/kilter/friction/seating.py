@@ -92,21 +92,8 @@ def find_seating(
 ) -> Seating:
     """Search for a seat: a state of rest with elastic contacts, produced by the weight alone.
 
-    Parameters
-    ----------
-    program : Program
-        With the friction of its contacts.
-    seed : int
-        Seed of the random stiffnesses and first displacements.
-    starts : int
-        Maximum number of starts.
-    work : Work or float
-        Work limit, or an effort (`kilter.work`); when it is spent, the search ends with its best
-        result.
-    elastic : ElasticForces, optional
-        Forces of the least energy, if they are known.
-    factor : SharedFactor, optional
-        Factorisation of the springs, if it exists.
+    Arguments: `work`: work limit, or an effort (`kilter.work`); when it is spent, the search ends
+    with its best result.
 
     Examples
     --------

@@ -96,20 +96,8 @@ def find_settling(
 ) -> Settling:
     """Put the parts down loosely in several tries, and find whether they come to rest.
 
-    Parameters
-    ----------
-    program : Program
-        With the friction of its contacts, whose cones hold forces of equilibrium.
-    tries : int
-        Number of tries.
-    seed : int
-        Seed of the first try; each further try adds 1.
-    work : Work or float
-        Work limit, or an effort (`kilter.work`); the tries end when it is spent.
-    elastic : ElasticForces, optional
-        Forces of the least energy, if they are known.
-    factor : SharedFactor, optional
-        Factorisation of the springs, if it exists.
+    Arguments: `program`: with the friction of its contacts, whose cones hold forces of equilibrium;
+    `work`: work limit, or an effort (`kilter.work`); the tries end when it is spent.
 
     Examples
     --------
@@ -156,14 +144,7 @@ def find_settling(
 
 
 class _SpringDescent:
-    """Descents of the parts to balance, which share a factorisation and the last results.
-
-    Parameters
-    ----------
-    factor : SharedFactor
-    elastic : ElasticForces or None
-        Forces of the least energy.
-    """
+    """Descents of the parts to balance, which share a factorisation and the last results."""
 
     def __init__(self, factor: SharedFactor, elastic: ElasticForces | None) -> None:
         self._factor, self._elastic = factor, elastic

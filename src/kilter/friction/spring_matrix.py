@@ -58,19 +58,8 @@ class SpringMatrix:
     def solve(self, blocks: Array, drag: float, right: Array, work: Work) -> Array:
         """Solve the linear system of the springs for the displacement; blocks may be unsymmetric.
 
-        Parameters
-        ----------
-        blocks : ndarray, shape (P, 2 d, 2 d)
-            Contribution of each pair.
-        drag : float
-            d.
-        right : ndarray, shape (n,)
-        work : Work
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            If the system is singular.
+        Arguments: `blocks` (P, 2 d, 2 d): contribution of each pair; `right` (n,). Raises
+        `numpy.linalg.LinAlgError` if the system is singular.
         """
         ordered = np.empty(len(right))
         ordered[self.order] = right
@@ -147,14 +136,8 @@ class SpringMatrix:
 def spring_matrix(pairs: Index, center: Array, per: int) -> SpringMatrix:
     """Build the sparse matrix pattern of springs between pairs of parts.
 
-    Parameters
-    ----------
-    pairs : ndarray of int, shape (P, 2)
-        Free parts of each pair in ascending order, without repetitions; -1 for a held part.
-    center : ndarray, shape (F, 3)
-        Centres of the free parts.
-    per : int
-        Number of freedoms of a part.
+    Arguments: `pairs` (P, 2): free parts of each pair in ascending order, without repetitions; -1
+    for a held part; `center` (F, 3): centres of the free parts.
     """
     rank = _elimination_ranks(pairs, len(center))
     count, size = per * len(center), 2 * per

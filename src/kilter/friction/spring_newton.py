@@ -64,12 +64,7 @@ NEARLY = 0.1
 
 
 class SharedFactor:
-    """Approximate factorisation of the stiffness of contact springs, for all tries of a program.
-
-    Parameters
-    ----------
-    system : SpringSystem
-    """
+    """Approximate factorisation of the stiffness of contact springs, for all tries of a program."""
 
     def __init__(self, system: SpringSystem) -> None:
         program = system.law.program
@@ -113,10 +108,8 @@ class SharedFactor:
     ) -> BlockCholesky:
         """Factorise the stiffness matrix for given slopes of the contact points.
 
-        Raises
-        ------
-        NotPositive
-            If the matrix is not positive definite with any of the stiffnesses that are added.
+        Raises `NotPositive` if the matrix is not positive definite with any of the stiffnesses that
+        are added.
         """
         blocks, width = self.system.pair_blocks(slope), self._width
         diagonal = np.zeros((len(self.system.weight), width, width))
@@ -161,20 +154,8 @@ def balanced_springs(
 ) -> tuple[SpringState, int] | None:
     """Balance of parts on springs by Newton's method from a displacement x; None if not found.
 
-    Parameters
-    ----------
-    springs : Springs
-    x : ndarray, shape (n,)
-        First displacement.
-    factor : SharedFactor
-        Its present factor is used, and may be replaced.
-    work : Work
-        The method ends when it is spent.
-
-    Returns
-    -------
-    SpringState, int
-        The state in balance, and the number of Newton steps.
+    Arguments: `x` (n,): first displacement. Returns the state in balance, and the number of Newton
+    steps.
     """
     state, behind = springs.at(x), np.zeros(len(x))
     imbalance = least = springs.imbalance(state)
@@ -250,19 +231,9 @@ def _gmres(
 ) -> tuple[Array, Array]:
     """Solve a linear system roughly by GMRES, preconditioned from the right.
 
-    Parameters
-    ----------
-    product, precondition : callable
-        Product with the matrix, and with an approximation of its inverse.
-    right : ndarray, shape (n,)
-        Right-hand side, of length 1.
-    tolerance : float
-        Length of the residual at which GMRES ends; it ends also after `LONGEST` iterations.
-
-    Returns
-    -------
-    ndarray, shape (m,); ndarray, shape (m, n)
-        Coefficients of the solution, and the preconditioned directions that they multiply.
+    Arguments: `right` (n,): right-hand side, of length 1; `tolerance`: length of the residual at
+    which GMRES ends; it ends also after `LONGEST` iterations. Returns (m,): coefficients of the
+    solution, and the preconditioned directions that they multiply.
     """
     basis = np.empty((LONGEST + 1, len(right)), np.float32)
     steps = np.empty((LONGEST, len(right)), np.float32)

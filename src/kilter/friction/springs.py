@@ -86,10 +86,8 @@ class SpringSystem:
     def pair_blocks(self, slope: Array) -> Array:
         """Stiffness matrix of each pair of parts, shape (P, 2 d, 2 d), from slopes of the points.
 
-        Parameters
-        ----------
-        slope : ndarray, shape (K + 1, 3, 3)
-            Derivative -df/du of the force of each point; 0 for the last, which stands for none.
+        Arguments: `slope` (K + 1, 3, 3): derivative -df/du of the force of each point; 0 for the
+        last, which stands for none.
         """
         runs, size = len(self.points), self.lever.shape[-1]
         lines = 3 * self.points.shape[1]
@@ -147,12 +145,7 @@ def _pair_levers(law: CoulombLaw, ends: Index, per: int) -> Array:
 class Springs:
     """Balance equations r(x) = 0 of parts on contact springs of given stiffnesses and gaps.
 
-    Parameters
-    ----------
-    system : SpringSystem
-    stiffness : ndarray, shape (K,)
-    gap : ndarray, shape (K,), optional
-        Default: 0.
+    Arguments: `stiffness` (K,); `gap` (K,): default: 0.
     """
 
     def __init__(self, system: SpringSystem, stiffness: Array, gap: Array | None = None) -> None:
@@ -193,20 +186,7 @@ class Springs:
     ) -> Array:
         """Newton step dx of the balance equations: (drag - dr/dx) dx = right.
 
-        Parameters
-        ----------
-        state : SpringState
-        right : ndarray, shape (n,)
-        drag : float
-        work : Work
-        exact : bool
-            If False, the derivative of a sliding force by the normal force is left out. The
-            matrix is then symmetric and positive definite.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            If the system is singular.
+        Arguments: `right` (n,). Raises `numpy.linalg.LinAlgError` if the system is singular.
         """
         system = self.system
         blocks = system.pair_blocks(self.slope_matrices(state, exact=exact))

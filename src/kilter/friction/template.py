@@ -22,17 +22,8 @@ __all__ = ["MatrixTemplate"]
 class MatrixTemplate:
     """Structure of a sparse constraint matrix over named columns; its named entries may change.
 
-    Parameters
-    ----------
-    lengths : dict
-        Number of columns of each name, in their order.
-
-    Attributes
-    ----------
-    columns : dict
-        The slice of the columns of each name.
-    width, height : int
-        Number of columns, and of rows so far.
+    - `columns`: the slice of the columns of each name.
+    - `width`, `height`: number of columns, and of rows so far.
 
     Examples
     --------

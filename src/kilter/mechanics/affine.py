@@ -33,20 +33,14 @@ __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UncertainLoad:
-    """A load that depends on uncertain terms within a box, scaled for the equilibrium equations.
-
-    Attributes
-    ----------
-    right, along : ndarray, shape (rows,)
-        Load at t = 0, and its change per unit of t.
-    sides, turns : ndarray, shape (K, rows)
-        Change of `right`, and of `along`, per unit of each unknown d_k.
-    """
+    """A load that depends on uncertain terms within a box, scaled for the equilibrium equations."""
 
     right: Array
     along: Array
+    """Load at t = 0, and its change per unit of t, shape (rows,)."""
     sides: Array
     turns: Array
+    """Change of `right`, and of `along`, per unit of each unknown d_k, shape (K, rows)."""
 
 
 def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> LinearProgram:
@@ -54,12 +48,7 @@ def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> L
 
     Its unknowns are x = (t, f_0, f_k+, f_k-), where f_k = f_k+ - f_k- and both are nonnegative.
 
-    Parameters
-    ----------
-    problem : ScaledProblem
-    load : UncertainLoad
-    most : float
-        Upper bound of t [-].
+    Arguments: `most`: upper bound of t [-].
     """
     matrix, one_sided = problem.matrix, np.flatnonzero(~problem.program.two_sided)
     rows, count = matrix.shape
@@ -102,13 +91,6 @@ def affine_imbalance(problem: ScaledProblem, load: UncertainLoad, x: Array) -> f
     """Largest imbalance of a part for any d, over its weight [-], for a solution x of the program.
 
     The forces are first cut to their cones: f_0 of a row that only pushes is raised to sum_k |f_k|.
-
-    Parameters
-    ----------
-    problem : ScaledProblem
-    load : UncertainLoad
-    x : ndarray
-        A solution of `affine_forces`.
     """
     count, unknowns = problem.matrix.shape[1], len(load.sides)
     share, forces = float(x[0]), x[1 : 1 + count]

@@ -18,14 +18,7 @@ __all__ = ["area_shares"]
 def area_shares(points: Array, patch: Index, normal: Array) -> Array:
     """Area of the patch that each of its corner points represents [length unit^2], shape (K,).
 
-    Parameters
-    ----------
-    points : ndarray, shape (K, 3)
-        Corners of convex patches. The corners of a patch are consecutive, in any order.
-    patch : ndarray of int, shape (K,)
-        Patch of each corner, 0 to P - 1.
-    normal : ndarray, shape (P, 3)
-        Unit normals of the planes of the patches.
+    Arguments: `points` (K, 3); `patch` (K,); `normal` (P, 3).
 
     Examples
     --------

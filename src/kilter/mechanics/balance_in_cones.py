@@ -24,25 +24,16 @@ __all__ = ["ConeBalance", "balance_in_cones", "load_share"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeBalance:
-    """Equilibrium with friction cones as a `LinkedCones` problem, and the data to decode it.
-
-    Attributes
-    ----------
-    program : Program
-    cones : LinkedCones
-    rows : ndarray of int, shape (K,)
-        Row of the program for each cone.
-    directions : ndarray, shape (d, K, 3)
-        Force vector per unit of each unknown, in multiples of `unit` [-].
-    unit : float
-        Unit of force: the geometric mean of the weights of the free parts [N].
-    """
+    """Equilibrium with friction cones as a `LinkedCones` problem, and the data to decode it."""
 
     program: Program
     cones: LinkedCones
     rows: Index
+    """Row of the program for each cone, shape (K,)."""
     directions: Array
+    """Force vector per unit of each unknown, in multiples of `unit` [-], shape (d, K, 3)."""
     unit: float
+    """Unit of force: the geometric mean of the weights of the free parts [N]."""
 
     def with_more(self, wrenches: Array, most: float) -> ConeBalance:
         """Copy of the problem for other additional wrenches, shape (N, 6), up to `most` times."""
@@ -86,14 +77,8 @@ def load_share(program: Program) -> ConeBalance:
 def balance_in_cones(program: Program, load: Array, more: Array, most: float) -> ConeBalance:
     """Problem for the largest multiple of extra wrenches that contacts balance beside a load.
 
-    Parameters
-    ----------
-    program : Program
-    load, more : ndarray, shape (N, 6)
-        Force [N] and torque about the centre of mass [N x length unit] on each part; `more` holds
-        the further wrenches.
-    most : float
-        Upper bound of the share [-].
+    Arguments: `load`, `more` (N, 6): force [N] and torque about the centre of mass [N x length
+    unit] on each part; `more` holds the further wrenches; `most`: upper bound of the share [-].
     """
     free = np.flatnonzero(program.free)
     number = np.full(len(program.names) + 1, -1)

@@ -37,12 +37,7 @@ def balanced_forces(cones: ConeProblem, forces: Array, friction: Array) -> tuple
     The result may leave the friction cones by as much as it changes, and it is not better balanced
     than the input if no forces on the pressed contacts balance. So check it with a certificate.
 
-    Parameters
-    ----------
-    cones : ConeProblem
-        Cones with at least the friction that the forces use.
-    forces, friction : ndarray, shapes (K,), (K, 3)
-        Forces along and across the rows [N].
+    Arguments: `forces`, `friction`: forces along and across the rows [N].
 
     Examples
     --------

@@ -28,36 +28,25 @@ __all__ = ["BondedPoints", "bonded_points", "clamp_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BondedPoints:
-    """Strength of the glue, mortar or other bond at each contact point, in arrays of shape (K,).
-
-    Attributes
-    ----------
-    bond : ndarray of int
-        Position of the point's bond in the assembly; -1 for a point without a bond.
-    pull : ndarray
-        Largest tension T [N].
-    tied : ndarray of bool
-        True if the bond carries shear of any size.
-    shear : ndarray
-        Largest shear force [N]; NaN for a bond without such a limit.
-    smooth : ndarray of bool
-        True if friction is ignored because the bond itself limits the shear.
-    """
+    """Strength of the glue, mortar or other bond at each contact point, in arrays of shape (K,)."""
 
     bond: Index
+    """Position of the point's bond in the assembly; -1 for a point without a bond."""
     pull: Array
+    """Largest tension T [N]."""
     tied: Mask
+    """True if the bond carries shear of any size."""
     shear: Array
+    """Largest shear force [N]; NaN for a bond without such a limit."""
     smooth: Mask
+    """True if friction is ignored because the bond itself limits the shear."""
 
 
 def bonded_points(contacts: ContactSet) -> BondedPoints:
     """Tension and shear strength of the bond at each contact point; no tension without a bond.
 
-    Raises
-    ------
-    InputError
-        If the parts of a bond without points do not touch, or their contact normal is fitted.
+    Raises `InputError` if the parts of a bond without points do not touch, or their contact normal
+    is fitted.
     """
     bonds = contacts.assembly.bonds
     patch_bond = contacts.patch_bond
@@ -93,11 +82,8 @@ def _tension_limits(contacts: ContactSet, point_bond: Index) -> Array:
 def _corner_areas(contacts: ContactSet, by_area: Mask) -> Array:
     """Patch area that each contact point represents [length unit^2], shape (K,).
 
-    Raises
-    ------
-    InputError
-        If a patch in `by_area`, shape (P,), is not flat or not the convex hull of its points: the
-        centroid of the shares would then differ from that of the area.
+    Raises `InputError` if a patch in `by_area`, shape (P,), is not flat or not the convex hull of
+    its points: the centroid of the shares would then differ from that of the area.
     """
     patch = contacts.point_patch
     shares = area_shares(contacts.points, patch, contacts.patch_normal)

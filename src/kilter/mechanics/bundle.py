@@ -52,19 +52,8 @@ def make_bundle(
 ) -> dict[str, Any]:
     """Combine proofs about an assembly, each with its subject, as the JSON data of a file.
 
-    Parameters
-    ----------
-    kind : str
-        Kind of the file: "region", "margin", "transport", "plan", "hold" or "place".
-    proofs : sequence of pairs
-        The subject of each proof (`about`, `change`, ...), and the proof.
-    **more
-        Further keys of the file.
-
-    Raises
-    ------
-    InputError
-        If `proofs` is empty.
+    Arguments: `kind`: kind of the file: "region", "margin", "transport", "plan", "hold" or "place".
+    Raises `InputError` if `proofs` is empty.
     """
     if not proofs:
         raise InputError(f"this {kind} has no proof to write")
@@ -86,10 +75,7 @@ def is_bundle(data: Any) -> bool:
 def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """Iterate over the proofs in the data of a file, as pairs of subject and complete proof.
 
-    Raises
-    ------
-    InputError
-        If the data do not have the form of a file of proofs.
+    Raises `InputError` if the data do not have the form of a file of proofs.
     """
     require_bundle_form(bundle)
     if more := set(bundle["common"]) - set(COMMON):
@@ -108,17 +94,7 @@ def apply_change(
 ) -> tuple[Assembly, ContactSet]:
     """The assembly and the contacts that a proof is about: the file after the stated change.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    change : mapping
-        Differences from the file, in the form that `split_bundle` verifies.
-
-    Raises
-    ------
-    InputError
-        If the change is inconsistent with the assembly.
+    Raises `InputError` if the change is inconsistent with the assembly.
     """
     mu = change.get("mu")
     if change.get("down") is not None:

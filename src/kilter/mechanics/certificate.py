@@ -43,62 +43,40 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceProof:
-    """Contact and joint forces as a proof of equilibrium, with the result of its check.
-
-    Attributes
-    ----------
-    forces : ndarray, shape (K,)
-        Along the rows [N].
-    friction : ndarray, shape (K, 3)
-        Across the rows, on part b [N].
-    residual : float
-        Worst imbalance of a part over its weight [-].
-    holds : bool
-        The forces are a proof.
-    """
+    """Contact and joint forces as a proof of equilibrium, with the result of its check."""
 
     forces: Array
+    """Along the rows [N], shape (K,)."""
     friction: Array
+    """Across the rows, on part b [N], shape (K, 3)."""
     residual: float
+    """Worst imbalance of a part over its weight [-]."""
     holds: bool
+    """The forces are a proof."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionProof:
-    """A motion of the parts as a proof that no equilibrium exists, with the result of its check.
-
-    Attributes
-    ----------
-    motion : ndarray, shape (N, 6)
-        Translations [length unit] and rotations [rad]; the fastest part moves by 1.
-    power : float
-        Power of the load if the fastest part moves at 1 m/s [W].
-    violation : float
-        Worst negative opening of a row at that speed [-].
-    ratio : float
-        Power over the power that a proof must exceed [-].
-    holds : bool
-        The motion is a proof.
-    """
+    """A motion of the parts as a proof that no equilibrium exists, with the result of its check."""
 
     motion: Array
+    """Translations [length unit] and rotations [rad], shape (N, 6); the fastest part moves by 1."""
     power: float
+    """Power of the load if the fastest part moves at 1 m/s [W]."""
     violation: float
+    """Worst negative opening of a row at that speed [-]."""
     ratio: float
+    """Power over the power that a proof must exceed [-]."""
     holds: bool
+    """The motion is a proof."""
 
 
 def check_forces(program: Program, forces: Array, friction: Array | None = None) -> ForceProof:
     """Check contact forces as a proof that the parts are in equilibrium under their load.
 
-    Parameters
-    ----------
-    program : Program
-    forces : ndarray, shape (K,)
-        Along the rows [N], or torques of angular rows [N x length unit]; clipped to the admissible
-        signs.
-    friction : ndarray, shape (K, 3), optional
-        Across the contact rows, on part b [N]; clipped to Coulomb's cones.
+    Arguments: `forces` (K,): along the rows [N], or torques of angular rows [N x length unit];
+    clipped to the admissible signs; `friction` (K, 3): across the contact rows, on part b [N];
+    clipped to Coulomb's cones.
     """
     forces, friction = _clip_to_cones(program, forces, friction)
     wrenches = program.wrenches(forces, friction)
@@ -201,13 +179,7 @@ def _violations(program: Program, opening: Array) -> Array:
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
     """Size of each part's twist (angle x radius) or wrench (torque / radius), shape (..., N).
 
-    Parameters
-    ----------
-    program : Program
-    six : ndarray, shape (..., N, 6)
-        Twists or wrenches of all parts.
-    per_radius : bool
-        True for wrenches, False for twists.
+    Arguments: `six` (..., N, 6): twists or wrenches of all parts.
     """
     length = 1 / program.radius if per_radius else program.radius
     with np.errstate(over="ignore"):  # an infinite size fails every check

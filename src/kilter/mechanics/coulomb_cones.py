@@ -48,24 +48,16 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProblem:
-    """Scaled equilibrium with friction cones; rows with friction have tangential unknowns.
-
-    Attributes
-    ----------
-    program : Program
-        The original program.
-    problem : ScaledProblem
-        The split rows: those of `program`, then u of each rough row, then v (only in space).
-    rough : ndarray of int, shape (R,)
-        Rows of `program` with a force across them.
-    directions : ndarray, shape (R, d, 3)
-        u and v in the world frame; d = 1 in the plane, 2 in space.
-    """
+    """Scaled equilibrium with friction cones; rows with friction have tangential unknowns."""
 
     program: Program
+    """The original program."""
     problem: ScaledProblem
+    """The split rows: those of `program`, then u of each rough row, then v (only in space)."""
     rough: Index
+    """Rows of `program` with a force across them, shape (R,)."""
     directions: Array
+    """u and v in the world frame, shape (R, d, 3); d = 1 in the plane, 2 in space."""
 
     def decoded(self, columns: Array) -> tuple[Array, Array]:
         """Normal forces, shape (K,), and friction forces, (K, 3) [N], from the scaled unknowns."""
@@ -194,13 +186,8 @@ def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
 def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram:
     """Conic program for the largest multiple t <= `most` of extra wrenches that contacts balance.
 
-    Parameters
-    ----------
-    cones : ConeProblem
-    wrench : ndarray, shape (N, 6)
-        Force [N] and torque about the centre of mass [N x length unit] on each part.
-    most : float
-        Upper bound of t [-].
+    Arguments: `wrench` (N, 6): force [N] and torque about the centre of mass [N x length unit] on
+    each part; `most`: upper bound of t [-].
 
     Notes
     -----
@@ -227,13 +214,8 @@ def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProg
 
     The unknowns are x = (f, t).
 
-    Parameters
-    ----------
-    cones : ConeProblem
-    wrenches : ndarray, shape (d, N, 6)
-        Wrenches that replace the load of the program.
-    start : ndarray, shape (d,)
-        Desired coefficients [-].
+    Arguments: `wrenches` (d, N, 6): wrenches that replace the load of the program; `start` (d,):
+    desired coefficients [-].
     """
     problem = cones.problem
     total, count = problem.matrix.shape[1], len(start)
@@ -331,17 +313,7 @@ def pyramid(
 ) -> Program:
     """Replace each friction cone of a program by a pyramid: a row for each of its edge rays.
 
-    Parameters
-    ----------
-    program : Program
-    sides : int
-        Number of rays per cone. A planar cone always has two.
-    outer : bool
-        True if the sides of the pyramid touch the cone from outside, False if its rays lie on the
-        cone.
-    angles : ndarray, shape (R, n), optional
-        Angles at which rays lie on each cone, or sides touch it, instead of `sides` equal steps:
-        from the first tangent direction to the second [rad]. No gap may reach a half turn.
+    Arguments: `angles` (R, n) [rad].
 
     Notes
     -----
@@ -380,11 +352,7 @@ def _corner_angles(angles: Array) -> tuple[Array, Array]:
 def angles_across(program: Program, across: Array) -> Array:
     """Angle of each tangential vector in the frame of its rough contact, shape (R,) [rad].
 
-    Parameters
-    ----------
-    program : Program
-    across : ndarray, shape (K, 3)
-        Friction forces or slips of all rows. The angle of a zero vector is 0.
+    Arguments: `across` (K, 3).
     """
     rough = program.rough
     directions = _directions(program, rough)
@@ -396,17 +364,7 @@ def angles_across(program: Program, across: Array) -> Array:
 def pyramid_forces(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:
     """Normal and friction forces of the rows of `program`, from ray forces of its pyramids.
 
-    Parameters
-    ----------
-    program : Program
-    rays : Program
-        ``pyramid(program, sides)``.
-    forces : ndarray, shape (rows of `rays`,)
-
-    Returns
-    -------
-    along : ndarray, shape (K,)
-    across : ndarray, shape (K, 3)
+    Arguments: `forces` (rows of `rays`,). Returns `along` (K,); `across` (K, 3).
     """
     smooth, rough = np.flatnonzero(program.mu <= 0), program.rough
     along, across = np.zeros(len(program.part_a)), np.zeros((len(program.part_a), 3))

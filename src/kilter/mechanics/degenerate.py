@@ -54,12 +54,7 @@ def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
 def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array:
     """Opening velocity along each possible push if the parts move by `motion`, shape (n,).
 
-    Parameters
-    ----------
-    program : Program
-    pushes : PossibleContacts
-    motion : ndarray, shape (N, 6)
-        Displacements, or accelerations, of all parts: (dr, dtheta).
+    Arguments: `motion` (N, 6): displacements, or accelerations, of all parts: (dr, dtheta).
     """
     velocity = np.zeros((len(pushes), 3))
     for part, sign in ((pushes.part_b, 1.0), (pushes.part_a, -1.0)):

@@ -45,31 +45,21 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScaledProblem:
-    """Scaled equilibrium A f = b of the free parts, in the frame of the assembly.
-
-    Attributes
-    ----------
-    program : Program
-    frame : ndarray, shape (3, 3)
-        Rotation from the world to the frame in which most normals lie along axes, so that a rotated
-        assembly has as few nonzero entries as an upright one.
-    unit : float
-        Unit of force, the geometric mean of the weights [N]: the entries of the matrix are near 1
-        whether the parts weigh grams or megatons.
-    matrix : csc_array, shape (freedoms, K)
-        A.
-    right : ndarray, shape (freedoms,)
-        b.
-    weight : ndarray, shape (N,)
-        `Program.weight`.
-    """
+    """Scaled equilibrium A f = b of the free parts, in the frame of the assembly."""
 
     program: Program
     frame: Array
+    """Rotation from the world to the frame in which most normals lie along axes, so that a
+    rotated assembly has as few nonzero entries as an upright one, shape (3, 3)."""
     unit: float
+    """Unit of force, the geometric mean of the weights [N]: the entries of the matrix are near 1
+    whether the parts weigh grams or megatons."""
     matrix: csc_array
+    """A, shape (freedoms, K)."""
     right: Array
+    """b, shape (freedoms,)."""
     weight: Array
+    """`Program.weight`, shape (N,)."""
 
     def forces(self, columns: Array) -> Array:
         """Force of each row [N], shape (K,), from the scaled unknowns f of the equilibrium."""
@@ -113,15 +103,7 @@ class ScaledProblem:
 
 
 def scaled_problem(program: Program, known: ScaledProblem | None = None) -> ScaledProblem:
-    """Build the scaled equilibrium A f = b of a program.
-
-    Parameters
-    ----------
-    program : Program
-    known : ScaledProblem, optional
-        Problem of the same parts with the same load. The first rows of `program` are its rows,
-        whose columns are not computed again. The centre of a part without such rows may differ.
-    """
+    """Build the scaled equilibrium A f = b of a program."""
     first = 0
     if known is not None:
         frame, unit, right, weight = known.frame, known.unit, known.right, known.weight

@@ -34,28 +34,20 @@ borders."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastConstraint:
-    """Gauss's problem: the admissible motion nearest to free fall, with the data to decode it.
-
-    Attributes
-    ----------
-    cone : ConeProjection
-        The problem. Blocks are parts; units convert slacks and multipliers to accelerations over
-        gravity.
-    columns : ndarray of int, shape (n,)
-        Unknowns of the whole problem that are unknowns of `cone`.
-    inverse : csr_array, shape (n_all, n_all)
-        L^-T: a = L^-T b.
-    row : ndarray of int, shape (K_all,)
-        Row of `cone` for each row of the whole problem, in the order of the whole problem.
-    share : ndarray, shape (K_all,)
-        Force of each of those rows over the multiplier of its row in `cone`.
-    """
+    """Gauss's problem: the admissible motion nearest to free fall, with the data to decode it."""
 
     cone: ConeProjection
+    """The problem. Blocks are parts; units convert slacks and multipliers to accelerations over
+    gravity."""
     columns: Index
+    """Unknowns of the whole problem that are unknowns of `cone`, shape (n,)."""
     inverse: csr_array
+    """L^-T, shape (n_all, n_all): a = L^-T b."""
     row: Index
+    """Row of `cone` for each row of the whole problem, in the order of the whole problem, shape
+    (K_all,)."""
     share: Array
+    """Force of each of those rows over the multiplier of its row in `cone`, shape (K_all,)."""
 
     def accelerations(self, unknowns: Array) -> Array:
         """Scaled accelerations of the free parts, from the unknowns of this problem."""

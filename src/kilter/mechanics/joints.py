@@ -136,18 +136,9 @@ def reference_point(assembly: Assembly, number: int) -> Array:
 def joint_wrench(normal: Array, angular: Mask, at: Array, forces: Array, about: Array) -> Array:
     """Wrench of a joint on its second part from the forces of its rows, shape (6,).
 
-    Parameters
-    ----------
-    normal : ndarray, shape (k, 3)
-        Directions of the rows.
-    angular : ndarray of bool, shape (k,)
-        True for rows that carry a torque.
-    at : ndarray, shape (3,)
-        Point of the rows.
-    forces : ndarray, shape (k,)
-        Forces [N] and torques [N x length unit] of the rows.
-    about : ndarray, shape (3,)
-        Reference point of the wrench.
+    Arguments: `normal` (k, 3): directions of the rows; `angular` (k,): True for rows that carry a
+    torque; `at` (3,): point of the rows; `forces` (k,): forces [N] and torques [N x length unit] of
+    the rows; `about` (3,): reference point of the wrench.
     """
     force, torque = (forces[mask] @ normal[mask] for mask in (~angular, angular))
     return np.concatenate([force, torque + cross(at - about, force)])
@@ -159,18 +150,9 @@ def joint_forces(normal: Array, angular: Mask, at: Array, wrench: Array, about: 
     Components that the joint cannot carry are dropped: `joint_wrench` of the result then differs
     from `wrench`.
 
-    Parameters
-    ----------
-    normal : ndarray, shape (k, 3)
-        Directions of the rows.
-    angular : ndarray of bool, shape (k,)
-        True for rows that carry a torque.
-    at : ndarray, shape (3,)
-        Point of the rows.
-    wrench : ndarray, shape (6,)
-        Force [N] and torque [N x length unit] on the second part.
-    about : ndarray, shape (3,)
-        Reference point of the wrench.
+    Arguments: `normal` (k, 3): directions of the rows; `angular` (k,): True for rows that carry a
+    torque; `at` (3,): point of the rows; `wrench` (6,): force [N] and torque [N x length unit] on
+    the second part; `about` (3,): reference point of the wrench.
     """
     torque = wrench[3:] + cross(about - at, wrench[:3])
     return np.where(angular, normal @ torque, normal @ wrench[:3])

@@ -54,44 +54,30 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LawProof:
-    """Residuals of a motion from rest, checked against Coulomb's contact law [-].
-
-    Attributes
-    ----------
-    acceleration : ndarray, shape (N, 6)
-        Linear [m/s^2], angular [rad/s^2].
-    forces : ndarray, shape (K, 3)
-        Force on the second part of each row, world frame [N]; torque of an angular row [N x length
-        unit].
-    power : float
-        w.a / |w|^2 of the moving parts.
-    size : float
-        |a|^2 / |w|^2.
-    balance : float
-        |a - M^-1 w - M^-1 J^T f|.
-    opening : float
-        Largest penetration of a contact, or opening of a joint.
-    cone : float
-        Largest distance of a force outside its cone.
-    normal : float
-        Largest |u_n f_n|.
-    angle, stretch : float
-        Largest |f_t + |f_t| u_t / |u_t|| and ||f_t| - mu f_n| of sliding points.
-    holds : bool
-        The motion obeys the law.
-    """
+    """Residuals of a motion from rest, checked against Coulomb's contact law [-]."""
 
     acceleration: Array
+    """Linear [m/s^2], angular [rad/s^2], shape (N, 6)."""
     forces: Array
+    """Force on the second part of each row, world frame [N], shape (K, 3); torque of an angular
+    row [N x length unit]."""
     power: float
+    """w.a / |w|^2 of the moving parts."""
     size: float
+    """|a|^2 / |w|^2."""
     balance: float
+    """|a - M^-1 w - M^-1 J^T f|."""
     opening: float
+    """Largest penetration of a contact, or opening of a joint."""
     cone: float
+    """Largest distance of a force outside its cone."""
     normal: float
+    """Largest |u_n f_n|."""
     angle: float
     stretch: float
+    """Largest |f_t + |f_t| u_t / |u_t|| and ||f_t| - mu f_n| of sliding points."""
     holds: bool
+    """The motion obeys the law."""
 
     @property
     def residual(self) -> float:
@@ -111,14 +97,9 @@ class LawProof:
 def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
     """Check whether accelerations and forces form a motion that obeys Coulomb's contact law.
 
-    Parameters
-    ----------
-    program : Program
-    acceleration : array_like, shape (N, 6)
-        Linear [m/s^2] and angular [rad/s^2] accelerations of all parts.
-    forces : array_like, shape (K, 3)
-        Force of every row on its second part, world frame [N]; torque along an angular row
-        [N x length unit].
+    Arguments: `acceleration` (N, 6): linear [m/s^2] and angular [rad/s^2] accelerations of all
+    parts; `forces` (K, 3): force of every row on its second part, world frame [N]; torque along an
+    angular row [N x length unit].
     """
     given = np.asarray(acceleration, dtype=np.float64).reshape(-1, 6)
     given_forces = np.asarray(forces, dtype=np.float64).reshape(-1, 3)
@@ -151,11 +132,7 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
 def check_balance(program: Program, forces: Array) -> float:
     """Largest imbalance of a part over its weight [-]; infinity if a force leaves its cone.
 
-    Parameters
-    ----------
-    program : Program
-    forces : ndarray, shape (K, 3)
-        Force on part b of each row, world frame [N].
+    Arguments: `forces` (K, 3): force on part b of each row, world frame [N].
     """
     along = np.einsum("ki,ki->k", program.normal, forces)
     across = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)

@@ -38,13 +38,7 @@ PATIENCE = 1
 
 
 def least_forces(problem: ScaledProblem) -> tuple[Array, Array] | None:
-    """Balanced row forces, (K,), and a motion that may be a proof, (N, 6); None without bonds.
-
-    Parameters
-    ----------
-    problem : ScaledProblem
-        Problem of a program without friction.
-    """
+    """Balanced row forces, (K,), and a motion that may be a proof, (N, 6); None without bonds."""
     program, matrix = problem.program, problem.matrix
     if not program.pull.any():
         return None

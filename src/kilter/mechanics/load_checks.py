@@ -33,15 +33,8 @@ def check_load_forces(
 ) -> list[ForceProof]:
     """Check forces as proofs that each of several loads is in equilibrium.
 
-    Parameters
-    ----------
-    program : Program
-    more : ndarray, shape (n, N, 6)
-        Wrenches that each load adds to the load of the program.
-    forces : ndarray, shape (n, K)
-        Along the rows [N].
-    friction : ndarray, shape (n, K, 3), optional
-        Across the contact rows, on part b [N].
+    Arguments: `more` (n, N, 6): wrenches that each load adds to the load of the program; `forces`
+    (n, K): along the rows [N]; `friction` (n, K, 3): across the contact rows, on part b [N].
     """
     if friction is not None or len(program.bounded) or program.pull.any():
         across = [None] * len(more) if friction is None else list(friction)

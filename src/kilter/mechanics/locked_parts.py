@@ -42,40 +42,24 @@ REGULAR = 1e-13
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LockedParts:
-    """A program whose locked parts are merged, with the way back to the original program.
-
-    Attributes
-    ----------
-    whole, program : Program
-        The original program, and the smaller program. They are the same if nothing is locked.
-    group : ndarray of int, shape (N,)
-        Part of the smaller program for each part of the original program.
-    source : ndarray of int, shape (K',)
-        Row of the original program for each row of the smaller program.
-    welds : Welds or None
-        Rows that the smaller program lacks; None if nothing is locked.
-    """
+    """A program whose locked parts are merged, with the way back to the original program."""
 
     whole: Program
     program: Program
+    """The original program, and the smaller program. They are the same if nothing is locked."""
     group: Index
+    """Part of the smaller program for each part of the original program, shape (N,)."""
     source: Index
+    """Row of the original program for each row of the smaller program, shape (K',)."""
     welds: Welds | None
+    """Rows that the smaller program lacks; None if nothing is locked."""
 
     def forces(self, down: Array, along: Array, aside: Array) -> tuple[Array, Array]:
         """Forces of the original program from those of the smaller program, for a gravity.
 
-        Parameters
-        ----------
-        down : ndarray, shape (3,)
-            Direction of gravity, unit.
-        along, aside : ndarray, shapes (K',) and (K', 3)
-            Forces along and across the rows of the smaller program [N].
-
-        Returns
-        -------
-        along, aside : ndarray, shapes (K,) and (K, 3)
-            Forces of the original program [N].
+        Arguments: `down` (3,): direction of gravity, unit; `along`, `aside`: forces along and
+        across the rows of the smaller program [N]. Returns `along, aside`: forces of the original
+        program [N].
         """
         if self.welds is None:
             return along, aside
@@ -97,28 +81,19 @@ class LockedParts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Welds:
-    """Contacts that a self-stress (squeeze) loads inside their cones, and this self-stress.
-
-    Attributes
-    ----------
-    wide : ConeProblem
-        Problem of the original program.
-    squeeze : ndarray
-        Scaled forces of the squeeze, one for each column of `wide`.
-    columns : ndarray of int
-        Columns of the welded contacts and of the joints.
-    balancing : callable
-        Shortest forces of these columns, weighted by the depths of the squeeze, for a load.
-    half_lines, heads : ndarray of int
-        Welded rows without friction, and the number of each welded cone in `wide.rough`.
-    """
+    """Contacts that a self-stress (squeeze) loads inside their cones, and this self-stress."""
 
     wide: ConeProblem
+    """Problem of the original program."""
     squeeze: Array
+    """Scaled forces of the squeeze, one for each column of `wide`."""
     columns: Index
+    """Columns of the welded contacts and of the joints."""
     balancing: Callable[[Array], Array]
+    """Shortest forces of these columns, weighted by the depths of the squeeze, for a load."""
     half_lines: Index
     heads: Index
+    """Welded rows without friction, and the number of each welded cone in `wide.rough`."""
 
     def completed(self, down: Array, along: Array, aside: Array) -> tuple[Array, Array]:
         """Forces that also balance each locked part under gravity along `down`, (K,), (K, 3)."""
@@ -149,11 +124,6 @@ def _depths(wide: ConeProblem, x: Array, half_lines: Index, heads: Index) -> Arr
 
 def find_locked_parts(program: Program) -> LockedParts:
     """Merge the parts of a program that a self-stress (squeeze) can lock together.
-
-    Parameters
-    ----------
-    program : Program
-        In space, with friction.
 
     Examples
     --------

@@ -23,12 +23,7 @@ __all__ = ["merge_parts"]
 def merge_parts(program: Program, group: Index) -> Program:
     """Copy of a program in which each group of rigidly joined parts is a single part.
 
-    Parameters
-    ----------
-    program : Program
-    group : ndarray of int, shape (N,)
-        Group number of each part, equal for parts that move together; all numbers from 0 to the
-        greatest occur. A group with a held part is held.
+    Arguments: `group` (N,).
 
     Examples
     --------

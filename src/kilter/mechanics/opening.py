@@ -33,10 +33,6 @@ __all__ = ["Opening", "opening_program"]
 class Opening:
     """The shortest motion `m0` that opens every contact of a program; computed at the first use.
 
-    Attributes
-    ----------
-    wide : ConeProblem
-
     Examples
     --------
     >>> from kilter.scenes import friction, stacks
@@ -137,16 +133,7 @@ def opening_program(
         min 1/2 |m|^2,  or  min (|m| - load.m) / 2:
         J m = 0 at joints,   u_n >= 1 at smooth contacts,   u_n - mu |u_t| >= 1 at rough ones
 
-    Parameters
-    ----------
-    joined, smooth : csr_array, shapes (J, n), (S, n)
-        Rows of the joints, and of the normal opening of contacts without friction.
-    rough : sequence of csr_array, shape (R, n)
-        u_n of the contacts with friction, then u_t along each tangent direction.
-    mu : ndarray, shape (R,)
-        Friction coefficients [-].
-    load : ndarray, shape (n,), optional
-        If given, the second objective applies and x = (a bound of |m|, m), else x = m.
+    Arguments: `joined`, `smooth`; `rough` (R, n); `mu` (R,) [-]; `load` (n,).
     """
     cone_size, count = len(rough), len(mu)
     cones = vstack([rough[0], *[row.multiply(mu[:, None]) for row in rough[1:]]], format="csr")

@@ -64,49 +64,34 @@ PLANE.setflags(write=False)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Program(RowArrays):
-    """Parts, K rows (possible contact and joint forces) and load of an assembly, as arrays.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Names of all N parts.
-    free : ndarray of bool, shape (N,)
-        False for held parts.
-    center : ndarray, shape (N, 3)
-        Centres of mass.
-    mass : ndarray, shape (N,)
-        [kg]
-    inertia : ndarray, shape (N, 3, 3)
-        Inertia about the centre of mass, world axes [kg x length unit^2].
-    radius : ndarray, shape (N,)
-        Characteristic length of each part: its bounding radius.
-    gravity : ndarray, shape (3,)
-        [m/s^2]
-    applied : ndarray, shape (N, 6)
-        Given loads: force [N] and torque about the centre of mass [N x length unit].
-    clamp : ndarray, shape (N, 6)
-        Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, and the loads of
-        springs of joints, in the same form.
-    tolerance : ndarray, shape (N,)
-        Relative tolerance of a verdict for each part [-].
-    planar : bool
-        True if parts move only in the x-z plane.
-    units : str
-        Name of the length unit.
-    """
+    """Parts, K rows (possible contact and joint forces) and load of an assembly, as arrays."""
 
     names: tuple[str, ...]
+    """Names of all N parts."""
     free: Mask
+    """False for held parts, shape (N,)."""
     center: Array
+    """Centres of mass, shape (N, 3)."""
     mass: Array
+    """[kg], shape (N,)."""
     inertia: Array
+    """Inertia about the centre of mass, world axes [kg x length unit^2], shape (N, 3, 3)."""
     radius: Array
+    """Characteristic length of each part, shape (N,): its bounding radius."""
     gravity: Array
+    """[m/s^2], shape (3,)."""
     applied: Array
+    """Given loads, shape (N, 6): force [N] and torque about the centre of mass [N x length
+    unit]."""
     clamp: Array
+    """Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, and the loads of
+    springs of joints, in the same form, shape (N, 6)."""
     tolerance: Array
+    """Relative tolerance of a verdict for each part [-], shape (N,)."""
     planar: bool
+    """True if parts move only in the x-z plane."""
     units: str
+    """Name of the length unit."""
 
     @property
     def g(self) -> float:
@@ -343,12 +328,8 @@ class Program(RowArrays):
     def wrenches(self, forces: Array, friction: Array | None = None) -> Array:
         """Total wrench of all row forces on each part, shape (N, 6).
 
-        Parameters
-        ----------
-        forces : ndarray, shape (K,)
-            Along the rows [N].
-        friction : ndarray, shape (K, 3), optional
-            Across the rows, on part b [N].
+        Arguments: `forces` (K,): along the rows [N]; `friction` (K, 3): across the rows, on part b
+        [N].
         """
         total = np.zeros((len(self.names), 6))
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
@@ -445,19 +426,6 @@ def build_program(
 
     A contact with a fitted normal is certain only if its friction exceeds the uncertainty of the
     normal; otherwise it is omitted, for every question alike.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    possible : bool
-        Include every force that contacts outside the model could transmit. An assembly that is
-        unstable with these forces is unstable.
-    sticking : bool
-        Include tangential forces of any size at contacts with mu > 0, as separate rows: a bound for
-        questions that ignore Coulomb's law.
-    fitted : bool
-        Include the uncertain contacts, along their fitted normals.
     """
     geometry = assembly.geometry
     touching = contact_rows(contacts, geometry)

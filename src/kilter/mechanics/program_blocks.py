@@ -31,54 +31,36 @@ __all__ = ["BlockProofs", "ProgramBlocks", "program_blocks"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockProofs:
-    """Checked forces and a checked motion for each of M programs.
-
-    Attributes
-    ----------
-    stable, unstable : ndarray of bool, shape (M,)
-        Exactly one proof holds: the forces, or the motion.
-    residual : ndarray, shape (M,)
-        Worst relative imbalance of the forces [-].
-    power, violation : ndarray, shape (M,)
-        Power [W at 1 m/s] and violation [-] of the motion, as in `MotionProof`.
-    forces : ndarray, shape (K,)
-        Forces of the rows [N].
-    motion : ndarray, shape (N, 6)
-        Motion of all parts; the fastest part of each program moves by 1.
-    """
+    """Checked forces and a checked motion for each of M programs."""
 
     stable: Mask
     unstable: Mask
+    """Exactly one proof holds, shape (M,): the forces, or the motion."""
     residual: Array
+    """Worst relative imbalance of the forces [-], shape (M,)."""
     power: Array
     violation: Array
+    """Power [W at 1 m/s] and violation [-] of the motion, as in `MotionProof`, shape (M,)."""
     forces: Array
+    """Forces of the rows [N], shape (K,)."""
     motion: Array
+    """Motion of all parts, shape (N, 6); the fastest part of each program moves by 1."""
 
 
 @dataclass(frozen=True)
 class ProgramBlocks:
-    """Programs of M frictionless assemblies without joints, in shared arrays.
-
-    Attributes
-    ----------
-    whole : Program
-        All parts, and all rows in the order of the programs; its gravity is unused.
-    start : ndarray of int, shape (M + 1,)
-        First part of each program.
-    row_start : ndarray of int, shape (M + 1,)
-        First row of each program.
-    gravity : ndarray, shape (M, 3)
-        Gravity of each program [m/s^2].
-    mu : ndarray, shape (M,)
-        Friction coefficient of each program that a motion must overcome [-].
-    """
+    """Programs of M frictionless assemblies without joints, in shared arrays."""
 
     whole: Program
+    """All parts, and all rows in the order of the programs; its gravity is unused."""
     start: Index
+    """First part of each program, shape (M + 1,)."""
     row_start: Index
+    """First row of each program, shape (M + 1,)."""
     gravity: Array
+    """Gravity of each program [m/s^2], shape (M, 3)."""
     mu: Array
+    """Friction coefficient of each program that a motion must overcome [-], shape (M,)."""
 
     @cached_property
     def owner(self) -> Index:
@@ -238,14 +220,9 @@ class ProgramBlocks:
     def checked(self, forces: Array, motion: Array, holds: Mask, falls: Mask) -> BlockProofs:
         """Check forces and motions by the criteria that apply to single proofs.
 
-        Parameters
-        ----------
-        forces : ndarray, shape (K,)
-            Forces of all rows [N].
-        motion : ndarray, shape (N, 6)
-            Motion of all parts, of any size.
-        holds, falls : ndarray of bool, shape (M,)
-            Programs of which the forces, or the motion, are a candidate of a proof.
+        Arguments: `forces` (K,): forces of all rows [N]; `motion` (N, 6): motion of all parts, of
+        any size; `holds`, `falls` (M,): programs of which the forces, or the motion, are a
+        candidate of a proof.
         """
         whole = self.whole
         forces = np.where(whole.two_sided, forces, np.maximum(forces, 0.0))

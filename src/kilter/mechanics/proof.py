@@ -40,24 +40,16 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
-    """Evidence of a verdict with friction that a proof file has in addition to equilibrium forces.
-
-    Attributes
-    ----------
-    guarantee : {"proved", "refuted", "open"}
-        Whether no other motion obeys the contact law.
-    witness : LawProof or None
-        A motion that obeys the contact law.
-    settles : bool
-        Whether every try came to rest: a claim without a proof, since verification repeats them.
-    exclusion : dict or None
-        Proof that excludes every motion, with all steps (`kilter.friction.exclusion_file`).
-    """
+    """Evidence of a verdict with friction that a proof file has beside equilibrium forces."""
 
     guarantee: str
+    """One of "proved", "refuted", "open". Whether no other motion obeys the contact law."""
     witness: LawProof | None = None
+    """A motion that obeys the contact law."""
     settles: bool = False
+    """Whether every try came to rest: a claim without a proof, since verification repeats them."""
     exclusion: dict[str, Any] | None = None
+    """Proof that excludes every motion, with all steps (`kilter.friction.exclusion_file`)."""
 
 
 TOLERANCES = ("gap", "relative_gap", "angle", "clearance")
@@ -75,21 +67,9 @@ def make_proof(
 ) -> dict[str, Any]:
     """JSON data of a proof file, from a certificate and the evidence about friction.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-    certificate : ForceProof or MotionProof or None
-    options : dict
-        Reading options of the file; if it is empty, those that the assembly remembers.
-    evidence : Evidence, optional
-        Given if the verdict depends on friction.
-
-    Raises
-    ------
-    InputError
-        If the verdict is undecided (`certificate` is None): it has no proof.
+    Arguments: `options`: reading options of the file; if it is empty, those that the assembly
+    remembers. Raises `InputError` if the verdict is undecided (`certificate` is None): it has no
+    proof.
     """
     if certificate is None:
         raise InputError("an undecided verdict has no proof to write")

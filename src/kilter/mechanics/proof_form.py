@@ -264,10 +264,7 @@ BUNDLE = keys(
 def require_form(proof: Any) -> None:
     """Raise an error if JSON data do not have the form of a proof.
 
-    Raises
-    ------
-    InputError
-        Naming the first key that is missing or of another kind.
+    Raises `InputError` naming the first key that is missing or of another kind.
 
     Examples
     --------
@@ -294,10 +291,7 @@ def require_form(proof: Any) -> None:
 def require_bundle_form(bundle: Any) -> None:
     """Raise an error if JSON data do not have the form of a file of several proofs.
 
-    Raises
-    ------
-    InputError
-        Naming the first key that is missing or of another kind.
+    Raises `InputError` naming the first key that is missing or of another kind.
 
     Examples
     --------

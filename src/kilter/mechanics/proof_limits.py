@@ -58,21 +58,10 @@ def balanced_parts(
 ) -> tuple[Array, Mask]:
     """Apply the limits of a proof by forces to each part.
 
-    Parameters
-    ----------
-    program : Program
-        Program of a single assembly, or of several side by side.
-    imbalance, weight, sums : ndarray, shape (..., N)
-        Imbalance |r_i|, weight W_i, and sum S_i of the forces on each part [N].
-    pressed : ndarray, shape (..., N)
-        Sum of the forces on each part without the pull of bonds [N].
-
-    Returns
-    -------
-    relative : ndarray, shape (..., N)
-        Imbalance over the weight; 0 for held parts [-].
-    balanced : ndarray of bool, shape (..., N)
-        Parts that are in balance, or held.
+    Arguments: `imbalance`, `weight`, `sums` (..., N): imbalance |r_i|, weight W_i, and sum S_i of
+    the forces on each part [N]; `pressed` (..., N): sum of the forces on each part without the pull
+    of bonds [N]. Returns `relative` (..., N): imbalance over the weight; 0 for held parts [-];
+    `balanced` (..., N): parts that are in balance, or held.
     """
     label, free = cluster_labels(program), program.free
     relative = np.where(free, imbalance / np.maximum(weight, TINY), 0.0)
@@ -127,21 +116,15 @@ def _of_cluster(values: Array, label: Index) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PowerLimit:
-    """Power that a motion must exceed to be a proof, as shares of weights and of strengths.
-
-    Attributes
-    ----------
-    parts : ndarray, shape (N,)
-        Tolerance times size of the motion of each part [-].
-    shares : ndarray, shape (2, N)
-        Share of the weight of each part in A and in B [-].
-    strength : ndarray, shape (2, K)
-        Power of the strength of the bond, strap or joint of each row in A and in B [W].
-    """
+    """Power that a motion must exceed to be a proof, as shares of weights and of strengths."""
 
     parts: Array
+    """Tolerance times size of the motion of each part [-], shape (N,)."""
     shares: Array
+    """Share of the weight of each part in A and in B [-], shape (2, N)."""
     strength: Array
+    """Power of the strength of the bond, strap or joint of each row in A and in B [W], shape (2,
+    K)."""
 
     def largest(self, weight: Array) -> float:
         """Least power of a proof [W] for every load with weights in the hull of the rows, (n, N).
@@ -162,19 +145,7 @@ def power_limit(
 ) -> PowerLimit:
     """The power that a motion of size 1 must exceed to be a proof.
 
-    Parameters
-    ----------
-    program : Program
-        Program of a single assembly, or of several side by side.
-    opening : ndarray, shape (K,)
-        u_n - mu |u_t| of each row, times its arm; 0 for straps with a capacity and for joint
-        friction.
-    sizes : ndarray, shape (N,)
-        Size |q_i| of the motion of each part.
-    mu : ndarray, shape (K,), optional
-        Friction of each row; by default that of the program.
-    owner : ndarray of int, shape (N,), optional
-        Index of the assembly of each part, of several side by side.
+    Arguments: `opening` (K,); `sizes` (N,); `mu` (K,); `owner` (N,).
     """
     mu = program.mu if mu is None else mu
     owner = np.zeros(len(sizes), dtype=int) if owner is None else owner

@@ -60,55 +60,38 @@ OF_JOINTS = (JOINT, STOP, DRAG)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RowArrays:
-    """Arrays of possible forces between parts, a row each; world frame, assembly's length unit.
-
-    Attributes
-    ----------
-    part_a, part_b : ndarray of int, shape (K,)
-        Parts of each row; -1 is the ground.
-    point : ndarray, shape (K, 3)
-        Points of application.
-    normal : ndarray, shape (K, 3)
-        Unit directions from part a to part b.
-    kind : ndarray of int, shape (K,)
-        CONTACT, POSSIBLE, JOINT, STICKING, BONDED, STRAP, STOP or DRAG.
-    two_sided : ndarray of bool, shape (K,)
-        True for forces of both signs.
-    angular : ndarray of bool, shape (K,)
-        True for torques.
-    mu : ndarray, shape (K,)
-        Friction coefficient of each contact row [-]; 0 for the other kinds.
-    source : ndarray of int, shape (K,)
-        Number of the patch, possible force, joint or strap.
-    doubt : ndarray, shape (K,)
-        Uncertainty of a fitted contact normal [rad]; else 0.
-    pull : ndarray, shape (K,)
-        Largest tension of the bond of a contact row [N], else 0. The force of the row counts from
-        there: f_n + pull >= 0 (`kilter.mechanics.bond_rows`).
-    tied : ndarray of bool, shape (K,)
-        Contact rows whose bond carries any shear, by rows of the kind BONDED.
-    shear : ndarray, shape (K,)
-        Largest shear force of the bond of a contact row [N], instead of friction; NaN without such
-        a limit.
-    capacity : ndarray, shape (K,)
-        Largest size of the force of a strap or of the friction of a joint [N] or [N x length
-        unit]; infinite for the other kinds.
-    """
+    """Arrays of possible forces between parts, a row each; world frame, assembly's length unit."""
 
     part_a: Index
     part_b: Index
+    """Parts of each row, shape (K,); -1 is the ground."""
     point: Array = columns(3)
+    """Points of application, shape (K, 3)."""
     normal: Array = columns(3)
+    """Unit directions from part a to part b, shape (K, 3)."""
     kind: Index = columns()
+    """CONTACT, POSSIBLE, JOINT, STICKING, BONDED, STRAP, STOP or DRAG, shape (K,)."""
     two_sided: Mask = columns()
+    """True for forces of both signs, shape (K,)."""
     angular: Mask = columns()
+    """True for torques, shape (K,)."""
     mu: Array = columns()
+    """Friction coefficient of each contact row [-], shape (K,); 0 for the other kinds."""
     source: Index = columns()
+    """Number of the patch, possible force, joint or strap, shape (K,)."""
     doubt: Array = columns()
+    """Uncertainty of a fitted contact normal [rad], shape (K,); else 0."""
     pull: Array = columns()
+    """Largest tension of the bond of a contact row [N], else 0, shape (K,). The force of the row
+    counts from there: f_n + pull >= 0 (`kilter.mechanics.bond_rows`)."""
     tied: Mask = columns()
+    """Contact rows whose bond carries any shear, by rows of the kind BONDED, shape (K,)."""
     shear: Array = columns()
+    """Largest shear force of the bond of a contact row [N], instead of friction, shape (K,); NaN
+    without such a limit."""
     capacity: Array = columns()
+    """Largest size of the force of a strap or of the friction of a joint [N] or [N x length
+    unit], shape (K,); infinite for the other kinds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -47,51 +47,35 @@ NARROW = 1e-10
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StackAnswers:
-    """Candidates of forces or of a motion for M programs.
-
-    Attributes
-    ----------
-    carried, tips : ndarray of bool, shape (M,)
-        Programs with candidate forces, and programs with a candidate motion.
-    forces : ndarray, shape (K,)
-        Forces of all rows [N].
-    motion : ndarray, shape (N, 6)
-        Motion of all parts.
-    """
+    """Candidates of forces or of a motion for M programs."""
 
     carried: Mask
     tips: Mask
+    """Programs with candidate forces, and programs with a candidate motion, shape (M,)."""
     forces: Array
+    """Forces of all rows [N], shape (K,)."""
     motion: Array
+    """Motion of all parts, shape (N, 6)."""
 
 
 @dataclass(slots=True, eq=False)
 class _Supports:
-    """Level contacts, ordered by depth of the upper part (the deepest first), then by part.
-
-    Attributes
-    ----------
-    rows, upper, lower : ndarray of int, shape (k,)
-        Row of the program, and the parts above and below it.
-    above, below : ndarray, shape (k, 3)
-        (1, u, v) of the contact point from the centre of the upper and of the lower part; u and v
-        are over the radius of the part.
-    parts : ndarray of int, shape (p,)
-        Parts with supports, in the same order.
-    start : ndarray of int, shape (p + 1,)
-        First row of each of these parts.
-    depth : ndarray of int, shape (N,)
-        0 for held parts, else 1 plus the largest depth of the parts below.
-    """
+    """Level contacts, ordered by depth of the upper part (the deepest first), then by part."""
 
     rows: Index
     upper: Index
     lower: Index
+    """Row of the program, and the parts above and below it, shape (k,)."""
     above: Array
     below: Array
+    """(1, u, v) of the contact point from the centre of the upper and of the lower part; u and v
+    are over the radius of the part, shape (k, 3)."""
     parts: Index
+    """Parts with supports, in the same order, shape (p,)."""
     start: Index
+    """First row of each of these parts, shape (p + 1,)."""
     depth: Index
+    """0 for held parts, else 1 plus the largest depth of the parts below, shape (N,)."""
 
 
 def stack_answers(
@@ -99,18 +83,9 @@ def stack_answers(
 ) -> StackAnswers:
     """Find candidate forces or a candidate motion of many programs whose parts are stacked.
 
-    Parameters
-    ----------
-    program : Program
-        Parts and rows of M programs without friction, in shared arrays.
-    start : ndarray of int, shape (M + 1,)
-        First part of each program.
-    frames : ndarray, shape (M, 3, 3)
-        Rows of two horizontal unit vectors and the upward one of each program.
-    weight : ndarray, shape (N,)
-        Weight of each part [N].
-    which : ndarray of bool, shape (M,)
-        Programs to consider.
+    Arguments: `start` (M + 1,): first part of each program; `frames` (M, 3, 3): rows of two
+    horizontal unit vectors and the upward one of each program; `weight` (N,): weight of each part
+    [N]; `which` (M,): programs to consider.
     """
     count = len(start) - 1
     owner = np.repeat(np.arange(count), np.diff(start))
@@ -205,25 +180,17 @@ def _moments(above: Array, weights: Array, part: Index, count: int) -> Array:
 
 @dataclass(slots=True, eq=False)
 class _Shares:
-    """Linear functions of the load by which the supports of each part share it.
-
-    Attributes
-    ----------
-    inverse : ndarray, shape (p, 3, 3)
-        Inverse second moments of the supports: the forces of least squares.
-    wide : ndarray of bool, shape (p,)
-        Parts whose supports are on no line.
-    across : ndarray, shape (p, 2, 3)
-        For supports at the corners of a parallelogram, its coordinates of a load (1, u, v): both
-        are between 0 and 1 inside.
-    is_four : ndarray of bool, shape (p,)
-        Parts with such supports.
-    """
+    """Linear functions of the load by which the supports of each part share it."""
 
     inverse: Array
+    """Inverse second moments of the supports, shape (p, 3, 3): the forces of least squares."""
     wide: Mask
+    """Parts whose supports are on no line, shape (p,)."""
     across: Array
+    """For supports at the corners of a parallelogram, its coordinates of a load (1, u, v): both
+    are between 0 and 1 inside, shape (p, 2, 3)."""
     is_four: Mask
+    """Parts with such supports, shape (p,)."""
 
 
 def _shares(supports: _Supports) -> _Shares:
@@ -325,14 +292,9 @@ def _is_outside(above: Array, start: Index, goal: Array, parts: Index) -> Mask:
 def _worst_edges(above: Array, start: Index, goal: Array) -> tuple[Array, Index, Array]:
     """For each part the edge of the hull of its supports beyond which its load acts farthest.
 
-    Returns
-    -------
-    beyond : ndarray, shape (p,)
-        Distance of the load beyond the edge over the radius; -inf without an edge.
-    corner : ndarray of int, shape (p,)
-        Row of a point of the edge.
-    outward : ndarray, shape (p, 2)
-        Horizontal unit vector across the edge.
+    Returns `beyond` (p,): distance of the load beyond the edge over the radius; -inf without an
+    edge; `corner` (p,): row of a point of the edge; `outward` (p, 2): horizontal unit vector across
+    the edge.
     """
     beyond, corner = np.full(len(goal), -np.inf), np.zeros(len(goal), dtype=np.int64)
     outward, size = np.zeros((len(goal), 2)), np.diff(start)

@@ -107,10 +107,7 @@ def report(
 def _map_of(subject: Any) -> Places | None:
     """The map of places that a page shows; None if `subject` is no answer about places.
 
-    Raises
-    ------
-    InputError
-        If the answer is about a given place.
+    Raises `InputError` if the answer is about a given place.
     """
     from kilter.analysis.placing.place import Places
 

@@ -28,14 +28,8 @@ def wedge_on_wedge(
 
     Neither wedge rotates.
 
-    Parameters
-    ----------
-    angle : float
-        Slope c of the lower wedge [deg], 15 to 60.
-    mass, mass_below : float
-        Masses m of the upper and M of the lower wedge [kg].
-    planar : bool
-        Motions in the x-z plane only.
+    Arguments: `angle`: slope c of the lower wedge [deg], 15 to 60; `mass`, `mass_below`: masses m
+    of the upper and M of the lower wedge [kg].
 
     Examples
     --------

@@ -32,16 +32,9 @@ def voussoirs(
 ) -> list[Part]:
     """Build the blocks "voussoir-0", ... of an arch between joints at given angles from +x [rad].
 
-    Parameters
-    ----------
-    joints : ndarray, shape (n + 1,)
-        Angles of the joints, ascending [rad].
-    inner, outer : float
-        Radii [length unit].
-    depth : float
-        Extent along y [length unit].
-    sectors : bool
-        Give the parts the mass and centre of mass of ring sectors instead of polyhedra.
+    Arguments: `joints` (n + 1,): angles of the joints, ascending [rad]; `inner`, `outer`: radii
+    [length unit]; `depth`: extent along y [length unit]; `sectors`: give the parts the mass and
+    centre of mass of ring sectors instead of polyhedra.
     """
     spoke = np.column_stack([np.cos(joints), np.sin(joints)])
     spoke[np.abs(spoke) < 1e-15] = 0.0

@@ -43,16 +43,8 @@ def ladder(
     Their contacts are given, with two points per edge. The least angles for mu_f = 0.4 are
     51.3402 degrees with mu_w = 0, and 47.7263 degrees with mu_w = 0.3.
 
-    Parameters
-    ----------
-    angle : float
-        Angle from the floor [deg].
-    friction_floor, friction_wall : float
-        Friction coefficients mu_f, mu_w [-].
-    length : float
-        Length of the ladder [m].
-    planar : bool
-        Motions in the x-z plane only.
+    Arguments: `angle`: angle from the floor [deg]; `friction_floor`, `friction_wall`: friction
+    coefficients mu_f, mu_w [-]; `length`: length of the ladder [m].
     """
     a = np.radians(angle)
     foot, top = np.array([length * np.cos(a), 0.0]), np.array([0.0, length * np.sin(a)])
@@ -121,16 +113,9 @@ def books(
     The least force is max(n w / (2 mu), n^2 w t / (8 h)) for an even number n of books. Guides
     without friction around the plate let it slide only along the force.
 
-    Parameters
-    ----------
-    count : int
-        Number n of books.
-    force, weight : float
-        Force on the plate toward -x, and weight w of a book [N].
-    friction : float
-        Friction coefficient mu between books, wall and plate [-].
-    thickness, height : float
-        Thickness t and height h of a book [m].
+    Arguments: `force`, `weight`: force on the plate toward -x, and weight w of a book [N];
+    `friction`: friction coefficient mu between books, wall and plate [-]; `thickness`, `height`:
+    thickness t and height h of a book [m].
     """
     depth, end = 0.2, count * thickness
     plate = 2 * height
@@ -164,16 +149,8 @@ def squeezed_row(
     Thin and high blocks form a row of books, thick and low blocks a flat arch. Equilibrium forces
     exist for every friction above zero, but free fall obeys the contact law, too.
 
-    Parameters
-    ----------
-    count : int
-        Number of blocks.
-    friction : float
-        Friction coefficient [-].
-    thickness, height : float
-        Size of a block along x and z [m].
-    planar : bool
-        Motions in the x-z plane only.
+    Arguments: `friction`: friction coefficient [-]; `thickness`, `height`: size of a block along x
+    and z [m].
     """
     end, depth = count * thickness, 0.2
     wall = max(thickness, 0.1)
@@ -257,14 +234,8 @@ def trough(
     Gravity leans toward +y. The prism slips at tan(tilt) = friction / cos(slope). Equilibrium
     forces exist up to tan(tilt) = friction / sqrt(cos^2 - friction^2 sin^2).
 
-    Parameters
-    ----------
-    slope, tilt : float
-        Angles [deg].
-    friction : float
-        Friction coefficient [-].
-    length : float
-        Length of the prism along y [m]; its width is 2 m.
+    Arguments: `slope`, `tilt`: angles [deg]; `friction`: friction coefficient [-]; `length`: length
+    of the prism along y [m]; its width is 2 m.
     """
     rise = float(np.tan(np.radians(slope)))
     held = [[0, 0], [1.5, 1.5 * rise], [1.5, -1], [-1.5, -1], [-1.5, 1.5 * rise]]

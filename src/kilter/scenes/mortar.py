@@ -72,16 +72,8 @@ def corbel(
     The lowest joint opens about the edge of the held block: n W ((n + 1) step - b) / 2 against
     p d (b - step)^2 / 2. Dry courses stand up to (n + 1) step = b.
 
-    Parameters
-    ----------
-    count : int
-        Number n of courses.
-    step : float
-        Offset between courses [m].
-    strength : float
-        Tensile strength p of the mortar [N/mm2].
-    friction : float
-        Friction coefficient [-].
+    Arguments: `step`: offset between courses [m]; `strength`: tensile strength p of the mortar
+    [N/mm2]; `friction`: friction coefficient [-].
     """
     parts = [_course(k, k * step) for k in range(count + 1)]
     return _with_mortar(parts, strength, friction)
@@ -101,16 +93,8 @@ def pier_in_wind(
     The wind overturns the pier about its foot if q b H^2 / 2 > (n W + p b d) d / 2. The height is
     H = n h; a course has width b, depth d, height h and weight W.
 
-    Parameters
-    ----------
-    count : int
-        Number n of courses.
-    wind : float
-        Pressure q of the wind [N/m2].
-    strength : float
-        Tensile strength p of the mortar [N/mm2].
-    friction : float
-        Friction coefficient [-].
+    Arguments: `wind`: pressure q of the wind [N/m2]; `strength`: tensile strength p of the mortar
+    [N/mm2]; `friction`: friction coefficient [-].
     """
     parts = _on_floor(count)
     length, _, height = BLOCK
@@ -136,18 +120,8 @@ def eccentric_pier(
 
     The upper joint opens about its edge: P (e - b / 2) against (W + p b d) b / 2.
 
-    Parameters
-    ----------
-    count : int
-        Number of courses.
-    load : float
-        Load P [N].
-    eccentricity : float
-        Distance e from the axis [m].
-    strength : float
-        Tensile strength p of the mortar [N/mm2].
-    friction : float
-        Friction coefficient [-].
+    Arguments: `load`: load P [N]; `eccentricity`: distance e from the axis [m]; `strength`: tensile
+    strength p of the mortar [N/mm2]; `friction`: friction coefficient [-].
     """
     parts = _on_floor(count)
     top = [eccentricity, 0.0, count * BLOCK[2]]

@@ -19,17 +19,7 @@ def box_pile(
 
     Touching faces lie on common grid planes, so that they touch exactly and no parts overlap.
 
-    Parameters
-    ----------
-    count, seed : int
-        Number of boxes, and seed of the random numbers.
-    cells : int
-        Side of the floor [cells of 1 m].
-    level : bool
-        Place boxes only on level ground, so that each rests on its whole underside and the pile
-        is stable without friction. Otherwise boxes are placed anywhere and some tip over.
-    friction : float
-        Friction coefficient [-].
+    Arguments: `cells` [cells of 1 m]; `friction` [-].
 
     Examples
     --------

@@ -85,16 +85,8 @@ def two_blocks_in_an_l(
     direction, `stable_direction`. For equal masses its angle from -z is 45 deg (angle 45) and
     60 deg (angle 60), for mass_b = 2 mass_a it is 63.435 and 73.898 deg.
 
-    Parameters
-    ----------
-    angle : float
-        Angle c of the chamfer to the floor [deg], 30 to 60.
-    mass_a, mass_b : float
-        Masses [kg], in a ratio of 1/2 to 2.
-    stable : bool
-        Rotate the assembly so that the stable direction is -z.
-    planar : bool
-        Motions in the x-z plane only.
+    Arguments: `angle`: angle c of the chamfer to the floor [deg], 30 to 60; `mass_a`, `mass_b`:
+    masses [kg], in a ratio of 1/2 to 2.
 
     Notes
     -----
@@ -186,12 +178,7 @@ def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
     the normal of the chamfer meets the vertical through the centre of mass of C2 at the height of
     its contact with the wall.
 
-    Parameters
-    ----------
-    angle : float
-        Angle of the chamfer to the floor [deg], 45 to 75.
-    planar : bool
-        Motions in the x-z plane only.
+    Arguments: `angle`: angle of the chamfer to the floor [deg], 45 to 75.
     """
     slope = float(np.tan(np.radians(angle)))
 
@@ -327,14 +314,8 @@ def trapped_wedge(
     0 <= tilt <= atan(mass_a / mass_b). At 0 degrees B can slide away at no cost, at 10 degrees
     no part can move, at -0.01 degrees the assembly is unstable.
 
-    Parameters
-    ----------
-    tilt : float
-        Angle of gravity [deg].
-    mass_a, mass_b : float
-        Masses [kg], in a ratio of 1/2 to 2.
-    planar : bool
-        Motions in the x-z plane only, as in the case.
+    Arguments: `tilt`: angle of gravity [deg]; `mass_a`, `mass_b`: masses [kg], in a ratio of 1/2 to
+    2.
     """
     a = [[0, 0], [2, 0], [3.5, 1.5], [3.5, 2], [0, 6]]
     b = [[2.5, 0], [6, 0], [6, 1], [3.25, 1.25], [2.5, 0.5]]

@@ -104,19 +104,8 @@ def tube(
 ) -> Part:
     """Build a part that is a tube about z, with exact cylinders and two flat ends.
 
-    Parameters
-    ----------
-    name : str
-    bore, outer : float
-        Radii [length unit].
-    height : float
-        Extent along z [length unit].
-    at : array_like, shape (3,)
-        Middle of the tube [length unit].
-    sides : int
-        Sides of the polygons that approximate the circles in the triangles.
-    **properties
-        Further arguments of `Part`.
+    Arguments: `bore`, `outer`: radii [length unit]; `height`: extent along z [length unit]; `at`
+    (3,): middle of the tube [length unit].
 
     Examples
     --------

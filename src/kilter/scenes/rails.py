@@ -63,19 +63,7 @@ def railed(sides: str = "-x +x -z", *, count: int = 1, planar: bool = False) -> 
 
     A held block that touches no other part stands aside, so that a part is held without plates.
 
-    Parameters
-    ----------
-    sides : str
-        Sides with a plate, from `SIDES`, separated by spaces.
-    count : int
-        Number of cubes along z.
-    planar : bool
-        Motions in the x-z plane only.
-
-    Raises
-    ------
-    InputError
-        If a side is unknown.
+    Raises `InputError` if a side is unknown.
 
     Examples
     --------
@@ -108,15 +96,7 @@ def railed(sides: str = "-x +x -z", *, count: int = 1, planar: bool = False) -> 
 def groove(angle: float = 30.0, *, ends: int = 0, planar: bool = False) -> Assembly:
     """A prism in a held V-groove along y, stable for gravity within `angle` [deg] of -z.
 
-    Parameters
-    ----------
-    angle : float
-        Angle of each side of the groove to the horizontal [deg], 5 to 85.
-    ends : int
-        Number of plates that close the groove along y. The stable region is a fan for 0, a cone
-        of three rays for 1 (at -y) and a wedge for 2.
-    planar : bool
-        Motions in the x-z plane only.
+    Arguments: `angle` [deg].
 
     Examples
     --------
@@ -147,12 +127,7 @@ def seats(count: int = 100, *, angle: float = 0.3) -> Assembly:
     angle from -z toward x, -x, y and -y; 10,000 random directions miss the region. The plates
     are 1 x 1 x 0.05.
 
-    Parameters
-    ----------
-    count : int
-        Number of free plates.
-    angle : float
-        Slope [deg]; a stack that leans by it must shift by less than half a plate.
+    Arguments: `angle`: slope [deg]; a stack that leans by it must shift by less than half a plate.
 
     Examples
     --------
@@ -188,11 +163,6 @@ def pit_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
     """A cube in a pit up to the rim, cut into `count` wedges by random planes; stable.
 
     Each cut goes through the middle of the largest piece.
-
-    Parameters
-    ----------
-    count, seed : int
-        Number of wedges, and seed of the random planes.
 
     Examples
     --------

@@ -72,12 +72,7 @@ def staircase(count: int = 4, *, offset: float | None = None) -> Assembly:
 
     The staircase is stable if and only if offset <= 1 / (count + 1).
 
-    Parameters
-    ----------
-    count : int
-        Number of free cubes.
-    offset : float, optional
-        Shift of each cube [m]; by default 0.98 of the limit.
+    Arguments: `offset`: shift of each cube [m]; by default 0.98 of the limit.
 
     Examples
     --------
@@ -220,16 +215,8 @@ def overhang(
 
     The cube is stable up to a share of 0.5, whatever the size and the density.
 
-    Parameters
-    ----------
-    share : float
-        Overhang over length [-].
-    size : float
-        Side of the cubes [length unit].
-    density : float, optional
-        Density of both cubes [kg/m^3].
-    **assembly
-        Further arguments of `Assembly`, such as `units`.
+    Arguments: `share`: overhang over length [-]; `size`: side of the cubes [length unit];
+    `density`: density of both cubes [kg/m^3].
     """
     lower = block("base", [0, 0, -size], [size, size, 0], grounded=True, density=density)
     x = share * size

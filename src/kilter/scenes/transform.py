@@ -21,18 +21,8 @@ def moved(
 ) -> Assembly:
     """Rotate an assembly about the origin, then shift it, with its gravity, loads and contacts.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    rotation : array_like, shape (4,)
-        Quaternion (w, x, y, z).
-    shift : array_like, shape (3,)
-        Shift, world frame [length unit].
-
-    Raises
-    ------
-    InputError
-        If the assembly is planar and the rotation is not about y.
+    Arguments: `rotation` (4,): quaternion (w, x, y, z); `shift` (3,): shift, world frame [length
+    unit]. Raises `InputError` if the assembly is planar and the rotation is not about y.
 
     Examples
     --------

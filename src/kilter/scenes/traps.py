@@ -25,12 +25,8 @@ __all__ = [
 def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
     """Case W1: cubes on a floor and a single cube 1 m above them, which falls freely.
 
-    Parameters
-    ----------
-    index : int
-        Index of the floating cube, from 0, or negative from the end; it is part `index` + 1.
-    count : int
-        Number of cubes.
+    Arguments: `index`: index of the floating cube, from 0, or negative from the end; it is part
+    `index` + 1.
     """
     if not -count <= index < count:
         raise InputError(f"there is no cube {index} of {count}", hint=f"give 0 to {count - 1}")

@@ -93,26 +93,8 @@ def wall_from_courses(
 ) -> Assembly:
     """Build a brick wall from the widths of the bricks in each course, bottom up.
 
-    Parameters
-    ----------
-    courses : sequence of sequences of float
-        Widths [brick]; a negative width is an opening.
-    size : sequence of float, shape (3,)
-        Length along x, depth along y and height along z of a brick [length unit].
-    gap : float
-        Gap of all head joints [length unit]; bed joints touch.
-    base : (float, float), optional
-        Start and end of the held base along x [length unit]; by default half a brick beyond both
-        ends of the first course.
-    density : float, optional
-        Density of the bricks [kg/m^3].
-    **assembly
-        Further arguments of `Assembly`.
-
-    Raises
-    ------
-    InputError
-        If the gap is at least the width of a brick.
+    Arguments: `courses` [brick]; `size` (3,) [length unit]; `gap` [length unit]; `base` [length
+    unit]; `density` [kg/m^3]. Raises `InputError` if the gap is at least the width of a brick.
 
     Examples
     --------
@@ -203,13 +185,8 @@ def wall_with_opening(
 ) -> Assembly:
     """A running-bond wall with an opening and no lintel.
 
-    Parameters
-    ----------
-    courses, per_course : int
-    opening : (int, int, int, int)
-        First and last brick along x, first and last course of the opening (last ones excluded).
-    **options
-        Arguments of `wall_from_courses`.
+    Arguments: `opening`: first and last brick along x, first and last course of the opening (last
+    ones excluded).
 
     Notes
     -----
@@ -250,10 +227,7 @@ def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Asse
 
     The brick touches only the lintel, from below. It falls at 1 g, and the rest stays.
 
-    Raises
-    ------
-    InputError
-        If the wall is too small for the opening and the lintel.
+    Raises `InputError` if the wall is too small for the opening and the lintel.
     """
     if courses < 4 or per_course < 4:
         raise InputError(
@@ -318,12 +292,7 @@ def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
 
     The publication gives the load factor of a horizontal body force.
 
-    Parameters
-    ----------
-    number : int
-        Number of the wall, 1 to 6.
-    friction : float
-        Friction coefficient of bed and head joints [-].
+    Arguments: `friction`: friction coefficient of bed and head joints [-].
 
     References
     ----------

@@ -27,14 +27,8 @@ WALL = 0.5
 def keystone(angle: float = 15.0, *, friction: float = 0.0, planar: bool = False) -> Assembly:
     """A keystone between two free springers that lean on held walls; stable.
 
-    Parameters
-    ----------
-    angle : float
-        Angle of each joint to the vertical [deg], 5 to 30.
-    friction : float
-        Friction coefficient [-].
-    planar : bool
-        Motions in the x-z plane only.
+    Arguments: `angle`: angle of each joint to the vertical [deg], 5 to 30; `friction`: friction
+    coefficient [-].
     """
     lean = float(np.tan(np.radians(angle)))
     right = np.array([[0.5, 0], [4, 0], [4, 2], [0.5 + 2 * lean, 2]])
@@ -80,11 +74,6 @@ def corner_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
     """A cube in a corner of three held walls, cut into `count` wedges by random planes.
 
     Each cut goes through the middle of the largest piece. Gravity points into the corner.
-
-    Parameters
-    ----------
-    count, seed : int
-        Number of wedges, and seed of the random planes.
 
     Examples
     --------

@@ -31,20 +31,9 @@ def weld(
 ) -> tuple[Array, Index, list[str]]:
     """Merge equal vertices of a mesh, and drop faces without area and repeated faces.
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (n, 3)
-    triangles : ndarray of int, shape (m, 3)
-    accuracy : float
-        Largest error of a coordinate [length unit].
-
-    Returns
-    -------
-    vertices : ndarray, shape (V, 3)
-        Distinct vertices that are used.
-    triangles : ndarray of int, shape (T, 3)
-    notes : list of str
-        Description of the dropped faces.
+    Arguments: `vertices` (n, 3); `triangles` (m, 3); `accuracy`: largest error of a coordinate
+    [length unit]. Returns `vertices` (V, 3): distinct vertices that are used; `triangles` (T, 3);
+    `notes`: description of the dropped faces.
 
     Examples
     --------
@@ -125,11 +114,7 @@ def orient_faces(vertices: Array, triangles: Index) -> tuple[Index, int]:
     surface inside another one (a hole) is oriented inwards. If one surface cannot be oriented (a
     Moebius strip), nothing is changed.
 
-    Returns
-    -------
-    triangles : ndarray of int, shape (T, 3)
-    count : int
-        Number of reversed triangles.
+    Returns `triangles` (T, 3); `count`: number of reversed triangles.
 
     Examples
     --------
@@ -274,11 +259,7 @@ def _removable_faces(vertices: Array, triangles: Index) -> Mask:
 def _without_repeats(triangles: Index) -> tuple[Index, int]:
     """Drop repeated faces of the same winding, which would count twice in the volume.
 
-    Returns
-    -------
-    triangles : ndarray of int, shape (T, 3)
-    repeats : int
-        Number of dropped faces.
+    Returns `triangles` (T, 3); `repeats`: number of dropped faces.
     """
     turn = np.argmin(triangles, axis=1)
     rows = np.arange(len(triangles))[:, None]

@@ -13,10 +13,7 @@ __all__ = ["hull_surface"]
 def hull_surface(points: Array) -> tuple[Array, Index]:
     """Vertices, shape (V, 3), and outward triangles, shape (T, 3), of the convex hull of points.
 
-    Raises
-    ------
-    InputError
-        If the points lie in a plane.
+    Raises `InputError` if the points lie in a plane.
 
     Examples
     --------

@@ -105,17 +105,9 @@ class FaceCover:
 def covered(triangles: Array, points: Array, normals: Array, reach: float, grow: float) -> Mask:
     """Mask of points on a surface that lie on a face, given by its triangles, shape (n,).
 
-    Parameters
-    ----------
-    triangles : ndarray, shape (m, 3, 3)
-        Corners of the triangles.
-    points : ndarray, shape (n, 3)
-    normals : ndarray, shape (n, 3)
-        Normals of the surface at the points.
-    reach : float
-        Largest distance of a triangle from the surface [length unit].
-    grow : float
-        Margin by which the triangles are enlarged [length unit].
+    Arguments: `triangles` (m, 3, 3): corners of the triangles; `points` (n, 3); `normals` (n, 3):
+    normals of the surface at the points; `reach`: largest distance of a triangle from the surface
+    [length unit]; `grow`: margin by which the triangles are enlarged [length unit].
     """
     if not len(triangles) or not len(points):
         return np.zeros(len(points), dtype=bool)

@@ -43,13 +43,8 @@ STEPS = 30
 def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
     """Fit a sphere to points with normals; None if they do not determine a sphere.
 
-    Parameters
-    ----------
-    points : ndarray, shape (n, 3)
-    normals : ndarray, shape (m, 3)
-        Unit normals of the facets; not used for a sphere.
-    weights : ndarray, shape (m,)
-        Areas of the facets; not used for a sphere.
+    Arguments: `points` (n, 3); `normals` (m, 3): unit normals of the facets; not used for a sphere;
+    `weights` (m,): areas of the facets; not used for a sphere.
 
     Examples
     --------
@@ -74,13 +69,8 @@ def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
 def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | None:
     """Fit a cylinder to points with normals; None if they do not determine a cylinder.
 
-    Parameters
-    ----------
-    points : ndarray, shape (n, 3)
-    normals : ndarray, shape (m, 3)
-        Unit normals of the facets.
-    weights : ndarray, shape (m,)
-        Areas of the facets.
+    Arguments: `points` (n, 3); `normals` (m, 3): unit normals of the facets; `weights` (m,): areas
+    of the facets.
     """
     _, vectors = np.linalg.eigh((normals * weights[:, None]).T @ normals)
     axis = vectors[:, 0]
@@ -216,15 +206,6 @@ def _gauss_newton(
     Each step solves the normal equations; the next step corrects their rounding. The iteration
     ends when a step no longer halves the sum of squares: at rounding, or if the points fit no
     surface of the kind.
-
-    Parameters
-    ----------
-    state : tuple
-        First state: point, axis, radius or angle.
-    residual : callable
-        From a state to residuals, shape (n,), and Jacobian, shape (n, k).
-    update : callable
-        From a state and a step, shape (k,), to the new state.
     """
     off, jacobian = residual(state)
     best = float(off @ off)

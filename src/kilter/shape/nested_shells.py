@@ -31,12 +31,8 @@ MOST_PAIRS = 20_000
 def count_shells(triangles: Index, vertex_start: Index) -> Index:
     """Number of shells of each mesh, shape (N,); shells that share a vertex count as one.
 
-    Parameters
-    ----------
-    triangles : ndarray of int, shape (T, 3)
-        Faces of all meshes, whose vertices are all used.
-    vertex_start : ndarray of int, shape (N + 1,)
-        First vertex of each mesh, and the total number.
+    Arguments: `triangles` (T, 3): faces of all meshes, whose vertices are all used; `vertex_start`
+    (N + 1,): first vertex of each mesh, and the total number.
 
     Examples
     --------
@@ -58,12 +54,7 @@ def _shell_of_vertices(triangles: Index, count: int) -> Index:
 def body_of_shells(vertices: Array, triangles: Index) -> tuple[Array, Index, list[str]]:
     """The surface of the body that a closed mesh with several shells bounds.
 
-    Returns
-    -------
-    vertices : ndarray, shape (V, 3)
-    triangles : ndarray of int, shape (T, 3)
-    notes : list of str
-        Description of the changes.
+    Returns `vertices` (V, 3); `triangles` (T, 3); `notes`: description of the changes.
 
     Examples
     --------
@@ -102,10 +93,7 @@ def _arrangement(vertices: Array, shells: Sequence[Index], volume: Array) -> tup
 
     `shells` are wound outwards; `volume` is that inside each.
 
-    Raises
-    ------
-    InputError
-        If too many shells overlap.
+    Raises `InputError` if too many shells overlap.
     """
     depth, crosses = np.zeros(len(shells), dtype=np.int64), np.zeros(len(shells), dtype=bool)
     solids: dict[int, Any] = {}
@@ -134,10 +122,7 @@ def _near_shells(
 ) -> list[tuple[int, list[int]]]:
     """Each shell with the smaller shells whose bounding boxes overlap its own.
 
-    Raises
-    ------
-    InputError
-        If there are more than `MOST_PAIRS` such pairs.
+    Raises `InputError` if there are more than `MOST_PAIRS` such pairs.
     """
     import shapely
 

@@ -283,10 +283,7 @@ class Mesh(Value):
 def _piece_numbers(pieces: Any, count: int) -> Index | None:
     """Piece of each of `count` triangles; None if all belong to piece 0.
 
-    Raises
-    ------
-    InputError
-        If the numbers are not `count` integers from 0 on.
+    Raises `InputError` if the numbers are not `count` integers from 0 on.
     """
     try:
         given = np.asarray(pieces)
@@ -506,10 +503,7 @@ def _plane_coordinates(points: Array) -> Array:
 def _triangulate(polygon: Array) -> Index:
     """Triangles of a plane polygon, as corner numbers, with the winding of the polygon.
 
-    Raises
-    ------
-    InputError
-        If the polygon crosses or touches itself.
+    Raises `InputError` if the polygon crosses or touches itself.
     """
     n = len(polygon)
     if n == 3 or _is_convex(polygon):

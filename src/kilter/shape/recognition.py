@@ -65,26 +65,13 @@ def recognise(
 ) -> tuple[tuple[Surface, ...], Index, Array]:
     """Recognise the exact surfaces (cylinders, spheres and so on) that a mesh approximates.
 
-    Parameters
-    ----------
-    vertices : array_like, shape (V, 3)
-    triangles : array_like, shape (T, 3)
-        Triangles, counterclockwise seen from outside.
-    accuracy : float
-        Largest error of a coordinate [length unit].
-    planes : bool
-        Whether the result contains planes; a mesh without round faces may have one per triangle.
-
-    Returns
-    -------
-    surfaces : tuple of Surface
-        Round surfaces in the order of their first triangle, then planes.
-    triangle_surface : ndarray of int, shape (T,)
-        Surface of each triangle; -1 for triangles without area that lie in no facet, and for
-        triangles in planes if the result contains no planes.
-    sagitta : ndarray, shape (S,)
-        Largest distance of the triangles from each surface, measured at middles of triangles and
-        edges [length unit].
+    Arguments: `vertices` (V, 3); `triangles` (T, 3): triangles, counterclockwise seen from outside;
+    `accuracy`: largest error of a coordinate [length unit]; `planes`: whether the result contains
+    planes; a mesh without round faces may have one per triangle. Returns `surfaces`: round surfaces
+    in the order of their first triangle, then planes; `triangle_surface` (T,): surface of each
+    triangle; -1 for triangles without area that lie in no facet, and for triangles in planes if the
+    result contains no planes; `sagitta` (S,): largest distance of the triangles from each surface,
+    measured at middles of triangles and edges [length unit].
 
     Examples
     --------
@@ -199,13 +186,8 @@ def _grow_from_seed(
     Without a round surface, the result is None with the facets of the largest surface that grew;
     they serve as seeds no more.
 
-    Parameters
-    ----------
-    mesh : FacetMesh
-    starts : sequence of (str, ndarray of int)
-        Kinds of surface to try at the seed, each with the facets for its first fit.
-    free : ndarray of bool, shape (F,)
-        Facets that no surface has taken.
+    Arguments: `starts`: kinds of surface to try at the seed, each with the facets for its first
+    fit; `free` (F,): facets that no surface has taken.
     """
     rejected = np.empty(0, dtype=np.int64)
     for kind, start in starts:
@@ -222,11 +204,7 @@ def _grow_from_seed(
 def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface | None, Index]:
     """Extend a surface from its first facets to all connected facets that lie on it.
 
-    Returns
-    -------
-    surface : Surface or None
-        None if the first facets do not fit, or too few facets lie on the surface.
-    facets : ndarray of int
+    Returns `surface`: None if the first facets do not fit, or too few facets lie on the surface.
     """
     graph, no_facets = mesh.graph, np.empty(0, dtype=np.int64)
     surface, chosen = fit_surface(mesh, start, kind), start
@@ -272,11 +250,7 @@ def _refit(
 ) -> tuple[Surface, Index, Index]:
     """Fit a surface to its facets once more, and drop the facets that do not lie on it.
 
-    Returns
-    -------
-    surface : Surface
-    chosen, front : ndarray of int
-        The remaining facets of both arguments.
+    Returns `chosen, front`: the remaining facets of both arguments.
     """
     for _ in range(3):
         if len(chosen) < 3:

@@ -92,12 +92,8 @@ class FacetGraph:
 def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGraph:
     """Find the facets of a mesh, their neighbours, and regions of smoothly joined facets.
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (V, 3)
-    triangles : ndarray of int, shape (T, 3)
-    accuracy : float
-        Largest error of a coordinate [length unit].
+    Arguments: `vertices` (V, 3); `triangles` (T, 3); `accuracy`: largest error of a coordinate
+    [length unit].
     """
     size = float(np.ptp(vertices, axis=0).max(initial=0.0))
     largest = float(np.abs(vertices).max(initial=0.0))
@@ -140,12 +136,8 @@ def gather_rows(rows: Index, start: Index, values: Index) -> Index:
 def _edge_pairs(triangles: Index) -> tuple[Index, Index]:
     """Pairs of triangles that share an edge at which no third triangle lies.
 
-    Returns
-    -------
-    pairs : ndarray of int, shape (n, 2)
-        The two triangles.
-    edge : ndarray of int, shape (n, 2)
-        The position of the edge in each triangle, from 0 to 2.
+    Returns `pairs` (n, 2): the two triangles; `edge` (n, 2): the position of the edge in each
+    triangle, from 0 to 2.
     """
     ends = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     key = ends.min(axis=1) * (int(triangles.max(initial=0)) + 1) + ends.max(axis=1)
@@ -174,17 +166,9 @@ def _coplanar(
     The far corner of the smaller triangle must lie in the plane of the larger, and their normals
     must agree if the smaller is wide enough to have a normal.
 
-    Parameters
-    ----------
-    vertices, triangles : ndarray
-    normal : ndarray, shape (T, 3)
-        Unit normals of the triangles.
-    double : ndarray, shape (T,)
-        Twice the areas of the triangles [length unit^2].
-    pairs, edge : ndarray of int, shape (n, 2)
-        Result of `_edge_pairs`.
-    tolerance : float
-        Largest distance of a corner from the plane [length unit].
+    Arguments: `normal` (T, 3): unit normals of the triangles; `double` (T,): twice the areas of the
+    triangles [length unit^2]; `pairs`, `edge` (n, 2): result of `_edge_pairs`; `tolerance`: largest
+    distance of a corner from the plane [length unit].
     """
     small = np.argmin(double[pairs], axis=1)
     k = np.arange(len(pairs))
@@ -306,13 +290,7 @@ def triangle_sagitta(mesh: FacetMesh, rows: Index, surface: Surface) -> Array:
 def is_round(mesh: FacetMesh, facets: Index, surface: Surface, *, whole: bool) -> bool:
     """Whether facets are enough evidence of a round surface, by the rules of recognition.
 
-    Parameters
-    ----------
-    mesh : FacetMesh
-    facets : ndarray of int, shape (n,)
-    surface : Surface
-    whole : bool
-        Whether the facets are a whole region, bounded by sharp edges.
+    Arguments: `facets` (n,).
     """
     points = mesh.points(facets)
     tolerance = tolerance_of(mesh, points)

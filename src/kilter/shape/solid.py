@@ -37,23 +37,8 @@ SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus"]
 class Surface(Value):
     """An exact surface (plane, cylinder, cone, sphere or torus) of a face, in its part's frame.
 
-    Parameters
-    ----------
-    kind : {"plane", "cylinder", "cone", "sphere", "torus"}
-    point : array_like, shape (3,)
-        Point on a plane or on the axis of a cylinder; apex of a cone; centre of a sphere or
-        torus [length unit].
-    axis : array_like, shape (3,)
-        Unit vector: outward normal of a plane; axis of a cylinder or torus; direction from the
-        apex into a cone. Unused for a sphere.
-    radius : float
-        Radius of a cylinder or sphere, or of the centre line of a torus [length unit].
-    tube : float
-        Radius of the tube of a torus [length unit].
-    half_angle : float
-        Angle between the axis and the side of a cone [rad].
-    hollow : bool
-        Whether the material lies outside of the surface, as around a hole or socket.
+    Arguments: `point` (3,) [length unit]; `axis` (3,); `radius` [length unit]; `tube` [length
+    unit]; `half_angle` [rad].
     """
 
     kind: SurfaceKind
@@ -73,37 +58,10 @@ class Surface(Value):
 class Solid(Value):
     """A solid with exact faces, as read from a CAD file, in the part's own frame.
 
-    Parameters
-    ----------
-    vertices : array_like, shape (V, 3)
-        Corners of the triangles, on the exact faces [length unit].
-    triangles : array_like of int, shape (T, 3)
-        Closed surface, counterclockwise seen from outside.
-    surfaces : sequence of Surface
-    triangle_surface : array_like of int, shape (T,)
-        Surface of each triangle; -1 for a face of another kind.
-    volume : float
-        Volume of the exact solid [length unit^3].
-    centroid : array_like, shape (3,)
-        Centroid of the exact solid [length unit].
-    second_moment : array_like, shape (3, 3)
-        Integral of x x^T about the centroid [length unit^5].
-    sagitta : float
-        Largest distance of a triangle from its face [length unit].
-    accuracy : float
-        Largest error of a coordinate [length unit].
-    holes : array_like, shape (h, 2, 3)
-        Boxes (lower and upper corner) in which faces are missing; empty for a valid solid.
-    stand_in : bool
-        Whether the triangles only bound the solid, and its true surface is unknown.
-    uncertainty : float
-        Largest error of a point that the file states [length unit]. It is not part of
-        `accuracy`, which is the rounding of the numbers.
-
-    Raises
-    ------
-    InputError
-        If the arrays are inconsistent.
+    Arguments: `vertices` (V, 3) [length unit]; `triangles` (T, 3); `triangle_surface` (T,);
+    `volume` [length unit^3]; `centroid` (3,) [length unit]; `second_moment` (3, 3) [length unit^5];
+    `sagitta` [length unit]; `accuracy` [length unit]; `holes` (h, 2, 3); `uncertainty` [length
+    unit]. Raises `InputError` if the arrays are inconsistent.
     """
 
     vertices: Any
@@ -206,12 +164,8 @@ def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
 
     The axis of a plane is directed outwards; `hollow` is set for other surfaces.
 
-    Parameters
-    ----------
-    surface : Surface
-    vertices : ndarray, shape (V, 3)
-    triangles : ndarray of int, shape (T, 3)
-        Triangles, counterclockwise seen from outside of the material.
+    Arguments: `vertices` (V, 3); `triangles` (T, 3): triangles, counterclockwise seen from outside
+    of the material.
     """
     p, q, r = (vertices[triangles[:, k]] for k in range(3))
     turn = float((cross(q - p, r - p) * outward(surface, (p + q + r) / 3)).sum())
@@ -223,13 +177,8 @@ def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
 def same_surface(a: Surface, b: Surface, *, length: float, angle: float) -> bool:
     """Whether two exact surfaces coincide within tolerances, with material on the same side.
 
-    Parameters
-    ----------
-    a, b : Surface
-    length : float
-        Largest difference of radii and positions [length unit].
-    angle : float
-        Largest difference of half angles and directions of axes [rad].
+    Arguments: `length`: largest difference of radii and positions [length unit]; `angle`: largest
+    difference of half angles and directions of axes [rad].
     """
     if a.kind != b.kind or a.hollow != b.hollow:
         return False

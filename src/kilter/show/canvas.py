@@ -67,10 +67,7 @@ def new_figure(width: float, height: float) -> Figure:
 def encode_figure(figure: Figure, suffix: str) -> bytes:
     """Encode a figure as a file; equal figures give equal bytes.
 
-    Raises
-    ------
-    InputError
-        If `suffix` is not in `SUFFIXES`.
+    Raises `InputError` if `suffix` is not in `SUFFIXES`.
     """
     import matplotlib
 

@@ -68,28 +68,9 @@ def draw_assembly(
 ) -> Figure:
     """Draw the parts with their impending motion, or with the contact forces that balance them.
 
-    Parameters
-    ----------
-    verdict : Verdict
-        Answer of `kilter.check`.
-    view : (float, float), optional
-        Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
-    names : bool, optional
-        Write names; by default, for up to `NAMED` parts.
-    contacts : bool, optional
-        Draw contact patches; by default, up to `PATCHES`.
-    fall : ndarray, shape (N, 6), optional
-        End of the fall of a balanced assembly: shift [length unit] and rotation vector [rad] of
-        each part.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
+    Arguments: `view`: azimuth (to the right of -y) and elevation of the eye [deg], with gravity
+    down; `fall` (N, 6): end of the fall of a balanced assembly: shift [length unit] and rotation
+    vector [rad] of each part. Raises `InputError` if matplotlib is not installed.
     """
     assembly = verdict.assembly
     names = len(assembly.parts) <= NAMED if names is None else names
@@ -133,11 +114,7 @@ class PartsPicture(NamedTuple):
 def draw_picture(assembly: Assembly, view: tuple[float, float] | None) -> PartsPicture:
     """Draw the parts of an assembly into a new figure.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    view : (float, float) or None
-        Azimuth and elevation of the eye [deg]; None for the default view.
+    Arguments: `view`: azimuth and elevation of the eye [deg]; None for the default view.
     """
     figure = new_figure(WIDTH, HEIGHT)
     axes = figure.add_axes((0.09, 0.11, *SPACE))

@@ -77,14 +77,9 @@ class _BufferBuilder:
 class Film:
     """Animated GLB file of an assembly: its parts at rest as nodes, with animation tracks.
 
-    Attributes
-    ----------
-    center : ndarray, shape (3,)
-        Middle of the assembly, the origin of the picture [length unit].
-    size : float
-        Largest extent of the assembly [length unit].
-    places : PlacedShapes
-        Shape and pose of each part at rest.
+    - `center` (3,): middle of the assembly, the origin of the picture [length unit].
+    - `size`: largest extent of the assembly [length unit].
+    - `places`: shape and pose of each part at rest.
     """
 
     def __init__(self, assembly: Assembly) -> None:
@@ -125,16 +120,8 @@ class Film:
     ) -> None:
         """Add an animation track to a node, for its position, rotation or scale.
 
-        Parameters
-        ----------
-        node : int
-        path : {"translation", "rotation", "scale"}
-        times : array_like, shape (k,)
-            Times of the keys [s].
-        values : array_like, shape (k, 3) or (k, 4)
-            Values at the keys; quaternions as x, y, z, w.
-        way : {"LINEAR", "STEP"}
-            Interpolation between the keys.
+        Arguments: `times` (k,): times of the keys [s]; `values` (k, 3): values at the keys;
+        quaternions as x, y, z, w.
         """
         kind = "VEC4" if path == "rotation" else "VEC3"
         self._samplers.append(

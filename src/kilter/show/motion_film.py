@@ -24,12 +24,8 @@ KEYS = 25
 def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
     """Encode the start of a motion as a GLB film: the parts accelerate, then pause.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    travel : ndarray, shape (N, 6)
-        Finite screw motion of each part (`kilter.rigid.screwed`): shift [length unit] and
-        rotation vector [rad].
+    Arguments: `travel` (N, 6): finite screw motion of each part (`kilter.rigid.screwed`): shift
+    [length unit] and rotation vector [rad].
     """
     film, share = Film(assembly), np.linspace(0.0, 1.0, KEYS)
     times, amounts = np.append(MOVES * share, MOVES + RESTS), np.append(share**2, 1.0)
@@ -41,14 +37,9 @@ def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
 def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:
     """Encode the fall of parts along a path as a GLB film: the parts accelerate, then pause.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    motions : ndarray, shape (k, N, 6)
-        Shifts of the centres of mass [length unit] and rotation vectors [rad]; the first row is
-        the rest position.
-    lengths : ndarray, shape (k,)
-        Length of the path up to each row [length unit].
+    Arguments: `motions` (k, N, 6): shifts of the centres of mass [length unit] and rotation vectors
+    [rad]; the first row is the rest position; `lengths` (k,): length of the path up to each row
+    [length unit].
     """
     from scipy.spatial.transform import Rotation
 

@@ -68,21 +68,9 @@ def draw_movement(
 
     Of many moved parts, those that shift most have an outline.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        In the drawn pose.
-    movement : ndarray, shape (N, 6)
-        Shift of the centre of mass of each part [length unit], and its rotation vector [rad].
-    sentence : str
-        Title of the figure.
-    view : (float, float), optional
-        Azimuth and elevation of the eye [deg].
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
+    Arguments: `movement` (N, 6): shift of the centre of mass of each part [length unit], and its
+    rotation vector [rad]; `view`: azimuth and elevation of the eye [deg]. Raises `InputError` if
+    matplotlib is not installed.
     """
     figure, axes, camera, size, entries, faces = draw_picture(assembly, view)
     if movement.any():

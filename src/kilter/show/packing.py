@@ -31,10 +31,7 @@ def pack(values: ArrayLike, code: str = "f4") -> dict[str, Any]:
     `code` is f4, f8, u1, u2 or u4. "index" selects u2 if all values fit, else u4. The entry is
     "data" for plain bytes and "zlib" for compressed bytes.
 
-    Raises
-    ------
-    KeyError
-        If `code` is unknown.
+    Raises `KeyError` if `code` is unknown.
 
     Examples
     --------

@@ -44,15 +44,7 @@ def render(
 ) -> str:
     """Build the HTML page of an assembly and its answers.
 
-    Parameters
-    ----------
-    answers : Everything
-    title : str
-        Title of the page; usually the name of the file.
-    command : str
-        Command that reproduces the page.
-    places : Places, optional
-        A map of the next part on this assembly, which the page shows as a layer.
+    Arguments: `places`: a map of the next part on this assembly, which the page shows as a layer.
     """
     scene = {"title": readable(title), **build_scene(answers)}
     first = ""
@@ -65,18 +57,7 @@ def render(
 
 
 def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:
-    """Build the HTML page of a plan: its steps as a film and as pictures, with facts.
-
-    Parameters
-    ----------
-    order : Order
-    explained : Explained
-        Forces and reasons of the steps of `order`.
-    title : str
-        Title of the page; usually the name of the file.
-    command : str
-        Command that reproduces the page.
-    """
+    """Build the HTML page of a plan: its steps as a film and as pictures, with facts."""
     data = as_json({"title": readable(title), **build_plan_scene(order, explained)})
     body = plan_sections(order, explained, command=command, versions=_versions())
     return fill_template(title, body, data, pieces=PLAN)
@@ -94,17 +75,8 @@ def fill_template(
 ) -> str:
     """Fill the page template.
 
-    Parameters
-    ----------
-    title, body, data : str
-        Title as text, sections as HTML, data as JSON.
-    live : bool
-        Whether the page talks to its server.
-    first, margins : str
-        HTML of the card above the others, and of the last cards.
-    pieces : dict, optional
-        Slots of the template and the names of their asset files, separated by spaces; by default
-        `REPORT`.
+    Arguments: `pieces`: slots of the template and the names of their asset files, separated by
+    spaces; by default `REPORT`.
     """
     style, program = as_css() + _asset("page.css"), _asset("page.js")
     scripts = [program]

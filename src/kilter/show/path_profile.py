@@ -25,19 +25,8 @@ HIGHEST = 4.0
 def draw_path_profile(answer: Mapping[str, Any]) -> Figure:
     """Draw an upper bound of the speed factor at each sample of a path, and the least of them.
 
-    Parameters
-    ----------
-    answer : mapping
-        Data of an answer of `kilter.transport` (`to_dict()`) with a path of limited speed.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
+    Arguments: `answer`: data of an answer of `kilter.transport` (`to_dict()`) with a path of
+    limited speed. Raises `InputError` if matplotlib is not installed.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

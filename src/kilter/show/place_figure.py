@@ -36,23 +36,9 @@ def draw_places(
 ) -> Figure:
     """Draw the places at which a part stands or falls, seen from above, and the best place.
 
-    Parameters
-    ----------
-    answer : mapping
-        Data of an answer of `kilter.place` without a given place (`to_dict()`).
-    assembly : Assembly
-        Without the part.
-    footprint : sequence of (float, float)
-        Corners of the underside of the part relative to its centre [length unit].
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
+    Arguments: `answer`: data of an answer of `kilter.place` without a given place (`to_dict()`);
+    `footprint`: corners of the underside of the part relative to its centre [length unit]. Raises
+    `InputError` if matplotlib is not installed.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch, PathPatch, Polygon

@@ -55,13 +55,8 @@ def draw_plan(
 ) -> Figure:
     """Draw the steps of a plan in rows from left to right, with a picture for each step.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    answer : mapping
-        JSON data of a plan with steps.
-    view : (float, float), optional
-        Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
+    Arguments: `view`: azimuth (to the right of -y) and elevation of the eye [deg], with gravity
+    down.
     """
     steps = answer["steps"]
     columns = min(len(steps), 3 if len(steps) <= 9 else 4 if len(steps) <= 16 else 6)

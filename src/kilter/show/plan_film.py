@@ -33,14 +33,7 @@ MARK = 0.28
 
 
 def film_of_plan(assembly: Assembly, answer: Mapping[str, Any]) -> bytes:
-    """Encode the steps of a plan as a GLB film.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    answer : mapping
-        JSON data of a plan with steps.
-    """
+    """Encode the steps of a plan as a GLB film."""
     film, index = Film(assembly), assembly.index
     places = film.places
     for k, step in enumerate(answer["steps"]):

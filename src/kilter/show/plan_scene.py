@@ -77,14 +77,7 @@ def _step(
 ) -> dict[str, Any]:
     """JSON data of a step of a plan, for the page.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    step : dict
-        Data of the step in the plan's answer.
-    support : StepForces
-    center : ndarray, shape (3,)
-        Middle of the picture [length unit].
+    Arguments: `center` (3,): middle of the picture [length unit].
     """
     index, metres, over = assembly.index, metres_per_unit(assembly.units), step["over"]
     hands = [
@@ -158,14 +151,7 @@ def _in_view(apart: Array, radius: float) -> Array:
 
 
 def pulled_apart(assembly: Assembly, steps: Sequence[Mapping[str, Any]]) -> Array:
-    """Displacement of each part in the exploded view, shape (N, 3), from its final position.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    steps : list of dict
-        `steps` of a plan's JSON data.
-    """
+    """Displacement of each part in the exploded view, shape (N, 3), from its final position."""
     index, geometry = assembly.index, assembly.geometry
     apart = np.zeros((len(assembly), 3))
     for step in steps:

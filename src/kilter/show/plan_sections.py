@@ -36,17 +36,7 @@ PLAYED = (
 def plan_sections(
     order: Order, explained: Explained, *, command: str, versions: dict[str, str]
 ) -> str:
-    """HTML of all text sections of a plan's page, below the picture.
-
-    Parameters
-    ----------
-    order : Order
-    explained : Explained
-    command : str
-        Command that reproduces the page.
-    versions : dict
-        Version of each package.
-    """
+    """HTML of all text sections of a plan's page, below the picture."""
     answer = order.to_dict()
     parts = [_result(answer), _steps(answer), _graph(answer, explained)]
     parts.append(warnings_section(answer["warnings"]))

@@ -28,19 +28,8 @@ ROOM = 1.15
 def draw_polar(answer: Mapping[str, Any]) -> Figure:
     """Draw the boundary of the carried horizontal accelerations, seen from above.
 
-    Parameters
-    ----------
-    answer : mapping
-        Data of an answer of `kilter.transport` (`to_dict()`) with the key `polar`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
+    Arguments: `answer`: data of an answer of `kilter.transport` (`to_dict()`) with the key `polar`.
+    Raises `InputError` if matplotlib is not installed.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

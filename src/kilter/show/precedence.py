@@ -30,15 +30,7 @@ Edge = tuple[int, int]
 
 
 def graph_svg(answer: Mapping[str, Any], needs: Sequence[tuple[str, str]]) -> str:
-    """Draw the precedence graph as SVG; node 0 is the base, node k is step k.
-
-    Parameters
-    ----------
-    answer : mapping
-        JSON data of a plan with steps.
-    needs : sequence of (before, after)
-        Pairs of names of parts; the first must be inserted before the second.
-    """
+    """Draw the precedence graph as SVG; node 0 is the base, node k is step k."""
     steps = answer["steps"]
     node = dict.fromkeys(answer["base"], 0)
     node |= {name: k for k, step in enumerate(steps, 1) for name in step["parts"]}

@@ -210,13 +210,7 @@ def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
 def build_orientation(answers: Everything, answer: Answered, center: Array) -> dict[str, Any]:
     """JSON data of the answer for a direction of gravity: words, motions, and forces.
 
-    Parameters
-    ----------
-    answers : Everything
-    answer : Answered
-        The answer for one direction of gravity.
-    center : ndarray, shape (3,)
-        Point to which positions are relative, world frame [length unit].
+    Arguments: `center` (3,): point to which positions are relative, world frame [length unit].
     """
     check, units = answer.check, answers.assembly.units
     count = len(answers.assembly.parts)

@@ -82,16 +82,7 @@ def name_html(name: str) -> str:
 
 
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
-    """HTML of all text sections of a report's page, below the picture.
-
-    Parameters
-    ----------
-    answers : Everything
-    command : str
-        Command that reproduces the page.
-    versions : dict
-        Version of each package.
-    """
+    """HTML of all text sections of a report's page, below the picture."""
     parts = [_verdict(answers), _open_pairs(answers), _parts(answers), _contacts(answers)]
     parts[2:2] = [_rests(answers), _changes(answers), _pushes(answers), _loads(answers)]
     warnings = [

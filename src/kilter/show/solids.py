@@ -51,24 +51,10 @@ def draw_parts(
 ) -> tuple[list[tuple[Any, str]], list[tuple[int, Array]]]:
     """Draw the parts of an assembly as solids; return legend entries and the drawn faces.
 
-    Parameters
-    ----------
-    axes, assembly, camera
-    size : float
-        Size of the picture [length unit].
-    colours : ndarray, shape (N, 3), optional
-        Colours of the parts, from 0 to 255; by default those of `assembly_colours`.
-    gripped : collection of int
-        Indices of the parts that a hand holds.
-    line_width : float
-        Width of edges [pt].
-
-    Returns
-    -------
-    entries : list of (sign, words)
-        Legend entries.
-    faces : list of (part, corners)
-        Drawn faces, the farthest first; corners on the page, shape (n, 2).
+    Arguments: `size`: size of the picture [length unit]; `colours` (N, 3): colours of the parts,
+    from 0 to 255; by default those of `assembly_colours`; `line_width`: width of edges [pt].
+    Returns `entries`: legend entries; `faces`: drawn faces, the farthest first; corners on the
+    page, shape (n, 2).
     """
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch

@@ -48,19 +48,7 @@ ON = 1e-7
 def draw_region(region: Region) -> Figure:
     """Draw the directions of gravity for which an assembly stays together.
 
-    Parameters
-    ----------
-    region : Region
-        Answer of `kilter.region`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
+    Raises `InputError` if matplotlib is not installed.
     """
     figure = new_figure(7.0, 4.3)
     given = region.assemblies[0].down

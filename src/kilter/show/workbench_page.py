@@ -21,12 +21,6 @@ WORKBENCH = {
 
 
 def workbench_page(token: str) -> str:
-    """HTML of the page of the workbench.
-
-    Parameters
-    ----------
-    token : str
-        Token that each request of the page sends.
-    """
+    """HTML of the page of the workbench."""
     data = as_json({"workbench": {"token": token}})
     return fill_template("", "", data, live=True, pieces=WORKBENCH)

@@ -59,16 +59,9 @@ class _Plan:
 class BlockCholesky:
     """Cholesky factorisation of sparse symmetric matrices that share a pattern of small blocks.
 
-    Parameters
-    ----------
-    place : ndarray, shape (N, 3)
-        Position of each block in space, for the order of elimination.
-    first, second : ndarray of int, shape (L,)
-        Blocks at the ends of the links; each pair occurs once.
-    width : int
-        Number of unknowns per block.
-    single : bool
-        Factorise and solve in single precision: half the time and memory, for a preconditioner.
+    Arguments: `place` (N, 3): position of each block in space, for the order of elimination;
+    `first`, `second` (L,): blocks at the ends of the links; each pair occurs once; `single`:
+    factorise and solve in single precision: half the time and memory, for a preconditioner.
 
     Examples
     --------
@@ -102,17 +95,9 @@ class BlockCholesky:
     def factorise(self, diagonal: Array, links: Array) -> None:
         """Factorise a positive definite matrix, given by its diagonal blocks and its link blocks.
 
-        Parameters
-        ----------
-        diagonal : ndarray, shape (N, width, width)
-            Diagonal blocks.
-        links : ndarray, shape (L, width, width)
-            Block of each link, in the rows of `first` and the columns of `second`.
-
-        Raises
-        ------
-        NotPositive
-            If the matrix is not positive definite to working precision.
+        Arguments: `diagonal` (N, width, width): diagonal blocks; `links` (L, width, width): block
+        of each link, in the rows of `first` and the columns of `second`. Raises `NotPositive` if
+        the matrix is not positive definite to working precision.
         """
         # imported late: small programs do not need LAPACK
         from scipy.linalg import get_blas_funcs, get_lapack_funcs

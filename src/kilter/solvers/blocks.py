@@ -56,12 +56,6 @@ class BlockAnswers:
 def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
     """Solve the load-factor program of each block in `which`, independently of the others.
 
-    Parameters
-    ----------
-    blocks : Blocks
-    which : ndarray of int
-        Indices of the blocks to solve.
-
     Examples
     --------
     >>> matrix = csc_array(np.array([[-1.0, 0.0], [0.0, -1.0]]))

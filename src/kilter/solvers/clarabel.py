@@ -78,13 +78,7 @@ def solve_conic(
 ) -> Solution:
     """Minimise a convex quadratic function over linear rows and second-order cones.
 
-    Parameters
-    ----------
-    program : ConicProgram
-    tolerance : float
-        Gap and feasibility, absolute and relative [-].
-    work : Work, optional
-        Counts the iterations, and limits the time.
+    Arguments: `tolerance`: gap and feasibility, absolute and relative [-].
 
     Examples
     --------
@@ -181,13 +175,7 @@ def solve_quadratic(
     optimum. So the tolerance is relaxed until the residual after polishing is below
     `QUADRATIC_GOOD`.
 
-    Parameters
-    ----------
-    program : ConicProgram
-    tolerance : float
-        First requested gap and feasibility [-].
-    polish : bool
-        If false, return the interior-point solution for `tolerance`.
+    Arguments: `tolerance`: first requested gap and feasibility [-].
     """
     best = solve_conic(program, tolerance=tolerance)
     if not polish:

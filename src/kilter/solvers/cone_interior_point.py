@@ -178,13 +178,8 @@ def iterates(
 
     The same object is yielded at each step, updated.
 
-    Parameters
-    ----------
-    problem : LinkedCones
-    short_of : float
-        Fraction of the distance to the boundary that a step covers.
-    start : Start, optional
-        `common_start` of a program that differs only in `along`; default: the axes of the cones.
+    Arguments: `start`: `common_start` of a program that differs only in `along`; default: the axes
+    of the cones.
     """
     iterate = _first_iterate(problem, start or _middle(problem))
     for number in range(1, STEPS + 1):

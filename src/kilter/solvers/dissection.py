@@ -45,17 +45,7 @@ class Front:
 def fronts(place: Array, first: Index, second: Index, width: int, leaf: int = LEAF) -> list[Front]:
     """Divide a block matrix into fronts, in the order of elimination: children before parents.
 
-    Parameters
-    ----------
-    place : ndarray, shape (N, 3)
-        Position of each block in space.
-    first, second : ndarray of int, shape (L,)
-        Blocks at the ends of the links; each pair occurs once.
-    width : int
-        Number of unknowns per block.
-    leaf : int
-        Largest number of unknowns of a set that is not divided further. A larger value gives fewer
-        and denser fronts.
+    Arguments: `place` (N, 3); `first`, `second` (L,).
 
     Examples
     --------

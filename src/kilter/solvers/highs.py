@@ -99,19 +99,8 @@ def solve_linear(
 ) -> Solution:
     """Solve a linear program once by HiGHS, from a cold start.
 
-    Parameters
-    ----------
-    program : LinearProgram
-    method : {"simplex", "interior"}
-    tolerance : float
-        Feasibility tolerance, absolute in the numbers of the program.
-    presolve : bool
-        Simplify the program before it is solved.
-    forces_only : bool
-        Accept any feasible x: an interior point then stops at a wide gap, which saves a third of
-        its steps.
-    work : Work, optional
-        Limits the time.
+    Arguments: `forces_only`: accept any feasible x: an interior point then stops at a wide gap,
+    which saves a third of its steps.
     """
     highs, solver = new_highs(tolerance), "simplex"
     if method == "interior":
@@ -170,25 +159,8 @@ def near_its_bound(solution: Solution) -> bool:
 class KeptProgram:
     """A linear program kept in HiGHS, whose cost, bounds, sides and entries may change.
 
-    Parameters
-    ----------
-    program : LinearProgram
-        Entries that will change must be stored, even if they are zero.
-    warm : {"primal", "dual"}
-        Simplex method from the last basis: dual if all columns are boxed, or if only sides change.
-    tolerance : float
-        Feasibility requested from the solver, absolute in the numbers of the program.
-    goal : {"optimum", "bound", "point", "proof"}
-        Criterion that ends the attempts: the residual of the solution, its safe bound, or the
-        solver's report, for points that the caller verifies ("proof": or multipliers of an
-        infeasible program that the caller verifies).
-
-    Attributes
-    ----------
-    program : LinearProgram
-        The current program; its arrays are never modified in place.
-    solves : int
-        Number of solved programs; repeated attempts are not counted.
+    - `program`: the current program; its arrays are never modified in place.
+    - `solves`: number of solved programs; repeated attempts are not counted.
 
     Examples
     --------
@@ -273,14 +245,7 @@ class KeptProgram:
     ) -> Solution:
         """Solve the kept program from its last basis; if that fails, from cold starts.
 
-        Parameters
-        ----------
-        cost : ndarray, shape (n,), optional
-            New cost of all columns.
-        warm : {"primal", "dual"}, optional
-            Simplex method from the last basis, if not that of the program.
-        work : Work, optional
-            Counts the simplex steps, and limits their number and the time.
+        Arguments: `cost` (n,): new cost of all columns.
         """
         if cost is not None:
             self.change_cost(np.arange(len(cost)), cost)
@@ -353,15 +318,9 @@ class KeptProgram:
 
         This is equation (11) of the paper.
 
-        Parameters
-        ----------
-        costs : ndarray, shape (k, n)
-
-        Returns
-        -------
-        ndarray, shape (m, k)
-            A row for each nonbasic variable that is not fixed: the last basis is optimal for the
-            cost t @ costs if no entry of `result @ t` is negative.
+        Arguments: `costs` (k, n). Returns (m, k): a row for each nonbasic variable that is not
+        fixed: the last basis is optimal for the cost t @ costs if no entry of `result @ t` is
+        negative.
 
         Examples
         --------

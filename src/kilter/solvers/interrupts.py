@@ -72,17 +72,7 @@ def call_apart(function: Callable[..., Any], *given: Any) -> Any:
 
     Outside the main thread, and if Python cannot be started, the function is called directly.
 
-    Parameters
-    ----------
-    function : callable
-        Defined in a module, for `pickle`.
-    given
-        Arguments; they are pickled, as is the result or exception.
-
-    Raises
-    ------
-    SolverError
-        If the process broke down.
+    Raises `SolverError` if the process broke down.
 
     Examples
     --------

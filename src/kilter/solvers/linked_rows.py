@@ -27,13 +27,8 @@ REGULAR = 1e-13
 class LinkedRows:
     """Sparse rows R, shape (K, N n), over N blocks of n unknowns, at most two blocks per row.
 
-    Parameters
-    ----------
-    rows : csr_array, shape (K, N n)
-    block : int
-        Number n of unknowns per block.
-    place : ndarray, shape (N, 3)
-        Position of each block in space, for the order of elimination.
+    Arguments: `rows` (K, N n); `place` (N, 3): position of each block in space, for the order of
+    elimination.
 
     Examples
     --------
@@ -76,10 +71,7 @@ class LinkedRows:
 
         The returned function is valid until the next call, which overwrites its factors.
 
-        Raises
-        ------
-        NotPositive
-            If the matrix is not positive definite to working precision.
+        Raises `NotPositive` if the matrix is not positive definite to working precision.
         """
         diagonal, links = self._normal_matrix(weights[self._sorted])
         try:

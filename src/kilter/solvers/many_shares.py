@@ -112,12 +112,7 @@ class _Points:
 def first_point(problem: LinkedCones, opening: Array | None = None) -> SharePoint:
     """Point to begin from: forces x on the axes of their cones, and t = 0.
 
-    Parameters
-    ----------
-    problem : LinkedCones
-    opening : ndarray, shape (N, n), optional
-        Multipliers y with -A^T y inside the dual cones: from there all multipliers are feasible.
-        By default y is 0, and s is on the axes.
+    Arguments: `opening` (N, n).
     """
     x = np.zeros(problem.columns.shape[1:])
     x[0, ~problem.free] = 1.0
@@ -139,23 +134,10 @@ def many_shares(
 ) -> list[Share | None]:
     """Find the largest share of each of D loads that cones balance; None if a search fails.
 
-    Parameters
-    ----------
-    problem : LinkedCones
-        Its own loads are not used.
-    right : ndarray, shape (N, n)
-        Load at t = 0.
-    along : ndarray, shape (D, N, n)
-        Loads that grow with t.
-    starts : sequence of SharePoint
-        Where the search for each load begins: `first_point`, or the middle of a similar load.
-    agree : float
-        Largest difference of the two bounds of t, over max(t, 1) [-].
-
-    Raises
-    ------
-    TimeLimitReached
-        At the limit of `kilter.work.stop_after`.
+    Arguments: `right` (N, n): load at t = 0; `along` (D, N, n): loads that grow with t; `starts`:
+    where the search for each load begins: `first_point`, or the middle of a similar load; `agree`:
+    largest difference of the two bounds of t, over max(t, 1) [-]. Raises `TimeLimitReached` at the
+    limit of `kilter.work.stop_after`.
 
     Examples
     --------

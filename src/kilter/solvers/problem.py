@@ -297,14 +297,7 @@ def quadratic_program(
 ) -> ConicProgram:
     """Write a quadratic program in conic form: `equal` equations first, then inequalities >=.
 
-    Parameters
-    ----------
-    quadratic : csc_array, shape (n, n)
-    cost : ndarray, shape (n,)
-    matrix : csc_array, shape (m, n)
-    bound : ndarray, shape (m,)
-    equal : int
-        Number of equations.
+    Arguments: `quadratic` (n, n); `cost` (n,); `matrix` (m, n); `bound` (m,).
     """
     no_cones = np.empty(0, dtype=np.int64)
     return ConicProgram(quadratic, cost, -matrix, -bound, equal, len(bound) - equal, no_cones)

@@ -122,17 +122,9 @@ class _Data:
 def solve_projection(problem: ConeProjection, *, enough: float = 0.0) -> ProjectionSolution:
     """Project a load onto a cone; the multiplier method follows if the first result is inexact.
 
-    Parameters
-    ----------
-    problem : ConeProjection
-    enough : float
-        Largest accepted violation of the conditions, over the load; 0 requests the accuracy of
-        float64.
-
-    Raises
-    ------
-    NotPositive
-        If a matrix cannot be factorised at the first step, or while forces are made exact.
+    Arguments: `enough`: largest accepted violation of the conditions, over the load; 0 requests the
+    accuracy of float64. Raises `NotPositive` if a matrix cannot be factorised at the first step, or
+    while forces are made exact.
     """
     size = float(np.abs(problem.load).max(initial=0.0))
     if size == 0.0 or not len(problem.unit):

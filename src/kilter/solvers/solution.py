@@ -106,15 +106,7 @@ class Solution:
     def required(self, what: str) -> Solution:
         """The solution if the solver reports it as optimal; else raises `SolverError`.
 
-        Parameters
-        ----------
-        what : str
-            Name of the task, for the error message.
-
-        Raises
-        ------
-        SolverError
-            If the solution is not optimal.
+        Raises `SolverError` if the solution is not optimal.
         """
         if not self.optimal:
             raise SolverError(f"no solver finished {what}", status=self.outcome)

@@ -202,17 +202,7 @@ def _pair(patch: Answer) -> str:
 def _neutral_words(
     two_sided: int, one_sided: int, *, second: Answer | None = None, closed: bool = False
 ) -> str:
-    """Return the words about motions whose potential energy is constant to first order.
-
-    Parameters
-    ----------
-    two_sided, one_sided : int
-        Dimensions of the neutral motions (`neutral` of `check --json`).
-    second : mapping, optional
-        Answer of second order.
-    closed : bool
-        Whether gaps count as closed by a widened tolerance.
-    """
+    """Return the words about motions whose potential energy is constant to first order."""
     if two_sided + one_sided == 0:
         return (
             "none, counting gaps as closed"

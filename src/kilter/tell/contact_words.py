@@ -56,11 +56,8 @@ and 2 more; an overlap is not a contact"]
 def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
     """Return a warning about parts that overlap although identical parts do not; at most one item.
 
-    Parameters
-    ----------
-    odd : sequence of tuple
-        Name of the part, names of the parts that it overlaps, and name of an equal part that
-        overlaps nothing.
+    Arguments: `odd`: name of the part, names of the parts that it overlaps, and name of an equal
+    part that overlaps nothing.
 
     Examples
     --------

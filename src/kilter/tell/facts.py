@@ -71,10 +71,7 @@ DETAILS = {
 def kind_of(answer: Answer) -> str:
     """Return the kind of an answer: the name of its command, or "assembly" for an assembly file.
 
-    Raises
-    ------
-    ValueError
-        If no known kind of answer has these keys.
+    Raises `ValueError` if no known kind of answer has these keys.
 
     Examples
     --------
@@ -92,12 +89,8 @@ def facts(answer: Answer, *, brief: bool = False) -> list[Fact]:
 
     An empty term continues the term before it.
 
-    Parameters
-    ----------
-    answer : mapping
-        Data of an answer (`to_dict()`), or of an assembly (`kilter.files.to_dict`).
-    brief : bool
-        Whether to leave out the terms of `DETAILS`.
+    Arguments: `answer`: data of an answer (`to_dict()`), or of an assembly
+    (`kilter.files.to_dict`).
 
     Examples
     --------

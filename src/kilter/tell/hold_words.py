@@ -15,13 +15,7 @@ Answer = Mapping[str, Any]
 
 
 def hold_sentence(answer: Answer) -> str:
-    """Return a sentence or two about supports that hold an assembly (`kilter hold`).
-
-    Parameters
-    ----------
-    answer : mapping
-        Data of the fixture; the key `sentence` is not used.
-    """
+    """Return a sentence or two about supports that hold an assembly (`kilter hold`)."""
     least, noun = answer["least"], _noun(answer)
     candidates = count(answer["candidates"], "candidate")
     if answer["verdict"] == "held":

@@ -95,17 +95,7 @@ def level_rank(level: str | None) -> int:
 def require_level(word: str, *, strict: bool = False) -> str:
     """Return `word` if it is a level that a user may require; else raise an error.
 
-    Parameters
-    ----------
-    word : str
-        Name of the level.
-    strict : bool
-        Whether the level strict is available.
-
-    Raises
-    ------
-    InputError
-        If the level does not exist or is not available.
+    Raises `InputError` if the level does not exist or is not available.
     """
     known = LEVELS if strict else LEVELS[:-1]
     if word not in LEVELS:

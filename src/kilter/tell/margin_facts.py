@@ -157,17 +157,8 @@ def level_words(
     Empty if a work limit or time limit ended the search; a warning of the answer reports this for
     all limits together.
 
-    Parameters
-    ----------
-    level : {"settles", "proved"}
-    limit : dict or None
-        Its values `inside` and `outside`, and `why` they are unknown; None without a limit.
-    words : callable
-        Words of a value.
-    more : str
-        Words after the value.
-    bound : str
-        Words before the value: "up to", "from ... up to", or `AT_MU`.
+    Arguments: `limit`: its values `inside` and `outside`, and `why` they are unknown; None without
+    a limit.
 
     Examples
     --------

@@ -91,17 +91,6 @@ def next_step(
 ) -> NextStep | None:
     """Return the command that is most useful after an answer; None if there is none.
 
-    Parameters
-    ----------
-    answer : mapping
-        Data of the answer (`to_dict()`).
-    name : str
-        Name of a file that the command writes, without its suffix.
-    bricks : bool
-        Whether the assembly is a model of bricks.
-    straps : bool
-        Whether the command has candidates for straps.
-
     Examples
     --------
     >>> next_step({"histogram": {}}, "wall").words

@@ -19,21 +19,15 @@ __all__ = ["GROUND", "PALETTE", "RAMP", "ROLES", "VERDICT_ROLE", "Role", "as_css
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """A colour of the pages and pictures, with its meaning.
-
-    Attributes
-    ----------
-    light, dark : str
-        The colour as #rrggbb in a light and in a dark theme.
-    use : {"sign", "word", "fill", "ground"}
-    says : str
-        Meaning of the colour.
-    """
+    """A colour of the pages and pictures, with its meaning."""
 
     light: str
     dark: str
+    """The colour as #rrggbb in a light and in a dark theme."""
     use: str
+    """One of "sign", "word", "fill", "ground"."""
     says: str
+    """Meaning of the colour."""
 
 
 ROLES = {

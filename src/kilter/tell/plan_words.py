@@ -14,13 +14,7 @@ Answer = Mapping[str, Any]
 
 
 def order_sentence(answer: Answer) -> str:
-    """Return a sentence or two about an assembly sequence (`kilter plan`).
-
-    Parameters
-    ----------
-    answer : mapping
-        Data of the plan; the key `sentence` is not used.
-    """
+    """Return a sentence or two about an assembly sequence (`kilter plan`)."""
     fewer = _without_holds(answer)
     if answer["found"] and not answer["steps"]:
         return "Every part is held, so that no step is needed."

@@ -22,15 +22,6 @@ NAMED = 3
 def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | None = None) -> str:
     """Return the sentence of an assembly that balances but falls after the slightest push.
 
-    Parameters
-    ----------
-    parts : sequence of str
-        Names of the parts that fall.
-    within : str
-        Words about the accuracy, after the verdict.
-    rolling : {"holds", "falls", "open"}, optional
-        Proved effect of friction on this fall.
-
     Examples
     --------
     >>> balanced_sentence(["b"])[:60]

@@ -26,13 +26,9 @@ NO_SHARE = 1e-6
 def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
     """Return the lines about a step of an assembly sequence, each a term and its words.
 
-    Parameters
-    ----------
-    step : mapping
-        Entry of `steps` of a plan.
-    hands : sequence of mapping
-        Held parts, each with ``part``, ``force`` [N] and ``torque`` [N m] or None, ``weight`` [N]
-        and ``radius`` [m] of the part, and ``falls``: the parts that fall without this hand.
+    Arguments: `hands`: held parts, each with ``part``, ``force`` [N] and ``torque`` [N m] or None,
+    ``weight`` [N] and ``radius`` [m] of the part, and ``falls``: the parts that fall without this
+    hand.
     """
     path = "no path was found"
     if step["direction"] is not None:

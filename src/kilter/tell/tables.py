@@ -67,26 +67,17 @@ LEFT_OUT = "Without friction and without the contacts that are not modelled:"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """A table in an answer: title, column heads and rows.
-
-    Attributes
-    ----------
-    title : str
-    head : sequence of str
-        Column heads; empty for a list without heads.
-    items : sequence
-        Listed items, one for each row.
-    row : callable
-        Function from an item to its cells, each words or a `Name`.
-    complete : bool
-        Whether a terminal shows all rows.
-    """
+    """A table in an answer: title, column heads and rows."""
 
     title: str
     head: Sequence[str]
+    """Column heads; empty for a list without heads."""
     items: Sequence[Any]
+    """Listed items, one for each row."""
     row: Callable[[Any], Sequence[str]]
+    """Function from an item to its cells, each words or a `Name`."""
     complete: bool = False
+    """Whether a terminal shows all rows."""
 
     def rows(self, limit: int) -> list[Sequence[str]]:
         """Return the cells of the first `limit` rows, or of all rows of a complete table."""

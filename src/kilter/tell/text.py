@@ -30,15 +30,6 @@ WIDE = 400
 def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
     """Return an answer as plain text: sentence, moving parts, facts and tables.
 
-    Parameters
-    ----------
-    answer : mapping
-        Data of the answer (`to_dict()`).
-    *more : Table
-        Further lists.
-    brief : bool
-        Whether to leave out the rows of `--verbose`.
-
     Examples
     --------
     >>> print(text_of({"reasons": ["z is above 0"], "holds": False}))
@@ -88,11 +79,6 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
 
 def suggestions_hint(kinds: Sequence[str]) -> str:
     """Return a paragraph about pairs that look fastened; empty if there are none.
-
-    Parameters
-    ----------
-    kinds : sequence of str
-        Kind of fastening of each pair.
 
     Examples
     --------

@@ -229,15 +229,6 @@ inside the fan, not out of it."
 def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
     """Return the phrases that a page shows for directions of gravity other than the computed one.
 
-    Parameters
-    ----------
-    exact : bool
-        Whether the region contains every stable direction.
-    band : bool
-        Whether an inner and an outer cone bound the region.
-    friction : bool
-        Whether friction was counted.
-
     Examples
     --------
     >>> live_words(exact=True, band=False, friction=False)["nearest"]
@@ -256,19 +247,12 @@ def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundMantle:
-    """Sphere, or mantle of a cylinder, on which a part may roll.
-
-    Attributes
-    ----------
-    center : ndarray, shape (3,)
-        Centre of the sphere, or a point of the axis [length unit].
-    axis : ndarray, shape (3,), or None
-        Unit vector of the axis; None for a sphere.
-    radius : float
-    """
+    """Sphere, or mantle of a cylinder, on which a part may roll."""
 
     center: Array
+    """Centre of the sphere, or a point of the axis [length unit], shape (3,)."""
     axis: Array | None
+    """Unit vector of the axis, shape (3,); None for a sphere."""
     radius: float
 
     def touches(self, point: Array, along: Array) -> bool:
@@ -298,22 +282,8 @@ def motion_words(
     rest. It *slides* if its acceleration is level or oblique,
     and *drops* or *rises* if its acceleration is vertical.
 
-    Parameters
-    ----------
-    acceleration : ndarray, shape (6,)
-        Linear [m/s^2] and angular [rad/s^2] acceleration, in the world frame.
-    relative : ndarray, shape (2,)
-        Linear acceleration, and radius times angular acceleration, over gravity [-].
-    down : ndarray, shape (3,)
-        Unit vector of gravity.
-    center : ndarray, shape (3,), optional
-        Centre of mass [length unit]; with it, the words give a point of the axis at rest.
-    unit : float
-        Length unit [m].
-    sizes : bool
-        Whether to state the accelerations. A mechanism has directions, but no sizes.
-    mantle : RoundMantle, optional
-        Surface of a round part [length unit].
+    Arguments: `acceleration` (6,) [m/s^2]; `relative` (2,) [-]; `down` (3,); `center` (3,) [length
+    unit]; `unit` [m]; `mantle` [length unit].
 
     Examples
     --------
@@ -364,13 +334,6 @@ def motion_words(
 
 def motion_summary(phrases: Sequence[str], total: int) -> str:
     """Return a phrase about the parts that move fastest.
-
-    Parameters
-    ----------
-    phrases : sequence of str
-        Name and motion of the fastest parts, the fastest first. Only `NAMED` of them are shown.
-    total : int
-        Number of all moving parts.
 
     Examples
     --------

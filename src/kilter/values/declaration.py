@@ -18,28 +18,20 @@ REQUIRED = MISSING
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """An option, or an argument (without names), of a command.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Names of the option on the command line, the long one last.
-    metavar : str
-        Its values in the help text, such as "X Y Z". An option with several names ends with "...".
-    help : str
-        Its sentence in the help text of the command.
-    panel : str
-        Heading of its group in the help text.
-    reads : str
-        Name of the function of `kilter.cli.quantities` that converts a word to a value, in place of
-        the type; empty for the type.
-    """
+    """An option, or an argument (without names), of a command."""
 
     names: tuple[str, ...]
+    """Names of the option on the command line, the long one last."""
     metavar: str
+    """Its values in the help text, such as "X Y Z". An option with several names ends with
+    "..."."""
     help: str
+    """Its sentence in the help text of the command."""
     panel: str = "Options"
+    """Heading of its group in the help text."""
     reads: str = ""
+    """Name of the function of `kilter.cli.quantities` that converts a word to a value, in place
+    of the type; empty for the type."""
 
 
 def option(

@@ -207,13 +207,6 @@ def remedy_of(owner: str, word: str) -> str | None:
 def meant_word(typed: str, known: Collection[str]) -> str | None:
     """The real name of a guessed option or keyword; None if the table lacks the guess.
 
-    Parameters
-    ----------
-    typed : str
-        The unknown name.
-    known : collection of str
-        Names that exist, written in the same way.
-
     Examples
     --------
     >>> meant_word("--mu", ["--up", "--friction"]), meant_word("held", ["ground"])
@@ -250,10 +243,7 @@ class Guessable:
 def guarded(target: Target) -> Target:
     """Decorate a function or a class: a keyword that it lacks gets the right call as its message.
 
-    Raises
-    ------
-    GuessedKeyword
-        At a call with an unknown keyword.
+    Raises `GuessedKeyword` at a call with an unknown keyword.
 
     Examples
     --------

@@ -42,14 +42,7 @@ NOT_LISTED = ("seconds", "level")
 
 
 def scene_data(prepared: Prepared, bodies: OpenedParts) -> dict[str, Any]:
-    """Data of the picture: shapes, parts, contact patches, open pairs and loads.
-
-    Parameters
-    ----------
-    prepared : Prepared
-    bodies : OpenedParts
-        Parts of the file.
-    """
+    """Data of the picture: shapes, parts, contact patches, open pairs and loads."""
     assembly = prepared.assembly
     things = build_things(assembly, prepared.contacts)
     things["parts"]["held_by"] = [_held_by(assembly, k, bodies) for k in range(len(assembly.parts))]
@@ -97,13 +90,8 @@ def prepared_check(prepared: Prepared, phase: str, progress: Tell | None = None)
 def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
     """Data of a verdict for the page.
 
-    Parameters
-    ----------
-    verdict : Verdict
-    phase : str
-        One of `PHASES`.
-    center : ndarray, shape (3,)
-        Point to which the positions of the picture are relative, world frame [length unit].
+    Arguments: `center` (3,): point to which the positions of the picture are relative, world frame
+    [length unit].
     """
     answers = only_given(verdict)
     data = answers.given.check
@@ -214,10 +202,7 @@ def _place(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[
 def _numbers(values: Any, what: str) -> list[float]:
     """Numbers in the options of a tab.
 
-    Raises
-    ------
-    InputError
-        If a value is no number.
+    Raises `InputError` if a value is no number.
     """
     try:
         return [float(value) for value in values]
@@ -253,10 +238,7 @@ def tab_data(
 ) -> dict[str, Any]:
     """Data of a tab: the answer of the command of the same name, with its command line.
 
-    Raises
-    ------
-    InputError
-        If there is no such tab, or this assembly does not admit the question.
+    Raises `InputError` if there is no such tab, or this assembly does not admit the question.
     """
     if name not in TABS:
         raise InputError(f"there is no tab {name!r:.40}", hint=f"use {', '.join(TABS)}")

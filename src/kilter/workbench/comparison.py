@@ -19,18 +19,7 @@ def comparison_data(
     states: Sequence[dict[str, Any]],
     progress: Callable[[str], None],
 ) -> dict[str, Any]:
-    """The verdicts on two states side by side, as a table, and whether they differ.
-
-    Parameters
-    ----------
-    live : LiveAssembly
-    labels : sequence of 2 str
-        Words that name the states.
-    states : sequence of 2 dict
-        JSON data of the choices of each state.
-    progress : callable
-        Called with the name of each stage.
-    """
+    """The verdicts on two states side by side, as a table, and whether they differ."""
     answers = []
     for label, keys in zip(labels, states, strict=True):
         progress(label)

@@ -59,10 +59,7 @@ class PromptProtocol(H11Protocol):
 def listen(port: int, hosts: Sequence[str]) -> socket.socket:
     """A listening socket on the loopback address, or on all if `hosts` has such a word.
 
-    Raises
-    ------
-    InputError
-        If the port is not available.
+    Raises `InputError` if the port is not available.
     """
     every = [name for name in hosts if name in EVERY_ADDRESS]
     family = socket.AF_INET6 if every and ":" in every[0] else socket.AF_INET

@@ -26,22 +26,8 @@ def export(
 ) -> Path:
     """Write a file of some kind to a folder and return its path.
 
-    Parameters
-    ----------
-    kind : str
-        Key of `EXPORTS`.
-    prepared : Prepared
-    folder : Path
-        An empty folder.
-    job : mapping
-        `keys` of the choices, `title` of the page, and the command line `command`.
-    progress : callable
-        Called with the name of each stage.
-
-    Raises
-    ------
-    InputError
-        If there is no such kind, or this answer has no such file.
+    Arguments: `job`: `keys` of the choices, `title` of the page, and the command line `command`.
+    Raises `InputError` if there is no such kind, or this answer has no such file.
     """
     if kind not in EXPORTS:
         raise InputError(f"there is no export {kind!r:.40}", hint=f"use {', '.join(EXPORTS)}")

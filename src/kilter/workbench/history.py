@@ -41,16 +41,6 @@ class Change:
 class History:
     """The choices with which a session began, and the changes since then.
 
-    Attributes
-    ----------
-    base : dict
-        JSON data of the first choices.
-    bodies : OpenedParts
-    changes : list of Change
-        The changes that count, in order.
-    undone : list of Change
-        Changes that were undone; `redo` applies the last of them.
-
     Examples
     --------
     >>> history = History({"kilter": 1, "file": "a.step"}, OpenedParts(("plate", "rod")))
@@ -66,9 +56,12 @@ class History:
     """
 
     base: dict[str, Any]
+    """JSON data of the first choices."""
     bodies: OpenedParts
     changes: list[Change] = field(default_factory=list)
+    """The changes that count, in order."""
     undone: list[Change] = field(default_factory=list)
+    """Changes that were undone; `redo` applies the last of them."""
     _states: list[dict[str, Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -85,10 +78,7 @@ class History:
     def keys_after(self, count: int) -> dict[str, Any]:
         """JSON data of the choices after the first `count` changes.
 
-        Raises
-        ------
-        InputError
-            If there are not so many changes.
+        Raises `InputError` if there are not so many changes.
         """
         if not 0 <= count < len(self._states):
             raise InputError(f"there are {len(self.changes)} changes", hint="choose one of them")
@@ -99,10 +89,7 @@ class History:
 
         Undone changes are dropped.
 
-        Raises
-        ------
-        InputError
-            If the action is invalid; nothing changes then.
+        Raises `InputError` if the action is invalid; nothing changes then.
         """
         if len(self.changes) >= MOST_CHANGES:
             raise InputError(f"there are {MOST_CHANGES} changes", hint="save, and open it again")
@@ -137,10 +124,8 @@ class History:
 
         `redo` applies the reverted change again.
 
-        Raises
-        ------
-        InputError
-            If there is no such change, or a later change needs it; nothing changes then.
+        Raises `InputError` if there is no such change, or a later change needs it; nothing changes
+        then.
         """
         if not 0 <= index < len(self.changes):
             raise InputError(f"there are {len(self.changes)} changes", hint="choose one of them")
@@ -158,10 +143,7 @@ class History:
     def go(self, count: int) -> None:
         """Undo or redo changes until `count` changes count.
 
-        Raises
-        ------
-        InputError
-            If there are not so many changes.
+        Raises `InputError` if there are not so many changes.
         """
         if not 0 <= count <= len(self.changes) + len(self.undone):
             raise InputError(f"there are {len(self.changes)} changes", hint="choose one of them")
@@ -213,10 +195,7 @@ class History:
     def from_text(cls, data: bytes, bodies: OpenedParts) -> History:
         """The history that an autosave file holds.
 
-        Raises
-        ------
-        InputError
-            If the file is no autosave file, or an action in it is invalid now.
+        Raises `InputError` if the file is no autosave file, or an action in it is invalid now.
         """
         try:
             content = parse_message(data.decode())
@@ -248,10 +227,7 @@ def autosave_path(path: Path) -> Path:
 def upload_autosave_path(digest: str) -> Path:
     """Path of the autosave file of an uploaded file, in the user's folder for states of programs.
 
-    Parameters
-    ----------
-    digest : str
-        SHA-256 of the file: the same file that is dropped again finds its changes.
+    Arguments: `digest`: SHA-256 of the file: the same file that is dropped again finds its changes.
     """
     home = Path.home()
     default = home / "AppData" / "Local" if os.name == "nt" else home / ".local" / "state"

@@ -23,26 +23,17 @@ FAULT = "kilter failed in this computation"
 
 @dataclass(slots=True, eq=False)
 class QueuedJob:
-    """A job of the worker process.
-
-    Attributes
-    ----------
-    number : int
-    state : int
-        Number of the state of the session to which the job belongs.
-    job : dict
-        The job, as `kilter.workbench.jobs` does it.
-    waiter : Future or None
-        Future of a caller that waits for the result; None: the result goes to the pages.
-    tab : str
-        Name of the tab that the job computes; empty for other jobs.
-    """
+    """A job of the worker process."""
 
     number: int
     state: int
+    """Number of the state of the session to which the job belongs."""
     job: dict[str, Any]
+    """The job, as `kilter.workbench.jobs` does it."""
     waiter: asyncio.Future[Any] | None = None
+    """Future of a caller that waits for the result; None: the result goes to the pages."""
     tab: str = ""
+    """Name of the tab that the job computes; empty for other jobs."""
 
     @property
     def about(self) -> str:
@@ -53,16 +44,7 @@ class QueuedJob:
 class JobQueue:
     """The running job and the waiting jobs of a session.
 
-    Parameters
-    ----------
-    reopening : callable
-        Returns the job that makes a new worker process read the open file.
-    result : callable
-        Called with a job, the kind and the data of each result for the pages.
-    failed : callable
-        Called with a job and its error, if no caller waits for the job.
-    progress : callable
-        Called with the running job, or None, and the words of its present stage.
+    Arguments: `progress`: called with the running job, or None, and the words of its present stage.
     """
 
     def __init__(
@@ -98,10 +80,7 @@ class JobQueue:
     async def result_of(self, state: int, job: dict[str, Any]) -> Any:
         """Queue a job and wait for its result.
 
-        Raises
-        ------
-        InputError
-            If the job fails or is stopped.
+        Raises `InputError` if the job fails or is stopped.
         """
         waiter: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         self._queue(QueuedJob(0, state, job, waiter))

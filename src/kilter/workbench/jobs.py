@@ -51,10 +51,7 @@ class Jobs:
     def run(self, job: Job, report: Report) -> None:
         """Run a job; `report` is called with the kind and the data of each result.
 
-        Raises
-        ------
-        InputError
-            If the job cannot be done for a reason that the user can change.
+        Raises `InputError` if the job cannot be done for a reason that the user can change.
         """
         steps = {
             "open": self._open,

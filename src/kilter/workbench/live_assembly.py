@@ -33,36 +33,19 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prepared:
-    """An assembly as the choices describe it, with its contacts.
-
-    Attributes
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    tolerance : Tolerance
-    reading : Reading
-        The choices as options of a reading, for proofs.
-    left_out : tuple of str
-        Parts of the file that the choices leave out.
-    """
+    """An assembly as the choices describe it, with its contacts."""
 
     assembly: Assembly
     contacts: ContactSet
     tolerance: Tolerance
     reading: Reading
+    """The choices as options of a reading, for proofs."""
     left_out: tuple[str, ...]
+    """Parts of the file that the choices leave out."""
 
 
 class LiveAssembly:
-    """A file whose content and contacts are kept for the next choices.
-
-    Parameters
-    ----------
-    path : Path
-        The file, which is not a file of choices.
-    progress : callable, optional
-        Called with the name of each stage.
-    """
+    """A file whose content and contacts are kept for the next choices."""
 
     def __init__(self, path: Path, progress: Tell | None = None) -> None:
         self.path = path
@@ -73,10 +56,7 @@ class LiveAssembly:
     def opened_parts(self, keys: dict[str, Any]) -> OpenedParts:
         """The parts of the file, read with the options of choices.
 
-        Raises
-        ------
-        InputError
-            If the file cannot be read.
+        Raises `InputError` if the file cannot be read.
         """
         _, content = self._read(self._chosen(keys))
         assembly = content.assembly
@@ -95,10 +75,7 @@ class LiveAssembly:
     def prepare(self, keys: dict[str, Any]) -> Prepared:
         """The assembly and the contacts for the given choices.
 
-        Raises
-        ------
-        InputError
-            If the choices are invalid, or the file cannot be read.
+        Raises `InputError` if the choices are invalid, or the file cannot be read.
         """
         both = self._chosen(keys)
         tolerance = tolerance_of(both.choices)

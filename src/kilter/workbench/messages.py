@@ -27,11 +27,8 @@ NUMBER = re.compile(r'\s*\{\s*"id"\s*:\s*([0-9]{1,9})\s*[,}]')
 def parse_message(text: str) -> dict[str, Any]:
     """The JSON object of a message.
 
-    Raises
-    ------
-    InputError
-        If the text is no JSON object, is nested too deeply, has a lone surrogate, or a number that
-        is not finite.
+    Raises `InputError` if the text is no JSON object, is nested too deeply, has a lone surrogate,
+    or a number that is not finite.
 
     Examples
     --------
@@ -67,10 +64,7 @@ def message_id(text: str) -> int | None:
 def index_of(message: Mapping[str, Any], key: str) -> int:
     """An index in a message, which is a whole number from 0 to `MOST`.
 
-    Raises
-    ------
-    InputError
-        If it is missing, or something else.
+    Raises `InputError` if it is missing, or something else.
     """
     value = message.get(key)
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < MOST:

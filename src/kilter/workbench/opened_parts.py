@@ -11,21 +11,14 @@ __all__ = ["OpenedParts"]
 
 @dataclass(frozen=True, slots=True)
 class OpenedParts:
-    """Names of the parts of a file, and properties of each part.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Parts of the file, also those that the choices leave out; without a floor.
-    held : frozenset of str
-        Parts that the file itself holds; no choice releases them.
-    volume : tuple of float
-        Volume of each part [m^3].
-    """
+    """Names of the parts of a file, and properties of each part."""
 
     names: tuple[str, ...] = ()
+    """Parts of the file, also those that the choices leave out; without a floor."""
     held: frozenset[str] = frozenset()
+    """Parts that the file itself holds; no choice releases them."""
     volume: tuple[float, ...] = ()
+    """Volume of each part [m^3]."""
 
     def matching(self, patterns: Sequence[str]) -> list[str]:
         """Parts that any of the patterns names or matches, in the order of the file."""

@@ -223,25 +223,9 @@ def _fault_words(error: Exception) -> str:
 class Workbench:
     """A workbench with its server: `run` serves until an interruption, `with` serves in a thread.
 
-    Parameters
-    ----------
-    path : Path or None
-        The file to open; None: the start page.
-    first : dict, optional
-        The first choices about the file, as `Session.open` takes them.
-    folder : Path, optional
-        Folder whose files may be opened; by default `folder_of(path)`.
-    port : int
-        Port on this machine; 0 selects a free port.
-    hosts : sequence of str
-        Further host names, for a proxy; 0.0.0.0 or :: listens on all addresses of this machine.
-    say : callable, optional
-        Called with each line for the user.
-
-    Raises
-    ------
-    InputError
-        If the port is not available, or a host name is invalid.
+    Arguments: `path`: the file to open; None: the start page; `hosts`: further host names, for a
+    proxy; 0.0.0.0 or :: listens on all addresses of this machine. Raises `InputError` if the port
+    is not available, or a host name is invalid.
     """
 
     def __init__(

@@ -51,15 +51,7 @@ class _Sent:
 
 
 class Session:
-    """The state that all pages of the workbench share.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder whose files may be opened.
-    uploads : Path
-        Temporary folder of uploaded files.
-    """
+    """The state that all pages of the workbench share."""
 
     def __init__(self, folder: Path, uploads: Path) -> None:
         self.folder = folder.resolve()
@@ -156,10 +148,7 @@ class Session:
     async def handle(self, message: Mapping[str, Any]) -> dict[str, Any]:
         """Do what a page asks for, and return the reply.
 
-        Raises
-        ------
-        InputError
-            If the request is invalid.
+        Raises `InputError` if the request is invalid.
         """
         what = message.get("do")
         if not isinstance(what, str):
@@ -257,10 +246,7 @@ class Session:
     def _inside(self, name: str) -> Path:
         """Path of a file in the folder or among the uploads.
 
-        Raises
-        ------
-        InputError
-            If the path leaves these folders, or does not exist.
+        Raises `InputError` if the path leaves these folders, or does not exist.
         """
         for folder in (self.folder, self.uploads):
             with contextlib.suppress(OSError, ValueError):  # a name that the system rejects
@@ -292,19 +278,7 @@ class Session:
     ) -> None:
         """Open a file and answer it; the state of an earlier session is restored.
 
-        Parameters
-        ----------
-        path : Path
-            An assembly file, or a file of choices.
-        keys : dict, optional
-            JSON data of the first choices, about this file.
-        down : sequence of 3 float, optional
-            Direction of gravity in these choices; its size is that of the file.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be read; the file that was open stays open.
+        Raises `InputError` if the file cannot be read; the file that was open stays open.
         """
         self.jobs.stop()
         path = Path(os.path.realpath(path))
@@ -424,10 +398,7 @@ class Session:
     async def export(self, kind: str) -> dict[str, Any]:
         """Make a file for download; the result has its name and content.
 
-        Raises
-        ------
-        InputError
-            If no file is open, or this state has no such file.
+        Raises `InputError` if no file is open, or this state has no such file.
         """
         self._require_file()
         assert self.path is not None

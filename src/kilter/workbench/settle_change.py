@@ -60,20 +60,8 @@ def settling_action(
 ) -> dict[str, Any]:
     """The action that moves the parts to their pose at rest.
 
-    Parameters
-    ----------
-    prepared : Prepared
-        The assembly in the drawn pose.
-    keys : mapping
-        JSON data of its choices.
-    progress : callable
-        Called with the name of each stage.
-
-    Raises
-    ------
-    InputError
-        If no pose at rest is found, if the parts are at rest already, or if choices cannot state
-        the pose.
+    Raises `InputError` if no pose at rest is found, if the parts are at rest already, or if choices
+    cannot state the pose.
     """
     answer = settle(
         prepared.assembly,
@@ -112,10 +100,7 @@ def _replaced(
 ) -> list[list[dict[str, Any]]]:
     """Pairs of an entry of the choices, as it is and as it moves with its part.
 
-    Raises
-    ------
-    InputError
-        If an entry of the file itself moves.
+    Raises `InputError` if an entry of the file itself moves.
     """
     before, after = list(getattr(drawn, key)), list(getattr(settled, key))
     moved = {k for k, entry in enumerate(before) if entry != after[k]}

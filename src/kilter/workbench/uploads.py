@@ -30,10 +30,8 @@ async def receive_upload(request: Request, uploads: Path) -> str:
     The query has the name of the file, and of its folder if a folder was dropped. A file of the
     same name is replaced once the new file is complete.
 
-    Raises
-    ------
-    InputError
-        If a name is not usable, the file is too large or too slow, or it cannot be written.
+    Raises `InputError` if a name is not usable, the file is too large or too slow, or it cannot be
+    written.
     """
     folder, path = _place(uploads, request.query_params)
     partial = uploads / f".{secrets.token_hex(8)}.partial"  # two uploads may have the same name
@@ -58,10 +56,7 @@ async def receive_upload(request: Request, uploads: Path) -> str:
 def _place(uploads: Path, query: Any) -> tuple[str, Path]:
     """Name of the folder that was dropped, and path of the file in the temporary folder.
 
-    Raises
-    ------
-    InputError
-        If a name is no plain file name.
+    Raises `InputError` if a name is no plain file name.
     """
     name, folder = query.get("name", ""), query.get("folder", "")
     for word in (name, folder):

@@ -33,14 +33,7 @@ Hear = Callable[[int, str, Any], None]
 
 
 class WorkerProcess:
-    """A process that does a single job at a time.
-
-    Parameters
-    ----------
-    hear : callable
-        Called in the event loop with each message: number of the job, kind, data. The kind "lost"
-        means that the process ended unexpectedly.
-    """
+    """A process that does a single job at a time."""
 
     def __init__(self, hear: Hear) -> None:
         self._hear = hear

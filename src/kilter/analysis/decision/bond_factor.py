@@ -80,13 +80,6 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
     The result is a `NoLimit` with the reason "none" if bonds of any strength do not hold it, or
     "failed" if the solvers give no proof.
 
-    Parameters
-    ----------
-    program : Program
-        ``build_program(assembly, contacts)``.
-    contacts : ContactSet
-        The contacts of `program`; they give the bond of each contact row.
-
     Examples
     --------
     >>> from kilter import Assembly, Bond, Box, Part, Pose

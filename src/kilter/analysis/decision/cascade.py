@@ -253,13 +253,6 @@ def with_second_order(
 
     Second order separates balanced from stable: does a small push make it fall? It is stable if
     second order proves it, if friction is proved to hold it, or if no open motion bends.
-
-    Parameters
-    ----------
-    decision : Decision
-        Its verdict is "stable", and its proof are forces without friction.
-    assembly, contacts, require, work
-        As in `decide`.
     """
     # imported late, since the import is slow
     from kilter.second_order.answer.whole import find_second_order, with_rolling
@@ -326,12 +319,7 @@ def _with_push(
 ) -> Decision:
     """Lower a decision if a small push may make round or jointed parts fall, as far as is known.
 
-    Parameters
-    ----------
-    second : SecondOrder or None
-        Second-order answer of a decision that holds without friction.
-    among : ndarray of bool, shape (N,), optional
-        Parts that second order leaves open; by default all.
+    Arguments: `among` (N,): parts that second order leaves open; by default all.
     """
     # imported late, since the import is slow
     from kilter.second_order.answer.pushed import pushed_answer
@@ -367,15 +355,7 @@ def _best_figures(judgement: Judgement) -> str:
 
 
 def _late_reason(contacts: ContactSet, *known: str) -> str:
-    """Reason of an answer that the time limit ended, with the facts that are known already.
-
-    Parameters
-    ----------
-    contacts : ContactSet
-        The contacts: their counts are known.
-    *known : str
-        Further facts, each a clause.
-    """
+    """Reason of an answer that the time limit ended, with the facts that are known already."""
     left = len(contacts.open_pairs)
     opened = ("1 pair is open" if left == 1 else f"{left} pairs are open",) if left else ()
     facts = ", ".join((touching_words(contacts), *opened, *known))

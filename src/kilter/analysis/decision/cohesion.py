@@ -25,29 +25,20 @@ __all__ = ["Cohesion", "find_cohesion"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cohesion:
-    """The least cohesion with which contact forces balance, with these forces and a dual motion.
-
-    Attributes
-    ----------
-    value : float
-        Cohesion over the weight of the lighter part at each contact [-], at least -1.
-    slope : float
-        Decrease of `value` per increase of every friction coefficient [-], at least 0.
-    forces, friction : ndarray, shapes (K,), (K, 3)
-        Contact forces along and across the rows [N]. They obey the friction cones if `value` is
-        at most 0.
-    motion : ndarray, shape (N, 6)
-        Motion in the dual cones. Its power is positive if `value` is positive.
-    word : str
-        Description of the solver run.
-    """
+    """The least cohesion with which contact forces balance, with these forces and a dual motion."""
 
     value: float
+    """Cohesion over the weight of the lighter part at each contact [-], at least -1."""
     slope: float
+    """Decrease of `value` per increase of every friction coefficient [-], at least 0."""
     forces: Array
     friction: Array
+    """Contact forces along and across the rows [N]. They obey the friction cones if `value` is
+    at most 0."""
     motion: Array
+    """Motion in the dual cones, shape (N, 6). Its power is positive if `value` is positive."""
     word: str
+    """Description of the solver run."""
 
     @property
     def rise(self) -> float:
@@ -61,17 +52,7 @@ class Cohesion:
 def find_cohesion(wide: ConeProblem, *, work: Work | None = None) -> Cohesion | None:
     """Compute the least cohesion of contacts with which forces balance; None if unsolved.
 
-    Parameters
-    ----------
-    wide : ConeProblem
-        The program in Coulomb's cones.
-    work : Work, optional
-        The conic program is charged to it, and its time limit applies.
-
-    Returns
-    -------
-    Cohesion or None
-        None if no forces balance the parts with any cohesion, or if the solver fails.
+    Returns None if no forces balance the parts with any cohesion, or if the solver fails.
 
     Examples
     --------

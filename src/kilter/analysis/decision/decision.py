@@ -22,38 +22,25 @@ Word = Literal["stable", "settles", "potentially-stable", "balanced", "unstable"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """The verdict on an assembly with its evidence, as `decide` returns it.
-
-    Attributes
-    ----------
-    verdict : Word
-    program : Program
-        The program against which the certificate is proved.
-    judgement : Judgement
-        The proof: forces of equilibrium, or a motion.
-    friction : FrictionAnswer or None
-        The guarantee of friction; None if the verdict does not rest on friction.
-    second_order : SecondOrder or None
-        The answer of second order; None if no cluster rests without friction.
-    reasons : tuple of str
-        Reasons why the verdict is undecided, in words.
-    question : OpenQuestion or None
-        The open pairs that decide an undecided verdict.
-    trial : OpenTrial or None
-        The level with the open pairs as ordinary contacts, if friction guarantees a level.
-    units : float
-        Work of the solvers for this decision (`kilter.work`) [units].
-    """
+    """The verdict on an assembly with its evidence, as `decide` returns it."""
 
     verdict: Word
     program: Program
+    """The program against which the certificate is proved."""
     judgement: Judgement
+    """The proof: forces of equilibrium, or a motion."""
     friction: FrictionAnswer | None = None
+    """The guarantee of friction; None if the verdict does not rest on friction."""
     second_order: SecondOrder | None = None
+    """The answer of second order; None if no cluster rests without friction."""
     reasons: tuple[str, ...] = ()
+    """Reasons why the verdict is undecided, in words."""
     question: OpenQuestion | None = None
+    """The open pairs that decide an undecided verdict."""
     trial: OpenTrial | None = None
+    """The level with the open pairs as ordinary contacts, if friction guarantees a level."""
     units: float = 0.0
+    """Work of the solvers for this decision (`kilter.work`) [units]."""
 
     @property
     def level(self) -> str | None:

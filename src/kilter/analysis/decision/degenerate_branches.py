@@ -58,25 +58,17 @@ LARGE = 4000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Degenerates:
-    """Answer for an assembly with degenerate contact points, which have no unique normal.
-
-    Attributes
-    ----------
-    branching : bool or None
-        Whether the assembly is stable, by branching; None if branching does not decide.
-    approximation : bool or None
-        Whether it is stable with the planar approximation; None if that does not decide.
-    program, judgement : Program and Judgement, or None
-        If branching finds a motion: the program against which it is proved, and the proof.
-    programs : int
-        Number of programs solved.
-    """
+    """Answer for an assembly with degenerate contact points, which have no unique normal."""
 
     branching: bool | None
+    """Whether the assembly is stable, by branching; None if branching does not decide."""
     approximation: bool | None
+    """Whether it is stable with the planar approximation; None if that does not decide."""
     program: Program | None = None
     judgement: Judgement | None = None
+    """If branching finds a motion: the program against which it is proved, and the proof."""
     programs: int = 0
+    """Number of programs solved."""
 
     @property
     def words(self) -> list[str]:
@@ -96,11 +88,8 @@ class Degenerates:
 def decide_degenerate(assembly: Assembly, contacts: ContactSet) -> Degenerates:
     """Decide an assembly, without friction, that forces at degenerate contact points might hold.
 
-    Returns
-    -------
-    Degenerates
-        Both answers are None if there are no degenerate points. `branching` is None if there are
-        more than `kilter.mechanics.degenerate.MOST` points, or no exact points.
+    Returns both answers are None if there are no degenerate points. `branching` is None if there
+    are more than `kilter.mechanics.degenerate.MOST` points, or no exact points.
 
     Examples
     --------

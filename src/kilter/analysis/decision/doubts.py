@@ -27,23 +27,16 @@ __all__ = ["Doubts", "doubts_of", "fitted_pairs", "has_possible_contacts"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Doubts:
-    """Pairs of parts of an assembly whose real contacts may differ from the detected contacts.
-
-    Attributes
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    degenerate, fitted : ndarray of int, shape (n, 2)
-        Pairs of parts, one row for each degenerate point or fitted contact.
-    stated : ndarray, shape (N,)
-        Stated inaccuracy of the coordinates of each part [length unit]; 0 if none is stated.
-    """
+    """Pairs of parts of an assembly whose real contacts may differ from the detected contacts."""
 
     assembly: Assembly
     contacts: ContactSet
     degenerate: Index
     fitted: Index
+    """Pairs of parts, one row for each degenerate point or fitted contact, shape (n, 2)."""
     stated: Array
+    """Stated inaccuracy of the coordinates of each part [length unit], shape (N,); 0 if none is
+    stated."""
 
     def normals_open(self, present: Mask) -> bool:
         """Whether two present parts meet at a point without a unique normal; `present` is (N,)."""
@@ -55,13 +48,7 @@ class Doubts:
         return len(self.contacts.possible) > 0 or len(self.contacts.open_pairs) > 0
 
     def explain_motion(self, program: Program) -> str:
-        """Reason why even a proved motion leaves the verdict undecided; empty if it decides.
-
-        Parameters
-        ----------
-        program : Program
-            Program of all N parts against which the motion is proved.
-        """
+        """Reason why even a proved motion leaves the verdict undecided; empty if it decides."""
         if not self.stated.any():
             return ""
         return explained_by_accuracy(self.assembly, self.contacts, program)

@@ -43,10 +43,7 @@ def why_fits_leave_it_open(
 
     The certain contacts alone do not hold it.
 
-    Returns
-    -------
-    tuple of str
-        One sentence if forces of equilibrium exist with the fitted contacts; otherwise empty.
+    Returns one sentence if forces of equilibrium exist with the fitted contacts; otherwise empty.
     """
     program = build_program(assembly, contacts, fitted=True)
     if len(program.kind) == len(certain.kind) or not judge(program, work=work).stable:
@@ -61,17 +58,8 @@ def why_fits_leave_it_open(
 def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) -> list[str]:
     """Warnings that name the pairs whose contacts were left out because their normals are fitted.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    certain : Program
-        Program of the certain contacts, by `build_program`, with or without friction.
-
-    Returns
-    -------
-    list of str
-        The warning, or an empty list if no contact is left out.
+    Arguments: `certain`: program of the certain contacts, by `build_program`, with or without
+    friction. Returns the warning, or an empty list if no contact is left out.
     """
     every = build_program(assembly, contacts, fitted=True)
     out = np.setdiff1d(_fitted_patches(every, assembly), _fitted_patches(certain, assembly))

@@ -33,19 +33,8 @@ def joining_wrenches(program: Program, ends: Index, *, work: Work | None = None)
 
     None if the solver fails.
 
-    Parameters
-    ----------
-    program : Program
-        Program of the certain contacts.
-    ends : ndarray of int, shape (P, 2)
-        The two parts of each pair.
-    work : Work, optional
-        The conic program is charged to it, and its time limit applies.
-
-    Returns
-    -------
-    ndarray, shape (P,), or None
-        In multiples of the typical weight of a part [-]; None if the solver found no optimum.
+    Arguments: `ends` (P, 2): the two parts of each pair. Returns (P,): in multiples of the typical
+    weight of a part [-]; None if the solver found no optimum.
     """
     from kilter.solvers.clarabel import solve_conic
 

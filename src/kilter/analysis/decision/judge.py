@@ -98,24 +98,16 @@ LARGEST_PYRAMID = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judgement:
-    """Answer of `judge`: whether contact forces can balance every part, with its proof.
-
-    Attributes
-    ----------
-    stable : bool or None
-        True if forces of equilibrium exist, False if not, None if the numbers permit no proof.
-    forces : ForceProof or None
-        The forces with the least residual; the proof if `stable` is True.
-    motion : MotionProof or None
-        The best motion; the proof if `stable` is False.
-    solvers : tuple of str
-        A description of each solver run, in order.
-    """
+    """Answer of `judge`: whether contact forces can balance every part, with its proof."""
 
     stable: bool | None
+    """True if forces of equilibrium exist, False if not, None if the numbers permit no proof."""
     forces: ForceProof | None
+    """The forces with the least residual; the proof if `stable` is True."""
     motion: MotionProof | None
+    """The best motion; the proof if `stable` is False."""
     solvers: tuple[str, ...]
+    """A description of each solver run, in order."""
 
 
 class _Candidate(NamedTuple):
@@ -143,18 +135,7 @@ class _Options(TypedDict, total=False):
 def judge(program: Program, *, work: Work | None = None, solver: Solver | None = None) -> Judgement:
     """Decide whether contact forces can balance every part, and prove the answer.
 
-    Parameters
-    ----------
-    program : Program
-    work : Work, optional
-        The time limit applies. No work is charged, since no verdict exists without this answer.
-    solver : {"kilter", "clarabel", "highs"}, optional
-        Use this solver alone, for a comparison. By default all are tried in turn.
-
-    Returns
-    -------
-    Judgement
-        `stable` is None if no certificate holds.
+    Returns `stable` is None if no certificate holds.
 
     Examples
     --------

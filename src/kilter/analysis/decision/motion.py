@@ -86,21 +86,15 @@ UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartMotion:
-    """Accelerations with which a part starts to move from rest; arrays are read-only.
-
-    Attributes
-    ----------
-    acceleration : ndarray, shape (6,)
-        Linear [m/s^2] and angular [rad/s^2] acceleration, world frame.
-    relative : ndarray, shape (2,)
-        Sizes of the linear, and of radius x angular, acceleration over that of gravity [-].
-    moves : bool
-        Whether the part starts to move.
-    """
+    """Accelerations with which a part starts to move from rest; arrays are read-only."""
 
     acceleration: Array
+    """Linear [m/s^2] and angular [rad/s^2] acceleration, world frame, shape (6,)."""
     relative: Array
+    """Sizes of the linear, and of radius x angular, acceleration over that of gravity [-], shape
+    (2,)."""
     moves: bool
+    """Whether the part starts to move."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,13 +171,8 @@ def find_motion(program: Program) -> ImpendingMotion:
 def motion_of(program: Program, acceleration: Array, residual: float) -> ImpendingMotion:
     """Create an impending motion from accelerations, with moving parts and instability kappa.
 
-    Parameters
-    ----------
-    program : Program
-    acceleration : ndarray, shape (N, 6)
-        Linear [m/s^2] and angular [rad/s^2] accelerations.
-    residual : float
-        Residual of the conditions that the accelerations must satisfy [-].
+    Arguments: `acceleration` (N, 6): linear [m/s^2] and angular [rad/s^2] accelerations;
+    `residual`: residual of the conditions that the accelerations must satisfy [-].
     """
     motion = acceleration / max(program.g, TINY)
     motion[:, 3:] *= metres_per_unit(program.units)
@@ -201,16 +190,7 @@ def motion_of(program: Program, acceleration: Array, residual: float) -> Impendi
 def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotion | None:
     """Compute accelerations from rest with Coulomb friction, if no equilibrium exists.
 
-    Parameters
-    ----------
-    program : Program
-    effort : float
-        Effort of the search.
-
-    Returns
-    -------
-    ImpendingMotion or None
-        None if the search finds no motion that obeys the law.
+    Returns None if the search finds no motion that obeys the law.
     """
     from kilter.friction.motion_search import find_coulomb_motion  # the import is slow
 
@@ -278,15 +258,8 @@ def optimality(
     The residual of a part is relative to its weight, including loads. The residual of a row is
     relative to the lighter part that it touches. Torques are divided by the radius, too.
 
-    Parameters
-    ----------
-    program : Program
-    motion : ndarray, shape (N, 6)
-        Accelerations over the size of gravity.
-    forces : ndarray, shape (K,)
-        Forces along the rows [N].
-    friction : ndarray, shape (K, 3), optional
-        Forces across the rows [N].
+    Arguments: `motion` (N, 6): accelerations over the size of gravity; `forces` (K,): forces along
+    the rows [N]; `friction` (K, 3): forces across the rows [N].
     """
     gravity = program.g
     rest = -program.wrenches(forces, friction) - program.load
@@ -341,12 +314,7 @@ def without_opening(program: Program, motion: Array, part: int) -> Array:
     In a proof with friction, a contact that slides by u_t opens by mu |u_t|, as no real part does.
     The opening of a part that only shifts, over contacts with one normal, is taken away.
 
-    Parameters
-    ----------
-    program : Program
-    motion : ndarray, shape (N, 6)
-        Motion of all parts that proves that they fall.
-    part : int
+    Arguments: `motion` (N, 6): motion of all parts that proves that they fall.
     """
     touching = (program.part_a[program.rough] == part) | (program.part_b[program.rough] == part)
     rows, moved = program.rough[touching], np.array(motion[part])

@@ -76,22 +76,9 @@ def ask_open(
 ) -> OpenQuestion | None:
     """Find the open pairs that decide, and the verdict if they are joined; None if none decide.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-        Program of the certain contacts, which do not hold the assembly.
-    decide : callable
-        Function that returns verdict and level of an assembly with the same parts and contacts.
-    work : Work, optional
-        The time limit applies.
-
-    Returns
-    -------
-    OpenQuestion or None
-        None if no set of joined open pairs gives forces of equilibrium, or if the empty set seems
-        to suffice because the program is near its limit.
+    Arguments: `decide`: function that returns verdict and level of an assembly with the same parts
+    and contacts. Returns None if no set of joined open pairs gives forces of equilibrium, or if the
+    empty set seems to suffice because the program is near its limit.
     """
     # imported late: only open pairs need these modules
     from kilter.analysis.decision.deciding_pairs import find_deciding

@@ -52,21 +52,14 @@ WIDER = 1.01
 
 @dataclass(frozen=True, slots=True)
 class OpenTrial:
-    """The friction level that is reached whichever of the open pairs are ordinary contacts.
-
-    Attributes
-    ----------
-    level : {EQUILIBRIUM, SETTLES, PROVED}
-        The lowest level over all subsets tried.
-    tried : int
-        Number of subsets tried; 0 if there are no open pairs, or too many, or a free form.
-    lowest : tuple of OpenPair
-        The first subset with that level; empty if the level is PROVED or no subset was tried.
-    """
+    """The friction level that is reached whichever of the open pairs are ordinary contacts."""
 
     level: int
+    """One of EQUILIBRIUM, SETTLES, PROVED. The lowest level over all subsets tried."""
     tried: int
+    """Number of subsets tried; 0 if there are no open pairs, or too many, or a free form."""
     lowest: tuple[OpenPair, ...] = ()
+    """The first subset with that level; empty if the level is PROVED or no subset was tried."""
 
 
 def can_be_tried(pairs: Sequence[OpenPair]) -> bool:
@@ -84,12 +77,8 @@ def try_ordinary(
 ) -> OpenTrial:
     """Compute the lowest friction level over all subsets of open pairs as ordinary contacts.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    level_of : callable
-        Function that returns the level of a program: EQUILIBRIUM, SETTLES or PROVED.
+    Arguments: `level_of`: function that returns the level of a program: EQUILIBRIUM, SETTLES or
+    PROVED.
     """
     pairs = still_open(contacts.open_pairs, assembly)
     if not can_be_tried(pairs):
@@ -141,16 +130,7 @@ def _wide_contacts(
 def with_ordinary_contacts(
     contacts: ContactSet, wide: ContactSet, pairs: tuple[OpenPair, ...]
 ) -> ContactSet:
-    """Copy of the contacts with the given open pairs replaced by the detected contacts `wide`.
-
-    Parameters
-    ----------
-    contacts, wide : ContactSet
-        Contacts of the same assembly; `wide` is detected with a wider tolerance.
-    pairs : tuple of OpenPair
-        The pairs whose patches are taken from `wide`. A degenerate pair instead keeps its patches
-        and gains a patch at each of its degenerate points.
-    """
+    """Copy of the contacts with the given open pairs replaced by the detected contacts `wide`."""
     faces = {frozenset(pair.ends) for pair in pairs if pair.kind != "degenerate"}
     edges = {frozenset(pair.ends) for pair in pairs if pair.kind == "degenerate"}
     keep = [frozenset(p) not in faces for p in contacts.patch_parts.tolist()]

@@ -26,25 +26,18 @@ class Strength:
     """The least fraction of bond strength that balances the parts, with forces and a motion.
 
     The forces and the motion are offered as proofs.
-
-    Attributes
-    ----------
-    share : float
-        s, at least 0 [-]; infinite if no share suffices.
-    forces, friction : ndarray, shapes (K,), (K, 3)
-        Contact forces along and across the rows [N] that balance the parts at that share.
-        Zero if the share is infinite.
-    motion : ndarray, shape (N, 6)
-        Motion that starts if the strength falls below that share.
-    word : str
-        Description of the solver run.
     """
 
     share: float
+    """s, at least 0 [-]; infinite if no share suffices."""
     forces: Array
     friction: Array
+    """Contact forces along and across the rows [N] that balance the parts at that share. Zero if
+    the share is infinite."""
     motion: Array
+    """Motion that starts if the strength falls below that share, shape (N, 6)."""
     word: str
+    """Description of the solver run."""
 
 
 def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | None:
@@ -52,17 +45,7 @@ def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | 
 
     None if the solver finds no solution.
 
-    Parameters
-    ----------
-    wide : ConeProblem
-        A program with bonds in Coulomb's cones.
-    work : Work, optional
-        The conic program is charged to it, and its time limit applies.
-
-    Returns
-    -------
-    Strength or None
-        None if the solver fails.
+    Returns None if the solver fails.
 
     Examples
     --------

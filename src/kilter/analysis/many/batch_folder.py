@@ -59,10 +59,7 @@ class BatchFolder:
     def write(self, chunk: int, rows: Sequence[BatchRow]) -> None:
         """Write the rows of a chunk to its file, all rows or none.
 
-        Raises
-        ------
-        InputError
-            If it cannot be written.
+        Raises `InputError` if it cannot be written.
         """
         data = _parquet(rows) if self.form == "parquet" else _csv(rows)
         write_bytes(self.file(chunk), data)
@@ -71,10 +68,7 @@ class BatchFolder:
     def read(self, chunk: int) -> list[BatchRow] | None:
         """Read the rows of a chunk; None if its file does not exist.
 
-        Raises
-        ------
-        InputError
-            If it is damaged.
+        Raises `InputError` if it is damaged.
         """
         path = self.file(chunk)
         if not path.exists():
@@ -94,10 +88,7 @@ def open_folder(
 ) -> Iterator[BatchFolder]:
     """Open the output folder of a batch, and lock it against other runs.
 
-    Raises
-    ------
-    InputError
-        If it cannot be made, another run is writing to it, or it has another batch.
+    Raises `InputError` if it cannot be made, another run is writing to it, or it has another batch.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -19,17 +19,7 @@ READABLE = (*FORMATS, ".json")
 def listed_files(source: str | Path) -> tuple[Path, list[str]]:
     """The folder to which the paths of a batch are relative, and the path of each input file.
 
-    Parameters
-    ----------
-    source : path
-        A folder: every file in it of a format that `kilter.load` reads, in the order in which
-        people count, none in folders of its own. A file: a path a line, relative to the list;
-        lines that are empty or begin with # are passed over.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, or names nothing.
+    Raises `InputError` if it cannot be read, or names nothing.
     """
     path = Path(source)
     if path.suffix.lower() in READABLE and is_file(path):

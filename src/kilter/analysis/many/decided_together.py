@@ -74,13 +74,7 @@ class Together:
 def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Together:
     """Decide as many assemblies as possible in a single computation without friction.
 
-    Parameters
-    ----------
-    apart : SideBySide
-    mu : ndarray, shape (M,)
-        Largest friction coefficient of each assembly [-]. A motion that friction stops proves
-        nothing.
-    tolerance : Tolerance
+    Arguments: `mu` (M,) [-].
     """
     contacts = contacts_side_by_side(apart, tolerance)
     asked = ~_odd(apart, contacts)

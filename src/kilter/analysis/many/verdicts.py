@@ -117,10 +117,7 @@ class Verdicts(Sequence[Verdict]):
 
         Its word, level and assembly are known; `check` computes the rest on the first access.
 
-        Raises
-        ------
-        KilterError
-            If the assembly has no verdict: its error in `errors`.
+        Raises `KilterError` if the assembly has no verdict: its error in `errors`.
         """
         if isinstance(k, slice):
             return [self[n] for n in range(len(self))[k]]

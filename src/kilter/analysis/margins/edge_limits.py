@@ -38,16 +38,7 @@ circle of 16 corners are at 0.98."""
 def limit_on_circles(
     program: Program, edges: Sequence[RoundEdge], find: Callable[[Program], Limit | NoLimit]
 ) -> Limit | NoLimit:
-    """Compute a load limit, with points of round edges where the resultants press on them.
-
-    Parameters
-    ----------
-    program : Program
-        Contacts without bonds.
-    edges : sequence of RoundEdge
-    find : callable
-        From a program with further contact points to its limit.
-    """
+    """Compute a load limit, with points of round edges where the resultants press on them."""
     limit = find(program)
     for _ in range(STEPS):
         if isinstance(limit, NoLimit) or limit.motion is None:
@@ -62,15 +53,7 @@ def limit_on_circles(
 def with_edge_points(
     program: Program, edges: Sequence[RoundEdge], proof: ForceProof
 ) -> Program | None:
-    """The program with points of the round edges on which forces press; None if it has them.
-
-    Parameters
-    ----------
-    program : Program
-    edges : sequence of RoundEdge
-    proof : ForceProof
-        Forces of the rows of the program.
-    """
+    """The program with points of the round edges on which forces press; None if it has them."""
     more = []
     for edge in edges:
         rows = np.flatnonzero((program.kind == CONTACT) & (program.source == edge.patch))

@@ -39,18 +39,8 @@ SIMPLEX = 30_000
 class FollowingForces:
     """Limits of tilt and loads for uncertain masses, by forces affine in masses and centres.
 
-    Parameters
-    ----------
-    program : Program
-        Program with friction pyramids: each row is a ray of a pyramid.
-    problem : ScaledProblem
-        Scaled form of `program`.
-    unknowns : list of (int, int)
-        Uncertain quantities, see `Unknowns`.
-    mass : (float, float)
-        Least and greatest factor of a mass [-]; the masses vary independently.
-    center : float
-        Greatest deviation of each coordinate of each centre of mass [length unit].
+    Arguments: `mass`: least and greatest factor of a mass [-]; the masses vary independently;
+    `center`: greatest deviation of each coordinate of each centre of mass [length unit].
     """
 
     def __init__(
@@ -89,23 +79,9 @@ class FollowingForces:
     ) -> float | NoLimit:
         """Largest proved multiple of a load that holds for every mass and centre in the intervals.
 
-        Parameters
-        ----------
-        wrench : ndarray, shape (N, 6), optional
-            Further wrenches on the parts [N], [N x length unit]. They replace the applied loads of
-            the program; without `wrench`, these loads belong to the base load.
-        push : ndarray, shape (3,), optional
-            Direction of a body force as large as the weight; the further load instead of `wrench`.
-        most : float
-            Upper end of the interval of shares [-].
-        sign : float
-            Factor of the further load, usually 1 or -1.
-
-        Returns
-        -------
-        float or NoLimit
-            Share [-]; infinite if `most` exceeds `STEEP` and the share reaches it. `NoLimit` with
-            reason "none" if the linear program is infeasible, else "failed".
+        Arguments: `wrench` (N, 6) [N]; `push` (3,); `most` [-]. Returns share [-]; infinite if
+        `most` exceeds `STEEP` and the share reaches it. `NoLimit` with reason "none" if the linear
+        program is infeasible, else "failed".
         """
         program = self.program
         down = program.down

@@ -112,14 +112,8 @@ def find_least_friction(
     The result is a `NoLimit` with the reason "none" if no coefficient is enough, or "failed" if the
     solvers give no proof.
 
-    Parameters
-    ----------
-    program : Program
-        Program of the assembly; its own friction coefficients have no influence.
-    failing : Failing, optional
-        A coefficient that is known to fail. The search begins above it.
-    programs : float
-        Number of coefficients after which the search ends with the bounds that are proved.
+    Arguments: `program`: program of the assembly; its own friction coefficients have no influence;
+    `programs`: number of coefficients after which the search ends with the bounds that are proved.
 
     Examples
     --------

@@ -127,20 +127,7 @@ def find_level_limits(
     units: float,
     work: Work,
 ) -> LevelLimits:
-    """Find how far gravity and loads may change before an assembly misses a verdict level.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    limits : Limits
-        Limits of equilibrium.
-    level : {"settles", "proved"}
-    units : float
-        Work of a single decision, that of a check.
-    work : Work
-        Work whose time limit is kept.
-    """
+    """Find how far gravity and loads may change before an assembly misses a verdict level."""
     allowed = SHARE * max(units, LEAST_UNITS)
     search = _LevelSearch(assembly, contacts, LevelDecisions(level, units, work.beside(allowed)))
     steps = search.steps(limits)

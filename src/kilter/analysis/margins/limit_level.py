@@ -105,16 +105,8 @@ def verdict_outside(
 ) -> str:
     """The verdict of `kilter.check` just beyond a tilt limit.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    angle : float
-        The limit [rad].
-    toward : ndarray, shape (3,)
-        Horizontal direction of the tilt, unit, world frame.
-    work : Work
-        Work whose time limit is kept.
+    Arguments: `angle`: the limit [rad]; `toward` (3,): horizontal direction of the tilt, unit,
+    world frame.
     """
     turned = assembly.with_down(turned_toward(assembly.down, toward, angle + OUTSIDE))
     return decide(
@@ -137,17 +129,6 @@ def find_level_end(
     """Find the value, between 0 and a limit, up to which an assembly reaches a verdict level.
 
     The assembly reaches the level at 0.
-
-    Parameters
-    ----------
-    decisions : LevelDecisions
-        The level, and the work that ends the search.
-    reaches : callable
-        Whether a value reaches the level; 0 does.
-    end : float
-        The limit of equilibrium, at least 0; infinite without a limit.
-    size : float
-        Values up to 100 times this size are decided if the limit is infinite.
 
     Examples
     --------

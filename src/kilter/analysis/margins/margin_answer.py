@@ -308,21 +308,7 @@ def changed_proof(
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
-    """Proof of a changed assembly: forces that hold it, or a motion; None without a proof.
-
-    Parameters
-    ----------
-    assembly, contacts
-        The assembly of the file and its contacts.
-    change : dict
-        Differences from the file, as in `kilter.mechanics.bundle`.
-    held : bool
-        True for a proof by forces.
-    motion : MotionProof or None
-        A motion that may be the proof.
-    options : dict
-        Options with which the file was read.
-    """
+    """Proof of a changed assembly: forces that hold it, or a motion; None without a proof."""
     assembly, contacts = apply_change(assembly, contacts, change)
     # no force that was left out may stop a motion
     program = build_program(assembly, contacts, possible=not held)

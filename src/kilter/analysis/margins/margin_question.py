@@ -61,10 +61,7 @@ def margin_question(
 ) -> MarginQuestion:
     """Validate the arguments of `kilter.margin`.
 
-    Raises
-    ------
-    InputError
-        As `kilter.margin`.
+    Raises `InputError` as `kilter.margin`.
     """
     require_assembly(assembly, "margin")
     direction = None if push is None else unit(push, "push")

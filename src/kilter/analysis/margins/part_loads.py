@@ -58,13 +58,6 @@ def find_part_load(
 ) -> PartLoad | NoLimit:
     """The largest load straight down on a part; no limit if the weight alone is not balanced.
 
-    Parameters
-    ----------
-    part : int
-        A free part, by position.
-    opening : Opening, optional
-        ``Opening(spread(program))``, if the caller has it.
-
     Examples
     --------
     A cube that hangs under another cube by a bond takes the strength of the bond, less its weight.

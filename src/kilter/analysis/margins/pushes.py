@@ -60,11 +60,7 @@ def find_push(
 
     No limit if the weight alone is not balanced.
 
-    Parameters
-    ----------
-    part : int
-        A free part, by position.
-    direction : array_like, shape (3,)
+    Arguments: `direction` (3,).
     """
     direction = np.asarray(direction, dtype=np.float64)
     direction = direction / float(np.linalg.norm(direction))

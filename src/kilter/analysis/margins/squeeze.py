@@ -71,10 +71,7 @@ def squeeze(program: Program) -> Array:
 def held_by_squeeze(program: Program) -> ForceProof | None:
     """Forces that hold the parts with arbitrarily little friction; None if this is not proved.
 
-    Parameters
-    ----------
-    program : Program
-        Whatever its friction: contacts whose normals are in doubt hold nothing.
+    Arguments: `program`: whatever its friction: contacts whose normals are in doubt hold nothing.
     """
     smooth = program.frictionless
     wide, stuck = _with_sticking_rows(smooth, np.zeros(len(smooth.part_a), dtype=bool))

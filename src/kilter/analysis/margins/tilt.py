@@ -131,10 +131,7 @@ def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
     By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
     no limit. A conic program for each right angle.
 
-    Raises
-    ------
-    ValueError
-        If there are given loads or bonds: they do not turn.
+    Raises `ValueError` if there are given loads or bonds: they do not turn.
     """
     if program.applied.any() or program.has_strength:
         raise ValueError("given loads and bonds do not turn with gravity")
@@ -162,10 +159,7 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
 
     Parts tip over the given round edges, and over the corners of all other contacts.
 
-    Raises
-    ------
-    ValueError
-        If there are given loads: they do not turn.
+    Raises `ValueError` if there are given loads: they do not turn.
 
     Examples
     --------

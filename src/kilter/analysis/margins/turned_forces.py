@@ -53,20 +53,7 @@ def held_distance(
     known: Sequence[tuple[Array, Limit]],
     distance: float,
 ) -> float:
-    """Distance up to which loads in all directions of a plane are proved to be held.
-
-    Parameters
-    ----------
-    program : Program
-        Its contacts; nothing is proved with bonds or straps.
-    edges : sequence of RoundEdge
-        Round edges over which parts may tip.
-    known : sequence of (ndarray, Limit)
-        Unit directions in the plane, shape (2,), with the limit along each, at least `distance`.
-    distance : float
-        Distance that is tested. A shorter one is returned if not all arcs are proved up to it; 0 if
-        nothing is proved.
-    """
+    """Distance up to which loads in all directions of a plane are proved to be held."""
     angle = np.array([np.arctan2(direction[1], direction[0]) for direction, _ in known])
     order = np.argsort(angle)
     # the last direction comes before the first

@@ -167,12 +167,8 @@ def find_uncertainty(
 ) -> Uncertainty | None:
     """The worst tilt margin and load factor over the intervals; None for too large a program.
 
-    Parameters
-    ----------
-    program : Program
-    ranges : Ranges
-    push : ndarray, shape (3,), optional
-        Direction of a body force, for the load factor; else that of given loads.
+    Arguments: `push` (3,): direction of a body force, for the load factor; else that of given
+    loads.
 
     Examples
     --------

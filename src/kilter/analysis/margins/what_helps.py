@@ -78,17 +78,8 @@ def what_helps(
 ) -> tuple[Help, ...]:
     """The most effective change of each kind, which raises the tilt margin or else the load factor.
 
-    Parameters
-    ----------
-    tilt : TiltMargin or None
-    factor : Limit or None
-        Greatest load factor.
-    push : ndarray, shape (3,), or None
-        The direction that it is of; None: of given loads.
-    held : sequence of int
-        Free parts, by position, of which those that drive the mechanism most are held in turn.
-    edges : sequence of RoundEdge
-        Round edges over which parts tip.
+    Arguments: `push` (3,): the direction that it is of; None: of given loads; `held`: free parts,
+    by position, of which those that drive the mechanism most are held in turn.
 
     Examples
     --------

@@ -32,32 +32,21 @@ AROUND = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CaseMap:
-    """The map of places in a case.
-
-    Attributes
-    ----------
-    part : Part
-        With the mass and the centre of mass of the case.
-    offset : ndarray, shape (2,)
-        Shift of its centre of mass from the stated centre [length unit].
-    levels : tuple of LevelMap
-        In the coordinates of the centre of mass of the case.
-    programs : int
-    """
+    """The map of places in a case."""
 
     part: Part
+    """With the mass and the centre of mass of the case."""
     offset: Array
+    """Shift of its centre of mass from the stated centre [length unit], shape (2,)."""
     levels: tuple[LevelMap, ...]
+    """In the coordinates of the centre of mass of the case."""
     programs: int
 
 
 def case_prism(part: Part, units: str) -> tuple[PlacedPrism, Array]:
     """A part as a prism to put down, and its centre of mass, shape (3,).
 
-    Raises
-    ------
-    InputError
-        If the part is no upright convex prism.
+    Raises `InputError` if the part is no upright convex prism.
     """
     alone = Assembly([part], units=units)
     prism = placed_prism(alone)

@@ -24,10 +24,6 @@ def density_matters(verdict: Verdict) -> bool:
     """True unless it is proved that the verdict is the same for every value of the default density.
 
     A verdict that rests on friction, and an undecided verdict, count as dependent.
-
-    Parameters
-    ----------
-    verdict : Verdict
     """
     program = verdict.program
     weights = _default_weights(verdict, program)

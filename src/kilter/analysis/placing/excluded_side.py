@@ -25,22 +25,10 @@ def excluded_side(
 ) -> tuple[Array, float] | None:
     """The half plane of shifts that a motion excludes, within a rectangle of shifts.
 
-    Parameters
-    ----------
-    program : Program
-        With the load at the shift 0.
-    wrenches : ndarray, shape (2, N, 6)
-        Change of the load per unit of shift along each axis.
-    low, high : ndarray, shape (2,)
-        The rectangle [length unit].
-    motion : ndarray, shape (N, 6)
-
-    Returns
-    -------
-    normal : ndarray, shape (2,)
-    reach : float
-        Shifts d with normal.d > reach are not carried; -inf if no shift is carried. None if the
-        motion proves nothing.
+    Arguments: `wrenches` (2, N, 6): change of the load per unit of shift along each axis; `low`,
+    `high` (2,): the rectangle [length unit]; `motion` (N, 6). Returns `normal` (2,); `reach`:
+    shifts d with normal.d > reach are not carried; -inf if no shift is carried. None if the motion
+    proves nothing.
     """
     judged = check_motion(program, motion)
     if not judged.motion.any():

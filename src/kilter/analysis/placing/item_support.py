@@ -14,16 +14,7 @@ __all__ = ["fall_reason", "item_support"]
 
 
 def item_support(contacts: ContactSet, box: PackedBox, later: Index) -> SupportShares:
-    """Parts below an item, and the share of its underside on each.
-
-    Parameters
-    ----------
-    contacts : ContactSet
-        Contacts of the finished pile.
-    box : PackedBox
-    later : ndarray of int
-        Parts that are put down after the item.
-    """
+    """Parts below an item, and the share of its underside on each."""
     patches, below = _patches_under(contacts, box.name)
     before = ~np.isin(below, later)
     patches, below = patches[before], below[before]

@@ -28,35 +28,22 @@ EDGE = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landing:
-    """Places at which the part rests at one height.
-
-    Attributes
-    ----------
-    height : float
-        Height of its underside [length unit].
-    tops : list of Top
-        Tops of this height.
-    here : shapely geometry
-        Centres of mass at which it rests on some of these tops.
-    """
+    """Places at which the part rests at one height."""
 
     height: float
+    """Height of its underside [length unit]."""
     tops: list[Top]
+    """Tops of this height."""
     here: shapely.Geometry
+    """Centres of mass at which it rests on some of these tops."""
 
 
 @dataclass(eq=False)
 class Landings:
     """Landings of a part on the tops of an assembly.
 
-    Parameters
-    ----------
-    tops : list of Top
-    part : PlacedPrism
-    same_height : float
-        Tops within this height count as level [length unit].
-    clear : float
-        Distance to keep from parts beside it [length unit].
+    Arguments: `same_height`: tops within this height count as level [length unit]; `clear`:
+    distance to keep from parts beside it [length unit].
     """
 
     tops: list[Top]

@@ -23,14 +23,7 @@ def map_warnings(
 ) -> list[str]:
     """Warnings about parts that are no upright prisms, and about pairs that leave places open.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    tops : sequence of Top
-    contacts : ContactSet
-    levels : sequence of LevelMap
-    strip : float
-        Width above which an open area is no strip between places [length unit].
+    Arguments: `strip`: width above which an open area is no strip between places [length unit].
     """
     warnings = []
     other = [assembly.names[top.part] for top in tops if not top.upright]

@@ -44,18 +44,8 @@ def least_rates(
 ) -> Array:
     """Affine functions of the place that bound the least rate in K(x) from below.
 
-    Parameters
-    ----------
-    top, part : (ndarray, ndarray)
-        Edges of the top, and of the footprint about the centre of the part (`edges_of`).
-    constant : float
-    gradient : ndarray, shape (2,)
-        The rate at p is constant + gradient . p.
-
-    Returns
-    -------
-    ndarray, shape (m, 3)
-        Rows (c, s_1, s_2): the rate is at least c + s . x. The largest is the least rate.
+    Arguments: `gradient` (2,). Returns (m, 3): rows (c, s_1, s_2): the rate is at least c + s . x.
+    The largest is the least rate.
 
     Examples
     --------
@@ -97,17 +87,9 @@ def places_left(
 ) -> shapely.Geometry:
     """The places of a rectangle that a motion does not exclude, of a part without friction.
 
-    Parameters
-    ----------
-    loads : PlacedLoads
-    tops : iterable of Top
-        All tops that the part may touch in the rectangle.
-    height : float
-        Height of the underside of the part [length unit].
-    low, high : ndarray, shape (2,)
-        The rectangle of centres [length unit].
-    motion : ndarray, shape (N + 1, 6)
-        Motion of all parts and of the added part, whose contacts are not yet known to open.
+    Arguments: `height`: height of the underside of the part [length unit]; `low`, `high` (2,): the
+    rectangle of centres [length unit]; `motion` (N + 1, 6): motion of all parts and of the added
+    part, whose contacts are not yet known to open.
     """
     middle, half = (low + high) / 2, (high - low) / 2
     alone = loads.alone.program

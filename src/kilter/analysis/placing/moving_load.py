@@ -52,13 +52,7 @@ MOST_ROOM = 1.0
 class ContactRoom:
     """The condition that resultants of forces lie in the contact, at all places of a rectangle.
 
-    Parameters
-    ----------
-    part : PlacedPrism
-    areas : dict of int to shapely geometry
-        The area of each top that the part may touch. Forces act at its corners.
-    low, high : ndarray, shape (2,)
-        The rectangle of centres [length unit].
+    Arguments: `areas`; `low`, `high` (2,) [length unit].
     """
 
     part: PlacedPrism
@@ -113,16 +107,8 @@ class ContactRoom:
     def holds(self, shares: Array, weight: float, shift: Array, forces: Array) -> bool:
         """Whether forces at a shift from the middle keep the conditions about given shares.
 
-        Parameters
-        ----------
-        shares : ndarray, shape (areas,)
-            Shares of the weight on each area [-].
-        weight : float
-            Weight of the part [N].
-        shift : ndarray, shape (2,)
-            [length unit]
-        forces : ndarray, shape (n,)
-            [N]
+        Arguments: `shares` (areas,): shares of the weight on each area [-]; `weight`: weight of the
+        part [N]; `shift` (2,) [length unit]; `forces` (n,) [N].
         """
         area, _ = self.pairs
         along, slope, reach = self.conditions

@@ -93,18 +93,7 @@ def require_place_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
 def wrong_places(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
 ) -> Iterator[str]:
-    """Reasons why the proofs of a file do not prove its places; none if they do.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Without the part.
-    contacts : ContactSet
-    bundle : mapping
-        Data of the form that `require_place_form` verifies.
-    verdicts : sequence of str
-        Verdicts of the proofs of the file, which hold one by one.
-    """
+    """Reasons why the proofs of a file do not prove its places; none if they do."""
     if "place" in bundle:
         yield from _wrong_cases(assembly, bundle)
         return

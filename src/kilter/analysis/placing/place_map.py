@@ -56,64 +56,42 @@ follow."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
-    """Forces and motions that decide places on a single top or in a rectangle of places.
-
-    Attributes
-    ----------
-    low, high : ndarray, shape (2,)
-        The rectangle of centres [length unit].
-    top : int
-        The part whose top carries the part alone; -1 for several.
-    carried : CarriedPlaces
-        Forces at places that stand, and motions, in the coordinates of the map.
-    shares : dict of int to float, or None
-        Forces and motions move with the part: shares of its weight on each top; empty without
-        forces. None if they do not.
-    """
+    """Forces and motions that decide places on a single top or in a rectangle of places."""
 
     low: Array
     high: Array
+    """The rectangle of centres [length unit], shape (2,)."""
     top: int
+    """The part whose top carries the part alone; -1 for several."""
     carried: CarriedPlaces
+    """Forces at places that stand, and motions, in the coordinates of the map."""
     shares: dict[int, float] | None = None
+    """Forces and motions move with the part: shares of its weight on each top; empty without
+    forces. None if they do not."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelMap:
-    """Places at which the part rests at one height.
-
-    Attributes
-    ----------
-    height : float
-        Height of its underside [length unit].
-    stands, falls : shapely geometry
-        Places that forces prove, and places that motions exclude.
-    open : shapely geometry
-        The other places.
-    findings : tuple of Finding
-        Forces and motions that prove it; empty if several maps are combined.
-    """
+    """Places at which the part rests at one height."""
 
     height: float
+    """Height of its underside [length unit]."""
     stands: shapely.Geometry
     falls: shapely.Geometry
+    """Places that forces prove, and places that motions exclude."""
     open: shapely.Geometry
+    """The other places."""
     findings: tuple[Finding, ...] = ()
+    """Forces and motions that prove it; empty if several maps are combined."""
 
 
 @dataclass(eq=False)
 class PlaceMap:
     """Computes the map of places of a part on an assembly of upright prisms.
 
-    Parameters
-    ----------
-    landings : Landings
-    loads, bound : PlacedLoads
-        The assembly with the forces that its contacts transmit, and with every force that they
-        could transmit; equal if nothing is open.
-    strip : float
-        Largest width of the open strip between places that stand and places that fall
-        [length unit].
+    Arguments: `loads`, `bound`: the assembly with the forces that its contacts transmit, and with
+    every force that they could transmit; equal if nothing is open; `strip`: largest width of the
+    open strip between places that stand and places that fall [length unit].
     """
 
     landings: Landings

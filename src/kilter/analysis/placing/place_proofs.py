@@ -47,24 +47,15 @@ ALONE, PLACE = "assembly without the part", "place"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapQuestion:
-    """Data of a map that its proof needs.
-
-    Attributes
-    ----------
-    contacts : ContactSet
-    domain : shapely geometry
-        Rectangle of the centres.
-    clear : float
-        Distance to parts beside the part [length unit].
-    levels : tuple of LevelMap
-        Maps of all cases together.
-    maps : tuple of CaseMap
-    """
+    """Data of a map that its proof needs."""
 
     contacts: ContactSet
     domain: shapely.Geometry
+    """Rectangle of the centres."""
     clear: float
+    """Distance to parts beside the part [length unit]."""
     levels: tuple[LevelMap, ...]
+    """Maps of all cases together."""
     maps: tuple[CaseMap, ...]
 
 
@@ -73,10 +64,7 @@ def at_proof(
 ) -> dict[str, Any]:
     """The proof of the verdict at a place: of a case that falls, or of all cases of the part.
 
-    Raises
-    ------
-    InputError
-        If a verdict is undecided.
+    Raises `InputError` if a verdict is undecided.
     """
     falling = [verdict for verdict in at.verdicts if verdict.verdict == "unstable"]
     proofs = []
@@ -102,10 +90,7 @@ def map_proof(
 ) -> dict[str, Any]:
     """The proof of a map of places.
 
-    Raises
-    ------
-    InputError
-        If the assembly without the part is undecided.
+    Raises `InputError` if the assembly without the part is undecided.
     """
     contacts = question.contacts
     alone = None

@@ -31,13 +31,7 @@ NEW = "new part"
 class PlacedLoads:
     """Programs of an assembly with a further part.
 
-    Parameters
-    ----------
-    program : Program
-        The assembly without the part.
-    part : PlacedPrism
-    friction : float
-        Friction coefficient of the part on the tops [-].
+    Arguments: `friction`: friction coefficient of the part on the tops [-].
     """
 
     program: Program

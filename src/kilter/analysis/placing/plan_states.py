@@ -42,23 +42,16 @@ __all__ = ["PlanState", "plan_states"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanState:
-    """The verdict on the pile after an item.
-
-    Attributes
-    ----------
-    word : str
-        The verdict.
-    level : str or None
-    program : callable
-        Returns the program against which the verdict is proved.
-    verdict : Verdict or None
-        The answer of `kilter.check`; None if forces of the stacks or a known motion are the proof.
-    """
+    """The verdict on the pile after an item."""
 
     word: str
+    """The verdict."""
     level: str | None
     program: Callable[[], Program]
+    """Returns the program against which the verdict is proved."""
     verdict: Verdict | None = None
+    """The answer of `kilter.check`; None if forces of the stacks or a known motion are the
+    proof."""
 
 
 def plan_states(asked: Question, count: int) -> Iterator[PlanState]:
@@ -116,13 +109,7 @@ class _Stack:
 
 
 class _Stacks:
-    """The stacks of a growing pile.
-
-    Parameters
-    ----------
-    whole, contacts, count
-        As in `plan_states`.
-    """
+    """The stacks of a growing pile."""
 
     def __init__(self, whole: Assembly, contacts: ContactSet, count: int) -> None:
         program = build_program(whole, contacts).frictionless

@@ -44,25 +44,18 @@ SAME = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CarriedPlaces:
-    """Places that forces prove, and places that motions do not exclude.
-
-    Attributes
-    ----------
-    inner, outer : shapely geometry
-        Convex; forces prove `inner`, and motions prove that places beyond `outer` are not carried.
-    programs : int
-        Number of solved programs.
-    points : tuple of (ndarray, ForceProof)
-        Carried places and their forces; `inner` is their hull.
-    motions : tuple of ndarray, shape (N, 6)
-        Motions, each of which excludes the places of a half plane.
-    """
+    """Places that forces prove, and places that motions do not exclude."""
 
     inner: shapely.Geometry
     outer: shapely.Geometry
+    """Convex; forces prove `inner`, and motions prove that places beyond `outer` are not
+    carried."""
     programs: int = 0
+    """Number of solved programs."""
     points: tuple[tuple[Array, ForceProof], ...] = ()
+    """Carried places and their forces; `inner` is their hull."""
     motions: tuple[Array, ...] = ()
+    """Motions, each of which excludes the places of a half plane, shape (N, 6)."""
 
     def shifted(self, by: Array) -> CarriedPlaces:
         """The same places in coordinates with another origin."""
@@ -84,40 +77,21 @@ class CarriedPlaces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CarriedPoint:
-    """A shift of the load that a solver reports as carried, before the check of its forces.
-
-    Attributes
-    ----------
-    shift : ndarray, shape (2,)
-    forces : ndarray, shape (K,)
-        Along the rows [N].
-    friction : ndarray, shape (K, 3), or None
-        Across the rows [N].
-    """
+    """A shift of the load that a solver reports as carried, before the check of its forces."""
 
     shift: Array
+    """Shape (2,)."""
     forces: Array
+    """Along the rows [N], shape (K,)."""
     friction: Array | None
+    """Across the rows [N], shape (K, 3)."""
 
 
 @dataclass(eq=False)
 class ShiftedLoad:
     """A load on an assembly that is shifted within a rectangle.
 
-    Parameters
-    ----------
-    program : Program
-        With the load at the shift 0.
-    wrenches : ndarray, shape (2, N, 6)
-        Change of the wrenches on all parts per unit of shift along each axis.
-    low, high : ndarray, shape (2,)
-        The rectangle of shifts [length unit].
-    bound : Program, optional
-        A program with more rows whose motions count; by default `program`.
-    known : ScaledProblem, optional
-        Scaled equilibrium of the same parts, whose rows are the first rows of `program`.
-    proofs : {"both", "forces", "motions"}
-        Only forces: the outer polygon is not proved; only motions: the inner polygon is not.
+    Arguments: `wrenches` (2, N, 6); `low`, `high` (2,) [length unit].
     """
 
     program: Program
@@ -136,15 +110,9 @@ class ShiftedLoad:
     ) -> CarriedPlaces:
         """The carried shifts, as a polygon inside and a polygon outside.
 
-        Parameters
-        ----------
-        accuracy : float
-            The search ends if each edge of the inner polygon is this near to the outer polygon
-            [length unit].
-        carried : sequence of (ndarray, ForceProof), optional
-            Shifts that are carried, from a search with fewer rows; for a search of motions.
-        within : shapely geometry, optional
-            The shifts of interest; by default the rectangle.
+        Arguments: `accuracy`: the search ends if each edge of the inner polygon is this near to the
+        outer polygon [length unit]; `carried`: shifts that are carried, from a search with fewer
+        rows; for a search of motions; `within`: the shifts of interest; by default the rectangle.
         """
         whole = shapely.box(*self.low, *self.high)
         outer, programs = whole if within is None else within, 0

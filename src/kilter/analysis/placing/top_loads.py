@@ -31,13 +31,6 @@ SIDES = 16
 def least_top_load(program: Program, name: str) -> float | None:
     """Compute the least sum of normal forces on the top of a part [N]; None if it is not proved.
 
-    Parameters
-    ----------
-    program : Program
-        Program of a pile that is in equilibrium, with gravity along -z.
-    name : str
-        Name of the part.
-
     Examples
     --------
     >>> from kilter import Assembly, Box, Part, Pose, contacts

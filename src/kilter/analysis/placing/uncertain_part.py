@@ -33,10 +33,7 @@ MOST_SHARE = 0.5
 def mass_limits(mass: float | Sequence[float] | None, part: Part) -> tuple[float, float]:
     """Least and largest mass of a part [kg].
 
-    Raises
-    ------
-    InputError
-        If a mass is not positive, or the limits are reversed.
+    Raises `InputError` if a mass is not positive, or the limits are reversed.
     """
     if mass is None:
         return part.mass, part.mass
@@ -54,14 +51,9 @@ def mass_limits(mass: float | Sequence[float] | None, part: Part) -> tuple[float
 def part_cases(part: Part, mass: tuple[float, float], center_within: float) -> list[Part]:
     """The part with each corner of its masses and centres of mass.
 
-    Parameters
-    ----------
-    part : Part
-    mass : (float, float)
-        Least and largest mass [kg].
-    center_within : float
-        Largest horizontal shift of the centre of mass along each axis of the part [sizes of the
-        part along this axis]; a box has its own axes, another part those of the world.
+    Arguments: `mass`: least and largest mass [kg]; `center_within`: largest horizontal shift of the
+    centre of mass along each axis of the part [sizes of the part along this axis]; a box has its
+    own axes, another part those of the world.
 
     Examples
     --------

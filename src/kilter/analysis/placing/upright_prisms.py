@@ -22,25 +22,17 @@ accepts parts whose sides lean."""
 
 @dataclass(frozen=True, eq=False)
 class Top:
-    """The horizontal top of an upright prism of an assembly.
-
-    Attributes
-    ----------
-    part : int
-    polygon : shapely.Polygon
-        Convex, in the plane x, y.
-    low, high : float
-        Heights of bottom and top [length unit].
-    upright : bool
-        False for a part of another form: its bounding box stands for it, and nothing is known about
-        places on it.
-    """
+    """The horizontal top of an upright prism of an assembly."""
 
     part: int
     polygon: shapely.Geometry
+    """Convex, in the plane x, y."""
     low: float
     high: float
+    """Heights of bottom and top [length unit]."""
     upright: bool
+    """False for a part of another form: its bounding box stands for it, and nothing is known
+    about places on it."""
 
     @cached_property
     def edges(self) -> tuple[Array, Array]:
@@ -50,28 +42,19 @@ class Top:
 
 @dataclass(frozen=True, eq=False)
 class PlacedPrism:
-    """The part that is put down: an upright convex prism.
-
-    Attributes
-    ----------
-    footprint : ndarray, shape (n, 2)
-        Corners of its underside, counterclockwise, relative to the centre of mass.
-    below, above : float
-        Distance of the centre of mass from the underside and from the top [length unit].
-    mass : float
-        [kg]
-    inertia : ndarray, shape (3, 3)
-        About the centre of mass [kg x length unit^2].
-    radius : float
-        Bounding radius [length unit].
-    """
+    """The part that is put down: an upright convex prism."""
 
     footprint: Array
+    """Corners of its underside, counterclockwise, relative to the centre of mass, shape (n, 2)."""
     below: float
     above: float
+    """Distance of the centre of mass from the underside and from the top [length unit]."""
     mass: float
+    """[kg]"""
     inertia: Array
+    """About the centre of mass [kg x length unit^2], shape (3, 3)."""
     radius: float
+    """Bounding radius [length unit]."""
 
     @property
     def height(self) -> float:

@@ -54,17 +54,7 @@ HOLD_RULES = keys(candidates=list_of(keys(kind=WORD, part=WORD)), least=COUNT)
 def require_plan_form(bundle: Mapping[str, Any], names: Sequence[str]) -> None:
     """Reject a plan in a proof file if an entry has a wrong key or type.
 
-    Parameters
-    ----------
-    bundle : mapping
-        Data of the file, whose proofs hold one by one.
-    names : sequence of str
-        Names of the parts of the assembly.
-
-    Raises
-    ------
-    MalformedProof
-        With the first key that is missing or of another kind.
+    Raises `MalformedProof` with the first key that is missing or of another kind.
     """
     part, step = one_of(*names), COUNT
     parts = list_of(part)

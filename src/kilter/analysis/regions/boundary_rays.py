@@ -45,15 +45,7 @@ class BoundaryRay:
 
 
 class BoundaryRays:
-    """Search for boundary directions of the cone of held directions of a program.
-
-    Parameters
-    ----------
-    locked : LockedParts
-        Locked parts of the program; at least one body is free.
-    opening : Opening
-        Opening of the smaller program.
-    """
+    """Search for boundary directions of the cone of held directions of a program."""
 
     def __init__(self, locked: LockedParts, opening: Opening) -> None:
         self._locked, self._opening = locked, opening
@@ -74,16 +66,8 @@ class BoundaryRays:
     def towards(self, start: Array, targets: Array) -> list[BoundaryRay | None]:
         """Boundary direction on the arc from a start inside the cone to each target outside.
 
-        Parameters
-        ----------
-        start : ndarray, shape (3,)
-        targets : ndarray, shape (D, 3)
-            Unit, not opposite to the start.
-
-        Returns
-        -------
-        list of BoundaryRay or None
-            None if the search fails on an arc.
+        Arguments: `start` (3,); `targets` (D, 3): unit, not opposite to the start. Returns None if
+        the search fails on an arc.
         """
         ways = _ways(start, targets)
         right = np.tensordot(start, self._loads, axes=1)

@@ -38,15 +38,7 @@ def distinct(vectors: Array, apart: float = SAME_RAY) -> Array:
 def extreme_rays(normals: Array) -> Array:
     """Unit extreme rays of the cone {n.g <= 0}, cut by the three coordinate planes.
 
-    Parameters
-    ----------
-    normals : ndarray, shape (f, 3)
-        Outward, unit. The coordinate planes divide the cone, whatever its kind, into pieces
-        with a tip.
-
-    Returns
-    -------
-    ndarray, shape (v, 3)
+    Arguments: `normals` (f, 3). Returns (v, 3).
 
     Examples
     --------
@@ -77,12 +69,8 @@ def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
 def cone_around(rays: Array, blur: float) -> Cone:
     """The cone of all nonnegative combinations of given rays, with its facets.
 
-    Parameters
-    ----------
-    rays : ndarray, shape (r, 3)
-        Unit.
-    blur : float
-        Rays nearer to a plane than this lie on it, and nearer rays are the same ray [rad].
+    Arguments: `rays` (r, 3): unit; `blur`: rays nearer to a plane than this lie on it, and nearer
+    rays are the same ray [rad].
 
     Examples
     --------

@@ -49,20 +49,8 @@ class ConeOracle:
 
     The program is kept between queries.
 
-    Parameters
-    ----------
-    matrix : csc_array, shape (m, n)
-        A
-    loads : csc_array, shape (m, d)
-        B
-    two_sided : ndarray of bool, shape (n,)
-        Which f may be negative.
-    price : float or None
-        Price of a unit of imbalance in any row; None: no imbalance.
-    tolerance : float
-        Tolerance of the data [-]: forces of a tenth of its inverse, over the weight, jam.
-    spread : float
-        Mass of the heaviest part over that of the lightest part [-].
+    Arguments: `matrix` (m, n); `loads` (m, d); `two_sided` (n,); `price`: None: no imbalance;
+    `tolerance` [-]; `spread` [-].
 
     Examples
     --------
@@ -197,11 +185,7 @@ def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
 
     so that knife edges that agree up to rounding remain knife edges.
 
-    Parameters
-    ----------
-    cones : sequence of Cone
-    first : ndarray, shape (3,)
-        A direction to ask first.
+    Arguments: `first` (3,): a direction to ask first.
     """
     blur = max(cone.blur for cone in cones)
     equations = np.vstack([cone.equations for cone in cones])

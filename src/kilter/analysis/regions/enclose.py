@@ -67,20 +67,13 @@ PROVED_NEAR = 1e-6
 class KnownSet:
     """Known part of a convex set: its hull of known points, and planes that bound the set.
 
-    Attributes
-    ----------
-    hull : GrowingHull or None
-        Hull of the points; a facet that is `done` is a facet of the set. None: flat so far.
-    outer, normal : float, ndarray, shape (d,)
-        Distance from 0 of the nearest plane around it, and the unit normal of that plane.
-    answer : int
-        Which answer of the oracle brought that plane; -1: none yet.
-    asked : int
-        Questions so far.
-    failed : bool
-        Whether the oracle failed in a direction.
-    proved : float
-        Radius of a ball about 0 that is inside the set by another proof.
+    - `hull`: hull of the points; a facet that is `done` is a facet of the set. None: flat so far.
+    - `outer`, `normal` (d,): distance from 0 of the nearest plane around it, and the unit normal
+      of that plane.
+    - `answer`: which answer of the oracle brought that plane; -1: none yet.
+    - `asked`: questions so far.
+    - `failed`: whether the oracle failed in a direction.
+    - `proved`: radius of a ball about 0 that is inside the set by another proof.
     """
 
     def __init__(self, oracle: Oracle, hull: GrowingHull | None = None) -> None:
@@ -130,21 +123,7 @@ class KnownSet:
         within: float = 0.0,
         inside: Callable[[float], float] | None = None,
     ) -> bool:
-        """Refine the hull facet nearest to 0 until it is confirmed; False at the query limit.
-
-        Parameters
-        ----------
-        limit : int
-            Largest number of queries; the result is False if it was reached.
-        agree, most : float
-            The search also ends if inner and outer distance differ by at most this fraction, or
-            the outer one is `most`.
-        within : float
-            A difference that counts as none beside that fraction.
-        inside : callable, optional
-            From the outer distance to a radius that is inside the set by another proof. It is asked
-            after each of `PROVED_AFTER` queries, and the search ends if it is near the outer one.
-        """
+        """Refine the hull facet nearest to 0 until it is confirmed; False at the query limit."""
         while self.asked < limit:
             if inside is not None and self.asked in PROVED_AFTER:
                 self.proved = max(self.proved, min(inside(self.outer), self.outer))
@@ -198,21 +177,8 @@ def nearest_face(
 ) -> Face | None:
     """Find the boundary point of a set that is nearest to 0; None if the first query fails.
 
-    Parameters
-    ----------
-    oracle : callable
-    directions : ndarray, shape (n, d)
-        Unit, asked first; on all sides of 0.
-    agree : float
-        The search ends if inner and outer distance differ by at most this fraction.
-    limit : int
-        Largest number of questions.
-    most : float
-        Distances from here on count as unlimited: the search ends.
-    within : float
-        The search also ends if they differ by at most this.
-    inside : callable, optional
-        As in `KnownSet.close_nearest`.
+    Arguments: `directions` (n, d): unit, asked first; on all sides of 0; `agree`: the search ends
+    if inner and outer distance differ by at most this fraction.
 
     Examples
     --------

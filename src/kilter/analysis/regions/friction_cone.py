@@ -63,21 +63,10 @@ def friction_cone(
 ) -> StableCone:
     """Enclose the directions of gravity that contacts with friction can hold.
 
-    Parameters
-    ----------
-    program : Program
-        Its own gravity gives the size of the forces.
-    gap_deg : float
-        [deg]; ends earlier, with the gap that is left, after `PROGRAMS` programs or at the limit of
-        `kilter.work.stop_after`.
-    progress : callable, optional
-
-    Raises
-    ------
-    TimeLimitReached
-        If no direction is yet known to be held, or none yet known not to be.
-    InputError
-        If loads are given: the set is then no cone.
+    Arguments: `gap_deg`: [deg]; ends earlier, with the gap that is left, after `PROGRAMS` programs
+    or at the limit of `kilter.work.stop_after`. Raises `TimeLimitReached` if no direction is yet
+    known to be held, or none yet known not to be. Raises `InputError` if loads are given: the set
+    is then no cone.
 
     Examples
     --------

@@ -18,25 +18,13 @@ __all__ = ["GrowingHull"]
 class GrowingHull:
     """Convex hull of points in R^d, d = 1, 2 or 3, to which further points can be added.
 
-    Parameters
-    ----------
-    corners : ndarray, shape (d + 1, d)
-        A first simplex, not flat.
-    tolerance : float
-        A point this far outside a facet does not count as outside.
+    Arguments: `corners` (d + 1, d): a first simplex, not flat.
 
-    Attributes
-    ----------
-    points : ndarray, shape (n, d)
-        In the order in which they came.
-    facets : ndarray of int, shape (f, d)
-        Points of each simplex.
-    normals : ndarray, shape (f, d)
-        Outward, unit.
-    offsets : ndarray, shape (f,)
-        ``normals @ point <= offsets``.
-    done : ndarray of bool, shape (f,)
-        A mark for the user; False on new facets.
+    - `points` (n, d): in the order in which they came.
+    - `facets` (f, d): points of each simplex.
+    - `normals` (f, d): outward, unit.
+    - `offsets` (f,): ``normals @ point <= offsets``.
+    - `done` (f,): a mark for the user; False on new facets.
 
     Examples
     --------

@@ -69,15 +69,8 @@ class Grown:
 def grow(oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]) -> Grown:
     """Compute the span and the facets of a cone from queries to its oracle.
 
-    Parameters
-    ----------
-    oracle : Oracle
-    first : ndarray, shape (d,)
-        A direction to ask first.
-    blur : float
-        The cone does not reach a direction if its reach is less than this [rad].
-    tell : callable
-        Called at each question.
+    Arguments: `first` (d,): a direction to ask first; `blur`: the cone does not reach a direction
+    if its reach is less than this [rad].
     """
     span, points, equations = _span(oracle, first, blur, tell)
     facets = _close(oracle, span, points, blur, tell)

@@ -52,12 +52,8 @@ class InnerHull:
 def inner_hull(rays: Array, axis: Array) -> InnerHull | None:
     """The cone that rays span; None if it is no pointed cone with width about an axis.
 
-    Parameters
-    ----------
-    rays : ndarray, shape (r, 3)
-        Unit.
-    axis : ndarray, shape (3,)
-        Unit; all rays of a pointed cone may lie on its side.
+    Arguments: `rays` (r, 3): unit; `axis` (3,): unit; all rays of a pointed cone may lie on its
+    side.
     """
     from scipy.spatial import ConvexHull, QhullError
 

@@ -163,16 +163,7 @@ class Cone:
 def make_cone(equations: ArrayLike, facets: ArrayLike, points: ArrayLike, blur: float) -> Cone:
     """Create a cone from its equations, its facets, and points that include its extreme rays.
 
-    Parameters
-    ----------
-    equations : array_like, shape (e, 3)
-        Orthonormal.
-    facets : array_like, shape (f, 3)
-        Unit, orthogonal to the equations; none of them implied by the others.
-    points : array_like, shape (n, 3)
-        Unit. Every extreme ray modulo the lines must be among them.
-    blur : float
-        [rad]
+    Arguments: `equations` (e, 3); `facets` (f, 3); `points` (n, 3); `blur` [rad].
 
     Examples
     --------
@@ -235,10 +226,7 @@ def widest_axis(facets: ArrayLike) -> Array:
 
     The q are the facet normals.
 
-    Parameters
-    ----------
-    facets : array_like, shape (f, 3)
-        Unit inward normals, in an open half-space; at least one normal.
+    Arguments: `facets` (f, 3): unit inward normals, in an open half-space; at least one normal.
 
     Notes
     -----

@@ -59,10 +59,7 @@ GAP_ROUNDING = 1e-4
 def require_region_form(bundle: Entry, names: Sequence[str]) -> None:
     """Reject a region in a proof file if an entry has a wrong key or type.
 
-    Raises
-    ------
-    MalformedProof
-        With the first key that is missing or of another kind.
+    Raises `MalformedProof` with the first key that is missing or of another kind.
     """
     if fault := FORM(bundle, ""):
         raise MalformedProof(fault)
@@ -71,17 +68,7 @@ def require_region_form(bundle: Entry, names: Sequence[str]) -> None:
 def wrong_region(
     assembly: Assembly, contacts: ContactSet, bundle: Entry, verdicts: Sequence[str]
 ) -> Iterator[str]:
-    """Yield the reasons why proofs that are valid one by one do not enclose the stated region.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    bundle : mapping
-        As `Region.proof` writes it.
-    verdicts : sequence of str
-        Verdicts of its proofs.
-    """
+    """Yield the reasons why proofs that are valid one by one do not enclose the stated region."""
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
         if STAYS[entry["about"]] != (verdict != "unstable"):
             yield f"{entry['about']} {entry['vector']}: its proof is {verdict}"

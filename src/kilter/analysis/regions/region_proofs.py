@@ -56,17 +56,8 @@ def region_proof(
 ) -> RegionProof | None:
     """Convert a proof to data, after it was verified on a newly built program; None if it fails.
 
-    Parameters
-    ----------
-    proof : DirectionProof
-    assembly, contacts
-        That it is about.
-    program : Program
-        Newly built from them, with any direction of gravity; a region needs it only once.
-    friction : bool
-        Whether forces of friction were counted.
-    options : dict
-        Options of the reading, for the file.
+    Arguments: `program`: newly built from them, with any direction of gravity; a region needs it
+    only once.
     """
     turned = assembly.with_down(proof.down)
     program = program.turned(turned.down)

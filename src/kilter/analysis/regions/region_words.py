@@ -34,12 +34,7 @@ def warnings_of(
 ) -> list[str]:
     """Warnings about a stable region and its assembly, as sentences for users.
 
-    Parameters
-    ----------
-    program : Program
-        Program of the cone: with friction, or without it.
-    gap_deg : float
-        How far apart the inner and the outer cone were to be at most [deg].
+    Arguments: `gap_deg`: how far apart the inner and the outer cone were to be at most [deg].
     """
     rubs = bool(program.mu.any())
     warnings = [*remarks(assembly, contacts), *_inner(assembly, contacts, rubs)]

@@ -63,18 +63,7 @@ class PlaceOfRest(Record):
 def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[PlaceOfRest, ...]:
     """Classify how an assembly rests for gravity along the axis, lines and rays of its region.
 
-    Parameters
-    ----------
-    cone : Cone
-        Its stable directions, without friction.
-    assembly : Assembly
-    contacts : ContactSet
-        Found in it.
-
-    Returns
-    -------
-    tuple of PlaceOfRest
-        `MOST_RESTS` at most; none of a cone without an axis, lines or rays.
+    Returns `MOST_RESTS` at most; none of a cone without an axis, lines or rays.
     """
     return tuple(_classify_rest(down, cone, assembly, contacts) for down in _directions(cone))
 

@@ -96,17 +96,8 @@ class StableCone:
 def stable_cone(program: Program, *, progress: Callable[[str], None] | None = None) -> StableCone:
     """Compute every stable direction of gravity of a program without friction.
 
-    Parameters
-    ----------
-    program : Program
-        Its own gravity gives the size of the forces and the first direction to ask.
-    progress : callable, optional
-        Called with a word at each linear program.
-
-    Raises
-    ------
-    InputError
-        If loads are given: the set is then no cone.
+    Arguments: `program`: its own gravity gives the size of the forces and the first direction to
+    ask. Raises `InputError` if loads are given: the set is then no cone.
 
     Notes
     -----

@@ -56,18 +56,9 @@ def find_tipping(geometry: Geometry, part: int, down: Array) -> Tipping | None:
 
     The body must stand in a strict minimum of its energy.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    part : int
-    down : ndarray, shape (3,)
-        Unit, world frame.
-
-    Returns
-    -------
-    Tipping or None
-        None if it stands in no well (on an edge, or if it rolls), and for bodies with
-        curved surfaces that are not of revolution about the vertical or not known exactly.
+    Arguments: `down` (3,): unit, world frame. Returns None if it stands in no well (on an edge, or
+    if it rolls), and for bodies with curved surfaces that are not of revolution about the vertical
+    or not known exactly.
 
     Examples
     --------
@@ -121,12 +112,7 @@ def _of_polyhedron(corners: Array, down: Array, size: float) -> Tipping | None:
 
 
 def _passes(hull: ConvexHull, corners: Array) -> tuple[Array, Array, tuple[Index, Index], Array]:
-    """Faces of a hull (normals, heights of the centre of mass), and edges over which it tips.
-
-    Returns
-    -------
-    normals (f, 3), heights (f,), the two faces of each pass, each (p,), its height (p,)
-    """
+    """Faces of a hull (normals, heights of the centre of mass), and edges over which it tips."""
     facets, normals = hull.simplices, hull.equations[:, :3]
     first = np.repeat(np.arange(len(facets)), 3)
     second = hull.neighbors.reshape(-1)

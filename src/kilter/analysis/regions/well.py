@@ -64,19 +64,8 @@ class Well(Record, kw_only=False):
 def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Well | None:
     """Find the well of energy of a body on a horizontal table; None if the body has none.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-        Found in it.
-    verdict : Verdict
-        Verdict about them: stable without friction.
-
-    Returns
-    -------
-    Well or None
-        None for several bodies, for contacts besides a level table, and if the body
-        stands in no well: it rolls, or only balances.
+    Returns None for several bodies, for contacts besides a level table, and if the body stands in
+    no well: it rolls, or only balances.
     """
     program = verdict.program
     forces = verdict.judgement.forces

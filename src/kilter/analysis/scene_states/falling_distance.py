@@ -49,20 +49,8 @@ def falling_distance(
 ) -> StraightFall | None:
     """Find the first part that a group of parts meets if it falls straight down.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    sweeps : Sweeps
-        Collision tests for the contacts of this assembly.
-    parts : ndarray of int, shape (n,)
-        The falling parts; they move together.
-    down : ndarray, shape (3,)
-        Unit direction of gravity.
-
-    Returns
-    -------
-    StraightFall or None
-        None if nothing is below the parts.
+    Arguments: `parts` (n,): the falling parts; they move together; `down` (3,): unit direction of
+    gravity. Returns None if nothing is below the parts.
     """
     x, y, z = down.tolist()
     direction: Direction = (x, y, z)

@@ -60,12 +60,7 @@ class SceneGraph:
     def clusters(self, among: Mask, *, near: bool) -> list[Index]:
         """The clusters of some of the free parts, each in ascending order.
 
-        Parameters
-        ----------
-        among : ndarray of bool, shape (count,)
-            Free parts that are considered; others do not exist.
-        near : bool
-            Whether near pairs also join parts.
+        Arguments: `among` (count,): free parts that are considered; others do not exist.
         """
         edges = self._edges(near)
         inside = np.append(among, False)

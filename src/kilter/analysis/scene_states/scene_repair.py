@@ -55,13 +55,7 @@ def settled_clusters(asked: Question, faulty: Collection[str]) -> Assembly:
 def chosen_parts(assembly: Assembly, chosen: Index, held: list[int]) -> Assembly:
     """The assembly of some of the parts, of which some are also held.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    chosen : ndarray of int, shape (n,)
-        Positions of the parts, ascending.
-    held : list of int
-        Positions of the parts that are also held.
+    Arguments: `chosen` (n,): positions of the parts, ascending.
     """
     parts = [assembly.parts[k] for k in chosen.tolist()]
     names = {part.name for part in parts}

@@ -78,13 +78,8 @@ class NearPoints(Rows):
 def find_near_points(assembly: Assembly, reach: float, fine_reach: float) -> NearPoints:
     """Find the points of an assembly that lie within a reach of contact.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    reach : float
-        Largest gap of a point between convex parts with flat faces [length unit].
-    fine_reach : float
-        The same for all other pairs [length unit].
+    Arguments: `reach`: largest gap of a point between convex parts with flat faces [length unit];
+    `fine_reach`: the same for all other pairs [length unit].
     """
     search = begin_search(assembly, Tolerance(gap=reach / CLUSTER), lambda stage: None)
     facets, geometry = search.facets, search.geometry
@@ -399,11 +394,7 @@ def surface_gaps(geometry: Geometry, parts: Index, points: Array) -> Array:
     For a point half-way between two surfaces it is the absolute value of their gap. Exact curved
     surfaces count as well as triangles, whichever is nearer.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    parts : ndarray of int, shape (n, 2)
-    points : ndarray, shape (n, 3)
+    Arguments: `parts` (n, 2); `points` (n, 3).
     """
     total = np.zeros(len(points))
     for part in np.unique(parts).tolist():

@@ -145,19 +145,9 @@ class RestPrograms:
     def carry(self, cost: Array, allowed: Mask) -> tuple[Array, Array]:
         """Normal forces that carry the load at the least cost, and the imbalance they leave.
 
-        Parameters
-        ----------
-        cost : ndarray, shape (K,)
-            Price of a normal force at each point [-].
-        allowed : ndarray of bool, shape (K,)
-            Points that may carry force.
-
-        Returns
-        -------
-        forces : ndarray, shape (K,)
-            Normal forces [mean weights]; 0 if the solver fails.
-        imbalance : ndarray, shape (6 F,)
-            Unbalanced forces and torques; infinite if the solver fails.
+        Arguments: `cost` (K,): price of a normal force at each point [-]; `allowed` (K,): points
+        that may carry force. Returns `forces` (K,): normal forces [mean weights]; 0 if the solver
+        fails; `imbalance` (6 F,): unbalanced forces and torques; infinite if the solver fails.
         """
         stop_if_late()
         forces = np.zeros(len(self.gap))

@@ -78,16 +78,7 @@ def closed_gap(assembly: Assembly) -> float:
 def closed_contacts(
     assembly: Assembly, points: NearPoints, *, progress: Callable[[str], None] | None = None
 ) -> ClosedContacts:
-    """Keep the points of a pose that are closed, and find its deepest overlap.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    points : NearPoints
-        Points that the search regards as closed.
-    progress : callable, optional
-        Called with the name of each stage.
-    """
+    """Keep the points of a pose that are closed, and find its deepest overlap."""
     gap = closed_gap(assembly)
     parts = np.column_stack([points.part_a, points.part_b])
     apart, sound = closed_points(assembly.geometry, parts, points.point, points.normal, gap)
@@ -125,21 +116,10 @@ def closed_points(
 ) -> tuple[Array, Mask]:
     """Gap of each point, and whether its normal fits the faces of both parts there.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    parts : ndarray of int, shape (n, 2)
-        Parts a and b.
-    points, normals : ndarray, shape (n, 3)
-        Points [length unit] and unit normals from a to b.
-    gap : float
-        Largest distance of a point from a face on which it lies [length unit].
-
-    Returns
-    -------
-    apart : ndarray, shape (n,)
-        Sum of the distances from the surfaces of both parts [length unit].
-    sound : ndarray of bool, shape (n,)
+    Arguments: `parts` (n, 2): parts a and b; `points`, `normals` (n, 3): points [length unit] and
+    unit normals from a to b; `gap`: largest distance of a point from a face on which it lies
+    [length unit]. Returns `apart` (n,): sum of the distances from the surfaces of both parts
+    [length unit]; `sound` (n,).
     """
     facets = find_facets(geometry)
     sound = np.ones(len(points), dtype=bool)

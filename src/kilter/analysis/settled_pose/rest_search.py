@@ -108,15 +108,8 @@ def search_rest(
 ) -> SearchResult:
     """Search for a pose at rest near the current pose.
 
-    Parameters
-    ----------
-    bodies : RigidBodies
-    reach : float
-        Largest gap of the points that are considered [length unit].
-    most : float or None
-        Largest permitted movement of a part [length unit]; None: no limit.
-    progress : callable
-        Called with a description of each round.
+    Arguments: `reach`: largest gap of the points that are considered [length unit]; `most`: largest
+    permitted movement of a part [length unit]; None: no limit.
     """
     length, weight = _units(bodies)
     closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)

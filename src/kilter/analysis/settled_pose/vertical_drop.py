@@ -26,12 +26,8 @@ def drop_hanging(bodies: RigidBodies) -> tuple[RigidBodies, float]:
 
     Groups with nothing below them stay in place.
 
-    Returns
-    -------
-    bodies : RigidBodies
-        The bodies after the fall.
-    farthest : float
-        Largest distance of a fall [length unit].
+    Returns `bodies`: the bodies after the fall; `farthest`: largest distance of a fall [length
+    unit].
     """
     down = bodies.drawn.down
     landed: set[int] = set()

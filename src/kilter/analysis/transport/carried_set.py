@@ -90,14 +90,8 @@ class Slice(Record):
 class CarriedSet:
     """The set of accelerations for which contact forces hold the assembly in place.
 
-    Parameters
-    ----------
-    program : Program
-        Contacts with friction, loads and bonds, under gravity without acceleration.
-    most : float
-        Largest acceleration of a search [g].
-    edges : tuple of RoundEdge
-        Round edges of the contacts, over which parts tip.
+    Arguments: `program`: contacts with friction, loads and bonds, under gravity without
+    acceleration; `most`: largest acceleration of a search [g].
 
     Examples
     --------
@@ -199,12 +193,8 @@ class CarriedSet:
     def slice(self, axes: Array, *, accuracy: float = ACCURACY) -> Slice | NoLimit:
         """Boundary of the carried accelerations in a plane, as a polygon with lines around it.
 
-        Parameters
-        ----------
-        axes : ndarray, shape (2, 3)
-            Orthonormal directions that span the plane.
-        accuracy : float
-            The search ends if polygon and lines differ by at most this [g].
+        Arguments: `axes` (2, 3): orthonormal directions that span the plane; `accuracy`: the search
+        ends if polygon and lines differ by at most this [g].
         """
 
         def support(direction: Array) -> SupportLine | NoLimit:

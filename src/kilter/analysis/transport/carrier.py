@@ -112,12 +112,6 @@ def carrier_wrench(program: Program, motion: CarrierMotion) -> Array:
     Force [N] and torque about the centre of mass [N x length unit]; zero for held parts. Gravity is
     not included.
 
-    Parameters
-    ----------
-    program : Program
-    motion : CarrierMotion
-        Its frame is the frame of the program.
-
     Examples
     --------
     >>> from kilter.contact import contacts
@@ -145,10 +139,7 @@ def carried_assembly(assembly: Assembly, motion: CarrierMotion) -> Assembly:
     Gravity becomes g - a. If the carrier turns, each free part gets the further force and torque as
     a load at its centre of mass.
 
-    Raises
-    ------
-    InputError
-        If the carrier falls freely, so that no gravity remains.
+    Raises `InputError` if the carrier falls freely, so that no gravity remains.
     """
     felt = assembly.gravity - np.asarray(motion.acceleration)
     if not felt.any():
@@ -204,11 +195,7 @@ def load_matrix(program: Program, about: Array) -> Array:
 
     It acts on z = (g - a, al, O) and is zero for held parts.
 
-    Parameters
-    ----------
-    program : Program
-    about : ndarray, shape (3,)
-        Reference point of the motion [length unit].
+    Arguments: `about` (3,): reference point of the motion [length unit].
 
     Examples
     --------

@@ -268,15 +268,8 @@ def finite_motion() -> Iterator[None]:
 def spline_derivatives(time: Array, values: Array) -> tuple[Array, Array, Array]:
     """Values, first and second derivatives at the samples of a cubic spline, each of one shape.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-    values : ndarray, shape (n, ...)
-
-    Raises
-    ------
-    InputError
-        If the derivatives are not finite.
+    Arguments: `time` (n,); `values` (n, ...). Raises `InputError` if the derivatives are not
+    finite.
     """
     from scipy.interpolate import CubicSpline
 
@@ -291,10 +284,7 @@ def spline_derivatives(time: Array, values: Array) -> tuple[Array, Array, Array]
 def require_samples(time: ArrayLike) -> Array:
     """Times of the samples of a spline, shape (n,): increasing, and enough for an acceleration.
 
-    Raises
-    ------
-    InputError
-        If the times do not increase, or there are fewer than three.
+    Raises `InputError` if the times do not increase, or there are fewer than three.
     """
     seconds = np.asarray(time, dtype=np.float64)
     _require_times(seconds)

@@ -55,12 +55,8 @@ class CodeCase:
     def acceleration(self, forward: Array, down: Array, g: float) -> Array:
         """Acceleration of the carrier [m/s^2], shape (3,), opposite to the required inertia force.
 
-        Parameters
-        ----------
-        forward, down : ndarray, shape (3,)
-            Unit directions of travel and of gravity, perpendicular to each other.
-        g : float
-            [m/s^2]
+        Arguments: `forward`, `down` (3,): unit directions of travel and of gravity, perpendicular
+        to each other; `g` [m/s^2].
         """
         left = cross(forward, down)
         pressed = self.inertia[0] * forward + self.inertia[1] * left
@@ -93,10 +89,7 @@ FREE = ("eumos",)
 def code_cases(name: str) -> tuple[CodeCase, ...]:
     """Required accelerations of a code, by its name such as "EN 12195-1" or "eumos:0.4".
 
-    Raises
-    ------
-    InputError
-        If the rule does not exist or its acceleration is not a positive number.
+    Raises `InputError` if the rule does not exist or its acceleration is not a positive number.
 
     Examples
     --------
@@ -132,10 +125,7 @@ def code_accelerations(
 
     For a planar assembly only those in its plane.
 
-    Raises
-    ------
-    InputError
-        If the rule does not exist, or the direction of travel is zero or vertical.
+    Raises `InputError` if the rule does not exist, or the direction of travel is zero or vertical.
     """
     cases = code_cases(code)
     size = float(np.linalg.norm(assembly.gravity))
@@ -150,10 +140,7 @@ def code_accelerations(
 def travel_direction(forward: object, down: Array) -> Array:
     """The direction of travel as a horizontal unit vector, shape (3,).
 
-    Raises
-    ------
-    InputError
-        If it is zero or vertical.
+    Raises `InputError` if it is zero or vertical.
     """
     vector = unit(forward, "the direction of travel")  # type: ignore[arg-type]
     level = vector - (vector @ down) * down

@@ -97,18 +97,8 @@ def find_collapse(
 ) -> CollapseMultiplier:
     """Compute the participating mass of the mechanism at a limit of horizontal forces.
 
-    Parameters
-    ----------
-    program : Program
-        Contacts with friction, under gravity without acceleration.
-    name : str
-        Name of the direction.
-    force : ndarray, shape (3,)
-        Horizontal unit direction of the forces.
-    limit : Limit
-        Largest multiple of the weights along `force`, in g, with its proofs.
-    fc : float
-        Confidence factor FC of the spectral accelerations [-].
+    Arguments: `force` (3,): horizontal unit direction of the forces; `fc`: confidence factor FC of
+    the spectral accelerations [-].
 
     Examples
     --------
@@ -189,15 +179,8 @@ def _selected_motion(
 ) -> Array | None:
     """Mechanism that the quadratic term or a change of the load selects; None if it is not found.
 
-    Parameters
-    ----------
-    wide : ConeProblem
-    wrench : ndarray, shape (N, 6)
-        Horizontal forces of one times the weights.
-    wrenches : ndarray, shape (n, N, 6)
-        Wrenches c_i of the quadratic term.
-    change : ndarray, shape (N, 6)
-        Further load.
+    Arguments: `wrench` (N, 6): horizontal forces of one times the weights; `wrenches` (n, N, 6):
+    wrenches c_i of the quadratic term; `change` (N, 6): further load.
     """
     from kilter.solvers.clarabel import solve_conic
 

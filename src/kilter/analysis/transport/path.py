@@ -241,13 +241,6 @@ def find_path_limit(
 
     The result is a `NoLimit` with the reason "none" if no speed is carried: an orientation of the
     path is not held at rest, and no acceleration of the path helps.
-
-    Parameters
-    ----------
-    program : Program
-    path : CarrierPath
-    tell : callable
-        Function that is called with each progress message.
     """
     search = _PathSearch(program, path)
     failed = _descend(search, tell)

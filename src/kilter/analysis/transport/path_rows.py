@@ -46,25 +46,10 @@ INSIDE = 0.5
 def path_rows(program: Program, speed: PathLimit, *, inner: bool) -> tuple[Array, Array]:
     """Constraints ``A[i] @ (u, x) <= b[i]`` at each sample i of a path.
 
-    Parameters
-    ----------
-    program : Program
-    speed : PathLimit
-        Speed limit of the path on this program.
-    inner : bool
-        True for constraints that suffice, False for constraints that are necessary.
-
-    Returns
-    -------
-    A : ndarray, shape (n, m, 2)
-        Coefficients of u = s'' [1/s] and x = s'^2 [-]; unused rows are zero.
-    b : ndarray, shape (n, m)
-        Nonnegative for unused rows.
-
-    Raises
-    ------
-    InputError
-        If the path has no velocities, or the limits of a sample are not known.
+    Arguments: `inner`: True for constraints that suffice, False for constraints that are necessary.
+    Returns `A` (n, m, 2): coefficients of u = s'' [1/s] and x = s'^2 [-]; unused rows are zero; `b`
+    (n, m): nonnegative for unused rows. Raises `InputError` if the path has no velocities, or the
+    limits of a sample are not known.
     """
     path = speed.path
     still, move = path.loads(program)

@@ -25,19 +25,8 @@ def read_table(
 ) -> T:
     """Read a table of samples over time, and build a value from its columns.
 
-    Parameters
-    ----------
-    file : str or Path
-    known : sequence of str
-        Permitted names of columns; "time" is required.
-    build : callable
-        From the columns, arrays of shape (n,) by name, to the value.
-
-    Raises
-    ------
-    InputError
-        If a column is unknown, "time" is missing, or a row is not a row of numbers; the message
-        names the file and the line. Errors of `build` get the file, too.
+    Raises `InputError` if a column is unknown, "time" is missing, or a row is not a row of numbers;
+    the message names the file and the line. Errors of `build` get the file, too.
     """
     path = Path(file)
     data = read_bytes(path, most=MOST_TABLE_BYTES)

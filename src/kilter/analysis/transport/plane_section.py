@@ -54,19 +54,9 @@ def enclose_section(
 ) -> tuple[list[SupportLine], float] | NoLimit:
     """Find boundary points and lines of a plane section until polygon and lines agree.
 
-    Parameters
-    ----------
-    support : callable
-        From a unit direction, shape (2,), to the boundary point along it, with a bounding line.
-    accuracy : float
-        The search ends if polygon and lines differ by at most this.
-
-    Returns
-    -------
-    supports : list of SupportLine
-        Sorted by angle.
-    gap : float
-        Largest distance from an edge of the polygon to the lines beyond it.
+    Arguments: `support`: from a unit direction, shape (2,), to the boundary point along it, with a
+    bounding line. Returns `supports`: sorted by angle; `gap`: largest distance from an edge of the
+    polygon to the lines beyond it.
     """
     supports: list[SupportLine] = []
 
@@ -107,18 +97,10 @@ def corner_gaps(supports: list[SupportLine]) -> tuple[Array, Array]:
 
     Also the direction of each corner.
 
-    Parameters
-    ----------
-    supports : list of SupportLine
-        Points and lines of a plane section, sorted by the angle of the points.
-
-    Returns
-    -------
-    gaps : ndarray, shape (n,)
-        For each support and the next; 0 where both points are at the largest acceleration of the
-        search.
-    corners : ndarray, shape (n, 2)
-        The corners; if the lines meet far outside, a point between both directions.
+    Arguments: `supports`: points and lines of a plane section, sorted by the angle of the points.
+    Returns `gaps` (n,): for each support and the next; 0 where both points are at the largest
+    acceleration of the search; `corners` (n, 2): the corners; if the lines meet far outside, a
+    point between both directions.
     """
     point = np.array([support.point for support in supports])
     normal = np.array([support.normal for support in supports])

@@ -69,11 +69,8 @@ def flange_motion(
 ) -> FlangeMotion:
     """Motion of the last link of a chain from joint values, their rates and accelerations.
 
-    Parameters
-    ----------
-    chain : JointChain
-    values, rates, accelerations : mapping of str to ndarray, shape (n,)
-        q [rad or m], q' and q'' [per s, per s^2] of each driving joint.
+    Arguments: `values`, `rates`, `accelerations` (n,): q [rad or m], q' and q'' [per s, per s^2] of
+    each driving joint.
     """
     count = len(next(iter(values.values())))
     rotation = np.tile(np.eye(3), (count, 1, 1))

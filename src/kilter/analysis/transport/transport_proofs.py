@@ -45,18 +45,9 @@ def transport_proofs(
 
     Unlimited motions have none.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    motions : iterable of (str, CarrierMotion, Limit, float or None)
-        Name, motion, the largest factor of the motion, and the participating mass of a collapse
-        multiplier.
-    weaker : mapping
-        Further change of the file with which the limits were computed: a factor on every friction
-        coefficient.
-    options : dict
-        Options with which the file was read.
+    Arguments: `motions`: name, motion, the largest factor of the motion, and the participating mass
+    of a collapse multiplier; `weaker`: further change of the file with which the limits were
+    computed: a factor on every friction coefficient.
     """
     proofs = []
     for name, motion, limit, mass in motions:

@@ -67,18 +67,8 @@ def least_instability(
 ) -> LeastInstability:
     """Minimise the instability kappa over all directions of gravity, by branch and bound.
 
-    Parameters
-    ----------
-    program : Program
-    gap : float
-        The search stops if value and bound differ by at most this [-].
-    limit : int
-        Largest number of quadratic programs; the bound reached is reported.
-
-    Raises
-    ------
-    InputError
-        If loads are given.
+    Arguments: `gap`: the search stops if value and bound differ by at most this [-]. Raises
+    `InputError` if loads are given.
 
     Examples
     --------

@@ -41,15 +41,10 @@ class Reachable:
 
     See the module docstring.
 
-    Attributes
-    ----------
-    work : VirtualWork
-        The oracle; `work.programs` were solved.
-    basis : ndarray, shape (dimension, 3)
-        Basis of the span of Q, orthonormal.
-    known : KnownSet or None
-        In coordinates of `basis`; a facet of its hull that is `done` is a facet of Q. None if Q
-        is {0}.
+    - `work`: the oracle; `work.programs` were solved.
+    - `basis` (dimension, 3): basis of the span of Q, orthonormal.
+    - `known`: in coordinates of `basis`; a facet of its hull that is `done` is a facet of Q. None
+      if Q is {0}.
     """
 
     def __init__(self, program: Program) -> None:
@@ -133,12 +128,8 @@ def nearest_on_sphere(program: Program) -> SphereDirection | None:
     max over |g|_2 = 1 of z(g) is the distance of 0 from the boundary of Q, negative, reached
     at the outward normal of the facet nearest to 0: only that facet is refined each time.
 
-    Raises
-    ------
-    InputError
-        If loads are given.
-    SolverError
-        If more than `PROGRAMS` programs are needed.
+    Raises `InputError` if loads are given. Raises `SolverError` if more than `PROGRAMS` programs
+    are needed.
 
     Examples
     --------

@@ -93,19 +93,8 @@ class StabilityMap:
 def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
     """Compute the stability map, which gives optimum z for every direction of gravity.
 
-    Parameters
-    ----------
-    program : Program
-    limit : int
-        Largest number of programs.
-
-    Raises
-    ------
-    InputError
-        If loads are given.
-    SolverError
-        If the limit is reached: the facets of Q can be very many if parts touch on
-        inclined faces.
+    Raises `InputError` if loads are given. Raises `SolverError` if the limit is reached: the facets
+    of Q can be very many if parts touch on inclined faces.
 
     Examples
     --------

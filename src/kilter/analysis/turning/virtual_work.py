@@ -61,10 +61,7 @@ class UnitProgram:
 def unit_program(program: Program) -> UnitProgram:
     """Scaled constraints of the displacement program of an assembly.
 
-    Raises
-    ------
-    InputError
-        If loads are given: they do not turn with gravity.
+    Raises `InputError` if loads are given: they do not turn with gravity.
     """
     if program.applied.any():
         names = [n for n, w in zip(program.names, program.applied, strict=True) if w.any()]
@@ -101,11 +98,7 @@ def unit_program(program: Program) -> UnitProgram:
 class VirtualWork:
     """The displacement program, solved for successive directions of gravity.
 
-    Attributes
-    ----------
-    unit : UnitProgram
-    programs : int
-        LPs solved.
+    - `programs`: LPs solved.
 
     Examples
     --------

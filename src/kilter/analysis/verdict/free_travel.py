@@ -39,16 +39,9 @@ def free_travel(verdict: Verdict) -> Array:
 
     If no accelerations are known, the parts follow the motion of the proof.
 
-    Returns
-    -------
-    ndarray, shape (N, 6)
-        Screw of each part in the world frame: shift of its centre of mass [length unit] and
-        rotation about it [rad]; 0 for parts at rest.
-
-    Raises
-    ------
-    InputError
-        If no part is known to move, or if there are more than 3,000 parts.
+    Returns (N, 6): screw of each part in the world frame: shift of its centre of mass [length unit]
+    and rotation about it [rad]; 0 for parts at rest. Raises `InputError` if no part is known to
+    move, or if there are more than 3,000 parts.
     """
     assembly, motion = verdict.assembly, verdict.motion
     screws = motion.screws(metres_per_unit(assembly.units))
@@ -64,21 +57,9 @@ def free_travel(verdict: Verdict) -> Array:
 def travel_along(assembly: Assembly, screws: Array) -> Array:
     """Displacement of each part along given motions until a part would enter another part.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    screws : ndarray, shape (N, 6)
-        Motion of each part in the world frame, of any common size: of its centre of mass [length
-        unit] and rotation vector [rad].
-
-    Returns
-    -------
-    ndarray, shape (N, 6)
-
-    Raises
-    ------
-    InputError
-        If there are more than 3,000 parts.
+    Arguments: `screws` (N, 6): motion of each part in the world frame, of any common size: of its
+    centre of mass [length unit] and rotation vector [rad]. Returns (N, 6). Raises `InputError` if
+    there are more than 3,000 parts.
     """
     if len(assembly) > MOST:
         raise InputError(

@@ -49,24 +49,18 @@ PARALLEL = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PressedPatch:
-    """Points of a contact patch with friction, and their forces.
-
-    Attributes
-    ----------
-    points, normals, forces : ndarray, shape (n, 3)
-        [length unit], [-], [N]
-    mu : float
-        Coefficient of friction, positive.
-    pull, extra : ndarray, shape (n,)
-        Tensile strength of bonds, and the limit of friction at a force of 0 over mu [N].
-    """
+    """Points of a contact patch with friction, and their forces."""
 
     points: Array
     normals: Array
     forces: Array
+    """[length unit], [-], [N], shape (n, 3)."""
     mu: float
+    """Coefficient of friction, positive."""
     pull: Array
     extra: Array
+    """Tensile strength of bonds, and the limit of friction at a force of 0 over mu [N], shape
+    (n,)."""
 
 
 @dataclass(slots=True, eq=False)

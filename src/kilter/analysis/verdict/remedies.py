@@ -200,21 +200,7 @@ def find_remedies(
 
     Options that change least are tried first.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    decision : Decision
-        The decision about this assembly and these contacts.
-    require : {"equilibrium", "settles", "proved", "strict"}
-        The level at which each decision may stop.
-    work : Work
-        Work limit and time limit of the check.
-
-    Returns
-    -------
-    tuple of Remedy
-        At most `MOST` remedies that reach a higher level, or that decide an undecided verdict.
+    Returns at most `MOST` remedies that reach a higher level, or that decide an undecided verdict.
     """
     if decision.verdict not in ("unstable", "undecided"):
         return ()

@@ -29,10 +29,7 @@ def find_slipping_motion(program: Program) -> ImpendingMotion:
 
     If the solver fails, the result is not `known`.
 
-    Parameters
-    ----------
-    program : Program
-        A program without friction, with bonds whose shear is limited by a force.
+    Arguments: `program`: a program without friction, with bonds whose shear is limited by a force.
 
     Examples
     --------

@@ -92,18 +92,8 @@ def assembly_of_bricks(
 def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
     """Recover the bricks of an assembly that was read from a file of bricks.
 
-    Returns
-    -------
-    model : BrickModel
-        Bricks in the order of the parts.
-    rules : StudRules
-    cell : float
-        Width of a cell [mm].
-
-    Raises
-    ------
-    InputError
-        If a part is not a brick, or the assembly has loads, joints or no bonds.
+    Returns `model`: bricks in the order of the parts; `cell`: width of a cell [mm]. Raises
+    `InputError` if a part is not a brick, or the assembly has loads, joints or no bonds.
     """
     _require_bricks(assembly)
     parts, bricks = assembly.parts, [part.brick for part in assembly.parts if part.brick]

@@ -21,33 +21,22 @@ NO_COLOR = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrickModel(Rows):
-    """N toy bricks on a grid, as arrays.
-
-    Attributes
-    ----------
-    corner : ndarray of int, shape (N, 3)
-        Lowest cell of each brick: x, y [cells], z [plates].
-    size : ndarray of int, shape (N, 3)
-        Size along x, y [cells] and z [plates].
-    mass : ndarray, shape (N,)
-        Masses [kg].
-    color : ndarray of int, shape (N,)
-        LDraw colour codes; `NO_COLOR` if none is stated.
-    held : ndarray of bool, shape (N,)
-        Whether each brick is held; true for baseplates.
-    number : ndarray of int, shape (N,)
-        Number of the brick in the file: its key, or its line.
-    line : ndarray of int, shape (N,)
-        Line of the file; 0 for a brick that is in no file.
-    """
+    """N toy bricks on a grid, as arrays."""
 
     corner: Index = columns(3)
+    """Lowest cell of each brick, shape (N, 3): x, y [cells], z [plates]."""
     size: Index = columns(3)
+    """Size along x, y [cells] and z [plates], shape (N, 3)."""
     mass: Array = columns()
+    """Masses [kg], shape (N,)."""
     color: Index = columns()
+    """LDraw colour codes, shape (N,); `NO_COLOR` if none is stated."""
     held: Mask = columns()
+    """Whether each brick is held, shape (N,); true for baseplates."""
     number: Index = columns()
+    """Number of the brick in the file, shape (N,): its key, or its line."""
     line: Index = columns()
+    """Line of the file, shape (N,); 0 for a brick that is in no file."""
 
     @property
     def top(self) -> Index:
@@ -58,10 +47,7 @@ class BrickModel(Rows):
     def require_apart(self) -> None:
         """Raise an InputError if two bricks occupy the same grid cell.
 
-        Raises
-        ------
-        InputError
-            If two bricks overlap; the error names the lines of both, and the cell.
+        Raises `InputError` if two bricks overlap; the error names the lines of both, and the cell.
         """
         cells = cells_of(self)
         low, high = self.corner[cells.brick, 2], self.top[cells.brick]
@@ -80,21 +66,14 @@ class BrickModel(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """Grid cells that the bricks cover, sorted by column and height.
-
-    Attributes
-    ----------
-    brick : ndarray of int, shape (C,)
-        Brick of each cell.
-    xy : ndarray of int, shape (C, 2)
-        Position of each cell.
-    same_column : ndarray of bool, shape (C - 1,)
-        Whether cell k + 1 is above cell k.
-    """
+    """Grid cells that the bricks cover, sorted by column and height."""
 
     brick: Index
+    """Brick of each cell, shape (C,)."""
     xy: Index
+    """Position of each cell, shape (C, 2)."""
     same_column: Mask
+    """Whether cell k + 1 is above cell k, shape (C - 1,)."""
 
 
 def cells_of(model: BrickModel) -> Cells:

@@ -42,19 +42,9 @@ UNLIMITED, FRICTION = "unlimited", "mu"
 class StudRules:
     """Rules for toy bricks: strength of the studs, and contacts of neighbouring bricks.
 
-    Parameters
-    ----------
-    pull : float
-        Largest pull at each point of a stud [N].
-    shear : "unlimited", "mu" or float
-        Largest sideways force at each point of a stud: no limit, mu (f_n + pull), or a number [N].
-    sides : {"lower-edge", "face", "none"}
-        Contact points between neighbours in a layer.
-
-    Raises
-    ------
-    InputError
-        If a force is negative, or a value is unknown.
+    Arguments: `pull`: largest pull at each point of a stud [N]; `shear`: largest sideways force at
+    each point of a stud: no limit, mu (f_n + pull), or a number [N]. Raises `InputError` if a force
+    is negative, or a value is unknown.
 
     Examples
     --------

@@ -15,40 +15,27 @@ __all__ = ["Sides", "Studs", "sides_of", "studs_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Studs(Rows):
-    """Points at which studs connect bricks, sorted by pair of bricks.
-
-    Attributes
-    ----------
-    lower, upper : ndarray of int, shape (n,)
-        The brick with the stud, and the brick on it.
-    point : ndarray, shape (n, 3)
-        Position: x, y [cells], z [plates].
-    """
+    """Points at which studs connect bricks, sorted by pair of bricks."""
 
     lower: Index
     upper: Index
+    """The brick with the stud, and the brick on it, shape (n,)."""
     point: Array = columns(3)
+    """Position, shape (n, 3): x, y [cells], z [plates]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sides(Rows):
-    """Rectangles over which two neighbouring bricks touch with their sides.
-
-    Attributes
-    ----------
-    first, second : ndarray of int, shape (n,)
-        The two bricks; the second is further along `axis`.
-    axis : ndarray of int, shape (n,)
-        0 or 1: the axis of the normal from the first to the second brick.
-    low, high : ndarray of int, shape (n, 3)
-        Corners of the rectangle: x, y [cells], z [plates]; equal along `axis`.
-    """
+    """Rectangles over which two neighbouring bricks touch with their sides."""
 
     first: Index
     second: Index
+    """The two bricks, shape (n,); the second is further along `axis`."""
     axis: Index
+    """0 or 1, shape (n,): the axis of the normal from the first to the second brick."""
     low: Index = columns(3)
     high: Index = columns(3)
+    """Corners of the rectangle, shape (n, 3): x, y [cells], z [plates]; equal along `axis`."""
 
 
 def studs_of(model: BrickModel) -> Studs:

@@ -47,20 +47,13 @@ MOST_FINDINGS = 4
 
 @dataclass(slots=True, eq=False)
 class RecentSearches:
-    """Values of searches of a geometry.
-
-    Attributes
-    ----------
-    geometry : Geometry or None
-    search : ContactSearch or None
-        A search of this geometry, for the values that do not depend on its tolerance.
-    findings : dict
-        Complete findings (search, `PairFindings`) by the conditions of their search.
-    """
+    """Values of searches of a geometry."""
 
     geometry: Geometry | None = None
     search: Any = None
+    """A search of this geometry, for the values that do not depend on its tolerance."""
     findings: dict[Hashable, tuple[Any, Any]] = field(default_factory=dict)
+    """Complete findings (search, `PairFindings`) by the conditions of their search."""
 
     def keep(self, conditions: Hashable, findings: tuple[Any, Any]) -> None:
         """Keep complete findings, in place of the oldest ones."""
@@ -135,45 +128,29 @@ def same_bodies(geometry: Geometry, boxes: Boxes, pairs: Index, limits: GapLimit
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSearch:
-    """Input of a contact search: the parts with their facets and boxes, and the near pairs.
-
-    Attributes
-    ----------
-    geometry : Geometry
-    facets : Facets
-    boxes : Boxes
-    pairs : ndarray of int, shape (n, 2)
-        Parts a < b whose boxes come near and whose contacts are not given.
-    limits : GapLimits
-        Gap limits, a row for each pair.
-    angle : float
-        Angle tolerance [rad].
-    unknown : ndarray of int, shape (m, 2)
-        Pairs that may touch at a place at which the surface of a part is unknown.
-    meshes : ndarray of bool, shape (N,)
-        True for parts that are triangle meshes.
-    solids : PartSolids
-        Solids of the parts, which are created on first use.
-    same_bodies : ndarray of int, shape (k, 2)
-        Parts a < b that are the same body twice, and no pairs of the search.
-    smooth_faces : dict
-        Smooth faces of parts (`kilter.contact.smooth`), which are found on first use.
-    part_curves : dict
-        Curves of the edges of parts (`kilter.contact.common.edges`), found on first use.
-    """
+    """Input of a contact search: the parts with their facets and boxes, and the near pairs."""
 
     geometry: Geometry
     facets: Facets
     boxes: Boxes
     pairs: Index
+    """Parts a < b whose boxes come near and whose contacts are not given, shape (n, 2)."""
     limits: GapLimits
+    """Gap limits, a row for each pair."""
     angle: float
+    """Angle tolerance [rad]."""
     unknown: Index
+    """Pairs that may touch at a place at which the surface of a part is unknown, shape (m, 2)."""
     meshes: Mask
+    """True for parts that are triangle meshes, shape (N,)."""
     solids: PartSolids
+    """Solids of the parts, which are created on first use."""
     same_bodies: Index
+    """Parts a < b that are the same body twice, and no pairs of the search, shape (k, 2)."""
     smooth_faces: dict[int, list[Any]] = field(default_factory=dict)
+    """Smooth faces of parts (`kilter.contact.smooth`), which are found on first use."""
     part_curves: dict[int, Any] = field(default_factory=dict)
+    """Curves of the edges of parts (`kilter.contact.common.edges`), found on first use."""
 
     def of_rows(self, begin: int, end: int) -> ContactSearch:
         """The same search for only the pairs ``begin`` to ``end``.

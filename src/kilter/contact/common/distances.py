@@ -419,22 +419,15 @@ MOST_PARTS = 200
 
 @dataclass(frozen=True, slots=True)
 class Neighbour:
-    """A part that touches nothing, with the part nearest to it and the gap.
-
-    Attributes
-    ----------
-    part, other : int
-        The part, and its nearest neighbour, by position.
-    gap : float
-        Distance of their surfaces [length unit].
-    accuracy : float
-        Largest error of the gap [length unit].
-    """
+    """A part that touches nothing, with the part nearest to it and the gap."""
 
     part: int
     other: int
+    """The part, and its nearest neighbour, by position."""
     gap: float
+    """Distance of their surfaces [length unit]."""
     accuracy: float
+    """Largest error of the gap [length unit]."""
 
 
 class LonePart(Record):

@@ -56,28 +56,20 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
-    """Edges of a set of parts between their facets, ordered by part.
-
-    Attributes
-    ----------
-    start : ndarray of int, shape (N + 1,)
-        The edges of part i are rows ``start[i]`` to ``start[i + 1]``.
-    ends_of : ndarray of int, shape (E, 2)
-        Vertices at both ends.
-    facet : ndarray of int, shape (E, 2)
-        The facet left of the edge and the facet right of it, seen from outside (-1: none).
-    ray_start, ray_edge : ndarray of int
-        Edges that end in vertex v: ``ray_edge[ray_start[v]:ray_start[v + 1]]``.
-    doubled : bool
-        True if edges may lie on other edges, because facets of no width lay between them.
-    """
+    """Edges of a set of parts between their facets, ordered by part."""
 
     start: Index
+    """The edges of part i are rows ``start[i]`` to ``start[i + 1]``, shape (N + 1,)."""
     ends_of: Index
+    """Vertices at both ends, shape (E, 2)."""
     facet: Index
+    """The facet left of the edge and the facet right of it, seen from outside (-1: none), shape
+    (E, 2)."""
     ray_start: Index
     ray_edge: Index
+    """Edges that end in vertex v: ``ray_edge[ray_start[v]:ray_start[v + 1]]``."""
     doubled: bool
+    """True if edges may lie on other edges, because facets of no width lay between them."""
 
     def ends(self, geometry: Geometry, which: Index) -> tuple[Array, Array]:
         """Start points and end points of the edges `which`, shape (n, 3) each."""

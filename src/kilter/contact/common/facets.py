@@ -53,48 +53,34 @@ LONG_LOOP = 256
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Facets:
-    """Flat facets of all parts (connected coplanar triangles), as arrays ordered by part.
-
-    Attributes
-    ----------
-    part, start : ndarray of int, shape (F,) and (N + 1,)
-        Part of each facet; the facets of part i are rows ``start[i]`` to ``start[i + 1]``.
-    normal : ndarray, shape (F, 3)
-        Unit normal, outwards.
-    origin : ndarray, shape (F, 3)
-        Centroid [length unit].
-    area : ndarray, shape (F,)
-        Area [length unit^2].
-    reach : ndarray, shape (F,)
-        Largest distance of a corner from the centroid [length unit].
-    convex : ndarray of bool, shape (F,)
-        True: `corners` is the boundary, anticlockwise; False: `corners` are the facet's triangles,
-        three by three.
-    surface : ndarray of int, shape (F,)
-        Row of the curved surface that the facet approximates; -1: a flat face.
-    piece : ndarray of int, shape (F,)
-        Piece of its part to which the facet belongs.
-    curved : ndarray of bool, shape (F,)
-        True if the facet approximates a part of a curved surface.
-    corner_start, corners : ndarray of int, shape (F + 1,) and (C,)
-        Corners by row of the geometry's vertices.
-    convex_part : ndarray of bool, shape (N,)
-        True for connected parts without a reflex edge.
-    """
+    """Flat facets of all parts (connected coplanar triangles), as arrays ordered by part."""
 
     part: Index
     start: Index
+    """Part of each facet, shape (F,); the facets of part i are rows ``start[i]`` to ``start[i +
+    1]``."""
     normal: Array
+    """Unit normal, outwards, shape (F, 3)."""
     origin: Array
+    """Centroid [length unit], shape (F, 3)."""
     area: Array
+    """Area [length unit^2], shape (F,)."""
     reach: Array
+    """Largest distance of a corner from the centroid [length unit], shape (F,)."""
     convex: Mask
+    """True, shape (F,): `corners` is the boundary, anticlockwise; False: `corners` are the
+    facet's triangles, three by three."""
     surface: Index
+    """Row of the curved surface that the facet approximates, shape (F,); -1: a flat face."""
     piece: Index
+    """Piece of its part to which the facet belongs, shape (F,)."""
     curved: Mask
+    """True if the facet approximates a part of a curved surface, shape (F,)."""
     corner_start: Index
     corners: Index
+    """Corners by row of the geometry's vertices, shape (F + 1,)."""
     convex_part: Mask
+    """True for connected parts without a reflex edge, shape (N,)."""
 
     def __len__(self) -> int:
         return len(self.part)

@@ -50,87 +50,59 @@ def _no_rows(width: int) -> Callable[[], Index]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Matches(Rows):
-    """Contact points of two smooth faces, with their normals, gaps and errors.
-
-    Attributes
-    ----------
-    point, normal : ndarray, shape (n, 3)
-        Points half-way between the surfaces; unit normals from the first face to the second.
-    gap : ndarray, shape (n,)
-        Gap between the surfaces [length unit].
-    apart : ndarray, shape (n,)
-        Half the angle between the normals of the two surfaces [rad].
-    doubt : ndarray, shape (n,)
-        Error of the more accurate of the two normals [rad].
-    """
+    """Contact points of two smooth faces, with their normals, gaps and errors."""
 
     point: Array = columns(3)
     normal: Array = columns(3)
+    """Points half-way between the surfaces, shape (n, 3); unit normals from the first face to
+    the second."""
     gap: Array = columns()
+    """Gap between the surfaces [length unit], shape (n,)."""
     apart: Array = columns()
+    """Half the angle between the normals of the two surfaces [rad], shape (n,)."""
     doubt: Array = columns()
+    """Error of the more accurate of the two normals [rad], shape (n,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SmoothJoint:
-    """A contact of two smooth faces: their triangles, contact points, area and error.
-
-    Attributes
-    ----------
-    pair : int
-        Row of the pair of parts.
-    surfaces : pair of TriangleTrees
-        Triangles of the face of part a, and of part b.
-    facets : pair of ndarray of int
-        Facets of both faces.
-    matches : Matches
-        Contact points.
-    area : float
-        Common area [length unit^2].
-    reach : float
-        Distance from the surfaces within which triangles may touch [length unit].
-    tilt : float
-        Error of the normals [rad].
-    """
+    """A contact of two smooth faces: their triangles, contact points, area and error."""
 
     pair: int
+    """Row of the pair of parts."""
     surfaces: tuple[TriangleTrees, TriangleTrees]
+    """Triangles of the face of part a, and of part b."""
     facets: tuple[Index, Index]
+    """Facets of both faces."""
     matches: Matches
+    """Contact points."""
     area: float
+    """Common area [length unit^2]."""
     reach: float
+    """Distance from the surfaces within which triangles may touch [length unit]."""
     tilt: float
+    """Error of the normals [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Findings:
-    """Findings of a family about the pairs of a search; the default is that of an absent family.
-
-    Attributes
-    ----------
-    patches : Patches
-        Contact patches, ordered by pair.
-    rejected : tuple of RejectedPair
-        Near features that do not count as touching.
-    unsupported : tuple of UnsupportedContact
-        Contacts that are not modelled.
-    possible : PossibleContacts
-        Forces that these may exert, except those along the normals of degenerate points.
-    degenerate : DegeneratePoints
-    gaps : ndarray of int, shape (n, 2)
-        Row of the pair, and interval of `GAP_EDGES`, of each gap between opposed flat faces.
-    raised : ndarray of int, shape (k, 1)
-        Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes.
-    joints : tuple of SmoothJoint
-    """
+    """Findings of a family about the pairs of a search; the default is that of an absent family."""
 
     patches: Patches = field(default_factory=Patches.none)
+    """Contact patches, ordered by pair."""
     rejected: tuple[RejectedPair, ...] = ()
+    """Near features that do not count as touching."""
     unsupported: tuple[UnsupportedContact, ...] = ()
+    """Contacts that are not modelled."""
     possible: PossibleContacts = field(default_factory=PossibleContacts.none)
+    """Forces that these may exert, except those along the normals of degenerate points."""
     degenerate: DegeneratePoints = field(default_factory=DegeneratePoints.none)
     gaps: Index = field(default_factory=_no_rows(2))
+    """Row of the pair, and interval of `GAP_EDGES`, of each gap between opposed flat faces,
+    shape (n, 2)."""
     raised: Index = field(default_factory=_no_rows(1))
+    """Rows of the pairs whose gap tolerance was raised for surfaces recognised in meshes, shape
+    (k, 1)."""
     joints: tuple[SmoothJoint, ...] = ()
 
     @staticmethod
@@ -173,22 +145,15 @@ class Findings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvedFindings(Findings):
-    """Findings about curved faces, with their surfaces.
-
-    Attributes
-    ----------
-    surface : ndarray of int, shape (P, 2)
-        Curved surfaces of part a and b of each patch; -1: a flat face.
-    zone : ndarray, shape (P,)
-        Distance from the contact within which triangles may touch [length unit].
-    unknown : ndarray of int, shape (m, 3)
-        Row of the pair, and curved surfaces of a and b (-1: flat faces) without a formula.
-    overlaps : tuple of Overlap
-    """
+    """Findings about curved faces, with their surfaces."""
 
     surface: Index = field(default_factory=_no_rows(2))
+    """Curved surfaces of part a and b of each patch, shape (P, 2); -1: a flat face."""
     zone: Array = field(default_factory=lambda: np.empty(0))
+    """Distance from the contact within which triangles may touch [length unit], shape (P,)."""
     unknown: Index = field(default_factory=_no_rows(3))
+    """Row of the pair, and curved surfaces of a and b (-1: flat faces) without a formula, shape
+    (m, 3)."""
     overlaps: tuple[Overlap, ...] = ()
 
 

@@ -156,27 +156,18 @@ UNKNOWN = "the surface of a part is unknown there"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GapLimits(Rows):
-    """For each pair of parts, the gaps at which faces touch or count as near [length unit].
-
-    Attributes
-    ----------
-    gap : ndarray, shape (n,)
-        Gap tolerance: the deepest penetration that counts as contact.
-    closed : ndarray, shape (n,)
-        Widest gap that counts as contact: the tolerance, or the designed clearance.
-    margin : ndarray, shape (n,)
-        Widest gap at which faces are compared at all.
-    rounding : ndarray, shape (n,)
-        Largest gap that the accuracy of the coordinates explains.
-    coarse : ndarray of bool, shape (n,)
-        True if the rounding is not small compared with the thickness of a part.
-    """
+    """For each pair of parts, the gaps at which faces touch or count as near [length unit]."""
 
     gap: Array
+    """Gap tolerance, shape (n,): the deepest penetration that counts as contact."""
     closed: Array
+    """Widest gap that counts as contact, shape (n,): the tolerance, or the designed clearance."""
     margin: Array
+    """Widest gap at which faces are compared at all, shape (n,)."""
     rounding: Array
+    """Largest gap that the accuracy of the coordinates explains, shape (n,)."""
     coarse: Mask
+    """True if the rounding is not small compared with the thickness of a part, shape (n,)."""
 
 
 def reach_of(geometry: Geometry, tolerance: Tolerance) -> Array:

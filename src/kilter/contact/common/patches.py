@@ -167,49 +167,36 @@ BY_POINT = ("points", "normals")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Patches:
-    """Contact patches of a search with their points; world frame, length unit of the file.
-
-    Attributes
-    ----------
-    pair : ndarray of int, shape (P,)
-        Row of the pair of parts in the search; -1 for contacts that the file lists.
-    parts : ndarray of int, shape (P, 2)
-        Parts a and b.
-    kind : ndarray of str, shape (P,)
-        Kind of contact: see `ContactSet.patch_kind`.
-    normal : ndarray, shape (P, 3)
-        Unit normal, from a to b.
-    area : ndarray, shape (P,)
-        Area of contact [length unit^2].
-    gap : ndarray, shape (P, 2)
-        Least and greatest gap [length unit].
-    accuracy : ndarray, shape (P,)
-        Accuracy of the coordinates, as a fraction of the size of the touching features [-].
-    doubt : ndarray, shape (P,)
-        Largest error of fitted normals; 0 for exact normals [rad].
-    mu : ndarray, shape (P,)
-        Friction coefficient that the file gives for the contact; NaN: that of its pair [-].
-    start : ndarray of int, shape (P + 1,)
-        The points of patch p are rows ``start[p]`` to ``start[p + 1]``.
-    pieces : ndarray of int, shape (P, 2), optional
-        Pieces of the parts that touch; -1, the default, if only the points show them.
-    points, normals : ndarray, shape (K, 3)
-        Contact points and the unit normal at each, from a to b.
-    """
+    """Contact patches of a search with their points; world frame, length unit of the file."""
 
     pair: Index
+    """Row of the pair of parts in the search, shape (P,); -1 for contacts that the file lists."""
     parts: Index
+    """Parts a and b, shape (P, 2)."""
     kind: Labels
+    """Kind of contact, shape (P,): see `ContactSet.patch_kind`."""
     normal: Array
+    """Unit normal, from a to b, shape (P, 3)."""
     area: Array
+    """Area of contact [length unit^2], shape (P,)."""
     gap: Array
+    """Least and greatest gap [length unit], shape (P, 2)."""
     accuracy: Array
+    """Accuracy of the coordinates, as a fraction of the size of the touching features [-], shape
+    (P,)."""
     doubt: Array
+    """Largest error of fitted normals, shape (P,); 0 for exact normals [rad]."""
     mu: Array
+    """Friction coefficient that the file gives for the contact, shape (P,); NaN: that of its
+    pair [-]."""
     start: Index
+    """The points of patch p are rows ``start[p]`` to ``start[p + 1]``, shape (P + 1,)."""
     points: Array
     normals: Array
+    """Contact points and the unit normal at each, from a to b, shape (K, 3)."""
     pieces: Index = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    """Pieces of the parts that touch, shape (P, 2); -1, the default, if only the points show
+    them."""
 
     def __post_init__(self) -> None:
         if len(self.pieces) < len(self.pair):
@@ -280,33 +267,25 @@ class DegeneratePoints:
 
     A motion is allowed at point k if it does not close the gap along at least one of the normals
     of the point.
-
-    Attributes
-    ----------
-    part_a, part_b : ndarray of int, shape (n,)
-        Parts of each point.
-    points : ndarray, shape (n, 3)
-        Positions, world frame [length unit].
-    start, normals : ndarray, shape (n + 1,) and (m, 3)
-        Extreme rays of the cone of normals of the planes that separate the parts at point k,
-        unit, from a to b: rows ``start[k]`` to ``start[k + 1]``.
-    exact : ndarray of bool, shape (n,)
-        False if the point is degenerate only within the tolerance: the literal coordinates may
-        have a unique normal.
-    held_parts, held_points, held_normals : ndarray, shape (h, 2), (h, 3) and (h, 3)
-        Contact points of the same pairs of parts that have a unique normal, including points
-        within a patch. Lines of degenerate points may end there.
     """
 
     part_a: Index
     part_b: Index
+    """Parts of each point, shape (n,)."""
     points: Array
+    """Positions, world frame [length unit], shape (n, 3)."""
     start: Index
     normals: Array
+    """Extreme rays of the cone of normals of the planes that separate the parts at point k,
+    unit, from a to b, shape (n + 1,): rows ``start[k]`` to ``start[k + 1]``."""
     exact: Mask
+    """False if the point is degenerate only within the tolerance, shape (n,): the literal
+    coordinates may have a unique normal."""
     held_parts: Index
     held_points: Array
     held_normals: Array
+    """Contact points of the same pairs of parts that have a unique normal, including points
+    within a patch, shape (h, 2). Lines of degenerate points may end there."""
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -395,21 +374,14 @@ OfPair = TypeVar("OfPair", bound=Any)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeptPairs:
-    """The pairs of parts that remain, and the new numbers of their parts and rows.
-
-    Attributes
-    ----------
-    new_part : ndarray of int, shape (N,)
-        New position of each part; -1 for parts that do not remain.
-    new_row : ndarray of int, shape (n,)
-        New row of each pair of the search; -1 for pairs that do not remain.
-    removed : frozenset of frozenset of int
-        Pairs of parts that do not remain although both parts do, by the old positions.
-    """
+    """The pairs of parts that remain, and the new numbers of their parts and rows."""
 
     new_part: Index
+    """New position of each part, shape (N,); -1 for parts that do not remain."""
     new_row: Index
+    """New row of each pair of the search, shape (n,); -1 for pairs that do not remain."""
     removed: frozenset[frozenset[int]] = frozenset()
+    """Pairs of parts that do not remain although both parts do, by the old positions."""
 
     def records(self, records: Iterable[OfPair]) -> tuple[OfPair, ...]:
         """Records of the remaining pairs, with the new positions of their parts."""

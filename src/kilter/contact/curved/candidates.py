@@ -68,25 +68,17 @@ POINT, LINE, CIRCLE, SAME = range(4)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormLimits(Rows):
-    """Tolerances that decide whether surfaces coincide, are parallel, or touch with clearance.
-
-    Attributes
-    ----------
-    gap : ndarray, shape (n,)
-        Largest difference of coinciding surfaces [length unit].
-    closed : ndarray, shape (n,)
-        Widest gap that counts as closed, at least `gap` [length unit].
-    angle : ndarray, shape (n,)
-        Largest angle between parallel lines [rad].
-    share : ndarray, shape (n,)
-        Position at which a fit is closed: 0 at the core of the first surface, 1 at the core of the
-        second [-].
-    """
+    """Tolerances that decide whether surfaces coincide, are parallel, or touch with clearance."""
 
     gap: Array
+    """Largest difference of coinciding surfaces [length unit], shape (n,)."""
     closed: Array
+    """Widest gap that counts as closed, at least `gap` [length unit], shape (n,)."""
     angle: Array
+    """Largest angle between parallel lines [rad], shape (n,)."""
     share: Array
+    """Position at which a fit is closed, shape (n,): 0 at the core of the first surface, 1 at
+    the core of the second [-]."""
 
     def fits(self, play: Array, radius: Array) -> Mask:
         """Mask of radial plays that count as a loose fit: wider than the gap tolerance."""
@@ -96,47 +88,37 @@ class FormLimits(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates(Rows):
-    """Possible contacts of pairs of surfaces (point, line, circle or whole face), one per row.
-
-    Attributes
-    ----------
-    row : ndarray of int, shape (n,)
-        Row of the pair of surfaces.
-    form : ndarray of int, shape (n,)
-        POINT, LINE, CIRCLE or SAME.
-    at : ndarray, shape (n, 3)
-        The point, a point of the line, or the centre of the circle, half-way in the gap.
-    along : ndarray, shape (n, 3)
-        Direction of the line, or axis of the circle. Of a point on the rim of i it is the direction
-        in which the point leaves i; 0 for a point inside the face, which leaves along the normal.
-    normal : ndarray, shape (n, 3)
-        Unit normal from i to j. Of a circle: its components away from the axis and along it.
-    radius : ndarray, shape (n,)
-        Radius of the circle, or of the rim on which a point lies [length unit].
-    gap, slope, swing : ndarray, shape (n,)
-        Gap at `at` [length unit]; its rise along a line [-]; its largest deviation from the mean
-        around a circle [length unit].
-    play : ndarray, shape (n,)
-        Gap all around a fit that only a clearance closes; 0: no such fit [length unit].
-    bend : ndarray, shape (n,)
-        Radius at which the gap opens beside the contact [length unit].
-    rim : ndarray, shape (n,)
-        Whether a circle is the end of a face: 1 if that face is i, 2 if it is j; else 0. The same
-        for the tip of a face.
-    """
+    """Possible contacts of pairs of surfaces (point, line, circle or whole face), one per row."""
 
     row: Index
+    """Row of the pair of surfaces, shape (n,)."""
     form: Index
+    """POINT, LINE, CIRCLE or SAME, shape (n,)."""
     at: Array = columns(3)
+    """The point, a point of the line, or the centre of the circle, half-way in the gap, shape
+    (n, 3)."""
     along: Array = columns(3)
+    """Direction of the line, or axis of the circle, shape (n, 3). Of a point on the rim of i it
+    is the direction in which the point leaves i; 0 for a point inside the face, which leaves
+    along the normal."""
     normal: Array = columns(3)
+    """Unit normal from i to j, shape (n, 3). Of a circle: its components away from the axis and
+    along it."""
     radius: Array = columns()
+    """Radius of the circle, or of the rim on which a point lies [length unit], shape (n,)."""
     gap: Array = columns()
     slope: Array = columns()
     swing: Array = columns()
+    """Gap at `at` [length unit]; its rise along a line [-]; its largest deviation from the mean
+    around a circle [length unit], shape (n,)."""
     play: Array = columns()
+    """Gap all around a fit that only a clearance closes, shape (n,); 0: no such fit [length
+    unit]."""
     bend: Array = columns()
+    """Radius at which the gap opens beside the contact [length unit], shape (n,)."""
     rim: Array = columns()
+    """Whether a circle is the end of a face, shape (n,): 1 if that face is i, 2 if it is j; else
+    0. The same for the tip of a face."""
 
 
 def make_candidates(form: int, at: Array, normal: Array, gap: Array, **more: Array) -> Candidates:

@@ -47,26 +47,18 @@ triangles."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedRegion:
-    """The region over which two coaxial faces touch, by angle and height about the first axis.
-
-    Attributes
-    ----------
-    arcs : list of (begin, width)
-        Arcs around the axis [rad].
-    bottom, top : float
-        Heights above the point of the first surface [length unit].
-    corners : (angles, heights) or None
-        Corners of the common part, if a face is not a whole band; `arcs` then contains the common
-        part. Every angle occurs twice, with its least and its greatest height.
-    area : float
-        Area in angle and height [rad x length unit].
-    """
+    """The region over which two coaxial faces touch, by angle and height about the first axis."""
 
     arcs: list[tuple[float, float]]
+    """Arcs around the axis [rad]."""
     bottom: float
     top: float
+    """Heights above the point of the first surface [length unit]."""
     corners: tuple[Array, Array] | None
+    """Corners of the common part, if a face is not a whole band; `arcs` then contains the common
+    part. Every angle occurs twice, with its least and its greatest height."""
     area: float
+    """Area in angle and height [rad x length unit]."""
 
     @property
     def inside(self) -> tuple[Array, Array]:

@@ -129,23 +129,17 @@ def common_spans(first: Array, second: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
-    """Extent of each cylinder or cone face in angle about its axis and height along it.
-
-    Attributes
-    ----------
-    low, high : ndarray, shape (n,)
-        Least and greatest height along the axis above the point of the surface [length unit].
-    begin, width : ndarray, shape (n,)
-        Begin and length of the arc; 2 pi: all around [rad].
-    whole : ndarray of bool, shape (n,)
-        True if the face fills the band: a single arc, no holes, straight ends.
-    """
+    """Extent of each cylinder or cone face in angle about its axis and height along it."""
 
     low: Array
     high: Array
+    """Least and greatest height along the axis above the point of the surface [length unit],
+    shape (n,)."""
     begin: Array
     width: Array
+    """Begin and length of the arc, shape (n,); 2 pi: all around [rad]."""
     whole: Mask
+    """True if the face fills the band, shape (n,): a single arc, no holes, straight ends."""
 
 
 def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask]:

@@ -137,42 +137,28 @@ class CandidateLimits:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvedPatch:
-    """A possible contact patch between two curved faces, or a curved and a flat face.
-
-    Attributes
-    ----------
-    pair : int
-        Row of the pair of parts.
-    names : pair of int
-        The surface that the normals leave, and its partner (-1: a flat face).
-    gap : pair of float
-        Least and greatest gap [length unit].
-    limit : float
-        Gap tolerance [length unit].
-    spots : PatchPoints
-        Contact points and normals.
-    zone : float
-        Distance from the contact within which triangles may touch [length unit].
-    turned : bool
-        The first surface belongs to part b.
-    closed : float
-        Widest gap that counts as closed; 0: the gap tolerance [length unit].
-    play : float
-        Gap all around a fit wider than the tolerance; 0: no such fit [length unit].
-    inside : (points, normals) or None
-        Points within the region of contact, with the normals there; None: the contact points.
-    """
+    """A possible contact patch between two curved faces, or a curved and a flat face."""
 
     pair: int
+    """Row of the pair of parts."""
     names: tuple[int, int]
+    """The surface that the normals leave, and its partner (-1: a flat face)."""
     gap: tuple[float, float]
+    """Least and greatest gap [length unit]."""
     limit: float
+    """Gap tolerance [length unit]."""
     spots: PatchPoints
+    """Contact points and normals."""
     zone: float
+    """Distance from the contact within which triangles may touch [length unit]."""
     turned: bool
+    """The first surface belongs to part b."""
     closed: float = 0.0
+    """Widest gap that counts as closed; 0: the gap tolerance [length unit]."""
     play: float = 0.0
+    """Gap all around a fit wider than the tolerance; 0: no such fit [length unit]."""
     inside: tuple[Array, Array] | None = None
+    """Points within the region of contact, with the normals there; None: the contact points."""
 
     @property
     def key(self) -> tuple[int, int, int]:

@@ -31,18 +31,8 @@ def with_decided_pairs(
 ) -> Assembly:
     """The assembly with the user's decisions on pairs of parts: joined, touching or apart.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    decisions : iterable of mapping
-        `parts` (two names) and `as` ("joined", "touching" or "apart").
-    tolerance : Tolerance, optional
-        Tolerance of the contacts of other pairs.
-
-    Raises
-    ------
-    InputError
-        If a part does not exist, or no faces of a pair that is said to touch come near.
+    Raises `InputError` if a part does not exist, or no faces of a pair that is said to touch come
+    near.
 
     Examples
     --------

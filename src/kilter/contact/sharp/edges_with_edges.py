@@ -45,28 +45,19 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeContact:
-    """A contact of an edge or corner.
-
-    Attributes
-    ----------
-    pair : int
-        Row of the pair of parts.
-    kind : str
-        Kind of the patch.
-    points, normals : ndarray, shape (n, 3)
-        Contact points with unit normals from part a to part b.
-    gaps : ndarray, shape (m,)
-        Gaps at points of the contact [length unit].
-    outer : (points, normals)
-        Points and normals of forces that span a cone around the true one, shape (k, 3) each.
-    """
+    """A contact of an edge or corner."""
 
     pair: int
+    """Row of the pair of parts."""
     kind: str
+    """Kind of the patch."""
     points: Array
     normals: Array
+    """Contact points with unit normals from part a to part b, shape (n, 3)."""
     gaps: Array
+    """Gaps at points of the contact [length unit], shape (m,)."""
     outer: tuple[Array, Array] = (np.empty((0, 3)), np.empty((0, 3)))
+    """Points and normals of forces that span a cone around the true one, shape (k, 3) each."""
 
     def repeats(self, other: EdgeContact, limit: float) -> bool:
         """Whether all points of this contact are points of another, with the same normals."""
@@ -78,21 +69,14 @@ class EdgeContact:
 
 @dataclass(slots=True, eq=False)
 class EdgeTouching:
-    """Contacts of edges and corners that a search has found.
-
-    Attributes
-    ----------
-    touching : list of EdgeContact
-        Contacts with unit normals from part a to part b.
-    near : list of (pair, gap)
-        Least gaps that do not count as contact [length unit].
-    unresolved : list of (pair, point)
-        Points without a single normal.
-    """
+    """Contacts of edges and corners that a search has found."""
 
     touching: list[EdgeContact] = field(default_factory=list)
+    """Contacts with unit normals from part a to part b."""
     near: list[tuple[int, float]] = field(default_factory=list)
+    """Least gaps that do not count as contact [length unit]."""
     unresolved: list[tuple[int, Array]] = field(default_factory=list)
+    """Points without a single normal."""
 
     def add(self, contact: EdgeContact, limit: float) -> None:
         """Add a contact, or a near feature if its gaps exceed `limit`."""

@@ -60,23 +60,17 @@ ROOT_HALVINGS = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeFacePairs(Rows):
-    """Pairs of an exact edge of one part and an exact face of another part.
-
-    Attributes
-    ----------
-    pair : ndarray of int, shape (n,)
-        Row of the pair of parts.
-    turned : ndarray of bool, shape (n,)
-        True if the edge belongs to part a.
-    edge, surface, facet : ndarray of int, shape (n,)
-        The edge; the curved surface, or -1; the flat facet if `surface` is -1, else any facet.
-    """
+    """Pairs of an exact edge of one part and an exact face of another part."""
 
     pair: Index
+    """Row of the pair of parts, shape (n,)."""
     turned: Mask
+    """True if the edge belongs to part a, shape (n,)."""
     edge: Index
     surface: Index
     facet: Index
+    """The edge, shape (n,); the curved surface, or -1; the flat facet if `surface` is -1, else
+    any facet."""
 
 
 def edge_contacts_on_faces(

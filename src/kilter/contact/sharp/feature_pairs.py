@@ -42,22 +42,15 @@ FACE, EDGE, CORNER = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meetings(Rows):
-    """Points at which a feature (face, edge, corner) of a part comes near one of another part.
-
-    Attributes
-    ----------
-    pair : ndarray of int, shape (n,)
-        Row of the pair of parts.
-    kind, feature : ndarray of int, shape (n, 2)
-        FACE, EDGE or CORNER of part a and of part b, and its row.
-    at : ndarray, shape (n, 2, 3)
-        Nearest points on a and on b [length unit].
-    """
+    """Points at which a feature (face, edge, corner) of a part comes near one of another part."""
 
     pair: Index
+    """Row of the pair of parts, shape (n,)."""
     kind: Index = columns(2)
     feature: Index = columns(2)
+    """FACE, EDGE or CORNER of part a and of part b, and its row, shape (n, 2)."""
     at: Array = columns(2, 3)
+    """Nearest points on a and on b [length unit], shape (n, 2, 3)."""
 
     @property
     def middle(self) -> Array:

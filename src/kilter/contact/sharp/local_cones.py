@@ -52,23 +52,16 @@ ASKEW = 0.381966
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cones:
-    """Cones of directions into the material at n features, divided into convex cones.
-
-    Attributes
-    ----------
-    start : ndarray of int, shape (n + 1,)
-        The pieces of feature k are ``start[k]`` to ``start[k + 1]``.
-    ray_start, rays : ndarray, shape (P + 1,) and (R, 3)
-        Unit directions that span each piece.
-    facet_start, facets : ndarray of int, shape (n + 1,) and (F,)
-        Facets that meet at each feature.
-    """
+    """Cones of directions into the material at n features, divided into convex cones."""
 
     start: Index
+    """The pieces of feature k are ``start[k]`` to ``start[k + 1]``, shape (n + 1,)."""
     ray_start: Index
     rays: Array
+    """Unit directions that span each piece, shape (P + 1,)."""
     facet_start: Index
     facets: Index
+    """Facets that meet at each feature, shape (n + 1,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

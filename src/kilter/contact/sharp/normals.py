@@ -142,18 +142,12 @@ def _distinct_candidates(candidates: Array, valid: Mask, weight: Array) -> tuple
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointConstraints:
-    """Certain normals of a contact point, and sets of normals of which at least one applies.
-
-    Attributes
-    ----------
-    accepted : ndarray, shape (k, 3)
-        Unit normals along which every motion must open or keep the gap.
-    clauses : list of ndarray, shape (m, 3) each
-        A motion may close some normals of a set, but not all of them.
-    """
+    """Certain normals of a contact point, and sets of normals of which at least one applies."""
 
     accepted: Array
+    """Unit normals along which every motion must open or keep the gap, shape (k, 3)."""
     clauses: list[Array]
+    """A motion may close some normals of a set, but not all of them, shape (m, 3)."""
 
 
 def resolve(pairs: list[tuple[Array, Array, Array]]) -> PointConstraints:
@@ -296,21 +290,16 @@ class Clauses:
     """Degenerate contact points, at which several normals are possible.
 
     A motion is allowed if it does not close the gap along at least one normal of each point.
-
-    Attributes
-    ----------
-    meeting : ndarray of int, shape (n,)
-        Row of the meeting.
-    start, normal : ndarray, shape (n + 1,) and (m, 3)
-        Extreme normals of clause k, from a to b: rows ``start[k]`` to ``start[k + 1]``.
-    exact : ndarray of bool, shape (n,)
-        True if the literal directions, without tolerance, give the same normals.
     """
 
     meeting: Index
+    """Row of the meeting, shape (n,)."""
     start: Index
     normal: Array
+    """Extreme normals of clause k, from a to b, shape (n + 1,): rows ``start[k]`` to ``start[k +
+    1]``."""
     exact: Mask
+    """True if the literal directions, without tolerance, give the same normals, shape (n,)."""
 
     def take(self, rows: Index) -> Clauses:
         """Copy with only the degenerate points of the given rows."""

@@ -80,29 +80,19 @@ CUBIC = 13
 
 @dataclass(frozen=True, eq=False)
 class SmoothFace:
-    """A smooth face of a meshed part; world frame. Its normals are fitted when they are needed.
-
-    Attributes
-    ----------
-    part : int
-    triangles : ndarray of int, shape (m, 3)
-        Corners, as rows of `points`.
-    rows : ndarray of int, shape (m,)
-        Rows of the geometry's triangles.
-    points : ndarray, shape (n, 3)
-        Corners.
-    triangle_normals : ndarray, shape (m, 3)
-        Unit normals of the triangles.
-    rim : ndarray of int, shape (k, 2)
-        Corners of the edges that have a triangle of the face on one side only.
-    """
+    """A smooth face of a meshed part; world frame. Its normals are fitted when they are needed."""
 
     part: int
     triangles: Index
+    """Corners, as rows of `points`, shape (m, 3)."""
     rows: Index
+    """Rows of the geometry's triangles, shape (m,)."""
     points: Array
+    """Corners, shape (n, 3)."""
     triangle_normals: Array
+    """Unit normals of the triangles, shape (m, 3)."""
     rim: Index
+    """Corners of the edges that have a triangle of the face on one side only, shape (k, 2)."""
 
     @cached_property
     def box(self) -> tuple[Array, Array]:

@@ -51,11 +51,7 @@ _NAMELESS = ("part", "0")
 def read_object(value: Any, choices: FormatOptions) -> tuple[Assembly, bool]:
     """Convert an object of another library; also return whether its gravity direction is fixed.
 
-    Returns
-    -------
-    assembly : Assembly
-    states_gravity : bool
-        Whether the object fixes the direction of gravity.
+    Returns `states_gravity`: whether the object fixes the direction of gravity.
     """
     states_gravity = isinstance(value, Assembly) or _reader(value) is mujoco_objects.read
     return assembly_of_object(value, choices), states_gravity
@@ -64,18 +60,9 @@ def read_object(value: Any, choices: FormatOptions) -> tuple[Assembly, bool]:
 def assembly_of_object(value: Any, choices: FormatOptions | None = None) -> Assembly:
     """Convert an object of another library to an assembly.
 
-    Parameters
-    ----------
-    value : object
-        An assembly, a mesh, a solid; a pair of arrays (vertices, faces); a list of these; a dict
-        of them, whose keys are the names of the parts.
-    choices : FormatOptions, optional
-        Options for details that the object does not state, such as its units.
-
-    Raises
-    ------
-    InputError
-        If the type of the object is not supported; the error lists the supported types.
+    Arguments: `value`: an assembly, a mesh, a solid; a pair of arrays (vertices, faces); a list of
+    these; a dict of them, whose keys are the names of the parts. Raises `InputError` if the type of
+    the object is not supported; the error lists the supported types.
 
     Examples
     --------

@@ -19,19 +19,9 @@ WORKSPACE, WORKSPACE_OF_ELEMENT = 100_000_000, 20_000
 def read_mjcf(path: Path, keyframe: str | None, allow_time: Callable[[int], None]) -> Snapshot:
     """Read an MJCF file (a scene for MuJoCo) as a snapshot of its model.
 
-    Parameters
-    ----------
-    path : Path
-    keyframe : str or None
-        Name of the keyframe whose pose is used; default the first keyframe.
-    allow_time : callable
-        Called with the size of all files [bytes] before MuJoCo builds the scene.
-
-    Raises
-    ------
-    InputError
-        If MuJoCo is not installed or rejects the file, if the scene has too many elements, or if
-        there is no such keyframe.
+    Arguments: `allow_time`: called with the size of all files [bytes] before MuJoCo builds the
+    scene. Raises `InputError` if MuJoCo is not installed or rejects the file, if the scene has too
+    many elements, or if there is no such keyframe.
     """
     survey = survey_mjcf(path)
     try:

@@ -31,12 +31,9 @@ __all__ = ["GeomRules", "contact_entries"]
 class GeomRules:
     """Rules of a model for the contacts of its geoms.
 
-    Attributes
-    ----------
-    collides : ndarray of bool, shape (ngeom,)
-        Whether a geom may touch any other geom.
-    unequal : int
-        Number of explicit pairs with two sliding coefficients, of which the lesser counts.
+    - `collides` (ngeom,): whether a geom may touch any other geom.
+    - `unequal`: number of explicit pairs with two sliding coefficients, of which the lesser
+      counts.
     """
 
     def __init__(self, model: Snapshot) -> None:
@@ -119,16 +116,8 @@ def contact_entries(
 ) -> tuple[float, list[FrictionPair], list[GivenContact]]:
     """The usual friction coefficient, pairs with another one, and pairs that never touch.
 
-    Parameters
-    ----------
-    rules : GeomRules
-    parts : sequence of Part
-    geoms : sequence of sequence of int
-        The geoms of each part.
-    near : (ndarray, ndarray)
-        Near pairs of parts.
-    notes : list of str
-        Notes are appended for filtered pairs and friction that kilter does not have.
+    Arguments: `notes`: notes are appended for filtered pairs and friction that kilter does not
+    have.
     """
     free = np.array([not part.grounded for part in parts])
     first, second = (ends[free[near[0]] | free[near[1]]] for ends in near)

@@ -282,10 +282,8 @@ class ModelScene:
     def _parent(self, body: int) -> int:
         """The body of the nearest part above a body; 0 for the world. Fixed frames are passed.
 
-        Raises
-        ------
-        InputError
-            If a body in between has a joint, but neither it nor a body fixed to it has a geom.
+        Raises `InputError` if a body in between has a joint, but neither it nor a body fixed to it
+        has a geom.
         """
         parent = int(self.model.body_parentid[body])
         while parent and parent not in self.owner:

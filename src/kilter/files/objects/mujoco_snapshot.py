@@ -56,19 +56,8 @@ class Snapshot(SimpleNamespace):
 def take_snapshot(mujoco: Any, model: Any, data: Any, keyframe: str | None) -> Snapshot:
     """Snapshot of a model in the pose of its data, of a keyframe, or of the first keyframe.
 
-    Parameters
-    ----------
-    mujoco : module
-    model : MjModel
-    data : MjData or None
-        Without data and without a keyframe, the pose is that of the first keyframe, if any.
-    keyframe : str or None
-        Name of a keyframe.
-
-    Raises
-    ------
-    InputError
-        If there is no keyframe of this name.
+    Arguments: `data`: without data and without a keyframe, the pose is that of the first keyframe,
+    if any. Raises `InputError` if there is no keyframe of this name.
     """
     notes: list[str] = []
     placed = mujoco.MjData(model) if data is None else data

@@ -49,21 +49,9 @@ def read_usd(
 ) -> Assembly:
     """Read a USD file as an assembly; `kilter.files.scene_process` runs this.
 
-    Parameters
-    ----------
-    path : Path
-    shown : str
-        Name of the file for the assembly.
-    units : str or None
-        Length unit that the user states.
-    allow_time : callable
-        Called with the size of the file [bytes] before its layers are composed.
-
-    Raises
-    ------
-    InputError
-        If usd-core is not installed, the file is damaged or has no shapes, or a shape is of a kind
-        that kilter does not have; the error names the object.
+    Arguments: `allow_time`: called with the size of the file [bytes] before its layers are
+    composed. Raises `InputError` if usd-core is not installed, the file is damaged or has no
+    shapes, or a shape is of a kind that kilter does not have; the error names the object.
     """
     allow_time(path.stat().st_size)
     require_usd()

@@ -28,11 +28,8 @@ SHAPES = {"Capsule", "Cone", "Cube", "Cylinder", "Mesh", "Plane", "Sphere"}
 def count_prims(path: Path) -> None:
     """Verify the number of prims of a stage, and the layers that it names.
 
-    Raises
-    ------
-    InputError
-        If the stage would have too many shapes or prims, or if a layer is a device, a pipe, or
-        outside of the start folder.
+    Raises `InputError` if the stage would have too many shapes or prims, or if a layer is a device,
+    a pipe, or outside of the start folder.
     """
     census = _Census()
     count = census.of_layer(str(path))

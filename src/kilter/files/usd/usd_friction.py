@@ -97,14 +97,7 @@ def _combined(a: FrictionMaterial | None, b: FrictionMaterial | None) -> float |
 def friction_of_parts(
     parts: Sequence[Part], materials: Sequence[Materials]
 ) -> tuple[float, list[FrictionPair]]:
-    """The most frequent friction coefficient, and the near pairs with another coefficient.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-    materials : sequence of sequence of FrictionMaterial or None
-        Material of each piece of each part.
-    """
+    """The most frequent friction coefficient, and the near pairs with another coefficient."""
     distinct = {material for pieces in materials for material in pieces}
     if len(distinct) == 1:
         material = distinct.pop()

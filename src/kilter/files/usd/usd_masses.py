@@ -66,16 +66,8 @@ def mass_of_object(
 
     Values that the stage does not state are left to the shape of the part, if that gives the same.
 
-    Parameters
-    ----------
-    scene : UsdScene
-    entry : UsdObject
-    pose : Pose
-        Frame of the part [length unit].
-    shapes : sequence of (Shape, Pose)
-        Shapes of ``entry.chosen`` in the world [length unit].
-    notes : list of str
-        A note is appended for an inertia that no body has.
+    Arguments: `pose`: frame of the part [length unit]; `shapes`: shapes of ``entry.chosen`` in the
+    world [length unit].
     """
     body = _StatedMass()
     if entry.body is not None:
@@ -114,10 +106,7 @@ def _sum(
 ) -> MassProperties:
     """Sum of the mass properties of colliders, world frame; flat meshes are left out.
 
-    Raises
-    ------
-    InputError
-        If all colliders are flat.
+    Raises `InputError` if all colliders are flat.
     """
     pieces = []
     for stated, density, (shape, pose) in zip(own, densities, shapes, strict=True):

@@ -37,27 +37,16 @@ class UsdShape:
 
 @dataclass(eq=False)
 class UsdObject:
-    """An object of a stage.
-
-    Attributes
-    ----------
-    path : str
-        Path of the prim that moves the object.
-    matrix : ndarray, shape (4, 4)
-        Transform of that prim, or of an instance, to the world, for column vectors.
-    body : pxr.Usd.Prim or None
-        Rigid body.
-    instance : int
-        Number of the instance of a point instancer; -1 for others.
-    held : bool
-    shapes : list of UsdShape
-    name : str
-    """
+    """An object of a stage."""
 
     path: str
+    """Path of the prim that moves the object."""
     matrix: Array
+    """Transform of that prim, or of an instance, to the world, for column vectors, shape (4, 4)."""
     body: Any = None
+    """Rigid body."""
     instance: int = -1
+    """Number of the instance of a point instancer; -1 for others."""
     held: bool = False
     shapes: list[UsdShape] = field(default_factory=list)
     name: str = ""

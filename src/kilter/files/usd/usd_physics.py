@@ -31,16 +31,7 @@ KINDS = {
 
 
 def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[str]) -> list[Joint]:
-    """Joints of the stage between its objects.
-
-    Parameters
-    ----------
-    scene : UsdScene
-    objects : mapping from str to UsdObject
-        Objects by the path of their prim.
-    notes : list of str
-        A note is appended for joints of other kinds.
-    """
+    """Joints of the stage between its objects."""
     from pxr import UsdPhysics
 
     joints, ignored = [], 0
@@ -71,10 +62,8 @@ def find_joints(scene: UsdScene, objects: Mapping[str, UsdObject], notes: list[s
 def _bodies(scene: UsdScene, relation: Any, objects: Mapping[str, UsdObject]) -> list[Any]:
     """Path of the body that a relation of a joint names; empty for the world.
 
-    Raises
-    ------
-    InputError
-        If there is no such prim, if it is a body without a shape, or if several are named.
+    Raises `InputError` if there is no such prim, if it is a body without a shape, or if several are
+    named.
     """
     from pxr import UsdPhysics
 
@@ -118,17 +107,7 @@ def filtered_pairs(
     objects: Mapping[str, UsdObject],
     pieces: Mapping[str, Sequence[int]],
 ) -> list[GivenContact]:
-    """Pairs of parts, or of their pieces, that never touch, as contacts without points.
-
-    Parameters
-    ----------
-    ends : sequence of (str, str)
-        Result of `filtered_ends`.
-    objects : mapping from str to UsdObject
-        Objects by the path of their prim.
-    pieces : mapping from str to sequence of int
-        Piece of each collider of an object, by the path of its prim.
-    """
+    """Pairs of parts, or of their pieces, that never touch, as contacts without points."""
     found: set[tuple[str, str, tuple[int, int] | None]] = set()
     for each in ends:
         a, b = (_owner(path, objects) for path in each)

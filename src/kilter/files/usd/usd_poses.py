@@ -32,27 +32,8 @@ LAYERS = (".usda", ".usdc", ".usd")
 def write_usd_poses(source: str | Path, path: str | Path, before: Assembly, after: Assembly) -> int:
     """Write a layer with the poses of the moved parts over the USD file that they come from.
 
-    Parameters
-    ----------
-    source : path
-        USD file of the assembly; it stays unchanged.
-    path : path
-        Layer that is written (.usda, .usdc or .usd).
-    before : Assembly
-        Assembly as read from `source`.
-    after : Assembly
-        The same parts with other poses. Parts that the stage does not have, such as a floor, are
-        ignored.
-
-    Returns
-    -------
-    int
-        Number of moved objects.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read or written, or a moved object is within an instance.
+    Returns number of moved objects. Raises `InputError` if a file cannot be read or written, or a
+    moved object is within an instance.
     """
     source, path = Path(source), Path(path)
     if path.suffix.lower() not in LAYERS:

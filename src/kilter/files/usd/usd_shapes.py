@@ -37,10 +37,7 @@ AXES = {"X": np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
 def rigid_part(matrix: Array) -> Pose:
     """Pose of a frame without its scale: its origin, and the rotation nearest to its axes.
 
-    Raises
-    ------
-    InputError
-        If the matrix is singular or not finite.
+    Raises `InputError` if the matrix is singular or not finite.
     """
     linear = matrix[:3, :3]
     if not np.isfinite(matrix).all() or abs(np.linalg.det(linear)) == 0.0:
@@ -60,17 +57,8 @@ def rigid_part(matrix: Array) -> Pose:
 def shape_of_prim(prim: Any, matrix: Array) -> tuple[Shape, Pose]:
     """Shape of a prim, and its pose, after a transform.
 
-    Parameters
-    ----------
-    prim : pxr.Usd.Prim
-        A shape (`Gprim`).
-    matrix : ndarray, shape (4, 4)
-        Transform of the prim to the frame of its object, for column vectors [length unit].
-
-    Raises
-    ------
-    InputError
-        If the shape is of another kind, or its data are invalid.
+    Arguments: `matrix` (4, 4): transform of the prim to the frame of its object, for column vectors
+    [length unit]. Raises `InputError` if the shape is of another kind, or its data are invalid.
     """
     from pxr import UsdGeom
 
@@ -133,10 +121,7 @@ def _cone(radius: float, height: float) -> Mesh:
 def _mesh(entry: Any) -> Mesh:
     """The polygons of a mesh prim as triangles, in its own frame.
 
-    Raises
-    ------
-    InputError
-        If the counts and indices of its faces do not agree.
+    Raises `InputError` if the counts and indices of its faces do not agree.
     """
     points = array_of(entry.GetPointsAttr(), (-1, 3), ()).astype(np.float32)
     counts = array_of(entry.GetFaceVertexCountsAttr(), (-1,), ()).astype(np.int64)

@@ -29,32 +29,22 @@ EARTH = 9.81
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsdScene:
-    """An open stage and its conventions.
-
-    Attributes
-    ----------
-    stage : pxr.Usd.Stage
-    units : {"m", "cm", "mm", "in"}
-        Length unit of the assembly: that of the stage if kilter has it, else metres.
-    scale : float
-        Length of a unit of the stage [units].
-    gravity : ndarray, shape (3,)
-        [m/s^2].
-    kilograms : float
-        Mass unit of the stage [kg].
-    metres : float
-        Length of a unit of the stage [m].
-    notes : tuple of str
-        Remarks about the file, such as another unit.
-    """
+    """An open stage and its conventions."""
 
     stage: Any
     units: str
+    """One of "m", "cm", "mm", "in". Length unit of the assembly: that of the stage if kilter has
+    it, else metres."""
     scale: float
+    """Length of a unit of the stage [units]."""
     gravity: Array
+    """[m/s^2], shape (3,)."""
     kilograms: float
+    """Mass unit of the stage [kg]."""
     metres: float
+    """Length of a unit of the stage [m]."""
     notes: tuple[str, ...]
+    """Remarks about the file, such as another unit."""
 
 
 def require_usd() -> None:
@@ -70,10 +60,7 @@ def require_usd() -> None:
 def open_stage(path: Path) -> UsdScene:
     """Open a USD file.
 
-    Raises
-    ------
-    InputError
-        If usd-core is not installed, or the file is missing, damaged or empty.
+    Raises `InputError` if usd-core is not installed, or the file is missing, damaged or empty.
     """
     require_usd()
     from pxr import Tf, Usd, UsdGeom, UsdPhysics
@@ -114,10 +101,7 @@ def open_stage(path: Path) -> UsdScene:
 def caught_messages() -> Iterator[Callable[[], list[str]]]:
     """Catch the warnings of USD in place of their output on the error stream.
 
-    Yields
-    ------
-    callable
-        Returns all warnings so far.
+    Yields returns all warnings so far.
     """
     from pxr import UsdUtils
 

@@ -46,10 +46,7 @@ def place_of(attribute: Any) -> str:
 def number_of(attribute: Any, default: float | None = None) -> float:
     """The number in an attribute; `default` if it has no value, else an error.
 
-    Raises
-    ------
-    InputError
-        If the value is no number, or NaN.
+    Raises `InputError` if the value is no number, or NaN.
     """
     return float(array_of(attribute, (), None if default is None else np.array(default)))
 
@@ -57,10 +54,7 @@ def number_of(attribute: Any, default: float | None = None) -> float:
 def size_of(attribute: Any, *, may_be_zero: bool = False) -> float:
     """The length in an attribute, a finite number above zero.
 
-    Raises
-    ------
-    InputError
-        If it has another value.
+    Raises `InputError` if it has another value.
     """
     size = number_of(attribute)
     if not 0 <= size < np.inf or (size == 0 and not may_be_zero):
@@ -76,10 +70,7 @@ def vector_of(attribute: Any, count: int, default: Any = None) -> Array:
 def quaternion_of(attribute: Any) -> Array:
     """The quaternion w x y z in an attribute; that of no rotation if it has no value.
 
-    Raises
-    ------
-    InputError
-        If the value is no quaternion, or has a number that is not finite.
+    Raises `InputError` if the value is no quaternion, or has a number that is not finite.
     """
     value = attribute.Get() if attribute else None
     if value is None:
@@ -103,10 +94,7 @@ def _wrong_type(attribute: Any) -> InputError:
 def require_finite_transform(prim: Any) -> None:
     """Verify that the transform of a prim has finite numbers; USD ignores some that are not.
 
-    Raises
-    ------
-    InputError
-        If a number is not finite, or if a value has another type.
+    Raises `InputError` if a number is not finite, or if a value has another type.
     """
     from pxr import UsdGeom
 
@@ -124,11 +112,8 @@ def require_finite_transform(prim: Any) -> None:
 def array_of(attribute: Any, shape: tuple[int, ...], default: Any = None) -> Array:
     """The numbers in an attribute; -1 in `shape` stands for any length.
 
-    Raises
-    ------
-    InputError
-        If the attribute has no value and there is no default, if the value has another type or
-        shape, or if it contains NaN.
+    Raises `InputError` if the attribute has no value and there is no default, if the value has
+    another type or shape, or if it contains NaN.
     """
     value = attribute.Get() if attribute else None
     value = default if value is None else value
@@ -153,10 +138,7 @@ def array_of(attribute: Any, shape: tuple[int, ...], default: Any = None) -> Arr
 def token_of(attribute: Any, known: Collection[str], default: str) -> str:
     """The word in an attribute, one of the known words; `default` if it has no value.
 
-    Raises
-    ------
-    InputError
-        If it is another word.
+    Raises `InputError` if it is another word.
     """
     value = attribute.Get() if attribute else None
     if value is None:

@@ -60,17 +60,10 @@ def answer_alone(
 ) -> SecondOrder:
     """Second-order answer (minimum, free, balanced or open) for a cluster in equilibrium.
 
-    Parameters
-    ----------
-    facts : ClusterFacts
-        Its contacts, without friction; forces of equilibrium are known to exist.
-    critical : Critical, optional
-        Critical motions of the contacts that are certain, if they are known already.
-    whole : Program, optional
-        The contacts with edges and corners that have no unique normal, which a fall has to open.
-    work : Work
-    only_if_stays : bool
-        Whether no place is searched to which the cluster falls.
+    Arguments: `facts`: its contacts, without friction; forces of equilibrium are known to exist;
+    `critical`: critical motions of the contacts that are certain, if they are known already;
+    `whole`: the contacts with edges and corners that have no unique normal, which a fall has to
+    open.
     """
     program = facts.program
     if (program.kind == POSSIBLE).any():
@@ -308,10 +301,8 @@ def _falling(
 ) -> SecondOrder:
     """Answer "balanced" with an exact configuration below the start; "open" if none is found.
 
-    Parameters
-    ----------
-    whole : Program
-        The contacts with edges and corners that have no unique normal, which the path has to open.
+    Arguments: `whole`: the contacts with edges and corners that have no unique normal, which the
+    path has to open.
     """
     path, why, program = decision.proof, "", facts.program
     assert isinstance(path, Path)

@@ -94,19 +94,8 @@ def find_path_places(
 ) -> PathPlaces | None:
     """Compute the fall of a balanced assembly without friction; None if it cannot be computed.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    answer : SecondOrder
-        Answer for the assembly; all balanced clusters fall at once.
-    work : Work, optional
-        The path ends once the work is over.
-
-    Returns
-    -------
-    PathPlaces or None
-        None if the answer has no exact configuration, if the assembly has given contacts, joints or
-        bonds, or if no configuration after the first was found.
+    Returns None if the answer has no exact configuration, if the assembly has given contacts,
+    joints or bonds, or if no configuration after the first was found.
     """
     falling = [
         cluster

@@ -17,14 +17,7 @@ __all__ = ["pushed_answer"]
 def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) -> SecondOrder:
     """Answer with the result of a small push that makes parts fall, or may make them fall.
 
-    Parameters
-    ----------
-    program : Program
-        Program of the decision.
-    push : SmallPush
-        Its state is "falls" or "open".
-    known : SecondOrder or None
-        Answer without friction; None if friction is needed to hold the parts.
+    Arguments: `known`: answer without friction; None if friction is needed to hold the parts.
     """
     why = push.rolling.why if push.rolling is not None else ""
     answer = known or open_answer(why or NEEDS_FRICTION, program)

@@ -90,23 +90,7 @@ def find_second_order(
 ) -> SecondOrder | None:
     """Second-order answer for an assembly in equilibrium; None if no motion is neutral.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-        Contacts of the assembly.
-    program : Program
-        These contacts without friction; forces of equilibrium are known to exist.
-    forces : ndarray, shape (K,), optional
-        Forces of equilibrium [N].
-    work : Work, optional
-        Work of the check: second order takes a fixed amount for its effort, and keeps its time
-        limit. Without, there is no limit.
-    strict : bool
-        Whether the check requires level strict, for which more work is done.
-    resting : ndarray of bool, shape (N,), optional
-        Free parts of the clusters that forces without friction balance, if not all of them rest.
-        The other clusters are open.
+    Arguments: `forces` (K,) [N]; `resting` (N,).
     """
     if not program.free.any():
         return None
@@ -163,16 +147,7 @@ def _of_parts(answer: SecondOrder, groups: RigidGroups) -> SecondOrder:
 def with_rolling(
     second_order: SecondOrder, assembly: Assembly, contacts: ContactSet, program: Program
 ) -> SecondOrder:
-    """Add the result about rolling to a balanced answer; return other answers unchanged.
-
-    Parameters
-    ----------
-    second_order : SecondOrder
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-        These contacts with friction.
-    """
+    """Add the result about rolling to a balanced answer; return other answers unchanged."""
     answers = second_order.clusters or (second_order,)
     program = RigidGroups.of(assembly).merged(with_sharp(program, contacts), assembly)
     parted = clusters(program)

@@ -23,20 +23,10 @@ __all__ = ["FLAT", "detected_rows", "features_of"]
 def features_of(program: Program, contacts: ContactSet, *, recognised: bool = False) -> Features:
     """Features (face, edge, vertex) of both parts at each row of a program.
 
-    Parameters
-    ----------
-    program : Program
-        Rows of these contacts or of some of them.
-    contacts : ContactSet
-    recognised : bool
-        Whether surfaces that were recognised in meshes count as known, within their doubt.
-
-    Returns
-    -------
-    Features
-        In the order of the rows. Open are rows that are no contact points, given contacts without
-        a feature, and inexact contacts (fitted normals, closed clearances, and, unless
-        `recognised`, surfaces recognised in meshes).
+    Arguments: `recognised`: whether surfaces that were recognised in meshes count as known, within
+    their doubt. Returns in the order of the rows. Open are rows that are no contact points, given
+    contacts without a feature, and inexact contacts (fitted normals, closed clearances, and, unless
+    `recognised`, surfaces recognised in meshes).
     """
     columns = _nothing_known(program)
     _set_given(columns, program, contacts)

@@ -80,14 +80,8 @@ class Fits:
 def find_fits(program: Program, curved: Index, play: Index | None = None) -> Fits:
     """Find the bodies that enclose each other, and fits with play that count as closed.
 
-    Parameters
-    ----------
-    program : Program
-    curved : ndarray of int
-        Rows of contacts at curved surfaces.
-    play : ndarray of int, optional
-        Rows among these of cylinders and spheres with play: they fit even if they do not enclose
-        each other, as a bar in half a bore.
+    Arguments: `play`: rows among these of cylinders and spheres with play: they fit even if they do
+    not enclose each other, as a bar in half a bore.
     """
     count = len(program.kind)
     enclosed, kind = np.zeros(count, dtype=bool), np.full(count, UNKNOWN)

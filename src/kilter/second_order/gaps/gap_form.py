@@ -41,10 +41,7 @@ def gap_forms(program: Program, features: Features) -> Array:
     the world frame. The first derivative is `Program.lever` of b minus that of a. The caller leaves
     out the columns of held parts and of the ground.
 
-    Returns
-    -------
-    ndarray, shape (K, 12, 12)
-        Not a number for rows without a form (`formed`).
+    Returns (K, 12, 12): not a number for rows without a form (`formed`).
     """
     result = np.full((len(features), 12, 12), np.nan)
     rows = np.flatnonzero(formed(program, features))

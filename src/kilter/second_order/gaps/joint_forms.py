@@ -74,17 +74,8 @@ def slipping(program: Program, forces: Array) -> Mask:
 def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
     """Second derivatives of the gaps of joints and stops, (K, 12, 12); 0 for other rows.
 
-    Parameters
-    ----------
-    program : Program
-        Its joint rows belong to `joints`.
-    joints : sequence of Joint
-        Joints of the assembly.
-
-    Returns
-    -------
-    ndarray, shape (K, 12, 12)
-        In (r_a, theta_a, r_b, theta_b) about the centres of mass, world frame [length unit].
+    Returns (K, 12, 12): in (r_a, theta_a, r_b, theta_b) about the centres of mass, world frame
+    [length unit].
     """
     result = np.zeros((len(program.kind), 12, 12))
     rows = np.flatnonzero(of_joints(program))

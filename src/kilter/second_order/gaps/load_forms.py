@@ -49,13 +49,7 @@ class Swings:
 
 
 def swings_of(assembly: Assembly, program: Program) -> Swings:
-    """Loads of an assembly.
-
-    Parameters
-    ----------
-    program : Program
-        Program of this assembly with its rigid groups merged.
-    """
+    """Loads of an assembly."""
     count = len(program.names)
     forms, arms = np.zeros((2, count, 3, 3))
     inclined, torques = np.zeros((2, count), dtype=bool)

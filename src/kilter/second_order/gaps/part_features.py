@@ -59,19 +59,8 @@ def part_features(
 ) -> PartFeatures:
     """Features (face, edge, vertex) of parts at points of their surfaces.
 
-    Parameters
-    ----------
-    geometry : Geometry
-    part : ndarray of int, shape (n,)
-        Part of each point.
-    point, outward : ndarray, shape (n, 3)
-        Points, and unit normals out of the part.
-    reach : ndarray, shape (number of parts,)
-        Largest distance of a point from the surface that it is on [length unit].
-    region : ndarray of bool, shape (n,)
-        Points of an area of contact: a curved face counts as a face there up to its boundary.
-    recognised : ndarray of bool, shape (n,)
-        Points at which surfaces recognised in meshes count as known, within their doubt.
+    Arguments: `part` (n,); `point`, `outward` (n, 3); `reach` (number of parts,) [length unit];
+    `region` (n,); `recognised` (n,).
     """
     order = np.argsort(part, kind="stable")
     back = np.argsort(order, kind="stable")

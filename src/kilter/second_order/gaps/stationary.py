@@ -181,16 +181,7 @@ def problem_of(program: Program, features: Features, joints: Sequence[Joint] = (
 def stationary(program: Program, forms: Array, slips: Array | None = None) -> Stationary:
     """Scale a second-order problem whose gap derivatives are given in physical units.
 
-    Parameters
-    ----------
-    program : Program
-        Contacts without friction, and joints, with the rows of `forms`. Torques of joints are
-        divided by a length (`Program.arm`).
-    forms : ndarray, shape (K, 12, 12)
-        Second derivatives in (r_a, theta_a, r_b, theta_b) about the centres of mass
-        [1/length unit, -, length unit].
-    slips : ndarray, shape (K, 4, 12), optional
-        Turn [rad] and slip [length unit] at flush corners, in the same unknowns.
+    Arguments: `forms` (K, 12, 12); `slips` (K, 4, 12) [rad].
     """
     free, per = np.flatnonzero(program.free), len(program.freedoms)
     length = float(np.exp(np.log(program.radius[free]).mean()))

@@ -107,17 +107,6 @@ def touched_surfaces(
     A patch of kind "plane" is a plane. For a given contact, a face without curvature is a plane, a
     face with equal curvatures a sphere, and a face with a single nonzero curvature a cylinder; any
     other face, or a rim, counts by its stated axis of revolution.
-
-    Parameters
-    ----------
-    program : Program
-        Contacts and joints.
-    features : Features
-        Features of its rows.
-    contacts : ContactSet
-        Contacts to which the rows belong.
-    joints : sequence of Joint
-        Joints to which the other rows belong.
     """
     joined = of_joints(program)
     patch = np.where(joined, -1, program.source)

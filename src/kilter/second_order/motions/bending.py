@@ -75,16 +75,7 @@ def bending_bodies(
 ) -> Bends:
     """Find the round or jointed parts that an open motion may bend.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-        Contacts and joints only; rigid groups are merged. Rows with friction do not slip.
-    forces : ndarray, shape (K,)
-        Forces of an equilibrium along the rows [N].
-    curves : bool
-        Whether these forces have no friction.
+    Arguments: `forces` (K,) [N].
     """
     bending, moved = np.zeros((2, len(program.names)), dtype=bool)
     if not round_rows(program, contacts).any():

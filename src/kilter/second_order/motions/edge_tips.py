@@ -38,16 +38,8 @@ def tipping_parts(
 ) -> Mask:
     """Mask of the free parts between flat faces that may tip without work, shape (N,).
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-        Contacts and joints only; rigid groups are merged.
-    forces : ndarray, shape (K,)
-        Forces of an equilibrium along the rows [N].
-    held : ndarray of bool, shape (N,)
-        Parts that count as held.
+    Arguments: `forces` (K,): forces of an equilibrium along the rows [N]; `held` (N,): parts that
+    count as held.
     """
     tips = np.zeros(len(program.names), dtype=bool)
     for cluster in clusters(replace(program, free=program.free & ~held)):

@@ -72,17 +72,7 @@ class FreeMotions:
 def find_free_motions(
     program: Program, features: Features, touched: tuple[Touched, Touched]
 ) -> FreeMotions:
-    """Motions proved to keep every gap and the energy (spin, level, slide, pivot, shift).
-
-    Parameters
-    ----------
-    program : Program
-        Contacts without friction, and joints.
-    features : Features
-        Features of its rows.
-    touched : pair of Touched
-        Surfaces of parts a and b at its rows (`touched_surfaces`).
-    """
+    """Motions proved to keep every gap and the energy (spin, level, slide, pivot, shift)."""
     search = _FreeSearch(program, features, touched)
     return search.planar() if program.planar else search.all()
 

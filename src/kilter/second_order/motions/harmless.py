@@ -42,22 +42,8 @@ ROUNDING = 1e-12
 class Harmless:
     """Harmless motions of the round and jointed parts of a cluster.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    part : Program
-        Rows of the cluster that stay closed and that touch a round or jointed part.
-    features : Features
-        Features of these rows.
-    touched : pair of Touched
-        Surfaces of parts a and b at these rows.
-    rounds : ndarray of bool, shape (N,)
-        Round and jointed free parts.
-    swings : Swings
-        Loads off the centres of mass.
-    blur : float
-        Relative accuracy of the coordinates [-].
+    Arguments: `part`: rows of the cluster that stay closed and that touch a round or jointed part;
+    `rounds` (N,): round and jointed free parts; `blur`: relative accuracy of the coordinates [-].
     """
 
     def __init__(

@@ -136,16 +136,7 @@ def rolling_of(
 
 
 def find_rolling(program: Program, features: Features, assembly: Assembly) -> Rolling:
-    """Decide whether friction holds a balanced cluster against rolling without slip.
-
-    Parameters
-    ----------
-    program : Program
-        Contacts of the cluster, with friction, and joints.
-    features : Features
-        Features of its rows.
-    assembly : Assembly
-    """
+    """Decide whether friction holds a balanced cluster against rolling without slip."""
     why = _unmodelled_reason(program, assembly)
     if why:
         return open_rolling(program, why)

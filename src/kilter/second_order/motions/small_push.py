@@ -71,18 +71,8 @@ def small_push(
 ) -> SmallPush:
     """Decide by rules whether a small push may make round or jointed parts fall.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-        Certain contacts, with their friction, and joints.
-    forces : ndarray, shape (K,)
-        Forces of an equilibrium along its rows [N].
-    curves : bool
-        Whether these forces have no friction.
-    among : ndarray of bool, shape (N,), optional
-        Parts whose clusters count; by default all.
+    Arguments: `forces` (K,): forces of an equilibrium along its rows [N]; `among` (N,): parts whose
+    clusters count; by default all.
     """
     groups = RigidGroups.of(assembly)
     whole = groups.merged(program, assembly)
@@ -127,16 +117,8 @@ def small_push(
 class _Pushed:
     """Parts of a cluster that bend, and their rolling.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    program : Program
-        Contacts and joints of the cluster.
-    forces : ndarray, shape (K,)
-        Normal forces of an equilibrium [N].
-    bonded : ndarray of bool, shape (N,)
-        Parts at bonds and straps, which are no rows of the program.
+    Arguments: `forces` (K,): normal forces of an equilibrium [N]; `bonded` (N,): parts at bonds and
+    straps, which are no rows of the program.
     """
 
     def __init__(

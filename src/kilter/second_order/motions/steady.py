@@ -22,13 +22,8 @@ def steady_parts(program: Program, forces: Array, flat: Mask) -> Mask:
     rise either. So the part keeps its height and tilt if its centre of pressure is within the hull
     of all these points: their forces can be spread so that all of them press.
 
-    Parameters
-    ----------
-    program : Program
-    forces : ndarray, shape (K,)
-        Forces of an equilibrium [N].
-    flat : ndarray of bool, shape (K,)
-        Rows of contacts that are not curved.
+    Arguments: `forces` (K,): forces of an equilibrium [N]; `flat` (K,): rows of contacts that are
+    not curved.
     """
     upright = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < BENDS
     rows = np.flatnonzero(flat & upright & (program.kind == CONTACT))

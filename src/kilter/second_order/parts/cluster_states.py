@@ -35,15 +35,7 @@ def joined_state(states: Iterable[State]) -> State:
 
 
 def falling_alone(program: Program, names: Iterable[str]) -> Cluster | None:
-    """Part of a cluster in which only the named parts are free; None if they are no cluster.
-
-    Parameters
-    ----------
-    program : Program
-        Program of a cluster.
-    names : iterable of str
-        Free parts of it that touch one another.
-    """
+    """Part of a cluster in which only the named parts are free; None if they are no cluster."""
     wanted = set(names)
     chosen = np.array([name in wanted for name in program.names]) & program.free
     if not chosen.any() or int(chosen.sum()) != len(wanted):

@@ -89,21 +89,10 @@ class PartingPlanes:
     def rows(self, places: PartPlaces, reach: Array, gap: float) -> tuple[Array, Array]:
         """Linear conditions A x <= b on a step, under which separating planes keep bodies apart.
 
-        Parameters
-        ----------
-        places : PartPlaces
-        reach : ndarray, shape (N,)
-            Largest displacement of points of each part [length unit]; pairs beyond are skipped.
-        gap : float
-            Gap between the bodies [length unit].
-
-        Returns
-        -------
-        matrix : ndarray, shape (m, 6 N + 3 P)
-            A: columns for (dr, dtheta) of each part [length unit, rad], then for the two tilts
-            [rad] and the shift [length unit] of each plane.
-        bound : ndarray, shape (m,)
-            b [length unit].
+        Arguments: `reach` (N,): largest displacement of points of each part [length unit]; pairs
+        beyond are skipped; `gap`: gap between the bodies [length unit]. Returns `matrix` (m, 6 N +
+        3 P): a: columns for (dr, dtheta) of each part [length unit, rad], then for the two tilts
+        [rad] and the shift [length unit] of each plane; `bound` (m,): b [length unit].
         """
         near = self._near_pairs(places, reach + gap)
         count = 6 * len(self._bodies)

@@ -243,26 +243,9 @@ def least_separation(
 ) -> float | None:
     """Least separation of displaced parts, at most `beyond` [length unit]; None if unknown.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    program : Program
-        Contacts between the parts before they moved.
-    motion : ndarray, shape (N, 6)
-        Shift of the centre of mass and rotation vector of each part [length unit, rad].
-    beyond : float
-        Pairs that are certainly farther apart than this are skipped [length unit].
-    planes : ndarray of bool, shape (K,), optional
-        Contacts with a plane. A pair that only shifted along such a plane is skipped.
-    tied : ndarray of int, shape (N,), optional
-        Number of the group of each part; pairs within a group are skipped.
-    jointed : collection of frozenset of int
-        Pairs with a joint; they are skipped, because bodies may overlap at their joint.
-
-    Returns
-    -------
-    float or None
-        Negative if no separating plane was found; None if the separation of a pair is unknown.
+    Arguments: `motion` (N, 6) [length unit, rad]; `beyond` [length unit]; `planes` (K,); `tied`
+    (N,). Returns negative if no separating plane was found; None if the separation of a pair is
+    unknown.
     """
     count = len(program.names)
     turns = [turn_of(motion[k, 3:]) for k in range(count)]

@@ -39,16 +39,9 @@ def carry_beyond_doubt(
 ) -> bool:
     """True if the forces on given rows remain positive after an exact correction of the balance.
 
-    Parameters
-    ----------
-    forces : ndarray, shape (K,)
-        Forces over the weight [-]; those on other rows count as residual.
-    carries : ndarray of bool, shape (K,)
-        The given rows.
-    neutral : ndarray, shape (n, d)
-        Orthonormal basis of the motions that open none of these rows.
-    load : ndarray, shape (n,)
-        The load of the problem, or zero for self-stress.
+    Arguments: `forces` (K,): forces over the weight [-]; those on other rows count as residual;
+    `carries` (K,): the given rows; `neutral` (n, d): orthonormal basis of the motions that open
+    none of these rows; `load` (n,): the load of the problem, or zero for self-stress.
     """
     rows, limit = problem.rows[carries], max(BALANCED, problem.blur)
     missing = float(np.linalg.norm(rows.T @ forces[carries] + load))
@@ -66,14 +59,8 @@ def all_carry(
 ) -> bool:
     """True if forces (k,) on rows (k, n) remain positive after any correction of their residual.
 
-    Parameters
-    ----------
-    missing : float
-        Norm of the residual.
-    neutral : ndarray, shape (n, d), optional
-        Orthonormal motions; the rows have to block all motions across them.
-    joined : ndarray of bool, shape (k,), optional
-        Rows of joints, which may also pull.
+    Arguments: `neutral` (n, d): orthonormal motions; the rows have to block all motions across
+    them; `joined` (k,): rows of joints, which may also pull.
     """
     pushes = np.ones(len(forces), dtype=bool) if joined is None else ~joined
     weights = np.where(pushes, forces, max(float(np.abs(forces).max(initial=0.0)), 1.0))

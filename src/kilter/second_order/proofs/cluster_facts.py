@@ -36,15 +36,8 @@ The counts of a balanced cluster are None: a path that leads down does not prove
 class ClusterFacts:
     """Geometry and contact gaps of a cluster, for the verification of proofs; lazy.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-        Contacts of the assembly.
-    program : Program
-        Contacts of the cluster, without friction; groups of tied parts are merged.
-    find_features : callable
-        Returns the features of the rows of `program`.
+    Arguments: `program`: contacts of the cluster, without friction; groups of tied parts are
+    merged.
     """
 
     def __init__(

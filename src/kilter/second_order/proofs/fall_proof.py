@@ -191,12 +191,8 @@ def find_configuration(
 ) -> tuple[Configuration | None, str]:
     """Find a configuration on a falling path without penetration; else None and the reason.
 
-    Returns
-    -------
-    Configuration or None
-        None if no examined configuration has these properties.
-    str
-        The reason for None; otherwise empty.
+    Returns None if no examined configuration has these properties; the reason for None; otherwise
+    empty.
     """
     assert problem.scale is not None
     for step in STEPS:

@@ -113,14 +113,8 @@ def judge_level_rest(
 ) -> str:
     """Reason why a proof of rest on horizontal faces fails; empty if it is valid.
 
-    Parameters
-    ----------
-    program : Program
-    level : ndarray of bool, shape (K,)
-        Rows of level faces (`level_rows`).
-    proof : LevelRest
-    sharp : SharpPoints, optional
-        Sharp points, which a single normal may open; without them every row has to open.
+    Arguments: `level` (K,): rows of level faces (`level_rows`); `sharp`: sharp points, which a
+    single normal may open; without them every row has to open.
     """
     if proof.forces.shape != level.shape or proof.motion.shape != (len(program.names), 6):
         return "its numbers do not match the parts and contacts"
@@ -149,16 +143,8 @@ def rest_on_level(program: Program, level: Mask, forces: Array, owner: Index) ->
     The result is that of `wrong_forces` for each assembly, except that none is known to rest if
     parts of any assembly support each other in a ring.
 
-    Parameters
-    ----------
-    program : Program
-        Parts and rows of all M assemblies, with the same gravity.
-    level : ndarray of bool, shape (K,)
-        Rows of level faces (`level_rows`).
-    forces : ndarray, shape (K,)
-        Forces of an equilibrium [N].
-    owner : ndarray of int, shape (N,)
-        Assembly of each part, 0 to M - 1.
+    Arguments: `level` (K,): rows of level faces (`level_rows`); `forces` (K,): forces of an
+    equilibrium [N]; `owner` (N,): assembly of each part, 0 to M - 1.
     """
     rests = np.zeros(int(owner.max(initial=-1)) + 1, dtype=bool)
     row_owner = owner[np.maximum(program.part_a, program.part_b)]

@@ -170,10 +170,7 @@ def leaf_cones(
 ) -> Iterator[Array | None]:
     """Yield the rays of each undivided cone in a tree of splits; None for the whole space.
 
-    Raises
-    ------
-    ValueError
-        If the splits are not a tree.
+    Raises `ValueError` if the splits are not a tree.
     """
     if not splits:
         yield None
@@ -199,12 +196,8 @@ def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | 
 
     Only the numbers of problem and proof are used: signs, balance, null space, Cholesky.
 
-    Parameters
-    ----------
-    problem : Stationary
-    proof : MinimumProof
-    worst : Stationary, optional
-        The problem with the gaps that curve the energy least, if gaps are only known within bounds.
+    Arguments: `worst`: the problem with the gaps that curve the energy least, if gaps are only
+    known within bounds.
     """
     worst = worst or problem
     if not proof.leaves:

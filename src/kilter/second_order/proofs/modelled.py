@@ -65,12 +65,7 @@ def why_unmodelled(
 ) -> str:
     """Reason why second order cannot model some bodies, with the first pair; empty if it can.
 
-    Parameters
-    ----------
-    pairs : mapping
-        Result of `unmodelled_pairs`.
-    bodies : ndarray of bool, shape (N,), optional
-        First parts of the rigid groups that count; by default all.
+    Arguments: `bodies` (N,): first parts of the rigid groups that count; by default all.
     """
     first = RigidGroups.of(assembly).first
     mine = [
@@ -98,13 +93,7 @@ def why_beyond(program: Program, assembly: Assembly) -> str:
 
 
 def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
-    """Masks of parts with a load off their centre, and of those with an inclined one, (N,).
-
-    Parameters
-    ----------
-    program : Program
-        Program of this assembly with its rigid groups merged.
-    """
+    """Masks of parts with a load off their centre, and of those with an inclined one, (N,)."""
     off, slanted = np.zeros((2, len(program.names)), dtype=bool)
     groups, center = RigidGroups.of(assembly), assembly.geometry.center
     for load in assembly.loads:

@@ -37,10 +37,7 @@ class SecondOrderProof(Protocol):
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> SecondOrderProof:
         """Read a proof from JSON data of the form `FORM`.
 
-        Raises
-        ------
-        MalformedProof
-            If numbers do not fit each other, or motions do not fit the parts.
+        Raises `MalformedProof` if numbers do not fit each other, or motions do not fit the parts.
         """
 
     def judge(self, facts: ClusterFacts) -> Judged:

@@ -61,10 +61,8 @@ def named_motion(program: Program, motion: Array) -> dict[str, list[float]]:
 def read_motion(program: Program, named: dict[str, Any]) -> Array:
     """Read a motion of all parts, shape (N, 6), from six numbers for each free part.
 
-    Raises
-    ------
-    MalformedProof
-        If the names are not those of the free parts, or a motion leaves the plane.
+    Raises `MalformedProof` if the names are not those of the free parts, or a motion leaves the
+    plane.
     """
     free = [program.names[k] for k in np.flatnonzero(program.free)]
     if set(named) != set(free):

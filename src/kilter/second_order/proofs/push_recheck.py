@@ -37,18 +37,7 @@ def wrong_about_push(
 ) -> list[str]:
     """Errors if the stated verdict is stronger than the evidence about small pushes; else empty.
 
-    Parameters
-    ----------
-    program : Program
-        Program of the proof.
-    forces : ndarray, shape (K,)
-        Forces of the proof along its rows [N].
-    verdict : str
-        Stated verdict; forces of equilibrium support it.
-    second : mapping or None
-        Data of its second order, which are verified.
-    curves : bool
-        Whether its forces have no friction.
+    Arguments: `forces` (K,): forces of the proof along its rows [N].
     """
     rolling = None if second is None else second.get("rolling")
     falls = second is not None and second["state"] == "balanced" and rolling != "holds"
@@ -76,14 +65,7 @@ def rests_without_friction(
 ) -> bool:
     """True if the normal forces of a proof balance every cluster that has a second-order proof.
 
-    Parameters
-    ----------
-    program : Program
-        Program of the proof, with friction.
-    forces : ndarray, shape (K,)
-        Forces of the proof along its rows [N].
-    second : mapping
-        Data of its second order, of valid form.
+    Arguments: `forces` (K,): forces of the proof along its rows [N].
     """
     groups, smooth = RigidGroups.of(assembly), program.frictionless
     left = _without_proof(assembly, contacts, program, second)

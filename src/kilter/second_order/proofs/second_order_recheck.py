@@ -82,13 +82,7 @@ JOINED = every(
 def recheck_second_order(
     assembly: Assembly, contacts: ContactSet, program: Program, data: Any
 ) -> list[str]:
-    """Reasons why the second-order proof in a proof file is not valid; empty if it is.
-
-    Parameters
-    ----------
-    program : Program
-        Contacts without friction.
-    """
+    """Reasons why the second-order proof in a proof file is not valid; empty if it is."""
     try:
         if not (isinstance(data, dict) and "clusters" in data):
             _kind_of(data)
@@ -109,10 +103,7 @@ def _entries(data: dict[str, Any]) -> list[dict[str, Any]]:
 def _kind_of(entry: Any) -> type[SecondOrderProof]:
     """Class of a cluster's proof, by its key; raises if the data do not have its form.
 
-    Raises
-    ------
-    MalformedProof
-        If the entry has no known kind, or not its form.
+    Raises `MalformedProof` if the entry has no known kind, or not its form.
     """
     fault = ENTRY(entry, "")
     kind = None if fault else next((KINDS[key] for key in KINDS if key in entry), None)
@@ -173,10 +164,8 @@ def _falling_alone(facts: ClusterFacts, entry: dict[str, Any]) -> ClusterFacts:
 def _wrong_entry(facts: ClusterFacts, entry: dict[str, Any], off: Mask, slanted: Mask) -> str:
     """Reason why the proof of a cluster fails; empty if it is valid.
 
-    Parameters
-    ----------
-    off, slanted : ndarray of bool, shape (N,)
-        Parts with a load off their centre of mass, and with an inclined such load.
+    Arguments: `off`, `slanted` (N,): parts with a load off their centre of mass, and with an
+    inclined such load.
     """
     kind, program = _kind_of(entry), facts.program
     if "alone" in entry and kind is not Fall:

@@ -212,14 +212,9 @@ def judge_stopped(
 ) -> str:
     """Reason why a proof by stops fails; empty if it is valid.
 
-    Parameters
-    ----------
-    level : ndarray of bool, shape (K,)
-        Level contacts (`level_contacts`).
-    motions : ndarray, shape (n, f)
-        Level motions (`level_motions`).
-    free : ndarray, shape (n, g)
-        Orthonormal basis of the symmetries (`FreeMotions.symmetries`).
+    Arguments: `level` (K,): level contacts (`level_contacts`); `motions` (n, f): level motions
+    (`level_motions`); `free` (n, g): orthonormal basis of the symmetries
+    (`FreeMotions.symmetries`).
     """
     if proof.forces.shape != level.shape or proof.opening.shape != problem.load.shape:
         return "its numbers do not match the parts and contacts"

@@ -78,14 +78,9 @@ def carrying_forces(
     Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1.  The forces are f / s, shape (K,),
     and the mask is t = 1. None if there is no equilibrium, or the work is over.
 
-    Parameters
-    ----------
-    rows : csr_array, shape (K, n)
-    load : ndarray, shape (n,)
-    two_sided : ndarray of bool, shape (K,), optional
-        Rows of joints: they count as rows that carry, and their forces have either sign.
-    limits : ndarray, shape (K,), optional
-        Forces of rows are below these limits, with a margin (`WITHIN`).
+    Arguments: `rows` (K, n); `load` (n,); `two_sided` (K,): rows of joints: they count as rows that
+    carry, and their forces have either sign; `limits` (K,): forces of rows are below these limits,
+    with a margin (`WITHIN`).
     """
     count, freedoms = rows.shape
     if count == 0:

@@ -47,14 +47,7 @@ def best_curvature(
 ) -> CurvedEnergy | None:
     """Contact forces that maximise the least curvature of the energy; None if unsolved.
 
-    Parameters
-    ----------
-    problem : Stationary
-        With the carrying rows only.
-    basis : ndarray, shape (n, d)
-        Z.
-    sides : ndarray, shape (m, d)
-        R.
+    Arguments: `basis` (n, d): Z; `sides` (m, d): R.
     """
     count, size = len(problem.rows), len(sides)
     row, column = np.tril_indices(size)

@@ -25,20 +25,7 @@ def decided_for_all(
 ) -> tuple[Stationary, EnergyDecision]:
     """Return a decision only if it holds for all surfaces within their doubt; else "open".
 
-    Parameters
-    ----------
-    facts : ClusterFacts
-        Its gaps have a form for all surfaces.
-    problem : Stationary
-        Problem with the surfaces as they were recognised.
-    decision : EnergyDecision
-        Decision about this problem.
-
-    Returns
-    -------
-    Stationary
-        The problem at the worst bounds, which the proof is about.
-    EnergyDecision
+    Returns the problem at the worst bounds, which the proof is about.
     """
     proof = decision.proof
     if isinstance(proof, MinimumProof):

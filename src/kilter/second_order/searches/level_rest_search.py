@@ -55,15 +55,8 @@ def find_level_rest(
 ) -> LevelRest | None:
     """Search for a proof that parts rest on horizontal faces; None if none was found.
 
-    Parameters
-    ----------
-    program : Program
-    level : ndarray of bool, shape (K,)
-        Rows of level faces (`level_rest.level_rows`).
-    forces : ndarray, shape (K,), optional
-        Forces of some equilibrium [N].
-    sharp : SharpPoints, optional
-        Sharp points, which the motion may open by a single normal.
+    Arguments: `level` (K,): rows of level faces (`level_rest.level_rows`); `forces` (K,): forces of
+    some equilibrium [N].
     """
     if not level.any():
         return None
@@ -80,13 +73,8 @@ def rests_level(program: Program, level: Mask, forces: Array) -> bool:
     Then no motion lowers the energy to second order, so that the assembly is not only balanced.
     The condition is that of `level_rest`, without the motion that opens the other contacts.
 
-    Parameters
-    ----------
-    program : Program
-    level : ndarray of bool, shape (K,)
-        Rows of level faces (`level_rest.level_rows`).
-    forces : ndarray, shape (K,)
-        Forces of some equilibrium [N], which are tried if the load cannot be spread from above.
+    Arguments: `level` (K,): rows of level faces (`level_rest.level_rows`); `forces` (K,): forces of
+    some equilibrium [N], which are tried if the load cannot be spread from above.
     """
     return resting_forces(program, level, forces, programs=False) is not None
 
@@ -99,15 +87,7 @@ def resting_forces(
     *,
     programs: bool = True,
 ) -> Array | None:
-    """Forces [N] on horizontal faces that fix the height and tilts of every part; or None.
-
-    Parameters
-    ----------
-    program, level, forces, work
-        As in `find_level_rest`.
-    programs : bool
-        Whether a linear program is the last try.
-    """
+    """Forces [N] on horizontal faces that fix the height and tilts of every part; or None."""
     for candidate in _candidate_forces(program, level, forces, work, programs=programs):
         if not wrong_forces(program, level, candidate):
             return candidate

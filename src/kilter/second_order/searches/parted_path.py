@@ -40,17 +40,7 @@ def parted_paths(
     paths: tuple[Path, ...],
     work: Work,
 ) -> Iterator[Path]:
-    """Yield falling paths near given ones, with added shifts that open other contacts.
-
-    Parameters
-    ----------
-    program : Program
-        Contacts with the rows of sharp points (`with_sharp`).
-    contacts : ContactSet
-    problem : Stationary
-        Gaps of the contacts that are certain.
-    paths : tuple of Path
-    """
+    """Yield falling paths near given ones, with added shifts that open other contacts."""
 
     def moved(path: Path) -> int:
         by_part = path.first.reshape(-1, len(program.freedoms))

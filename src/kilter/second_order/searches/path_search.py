@@ -40,11 +40,7 @@ def find_path(
 ) -> Path | None:
     """Falling path along a critical motion, (n,); None if the linear program is not solved.
 
-    Parameters
-    ----------
-    balancing : ndarray, shape (m, K), optional
-        Forces of equilibrium that are known. If some of them curve the energy upward along the
-        motion, no path falls along it, and no program is solved.
+    Arguments: `balancing` (m, K).
     """
     first = motion / max(float(np.linalg.norm(motion)), TINY)
     path = None

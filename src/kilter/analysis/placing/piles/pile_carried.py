@@ -33,24 +33,17 @@ IN_CONTACT = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Parts:
-    """Parts of contacts within the polygons of the tops below: t convex polygons.
-
-    Attributes
-    ----------
-    place, box : ndarray of int, shape (t,)
-        Row of the place among those asked, and the box below.
-    points, count : ndarray, shape (t, w, 2) and (t,)
-        Corners, padded; no corners if the part is empty.
-    entry, sides : ndarray of int, shape (n, q) and (n,)
-        Entries at the corners of the polygon of each box, padded, and their number.
-    """
+    """Parts of contacts within the polygons of the tops below: t convex polygons."""
 
     place: Index
     box: Index
+    """Row of the place among those asked, and the box below, shape (t,)."""
     points: Array
     count: Index
+    """Corners, padded, shape (t, w, 2); no corners if the part is empty."""
     entry: Index
     sides: Index
+    """Entries at the corners of the polygon of each box, padded, and their number, shape (n, q)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,12 +115,8 @@ def _carried_parts(asked: PlaceQuestion, rows: Index) -> _Parts:
 def _side_by_side(asked: PlaceQuestion, rows: Index, parts: _Parts) -> tuple[Array, Mask, Index]:
     """Corners of all parts of a place side by side, relative to its centre, and the source.
 
-    Returns
-    -------
-    points, valid : ndarray, shape (m, k w, 2) and (m, k w)
-        A place has up to k parts of up to w corners.
-    source : ndarray of int, shape (m, k)
-        The part of each block of corners.
+    Returns `points, valid` (m, k w, 2): a place has up to k parts of up to w corners; `source` (m,
+    k): the part of each block of corners.
     """
     m, width = len(rows), parts.points.shape[1]
     per_place = np.bincount(parts.place, minlength=m)
@@ -163,16 +152,9 @@ def _loads(
 ) -> _Loads:
     """Loads on the pile at m places, from up to three points of each.
 
-    Parameters
-    ----------
-    asked, parts, patterns
-        As found.
-    blocks : (ndarray of int, shape (m, k), int)
-        The part of each block of points, and the number of points of a block.
-    which : ndarray of int, shape (m, 3)
-        Numbers of the points: blocks of parts, then patterns.
-    force : ndarray, shape (m, 3)
-        Force at each [N].
+    Arguments: `blocks` (m, k): the part of each block of points, and the number of points of a
+    block; `which` (m, 3): numbers of the points: blocks of parts, then patterns; `force` (m, 3):
+    force at each [N].
     """
     carried = asked.pile.carried
     source, width = blocks

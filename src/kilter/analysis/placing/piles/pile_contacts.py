@@ -30,19 +30,13 @@ ACCURACY = 2.0**-52
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoxRows:
-    """Axis-parallel boxes as arrays; row 0 is the held base.
-
-    Attributes
-    ----------
-    low, high : ndarray, shape (n, 3)
-        Corners with the least and the greatest coordinates [length unit].
-    mass : ndarray, shape (n,)
-        [kg]; that of the base is unused.
-    """
+    """Axis-parallel boxes as arrays; row 0 is the held base."""
 
     low: Array
     high: Array
+    """Corners with the least and the greatest coordinates [length unit], shape (n, 3)."""
     mass: Array
+    """[kg], shape (n,); that of the base is unused."""
 
     def __len__(self) -> int:
         return len(self.mass)
@@ -88,34 +82,24 @@ def joined_boxes(boxes: BoxRows, more: BoxRows) -> BoxRows:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touching:
-    """Contacts of a box at m places with the n boxes of a pile.
-
-    Attributes
-    ----------
-    corner : ndarray, shape (m, 2)
-        Corner of the box with the least coordinates [length unit].
-    height : ndarray, shape (m,)
-        Height of its underside [length unit].
-    low, high : ndarray, shape (m, n, 2)
-        Rectangle in which the box and a box of the pile overlap from above.
-    carries, may_carry, beside, near : ndarray of bool, shape (m, n)
-        As in the docstring of the module; `near` pairs are unsure.
-    doubtful : ndarray of bool, shape (m,)
-        Edges or corners meet (this matters with friction only).
-    drop : ndarray, shape (m, n)
-        Height of the underside over each top [length unit].
-    """
+    """Contacts of a box at m places with the n boxes of a pile."""
 
     corner: Array
+    """Corner of the box with the least coordinates [length unit], shape (m, 2)."""
     height: Array
+    """Height of its underside [length unit], shape (m,)."""
     low: Array
     high: Array
+    """Rectangle in which the box and a box of the pile overlap from above, shape (m, n, 2)."""
     carries: Mask
     may_carry: Mask
     beside: Mask
     near: Mask
+    """As in the docstring of the module, shape (m, n); `near` pairs are unsure."""
     doubtful: Mask
+    """Edges or corners meet (this matters with friction only), shape (m,)."""
     drop: Array
+    """Height of the underside over each top [length unit], shape (m, n)."""
 
     @property
     def unsure(self) -> Mask:

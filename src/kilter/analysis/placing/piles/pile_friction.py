@@ -42,20 +42,7 @@ def decide_rough(
 ) -> None:
     """Decide the places that the steps without friction leave open, or only exclude without it.
 
-    Parameters
-    ----------
-    rough : (Program, bool)
-        `rough_program` of the pile. Motions do not exclude what an open pair may carry.
-    boxes : BoxRows
-        Boxes of the pile.
-    mu : float
-        Friction coefficient [-].
-    new : BoxRows
-        The new box alone, with a corner at the origin.
-    touch : Touching
-        Its contacts at the places.
-    decision : PlaceDecision
-        Without friction; it is changed to that with friction.
+    Arguments: `mu` [-].
     """
     alone = np.zeros(len(decision.state), dtype=bool)
     alone[[row for row, proof in decision.motions.items() if proof[0] is None]] = True

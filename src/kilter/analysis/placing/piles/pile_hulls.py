@@ -30,35 +30,23 @@ AT_POINT = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surround:
-    """Places and the hulls of their points.
-
-    Attributes
-    ----------
-    inside : ndarray of bool, shape (m,)
-        The place is in the hull, or on its edge within rounding.
-    which : ndarray of int, shape (m, 3)
-        Points whose weighted mean is the place.
-    weight : ndarray, shape (m, 3)
-        Their weights, which sum to 1.
-    away : ndarray, shape (m, 2)
-        Unit direction away from all points, for places outside.
-    """
+    """Places and the hulls of their points."""
 
     inside: Mask
+    """The place is in the hull, or on its edge within rounding, shape (m,)."""
     which: Index
+    """Points whose weighted mean is the place, shape (m, 3)."""
     weight: Array
+    """Their weights, which sum to 1, shape (m, 3)."""
     away: Array
+    """Unit direction away from all points, for places outside, shape (m, 2)."""
 
 
 def surround(points: Array, valid: Mask) -> Surround:
     """Decide for each place whether it lies in the hull of its points.
 
-    Parameters
-    ----------
-    points : ndarray, shape (m, q, 2)
-        Points relative to their place.
-    valid : ndarray of bool, shape (m, q)
-        Points that exist; a place without points is outside.
+    Arguments: `points` (m, q, 2): points relative to their place; `valid` (m, q): points that
+    exist; a place without points is outside.
 
     Examples
     --------
@@ -127,13 +115,8 @@ def _cross(a: Array, b: Array) -> Array:
 def fan_weights(point: Array, polygon: Array, count: Index) -> tuple[Index, Array]:
     """Three corners of a convex polygon, and weights whose mean is a point in it, both (t, 3).
 
-    Parameters
-    ----------
-    point : ndarray, shape (t, 2)
-    polygon : ndarray, shape (t, q, 2)
-        Corners anticlockwise, padded.
-    count : ndarray of int, shape (t,)
-        Number of corners, at least 3.
+    Arguments: `point` (t, 2); `polygon` (t, q, 2): corners anticlockwise, padded; `count` (t,):
+    number of corners, at least 3.
 
     Examples
     --------
@@ -162,14 +145,8 @@ def fan_weights(point: Array, polygon: Array, count: Index) -> tuple[Index, Arra
 def surrounding_triangles(points: Array, valid: Mask) -> tuple[Index, Index, Array]:
     """All triangles of points around each place.
 
-    Returns
-    -------
-    place : ndarray of int, shape (t,)
-        Ascending.
-    which : ndarray of int, shape (t, 3)
-        Points of each triangle.
-    weight : ndarray, shape (t, 3)
-        Weights whose mean is the place.
+    Returns `place` (t,): ascending; `which` (t, 3): points of each triangle; `weight` (t, 3):
+    weights whose mean is the place.
     """
     a, b, c = _triples(valid.shape[1])
     cross = _cross(points[:, :, None], points[:, None, :])
@@ -219,17 +196,8 @@ def absolute_plane(plane: Array, center: Array) -> Array:
 def lowest_planes(points: Array, heights: Array, center: Array) -> Array:
     """The planes above heights at points that are lowest at a centre, about the origin.
 
-    Parameters
-    ----------
-    points : ndarray, shape (q, 2)
-        Relative to the centre.
-    heights : ndarray, shape (k, q)
-    center : ndarray, shape (2,)
-
-    Returns
-    -------
-    ndarray, shape (k, 3)
-        NaN if the centre is outside of the hull of the points.
+    Arguments: `points` (q, 2): relative to the centre; `heights` (k, q); `center` (2,). Returns (k,
+    3): naN if the centre is outside of the hull of the points.
     """
     _, corner, weight = surrounding_triangles(points[None], np.ones((1, len(points)), dtype=bool))
     if not len(corner):

@@ -33,18 +33,7 @@ def decide_places(
 ) -> PlaceDecision:
     """Decide the places of a box.
 
-    Parameters
-    ----------
-    pile : PileState
-        What its programs find is added to it.
-    size : ndarray, shape (3,)
-        [length unit]
-    weight : float
-        [N]
-    touch : Touching
-        Contacts of the box at the m places.
-    programs : bool
-        Whether to solve programs (step 4).
+    Arguments: `size` (3,) [length unit]; `weight` [N].
     """
     asked = ask_places(pile, size, weight, touch)
     decision = PlaceDecision(np.zeros(len(touch.corner), dtype=np.int64))

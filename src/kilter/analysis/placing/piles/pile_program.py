@@ -26,40 +26,22 @@ __all__ = ["PlaceAnswer", "PlaceProgram"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceAnswer:
-    """Forces, or a motion, that a program proposes for a place; the caller checks them.
-
-    Attributes
-    ----------
-    share : float
-        Share of the weight that is carried [-]; nan if the solver failed.
-    forces : ndarray, shape (4 c,)
-        At the corners of the contacts of the pile [N].
-    pushes : ndarray, shape (q,)
-        At the points under the box [N].
-    motion : ndarray, shape (n, 3)
-        Fields of heights of the boxes of the pile.
-    plane : ndarray, shape (3,)
-        Field of heights of the new box.
-    """
+    """Forces, or a motion, that a program proposes for a place; the caller checks them."""
 
     share: float
+    """Share of the weight that is carried [-]; nan if the solver failed."""
     forces: Array
+    """At the corners of the contacts of the pile [N], shape (4 c,)."""
     pushes: Array
+    """At the points under the box [N], shape (q,)."""
     motion: Array
+    """Fields of heights of the boxes of the pile, shape (n, 3)."""
     plane: Array
+    """Field of heights of the new box, shape (3,)."""
 
 
 class PlaceProgram:
-    """Programs of the places of boxes on one pile.
-
-    Parameters
-    ----------
-    statics : PileStatics
-    stands : bool
-        Whether the pile stands by itself.
-    possible : bool
-        Whether contacts without a certain area carry too. A motion then excludes them.
-    """
+    """Programs of the places of boxes on one pile."""
 
     def __init__(self, statics: PileStatics, stands: bool, possible: bool = False) -> None:
         self.statics = statics
@@ -80,14 +62,8 @@ class PlaceProgram:
     ) -> PlaceAnswer:
         """Solve the program of a box that lies on points of boxes of the pile.
 
-        Parameters
-        ----------
-        box : ndarray of int, shape (q,)
-        point : ndarray, shape (q, 2)
-        center : ndarray, shape (2,)
-            Centre of the new box [length unit].
-        radius, weight : float
-            Its bounding radius [length unit] and weight [N].
+        Arguments: `box` (q,); `point` (q, 2); `center` (2,): centre of the new box [length unit];
+        `radius`, `weight`: its bounding radius [length unit] and weight [N].
         """
         basis = None
         if self.stands and len(self.statics.weight) > 1:

@@ -33,25 +33,17 @@ OPEN, STANDS, FALLS = 0, 1, 2
 
 @dataclass(eq=False)
 class PlaceDecision:
-    """States of places, and their proofs.
-
-    Attributes
-    ----------
-    state : ndarray of int, shape (m,)
-    forces : dict
-        For each place that stands: forces at the corners of the contacts of the pile [N], and
-        boxes, points and forces of the contact of the new box [N].
-    motions : dict
-        For each place that falls: fields of heights of the boxes of the pile, and of the new box.
-    steps : dict of int
-        Number of places that each step decided.
-    programs : int
-    """
+    """States of places, and their proofs."""
 
     state: Index
+    """Shape (m,)."""
     forces: dict[int, tuple[Array, Index, Array, Array]] = field(default_factory=dict)
+    """For each place that stands: forces at the corners of the contacts of the pile [N], and
+    boxes, points and forces of the contact of the new box [N]."""
     motions: dict[int, tuple[Array | None, Array]] = field(default_factory=dict)
+    """For each place that falls: fields of heights of the boxes of the pile, and of the new box."""
     steps: dict[str, int] = field(default_factory=dict)
+    """Number of places that each step decided."""
     programs: int = 0
 
     def count(self, step: str, number: int) -> None:

@@ -46,52 +46,34 @@ FLAT_POLYGON = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pattern:
-    """Loads on several tops that the pile carries together.
-
-    Attributes
-    ----------
-    entry : int
-        Entry of `Carried` with the forces.
-    most : float
-        Largest sum of the loads [N].
-    resultant : ndarray, shape (2,)
-        Place of their resultant.
-    boxes, points, shares : ndarray, shape (k,), (k, 2) and (k,)
-        The boxes, the points of the loads on them, and the shares of the sum [-].
-    """
+    """Loads on several tops that the pile carries together."""
 
     entry: int
+    """Entry of `Carried` with the forces."""
     most: float
+    """Largest sum of the loads [N]."""
     resultant: Array
+    """Place of their resultant, shape (2,)."""
     boxes: Index
     points: Array
     shares: Array
+    """The boxes, the points of the loads on them, and the shares of the sum [-], shape (k,)."""
 
 
 @dataclass(eq=False)
 class Carried:
-    """Loads that forces carry, as entries; see the docstring of the module.
-
-    Attributes
-    ----------
-    point : ndarray, shape (e, 2)
-        Place of the load; of a pattern, that of its resultant.
-    most : ndarray, shape (e,)
-        Largest force of the load [N]; infinite for rays.
-    change : csr_array, shape (e, 4 c)
-        Change of the forces at the contacts for a load of 1 N.
-    polygons : list of (ndarray of int)
-        Entries of each box whose points are the corners of its polygon of rays, anticlockwise.
-    points : dict
-        Entries of the kind point, by box.
-    patterns : list of Pattern
-    """
+    """Loads that forces carry, as entries; see the docstring of the module."""
 
     point: Array
+    """Place of the load, shape (e, 2); of a pattern, that of its resultant."""
     most: Array
+    """Largest force of the load [N], shape (e,); infinite for rays."""
     change: csr_array
+    """Change of the forces at the contacts for a load of 1 N, shape (e, 4 c)."""
     polygons: list[Index]
+    """Entries of each box whose points are the corners of its polygon of rays, anticlockwise."""
     points: dict[int, list[int]] = field(default_factory=dict)
+    """Entries of the kind point, by box."""
     patterns: list[Pattern] = field(default_factory=list)
 
     def add(self, point: Array, most: float, change: Array) -> int:
@@ -117,40 +99,27 @@ class Carried:
 
 @dataclass(eq=False)
 class Motions:
-    """Motions of a pile that open no contact backwards.
-
-    Attributes
-    ----------
-    motion : ndarray, shape (k, n, 3)
-        Fields of heights.
-    power : ndarray, shape (k,)
-        Power of the weights [N].
-    size, weight, violation : ndarray, shape (k,)
-        Size of the fastest box, weight of the moving boxes [N], worst closing of a contact.
-    sure : ndarray of bool, shape (k,)
-        False if a motion moves a pair of unsure boxes against each other.
-    """
+    """Motions of a pile that open no contact backwards."""
 
     motion: Array
+    """Fields of heights, shape (k, n, 3)."""
     power: Array
+    """Power of the weights [N], shape (k,)."""
     size: Array
     weight: Array
     violation: Array
+    """Size of the fastest box, weight of the moving boxes [N], worst closing of a contact, shape
+    (k,)."""
     sure: Mask
+    """False if a motion moves a pair of unsure boxes against each other, shape (k,)."""
 
 
 class PileState:
     """A pile of boxes, its equilibrium, and the known answers about further loads.
 
-    Attributes
-    ----------
-    statics : PileStatics
-    forces : ndarray, shape (4 c,), or None
-        Forces at the contacts that carry all boxes [N]; None if the pile falls or is not decided.
-    falls : bool
-        A motion proves that the pile falls.
-    carried : Carried
-    motions : Motions
+    - `forces` (4 c,): forces at the contacts that carry all boxes [N]; None if the pile falls or
+      is not decided.
+    - `falls`: a motion proves that the pile falls.
     """
 
     def __init__(
@@ -227,16 +196,7 @@ class PileState:
     ) -> PileState:
         """The state after a box was put down.
 
-        Parameters
-        ----------
-        box : BoxRows
-            The new box alone.
-        touch : Touching
-            Its contacts, at one place.
-        weight : float
-            [N]
-        forces : ndarray, shape (4 (c + new),), or None
-            Forces that carry all boxes.
+        Arguments: `weight` [N]; `forces` (4 (c + new),): forces that carry all boxes.
         """
         below = np.flatnonzero(touch.may_carry[0])
         number = len(self.statics.boxes)

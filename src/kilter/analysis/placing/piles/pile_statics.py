@@ -28,26 +28,18 @@ __all__ = ["PileContacts", "PileStatics", "heights_of", "rectangle_corners"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PileContacts:
-    """Contacts between boxes of a pile.
-
-    Attributes
-    ----------
-    lower, upper : ndarray of int, shape (c,)
-        Boxes of each contact.
-    low, high : ndarray, shape (c, 2)
-        Its rectangle [length unit].
-    sure : ndarray of bool, shape (c,)
-        False for contacts that may carry a force, but without a certain area.
-    unsure : ndarray of int, shape (u, 2)
-        Pairs of near boxes that may transmit any force and torque.
-    """
+    """Contacts between boxes of a pile."""
 
     lower: Index
     upper: Index
+    """Boxes of each contact, shape (c,)."""
     low: Array
     high: Array
+    """Its rectangle [length unit], shape (c, 2)."""
     sure: Mask
+    """False for contacts that may carry a force, but without a certain area, shape (c,)."""
     unsure: Index
+    """Pairs of near boxes that may transmit any force and torque, shape (u, 2)."""
 
     @classmethod
     def none(cls) -> PileContacts:
@@ -85,18 +77,12 @@ class PileStatics:
 
     Box j of the pile has the rows 3 (j - 1) to 3 j: force, and moments about its centre over its
     radius. Contact c has the columns 4 c to 4 c + 4, a corner each.
-
-    Attributes
-    ----------
-    boxes : BoxRows
-    contacts : PileContacts
-    weight : ndarray, shape (n,)
-        [N]; that of the base is 0.
     """
 
     boxes: BoxRows
     contacts: PileContacts
     weight: Array
+    """[N]; that of the base is 0, shape (n,)."""
     center: Array = field(init=False)
     radius: Array = field(init=False)
 
@@ -155,14 +141,9 @@ class PileStatics:
     def balanced(self, forces: Array, load: Array, added: Array) -> Mask:
         """Whether forces prove that the pile carries a load, shape (m,).
 
-        Parameters
-        ----------
-        forces : ndarray, shape (m, 4 c)
-            At the corners of the contacts [N].
-        load : ndarray, shape (m, n, 3)
-            Further wrenches on the boxes: force up [N], moments over the radius [N].
-        added : ndarray, shape (m, n)
-            Sum of the forces of this load [N].
+        Arguments: `forces` (m, 4 c): at the corners of the contacts [N]; `load` (m, n, 3): further
+        wrenches on the boxes: force up [N], moments over the radius [N]; `added` (m, n): sum of the
+        forces of this load [N].
         """
         push = (forces >= 0).all(axis=1)
         uncertain = np.repeat(~self.contacts.sure, 4)

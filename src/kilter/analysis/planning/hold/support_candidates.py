@@ -34,10 +34,8 @@ def candidates_of(
 ) -> list[Support]:
     """Candidate supports, from keywords such as "grips" and given supports, in the given order.
 
-    Raises
-    ------
-    InputError
-        If no candidate is given, a word is unknown, or a support does not fit the assembly.
+    Raises `InputError` if no candidate is given, a word is unknown, or a support does not fit the
+    assembly.
     """
     candidates: list[Support] = []
     words = list(asked)

@@ -26,17 +26,8 @@ are nearer to the circle: the corners exceed its radius by 2 % for 16."""
 def extreme_accelerations(assembly: Assembly, carried: float | ArrayLike) -> Array:
     """Accelerations whose convex hull has all accelerations to be carried, shape (n, 3) [m/s^2].
 
-    Parameters
-    ----------
-    assembly : Assembly
-    carried : float or array_like, shape (3,)
-        Size of all horizontal accelerations; or a single acceleration in the frame of the
-        assembly [m/s^2]. Without a size there are none.
-
-    Raises
-    ------
-    InputError
-        If a vector leaves the plane of a planar assembly, or leaves the parts in free fall.
+    Arguments: `carried` (3,) [m/s^2]. Raises `InputError` if a vector leaves the plane of a planar
+    assembly, or leaves the parts in free fall.
 
     Examples
     --------

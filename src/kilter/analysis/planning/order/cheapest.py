@@ -25,35 +25,23 @@ __all__ = ["Searched", "find_fewest_held_steps", "find_order", "held_steps_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Searched:
-    """Result of a search for an order of assembly.
-
-    Attributes
-    ----------
-    order : list of Removed or None
-        Removals, the last step of the assembly first; None without an order.
-    least : int
-        Value of the minimized quantity.
-    proved : bool
-        Whether no order along the tried paths has a smaller value.
-    interrupted : bool
-        Whether the user interrupted the search.
-    """
+    """Result of a search for an order of assembly."""
 
     order: list[Removed] | None
+    """Removals, the last step of the assembly first; None without an order."""
     least: int = 0
+    """Value of the minimized quantity."""
     proved: bool = False
+    """Whether no order along the tried paths has a smaller value."""
     interrupted: bool = False
+    """Whether the user interrupted the search."""
 
 
 def find_order(search: OrderSearch, lowest: int, most: int, fewest: str) -> Searched:
     """Find an order of assembly that minimises held parts or held steps, by the option `fewest`.
 
-    Parameters
-    ----------
-    search : OrderSearch
-    lowest, most : int
-        First and last limit of the parts held at once; fewer than `lowest` are proved impossible.
-    fewest : {"holds", "held-steps"}
+    Arguments: `lowest`, `most`: first and last limit of the parts held at once; fewer than `lowest`
+    are proved impossible.
     """
     order, hold = None, lowest
     try:
@@ -100,16 +88,7 @@ def held_steps_of(search: OrderSearch, order: Sequence[Removed]) -> int:
 def find_fewest_held_steps(
     search: OrderSearch, hold: int, known: Sequence[Removed]
 ) -> tuple[list[Removed], bool]:
-    """Find the order with the fewest held steps, and whether the minimum is proved.
-
-    Parameters
-    ----------
-    search : OrderSearch
-    hold : int
-        Largest number of parts held at once.
-    known : sequence of Removed
-        Known order; the search tries to find an order with fewer held steps.
-    """
+    """Find the order with the fewest held steps, and whether the minimum is proved."""
     best = list(known)
     limit = held_steps_of(search, best)
     if limit == 0:

@@ -30,19 +30,9 @@ __all__ = ["find_unreachable"]
 def find_unreachable(states: States, work: Work | None = None) -> tuple[Mask, list[State]]:
     """Find the parts that can stand without hands, and proofs that each of the other parts falls.
 
-    Parameters
-    ----------
-    states : States
-    work : Work, optional
-        Budget that the judged states are charged to; unlimited by default.
-
-    Returns
-    -------
-    reached : ndarray of bool, shape (N,)
-        Mask of the parts that an order may reach.
-    falling : list of State
-        States of the other parts, each alone free on the reached parts; the part falls. Empty if
-        all parts are reached, or if the budget is exhausted; then nothing is proved.
+    Returns `reached` (N,): mask of the parts that an order may reach; `falling`: states of the
+    other parts, each alone free on the reached parts; the part falls. Empty if all parts are
+    reached, or if the budget is exhausted; then nothing is proved.
 
     Examples
     --------

@@ -30,12 +30,8 @@ MOST_MOTIONS = 200
 def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) -> bool:
     """Whether no sequence of removals of single parts leads from the whole assembly to the base.
 
-    Parameters
-    ----------
-    whole, base : int
-        Bit sets of all parts and of the grounded parts.
-    goes_on : callable
-        Function of a part and the set without it that returns whether the removal is allowed.
+    Arguments: `goes_on`: function of a part and the set without it that returns whether the removal
+    is allowed.
     """
     seen, waiting = {whole}, [whole]
     while waiting:

@@ -34,45 +34,30 @@ PAIRS = 6000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hand:
-    """A hand that holds a part during a step, its force, and the parts that fall without it.
-
-    Attributes
-    ----------
-    part : str
-    force, torque : ndarray, shape (3,), or None
-        Force on the part [N] and torque about its centre of mass [N x length unit]; None if
-        the state has no forces of its own.
-    falls : tuple of str
-        Parts that would move without this hand; empty if the state holds without it.
-    motion : ndarray, shape (N, 6), or None
-        Motion of these parts [length unit, rad], scaled so that the fastest moves at 1.
-    """
+    """A hand that holds a part during a step, its force, and the parts that fall without it."""
 
     part: str
     force: Array | None
     torque: Array | None
+    """Force on the part [N] and torque about its centre of mass [N x length unit], shape (3,);
+    None if the state has no forces of its own."""
     falls: tuple[str, ...]
+    """Parts that would move without this hand; empty if the state holds without it."""
     motion: Array | None
+    """Motion of these parts [length unit, rad], scaled so that the fastest moves at 1, shape (N,
+    6)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepForces:
-    """Forces during a step of a plan: contact forces for each patch, and the hands.
-
-    Attributes
-    ----------
-    points : ndarray, shape (K, 3)
-        Centres of pressure [length unit].
-    parts : ndarray of int, shape (K, 2)
-        Indices of the two parts of each patch.
-    forces : ndarray, shape (K, 3)
-        Force on the second part [N].
-    hands : tuple of Hand
-    """
+    """Forces during a step of a plan: contact forces for each patch, and the hands."""
 
     points: Array
+    """Centres of pressure [length unit], shape (K, 3)."""
     parts: Index
+    """Indices of the two parts of each patch, shape (K, 2)."""
     forces: Array
+    """Force on the second part [N], shape (K, 3)."""
     hands: tuple[Hand, ...]
 
 
@@ -90,20 +75,13 @@ class Need:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explained:
-    """Explanation of an order: forces at each step, and pairs of parts whose order is necessary.
-
-    Attributes
-    ----------
-    supports : tuple of StepForces
-        Contact forces and hands of each step.
-    needs : tuple of Need
-    swept : bool
-        Whether the paths were tested for parts that block them.
-    """
+    """Explanation of an order: forces at each step, and pairs of parts whose order is necessary."""
 
     supports: tuple[StepForces, ...]
+    """Contact forces and hands of each step."""
     needs: tuple[Need, ...]
     swept: bool
+    """Whether the paths were tested for parts that block them."""
 
     def __repr__(self) -> str:
         hands = sum(len(support.hands) for support in self.supports)

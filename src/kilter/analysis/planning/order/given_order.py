@@ -22,16 +22,9 @@ __all__ = ["judge_order", "sets_of_order"]
 def sets_of_order(assembly: Assembly, order: Iterable[str | Iterable[str]]) -> list[int]:
     """For each step of a given order, a bit set of the parts that this step inserts.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    order : iterable of str or of iterables of str
-        Names of the steps; the parts of an entry with several names move together.
-
-    Raises
-    ------
-    InputError
-        If a name is not a part, belongs to a grounded part, comes twice, or if a part is left out.
+    Arguments: `order`: names of the steps; the parts of an entry with several names move together.
+    Raises `InputError` if a name is not a part, belongs to a grounded part, comes twice, or if a
+    part is left out.
     """
     sets, seen = [], {part.name for part in assembly if part.grounded}
     for entry in order:

@@ -43,30 +43,20 @@ __all__ = ["Locked", "find_locked", "holding_rows", "multipliers_of", "opening",
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Locked:
-    """A part that cannot move, because contacts with the other parts and the base block it.
-
-    Attributes
-    ----------
-    part : int
-    state : State
-        State in which only this part is free; it holds.
-    multipliers : ndarray, shape (K,)
-        Multipliers of the rows of its program, positive for the locking rows [-].
-    """
+    """A part that cannot move, because contacts with the other parts and the base block it."""
 
     part: int
     state: State
+    """State in which only this part is free; it holds."""
     multipliers: Array
+    """Multipliers of the rows of its program, positive for the locking rows [-], shape (K,)."""
 
 
 def find_locked(states: States, removal: Removal) -> list[Locked]:
     """Find parts that the others and the base block in every direction; empty without a proof.
 
-    Parameters
-    ----------
-    states : States
-    removal : Removal
-        Search of paths, with the screws and the directions that no contact blocks.
+    Arguments: `removal`: search of paths, with the screws and the directions that no contact
+    blocks.
 
     Examples
     --------

@@ -63,15 +63,6 @@ def wrong_order(
     """Yield the reasons why the proofs in a plan file show neither an order nor that none exists.
 
     The statements have the form of `kilter.analysis.planning.plan_proof_form`.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    contacts : ContactSet
-    bundle : mapping
-        Proof data of `kilter.analysis.planning.order.order_proof`.
-    verdicts : sequence of str
-        Verdicts of the proofs.
     """
     entries: dict[str, list[About]] = {kind: [] for kind in FALLS}
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):

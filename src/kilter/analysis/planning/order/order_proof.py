@@ -52,22 +52,8 @@ def order_proof(
 ) -> dict[str, Any]:
     """Proofs of a plan as data for a proof file.
 
-    Parameters
-    ----------
-    states : States
-    whole : State
-        State of the finished assembly.
-    steps : sequence of Step
-        Steps of the order; empty without an order.
-    falling : sequence of State
-        States of the parts that no order without holds reaches, each alone free on the reached
-        parts.
-    locked : sequence of Locked
-        Parts that lock each other.
-    refused : sequence of Holds
-        Sets that need more holds than allowed and bar every order.
-    rules, options : mapping
-        Rules that the order keeps; options with which the file is read.
+    Arguments: `falling`: states of the parts that no order without holds reaches, each alone free
+    on the reached parts.
     """
     names, proofs = states.assembly.names, []
     stated = _of_steps(states, whole, steps) if steps or not whole.free.any() else []

@@ -20,34 +20,22 @@ AXIS = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """Rules that an order of assembly must keep.
-
-    Attributes
-    ----------
-    hold : int
-        Largest number of parts held at once.
-    precedence : list of pairs of str
-    groups : list of sets of str
-        Parts that move together.
-    never_held : set of str
-    threads : dict
-        Axis of the thread (unit), detected again, by the names of bolt and nut.
-    """
+    """Rules that an order of assembly must keep."""
 
     hold: int
+    """Largest number of parts held at once."""
     precedence: list[tuple[str, str]]
     groups: list[set[str]]
+    """Parts that move together."""
     never_held: set[str]
     threads: dict[tuple[str, str], tuple[float, float, float]]
+    """Axis of the thread (unit), detected again, by the names of bolt and nut."""
 
     @classmethod
     def of(cls, assembly: Assembly, contacts: ContactSet, data: Mapping[str, Any]) -> Rules:
         """Read the rules of an order from the data of a proof file.
 
-        Raises
-        ------
-        InputError
-            If a name matches no part, or no thread joins a bolt and its nut.
+        Raises `InputError` if a name matches no part, or no thread joins a bolt and its nut.
         """
         screws = [(bolt, nut) for bolt, nut, _ in data["screws"]]
         names = assembly.names

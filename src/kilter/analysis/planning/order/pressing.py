@@ -29,17 +29,11 @@ __all__ = ["Pressed", "Pressing", "press_loads"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pressed:
-    """Verdicts on a step: before its part is inserted, and while the part is pressed in.
-
-    Attributes
-    ----------
-    standing : State
-    pressed : State or None
-        None if the standing parts do not hold even before.
-    """
+    """Verdicts on a step: before its part is inserted, and while the part is pressed in."""
 
     standing: State
     pressed: State | None
+    """None if the standing parts do not hold even before."""
 
     @property
     def stable(self) -> bool | None:
@@ -54,31 +48,18 @@ class Pressed:
 
 @dataclass(slots=True)
 class Pressing:
-    """Verdicts on the steps of a plan under the force that presses parts in.
-
-    Attributes
-    ----------
-    states : States
-        States without the force.
-    force : float
-        Pressing force [N].
-    """
+    """Verdicts on the steps of a plan under the force that presses parts in."""
 
     states: States
+    """States without the force."""
     force: float
+    """Pressing force [N]."""
     _of: dict[tuple[int, Direction], States] = field(default_factory=dict)
 
     def judge_of(self, moved: int, direction: Direction) -> Callable[[Mask, Mask], Pressed]:
         """Create the function that judges a step before insertion and under the pressing force.
 
         Its arguments are the masks of standing and held parts.
-
-        Parameters
-        ----------
-        moved : int
-            Bit set of the inserted parts.
-        direction : tuple of float
-            Direction in which they are inserted (unit).
         """
         coming = mask_of(moved, len(self.states.assembly))
 

@@ -58,22 +58,8 @@ class Screw:
 class Removal:
     """Search for free paths out of an assembly for parts that move together.
 
-    Parameters
-    ----------
-    contacts : ContactSet
-    directions : sequence of "axes", "normals" or array_like, shape (3,)
-        Directions in the order in which they are tried; vectors need not be unit vectors.
-    screws : sequence of Screw
-
-    Attributes
-    ----------
-    sweeps : Sweeps
-    screws : list of Screw
-
-    Raises
-    ------
-    InputError
-        If a direction is invalid or missing.
+    Arguments: `directions` (3,): directions in the order in which they are tried; vectors need not
+    be unit vectors. Raises `InputError` if a direction is invalid or missing.
     """
 
     def __init__(
@@ -108,12 +94,8 @@ class Removal:
     def way_out(self, moved: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
         """Free path of `legs` legs for moved parts out of a set of parts; None if none was found.
 
-        Parameters
-        ----------
-        moved, present : int
-            Bit sets (`kilter.analysis.planning.states.part_sets`) of the parts that move together,
-        and of all present parts.
-        legs : {1, 2}
+        Arguments: `moved`, `present`: bit sets (`kilter.analysis.planning.states.part_sets`) of the
+        parts that move together,.
         """
         others = present & ~moved
         directions = self.directions(moved)

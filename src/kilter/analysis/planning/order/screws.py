@@ -16,16 +16,7 @@ __all__ = ["find_screws"]
 def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[Screw]:
     """Match each named bolt with the nuts around it; return a screw for each pair.
 
-    Parameters
-    ----------
-    contacts : ContactSet
-    named : iterable of pairs of str
-        Patterns of bolts and of nuts.
-
-    Raises
-    ------
-    InputError
-        If a pattern matches no part, or no nut of a pair is round a bolt.
+    Raises `InputError` if a pattern matches no part, or no nut of a pair is round a bolt.
     """
     assembly = contacts.assembly
     screw_of: dict[tuple[int, int], Screw] = {}

@@ -53,36 +53,24 @@ SWEEP = 400.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Removed:
-    """Removal of parts that move together: the reverse of a step, with the parts to hold.
-
-    Attributes
-    ----------
-    parts : tuple of int
-    legs : tuple of Leg
-        Path of the removal.
-    state : State
-        State of the remaining parts with the holds; it holds.
-    needs : Holds or None
-        Proof that fewer holds are not enough; None without held parts.
-    fails : tuple of str
-        Reasons why the parts of a given order cannot leave; empty otherwise.
-    pressed : State or None
-        State with the moved parts in place under the pressing force; None without that force.
-    turned : States or None
-        States under another direction of gravity; None under that of the file.
-    between : State or None
-        State of the standing parts before the assembly is turned after this step; None if it
-        is not turned.
-    """
+    """Removal of parts that move together: the reverse of a step, with the parts to hold."""
 
     parts: tuple[int, ...]
     legs: tuple[Leg, ...]
+    """Path of the removal."""
     state: State
+    """State of the remaining parts with the holds; it holds."""
     needs: Holds[State] | None = None
+    """Proof that fewer holds are not enough; None without held parts."""
     fails: tuple[str, ...] = ()
+    """Reasons why the parts of a given order cannot leave; empty otherwise."""
     pressed: State | None = None
+    """State with the moved parts in place under the pressing force; None without that force."""
     turned: States | None = None
+    """States under another direction of gravity; None under that of the file."""
     between: State | None = None
+    """State of the standing parts before the assembly is turned after this step; None if it is
+    not turned."""
 
     @property
     def set(self) -> int:
@@ -97,42 +85,28 @@ class Removed:
 
 @dataclass(slots=True)
 class OrderSearch:
-    """Search for an order of assembly that removes parts from the whole assembly.
-
-    Attributes
-    ----------
-    states : States
-    removal : Removal
-    after : list of int
-        Bit set of the parts that must come later, for each part.
-    holdable : ndarray of bool, shape (N,)
-        Parts that may be held.
-    work : Work
-    units : list of int
-        Bit sets of parts that move together; each part that is not grounded is in exactly one set.
-    together : bool
-        Whether further parts that block each other may also move together.
-    pressing : Pressing or None
-        Force that presses parts in; None without pressing.
-    best : list of Removed
-        The longest order so far, in the order of removal.
-    visited : int
-        Number of part sets that the search expanded.
-    exhausted : bool
-        Whether the last search tried every possible removal.
-    """
+    """Search for an order of assembly that removes parts from the whole assembly."""
 
     states: States
     removal: Removal
     after: list[int]
+    """Bit set of the parts that must come later, for each part."""
     holdable: Mask
+    """Parts that may be held, shape (N,)."""
     work: Work
     units: list[int]
+    """Bit sets of parts that move together; each part that is not grounded is in exactly one
+    set."""
     together: bool = False
+    """Whether further parts that block each other may also move together."""
     pressing: Pressing | None = None
+    """Force that presses parts in; None without pressing."""
     best: list[Removed] = field(default_factory=list)
+    """The longest order so far, in the order of removal."""
     visited: int = 0
+    """Number of part sets that the search expanded."""
     exhausted: bool = False
+    """Whether the last search tried every possible removal."""
     base: int = field(init=False)
     _near: list[int] = field(init=False)
     _seat: dict[int, tuple[float, Array]] = field(init=False)

@@ -46,21 +46,14 @@ Direction = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shadow:
-    """Projection of a part along a direction: triangles on the normal plane, with their heights.
-
-    Attributes
-    ----------
-    plane : ndarray, shape (m, 3, 2)
-        Corners on the plane [length unit].
-    height : ndarray, shape (m, 3)
-        Heights of the corners along the direction [length unit].
-    facing : ndarray, shape (m,)
-        Facing cosine n . d of each triangle [-].
-    """
+    """Projection of a part along a direction: triangles on the normal plane, with their heights."""
 
     plane: Array
+    """Corners on the plane [length unit], shape (m, 3, 2)."""
     height: Array
+    """Heights of the corners along the direction [length unit], shape (m, 3)."""
     facing: Array
+    """Facing cosine n , shape (m,). d of each triangle [-]."""
 
     def moved(self, aside: Array, along: float) -> _Shadow:
         """Copy of the projection, moved by a vector on the plane, shape (2,), and by a height."""
@@ -70,15 +63,7 @@ class _Shadow:
 class Sweeps:
     """Collision tests for parts of an assembly that move on straight paths.
 
-    Parameters
-    ----------
-    contacts : ContactSet
-        Contacts with their assembly and gap tolerance.
-
-    Attributes
-    ----------
-    tests : int
-        Number of tested pairs.
+    - `tests`: number of tested pairs.
     """
 
     def __init__(self, contacts: ContactSet) -> None:
@@ -101,16 +86,7 @@ class Sweeps:
         return max(gap, SLACKS * slack, 2 * accuracy, DEPTHS * depth)
 
     def stops(self, part: int, present: int, direction: Direction) -> bool:
-        """Whether any present part blocks a part on an endless straight path.
-
-        Parameters
-        ----------
-        part : int
-        present : int
-            Bit set of the present parts; the part itself is ignored.
-        direction : tuple of float
-            Unit, world frame.
-        """
+        """Whether any present part blocks a part on an endless straight path."""
         others = present & ~(1 << part) & self._ahead(part, direction)
         stopping, free = self._endless.get((part, direction), (0, 0))
         if stopping & others:
@@ -157,15 +133,8 @@ class Sweeps:
     ) -> bool:
         """Whether the part `other` blocks the part `part` on a straight path.
 
-        Parameters
-        ----------
-        part, other : int
-        direction : tuple of float
-            Unit, world frame.
-        distance : float
-            Length of the path [length unit].
-        start : ndarray, shape (3,), optional
-            Displacement of the part at the start of the path [length unit].
+        Arguments: `distance`: length of the path [length unit]; `start` (3,): displacement of the
+        part at the start of the path [length unit].
         """
         self.tests += 1
         moving, still = self._shadow(part, direction), self._shadow(other, direction)
@@ -181,10 +150,7 @@ class Sweeps:
         entry face over the area in which they overlap in projection. Pairs of faces that are more
         than the tolerance behind each other do not count.
 
-        Returns
-        -------
-        float
-            Distance [length unit]; infinite if the parts never meet.
+        Returns distance [length unit]; infinite if the parts never meet.
         """
         moving, still = self._shadow(part, direction), self._shadow(other, direction)
         return _least_height(moving, still, self.tolerance(part, other))
@@ -192,12 +158,8 @@ class Sweeps:
     def under(self, parts: Index, direction: Direction) -> tuple[Index, Array]:
         """Other parts that the given parts may meet on a straight path, the nearest first.
 
-        Returns
-        -------
-        others : ndarray of int, shape (n,)
-            Parts ahead whose projected boxes overlap that of a given part.
-        least : ndarray, shape (n,)
-            Lower bound of the distance to each, from the boxes, ascending [length unit].
+        Returns `others` (n,): parts ahead whose projected boxes overlap that of a given part;
+        `least` (n,): lower bound of the distance to each, from the boxes, ascending [length unit].
         """
         low, high = self._boxes(direction)
         bound = np.full(len(low), np.inf)

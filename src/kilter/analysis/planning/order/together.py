@@ -24,16 +24,8 @@ __all__ = ["blocked_together", "units_of_groups"]
 def units_of_groups(assembly: Assembly, groups: Iterable[str | Iterable[str]]) -> list[int]:
     """Units of a plan (bit sets of parts that move together): given groups, and single free parts.
 
-    Parameters
-    ----------
-    assembly : Assembly
-    groups : iterable of str or of iterables of str
-        Names or glob patterns with ``*`` and ``?``.
-
-    Raises
-    ------
-    InputError
-        If a pattern matches no part, a group has a grounded part, or two groups share a part.
+    Raises `InputError` if a pattern matches no part, a group has a grounded part, or two groups
+    share a part.
     """
     units, seen = [], 0
     grounded = assembly.geometry.grounded
@@ -62,18 +54,7 @@ def blocked_together(
 ) -> list[tuple[int, Direction]]:
     """Units that can leave together along a direction, but not separately, each with a direction.
 
-    Parameters
-    ----------
-    removal : Removal
-    units : sequence of int
-        Bit sets of parts that always move together, all present.
-    present, base : int
-        Bit sets of the present parts and of the grounded parts.
-
-    Returns
-    -------
-    list of (int, direction)
-        Bit set of moved parts and direction, the fewest parts first.
+    Returns bit set of moved parts and direction, the fewest parts first.
     """
     directions = list(dict.fromkeys(d for unit in units for d in removal.directions(unit)))
     moves: dict[int, Direction] = {}

@@ -71,15 +71,10 @@ class _Run:
 
 @dataclass(slots=True)
 class TurningSearch:
-    """Search for an order of assembly that may turn the standing parts between steps.
-
-    Attributes
-    ----------
-    search : OrderSearch
-        Search of removals; its states have the direction of the file.
-    """
+    """Search for an order of assembly that may turn the standing parts between steps."""
 
     search: OrderSearch
+    """Search of removals; its states have the direction of the file."""
     _states: dict[Direction, States] = field(default_factory=dict)
     _common: dict[tuple[tuple[int, int], ...], Direction | None] = field(default_factory=dict)
 
@@ -291,16 +286,7 @@ def common_down(programs: Sequence[Program]) -> Direction | None:
 
 
 def find_with_turns(search: OrderSearch, most: int, fewest: str) -> Searched:
-    """Find the order with the fewest held parts and then the fewest turns, or vice versa.
-
-    Parameters
-    ----------
-    search : OrderSearch
-    most : int
-        Largest number of parts held at once.
-    fewest : {"holds", "turns"}
-        Quantity to be minimized first.
-    """
+    """Find the order with the fewest held parts and then the fewest turns, or vice versa."""
     try:
         order = TurningSearch(search).find(most, fewest)
     except KeyboardInterrupt:

@@ -106,17 +106,7 @@ def find_fewest_holds(
 ) -> Holds[Found]:
     """Find the fewest parts to hold so that the present parts stand.
 
-    Parameters
-    ----------
-    judge : callable
-        Function of the masks of present and held parts that returns a state.
-    names : tuple of str
-    present : ndarray of bool, shape (N,)
-        Present parts.
-    movable : ndarray of bool, shape (N,)
-        Parts that may be held.
-    most : int, optional
-        Largest number of held parts to consider.
+    Arguments: `present` (N,): present parts; `movable` (N,): parts that may be held.
     """
     allowed = bits_of(present & movable)
     limit = allowed.bit_count() if most is None else min(most, allowed.bit_count())

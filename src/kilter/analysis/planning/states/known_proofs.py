@@ -39,20 +39,14 @@ __all__ = ["KnownForces", "KnownMotion", "forces_for_others", "motions_for_other
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownForces:
-    """Proved forces on all contacts of an assembly, and the states that they may hold.
-
-    Attributes
-    ----------
-    forces, friction : ndarray, shape (K,) and (K, 3)
-        [N]
-    balanced, needed : int
-        The sets F and P.
-    """
+    """Proved forces on all contacts of an assembly, and the states that they may hold."""
 
     forces: Array
     friction: Array
+    """[N], shape (K,)."""
     balanced: int
     needed: int
+    """The sets F and P."""
 
     def fits(self, present: int, free: int) -> bool:
         """Whether these forces may balance a state, given its present and free parts (bit sets)."""
@@ -65,19 +59,13 @@ class KnownForces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownMotion:
-    """A proved motion of all parts, shape (N, 6), and the states for which it may be a proof.
-
-    Attributes
-    ----------
-    motion : ndarray, shape (N, 6)
-        [length unit, rad]
-    moving, entered : int
-        The sets M and Q.
-    """
+    """A proved motion of all parts, shape (N, 6), and the states for which it may be a proof."""
 
     motion: Array
+    """[length unit, rad], shape (N, 6)."""
     moving: int
     entered: int
+    """The sets M and Q."""
 
     def fits(self, present: int, free: int) -> bool:
         """Whether this motion may prove that a state falls, given its present and free parts."""
@@ -91,15 +79,7 @@ class KnownMotion:
 def forces_for_others(whole: Program, rows: Mask, proof: ForceProof, free: Mask) -> KnownForces:
     """Convert forces that hold one state into forces that may be reused for other states.
 
-    Parameters
-    ----------
-    whole : Program
-        Program of all parts.
-    rows : ndarray of bool, shape (K,)
-        Its rows that the state has.
-    proof : ForceProof
-        Proof of the state.
-    free : ndarray of bool, shape (N,)
+    Arguments: `rows` (K,): its rows that the state has; `free` (N,).
     """
     forces, friction = np.zeros(len(rows)), np.zeros((len(rows), 3))
     forces[rows], friction[rows] = proof.forces, proof.friction
@@ -110,19 +90,8 @@ def forces_for_others(whole: Program, rows: Mask, proof: ForceProof, free: Mask)
 def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> list[KnownMotion]:
     """Split a proved motion into motions of connected groups of parts, reusable for other states.
 
-    Parameters
-    ----------
-    outer : Program
-        Program of all parts, with every force that there may be.
-    state : Program
-        The same of the state in which the motion is proved.
-    proof : MotionProof
-
-    Returns
-    -------
-    list of KnownMotion
-        Those that prove the state by themselves, the strongest first; where none does, the
-        whole.
+    Returns those that prove the state by themselves, the strongest first; where none does, the
+    whole.
     """
     sizes = part_sizes(state, proof.motion, per_radius=False)
     moving = sizes > STILL * sizes.max(initial=TINY)

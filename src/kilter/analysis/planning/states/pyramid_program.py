@@ -30,15 +30,7 @@ SIDES = 4
 class PyramidProgram:
     """The load factor of each state of an assembly, with friction pyramids in place of cones.
 
-    Parameters
-    ----------
-    whole : Program
-        Program of all parts.
-
-    Attributes
-    ----------
-    solves : int
-        Number of programs that were solved.
+    - `solves`: number of programs that were solved.
     """
 
     def __init__(self, whole: Program) -> None:
@@ -67,16 +59,7 @@ class PyramidProgram:
     ) -> tuple[Array, Array] | Array | None:
         """Solve a state: balancing forces (normal, tangential), or a motion; None if unsolved.
 
-        Parameters
-        ----------
-        present, free : ndarray of bool, shape (N,)
-        work : Work, optional
-            Work budget that is charged.
-
-        Returns
-        -------
-        (forces, friction), shape (K,) and (K, 3) [N]; or a motion, shape (N, 6); or None where
-        the solver found no answer.
+        Arguments: `present`, `free` (N,). Returns (K,).
         """
         self._change(present, free)
         answer = self._kept.solve(work=work)

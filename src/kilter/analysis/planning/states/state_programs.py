@@ -27,22 +27,15 @@ __all__ = ["StatePrograms", "build_state_programs", "parts_of", "rows_of_state"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StatePrograms:
-    """The program of all parts, from which the program of any state is taken.
-
-    Attributes
-    ----------
-    whole : Program
-        All parts present, none held but the grounded ones.
-    outer : Program
-        The same with every force that contacts which are not modelled might bring; `whole`
-        itself where there are none.
-    patch_blur : ndarray, shape (P,)
-        The tolerance that the accuracy of each patch asks for [-].
-    """
+    """The program of all parts, from which the program of any state is taken."""
 
     whole: Program
+    """All parts present, none held but the grounded ones."""
     outer: Program
+    """The same with every force that contacts which are not modelled might bring; `whole` itself
+    where there are none."""
     patch_blur: Array
+    """The tolerance that the accuracy of each patch asks for [-], shape (P,)."""
 
     @property
     def free(self) -> Mask:
