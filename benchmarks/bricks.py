@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import kilter
-from kilter.assembly.brick import BRICK_PLATES
+from kilter.assembly.part import BRICK_PLATES
 from kilter.scenes.random_bricks import random_bricks
 
 SIZES = ("10", "30", "100", "300", "1000", "2000", "5000")

@@ -140,7 +140,7 @@ def measured(path: Path, *, profile: bool) -> dict[str, Any]:
     """CPU seconds of each stage of an answer about a file, and the answer."""
     import kilter
     from kilter.cli import main as run_kilter
-    from kilter.files import step_bodies
+    from kilter.files.cad import step_document as step_bodies
 
     seconds: dict[str, float] = {}
 

@@ -34,8 +34,7 @@ from boxes_on_deck import random_stack
 import kilter
 from kilter.analysis.load_limit import Limit
 from kilter.analysis.transport.carried_set import CarriedSet
-from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
-from kilter.analysis.transport.first_motion import first_motions
+from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly, first_motions
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 

@@ -25,9 +25,8 @@ from typing import Any
 import numpy as np
 
 import kilter
-from kilter.analysis.planning.order.removal import Removal
-from kilter.analysis.planning.order.screws import find_screws
-from kilter.analysis.planning.states.part_sets import bits_of
+from kilter.analysis.planning.order.removal import Removal, find_screws
+from kilter.analysis.planning.states.holds import bits_of
 from kilter.contact.kept_contacts import contacts_among
 from kilter.scenes import scene
 from kilter.scenes.arches import arch

@@ -40,7 +40,7 @@ def answered(family: str, seed: int, directions: int) -> Any:
     import kilter
     from kilter.analysis.decision.judge import judge
     from kilter.analysis.load_limit import gravity_wrench, with_more
-    from kilter.analysis.margins.pushes import find_push
+    from kilter.analysis.margins.level_limits import find_push
     from kilter.mechanics.program import build_program
 
     assembly = made(family, seed)

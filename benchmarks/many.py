@@ -57,7 +57,7 @@ def boxes(seed: int, count: int | None = None) -> Any:
 
 def pile(seed: int) -> Any:
     """A random pile of boxes on a grid; every second pile uses only level ground."""
-    from kilter.scenes.packings import box_pile
+    from kilter.scenes.random_bricks import box_pile
 
     count = int(np.random.default_rng(seed).integers(FEWEST, MOST + 1))
     return box_pile(count, seed=seed, cells=SIDE, level=bool(seed % 2))

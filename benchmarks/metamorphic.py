@@ -42,8 +42,7 @@ from kilter.arrays import Array  # noqa: E402
 from kilter.assembly import Assembly  # noqa: E402
 from kilter.rigid import quaternion_to_matrix  # noqa: E402
 from kilter.scenes import arches, mortar, paper, stacks, walls  # noqa: E402
-from kilter.scenes.pieces import block  # noqa: E402
-from kilter.scenes.transform import moved  # noqa: E402
+from kilter.scenes.pieces import block, moved  # noqa: E402
 
 AGREES = 1e-6
 """Largest relative difference of two limits; of a tilt in degrees over a right angle."""

@@ -35,7 +35,7 @@ from region_census import LIMIT, main
 
 import kilter
 from kilter.analysis.planning.order.removal import Removal
-from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
+from kilter.analysis.planning.states.holds import bits_of, mask_of, members
 from kilter.analysis.verification import verify_bundle
 from kilter.arrays import connected
 from kilter.contact.kept_contacts import contacts_among

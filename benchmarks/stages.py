@@ -35,7 +35,7 @@ IMPORTED = (
     "scipy.sparse.csgraph",
     "scipy.sparse.linalg",
     "scipy.spatial",
-    "kilter.files.models",
+    "kilter.files.own.models",
     "kilter.analysis.check",
     "kilter.solvers.highs",
 )

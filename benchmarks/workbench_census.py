@@ -32,8 +32,8 @@ from driver import Page
 
 import kilter
 from kilter.assembly import Assembly
-from kilter.files.choices import Choices
-from kilter.files.choices_writing import write_choices
+from kilter.files.own.choices import Choices
+from kilter.files.own.choices_writing import write_choices
 from kilter.scenes import scene
 from kilter.scenes.registry import SCENES
 from kilter.workbench.answering import answer_data, scene_data

@@ -39,8 +39,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.analysis.verification import Verification
 from kilter.cli.asked import Incomplete
 from kilter.contact import ContactSet
-from kilter.files.choices_model import build_choices_schema
-from kilter.files.models import build_schema
+from kilter.files.own.models import build_choices_schema, build_schema
 from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]

@@ -37,7 +37,7 @@ _NAMES = {
     "kilter.analysis.planning.order.plan": "plan",
     "kilter.analysis.planning.order.plan_rules": "PlanRules",
     "kilter.analysis.planning.order.plan_step": "Step",
-    "kilter.analysis.planning.states.state": "State",
+    "kilter.analysis.planning.states.known_proofs": "State",
     "kilter.analysis.planning.states.states": "States states",
     "kilter.analysis.regions.region": "Region common_region region",
     "kilter.analysis.scene_states.object_states": "scene",
@@ -65,8 +65,8 @@ _NAMES = {
     "kilter.contact.common.patches": "Patch",
     "kilter.contact.supports": "Support",
     "kilter.errors": "InputError KilterError SolverError",
-    "kilter.files.answer_files": "LoadedAnswer load_answer",
-    "kilter.files.choices": "Choices",
+    "kilter.files.own.answer_files": "LoadedAnswer load_answer",
+    "kilter.files.own.choices": "Choices",
     "kilter.files.writing": "dump",
     "kilter.loading": "load save",
     "kilter.health": "Health doctor",
@@ -79,7 +79,7 @@ _NAMES = {
     "kilter.scenes.registry": "Example",
     "kilter.shape.primitives": "Box Cylinder Mesh Prism Sphere",
     "kilter.tell.levels": "VerdictWord",
-    "kilter.workbench.view": "view",
+    "kilter.workbench.server": "view",
 }
 """Public names of each module."""
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
@@ -92,8 +92,8 @@ _HOOKS = {
     "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
     "scene_of": "kilter.files.objects.trimesh_objects",
-    "settle_remedy": "kilter.analysis.settled_pose.settle_remedy",
-    "to_mjcf": "kilter.files.mjcf",
+    "settle_remedy": "kilter.analysis.settled_pose.settle",
+    "to_mjcf": "kilter.files.robots.mjcf",
 }
 """Module of each function that lower packages call through `kilter.hooks`."""
 

@@ -22,7 +22,7 @@ from kilter.analysis.planning.hold.fixture import Fixture as Fixture
 from kilter.analysis.planning.order.order import Order as Order
 from kilter.analysis.planning.order.plan_rules import PlanRules as PlanRules
 from kilter.analysis.planning.order.plan_step import Step as Step
-from kilter.analysis.planning.states.state import State as State
+from kilter.analysis.planning.states.known_proofs import State as State
 from kilter.analysis.planning.states.states import States as States
 from kilter.analysis.regions.region import Region as Region
 from kilter.analysis.regions.region import common_region as common_region
@@ -32,7 +32,7 @@ from kilter.analysis.settled_pose.settle import Settled as Settled
 from kilter.analysis.transport.carrier import CarrierMotion as CarrierMotion
 from kilter.analysis.transport.carrier_path import CarrierPath as CarrierPath
 from kilter.analysis.transport.transport_answer import Transport as Transport
-from kilter.analysis.turning.nearest import Method
+from kilter.analysis.turning.facet_program import Method
 from kilter.analysis.turning.orientation import Orientation as Orientation
 from kilter.analysis.verdict.part_answer import PartAnswer as PartAnswer
 from kilter.analysis.verdict.part_answer import PointForces as PointForces
@@ -58,10 +58,10 @@ from kilter.contact.supports import Support as Support
 from kilter.errors import InputError as InputError
 from kilter.errors import KilterError as KilterError
 from kilter.errors import SolverError as SolverError
-from kilter.files.answer_files import LoadedAnswer as LoadedAnswer
-from kilter.files.answer_files import load_answer as load_answer
-from kilter.files.choices import Choices as Choices
-from kilter.files.packing_lists import PackingPlan
+from kilter.files.own.answer_files import LoadedAnswer as LoadedAnswer
+from kilter.files.own.answer_files import load_answer as load_answer
+from kilter.files.own.choices import Choices as Choices
+from kilter.files.packing.packing_lists import PackingPlan
 from kilter.files.writing import dump as dump
 from kilter.health import Health as Health
 from kilter.health import doctor as doctor
@@ -78,7 +78,7 @@ from kilter.shape.primitives import Mesh as Mesh
 from kilter.shape.primitives import Prism as Prism
 from kilter.shape.primitives import Sphere as Sphere
 from kilter.tell.levels import VerdictWord as VerdictWord
-from kilter.workbench.view import view as view
+from kilter.workbench.server import view as view
 
 __version__: str
 __all__: list[str]
@@ -352,7 +352,7 @@ def check_plan(
 
     Examples
     --------
-    >>> from kilter.files.packing_lists import PackedBox, PackingPlan
+    >>> from kilter.files.packing.packing_lists import PackedBox, PackingPlan
     >>> lower = PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1)
     >>> upper = PackedBox("b", (1, 1, 1), 1, (0.6, 0, 1), 2)
     >>> check_plan(PackingPlan((lower, upper), "m")).why
@@ -1435,7 +1435,7 @@ def transport(
         Is this motion carried?
     code : str, optional
         Are the accelerations of this rule of load securing carried? See
-        `kilter.analysis.transport.codes`.
+        `kilter.analysis.transport.transport`.
     forward : array_like, shape (3,)
         Direction of travel, for `code`.
     path : CarrierPath, optional

@@ -20,8 +20,8 @@ from kilter.assembly import Assembly
 from kilter.contact import Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
-from kilter.files.choices import LOWEST, Choices, find_choices
-from kilter.files.choices_writing import choices_about, require_place, write_choices
+from kilter.files.own.choices import LOWEST, Choices, find_choices
+from kilter.files.own.choices_writing import choices_about, require_place, write_choices
 from kilter.files.reading import Reading, chosen
 from kilter.files.reading_options import ReadingOptions
 from kilter.validate import finite, number

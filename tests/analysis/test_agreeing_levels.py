@@ -13,7 +13,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose, Sphere
-from kilter.analysis.decision.decision import Decision
+from kilter.analysis.decision.cascade import Decision
 from kilter.analysis.verdict import remedies
 from kilter.cli import main
 from kilter.contact import Tolerance

@@ -24,12 +24,11 @@ from kilter import (
     check,
     contacts,
 )
-from kilter.assembly.inertia import inertia_matrix
-from kilter.assembly.masses import reweighed
+from kilter.assembly.mesh_surface import reweighed
+from kilter.assembly.part import inertia_matrix
 from kilter.files.reading_steps import with_density, with_masses
 from kilter.scenes import stacks
-from kilter.scenes.pieces import block, cells, floor, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, cells, floor, moved, turn
 from kilter.shape.primitives import surface
 from kilter.tell.numbers import plain
 

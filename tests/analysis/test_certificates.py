@@ -27,7 +27,8 @@ from kilter.mechanics.mechanics_tolerances import (
     UNITS_IN_LAST_PLACE,
 )
 from kilter.mechanics.rows import CONTACT, JOINT, STICKING
-from kilter.scenes import friction, packings, paper, scene, stacks, walls
+from kilter.scenes import friction, paper, scene, stacks, walls
+from kilter.scenes import random_bricks as packings
 from kilter.scenes.pieces import block, floor
 from kilter.solvers.highs import solve_linear
 

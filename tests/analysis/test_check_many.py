@@ -40,7 +40,7 @@ from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import common_frame, common_frames
 from kilter.scenes import friction, paper, scene, stacks, walls
-from kilter.scenes.packings import box_pile
+from kilter.scenes.random_bricks import box_pile
 from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES, surface
 
 FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
@@ -166,7 +166,7 @@ def test_limits_have_both_sides_whatever_stands_beside():
 
 def test_a_list_of_verdicts_needs_no_further_check(monkeypatch):
     found = kilter.check_many(arrays_of([overhanging(0.9), overhanging(1.1)]))
-    monkeypatch.setattr("kilter.analysis.many.deferred_verdict.check", None)  # a call of it fails
+    monkeypatch.setattr("kilter.analysis.many.verdicts.check", None)  # a call of it fails
     listed = list(found)
     assert [(one.verdict, one.level, one.stable) for one in listed] == [
         ("stable", "proved", True),

@@ -8,7 +8,8 @@ from judged import judged
 from transformations import tilted
 
 from kilter import Assembly, GivenContact
-from kilter.scenes import accelerations, paper, stacks, traps
+from kilter.scenes import friction as accelerations
+from kilter.scenes import paper, stacks, traps
 from kilter.scenes.pieces import block, floor, prism
 
 G = 9.81

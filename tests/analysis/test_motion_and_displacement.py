@@ -17,14 +17,13 @@ from kilter.analysis.verdict.displacement import find_displacement
 from kilter.mechanics.forms import displacement
 from kilter.mechanics.forms import scaled_problem as scaled_program
 from kilter.mechanics.gauss import least_constraint, mirror_half
-from kilter.scenes import arches, packings, paper, scene, stacks, traps, walls, wedges
-from kilter.scenes.pieces import block, floor, turn
+from kilter.scenes import arches, paper, scene, stacks, traps, walls, wedges
+from kilter.scenes import random_bricks as packings
+from kilter.scenes.pieces import block, floor, moved, turn
 from kilter.scenes.stacks import block_on_slope
-from kilter.scenes.transform import moved
 from kilter.solvers import clarabel
-from kilter.solvers.block_cholesky import NotPositive
+from kilter.solvers.block_cholesky import LinkedRows, NotPositive
 from kilter.solvers.highs import solve_linear
-from kilter.solvers.linked_rows import LinkedRows
 from kilter.solvers.projection import solve_projection
 from kilter.tell.text import text_of
 from kilter.tell.words import motion_summary, motion_words

@@ -29,14 +29,18 @@ from kilter import (
 )
 from kilter.analysis.decision import deciding_pairs
 from kilter.analysis.decision import judge as judging
-from kilter.analysis.decision.deciding_pairs import MOST, DecidingPairs, find_deciding
-from kilter.analysis.decision.joining_wrenches import joining_wrenches
+from kilter.analysis.decision.deciding_pairs import (
+    MOST,
+    DecidingPairs,
+    find_deciding,
+    joining_wrenches,
+)
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.arrays import Index, connected
 from kilter.contact.contact_tolerances import GAP
 from kilter.contact.open_pairs import OpenPair, rigid_groups
+from kilter.mechanics.locked_parts import merge_parts
 from kilter.mechanics.mechanics_tolerances import RULED_OUT
-from kilter.mechanics.merged_parts import merge_parts
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes.pieces import block, floor
 from sampled import sampled

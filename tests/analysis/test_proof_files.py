@@ -21,7 +21,7 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of, make_proof
 from kilter.mechanics.rows import JOINT
 from kilter.scenes import paper, stacks
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 
 CASES = {
     "forces": rough_staircase,

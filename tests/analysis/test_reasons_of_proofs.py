@@ -23,7 +23,7 @@ from kilter.analysis.verification import (
 from kilter.assembly import Assembly
 from kilter.cli import main
 from kilter.contact import ContactSet, detect
-from kilter.files.choices import digest
+from kilter.files.own.choices import digest
 from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import example, friction, paper, stacks

@@ -14,20 +14,20 @@ from transformations import tilted
 import kilter
 from kilter import Assembly, Bond, Box, Joint, Part, Pose
 from kilter.analysis import load_limit
+from kilter.analysis.analysis_tolerances import LIMIT_AGREES
 from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import SIMPLEX_ROWS, SOLVERS, judge
 from kilter.analysis.limit_sides import LimitSides
 from kilter.analysis.load_limit import find_limit, gravity_wrench
-from kilter.analysis.turning_tolerances import LIMIT_AGREES
 from kilter.contact import detect
 from kilter.mechanics.balance_in_cones import load_share
 from kilter.mechanics.forms import equilibrium, load_factor, scaled_problem
 from kilter.mechanics.program import build_program
 from kilter.scenes import arches, scene, stacks, walls
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 from kilter.solvers import clarabel, cone_interior_point, highs
 from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
-from kilter.solvers.blocks import Blocks, solve_blocks
+from kilter.solvers.highs import Blocks, solve_blocks
 from kilter.solvers.lorentz import Scaling, depth, divided, product, reach
 
 BESIDE = (1e-2, 1e-4, 1e-5)

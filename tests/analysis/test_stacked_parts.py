@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from kilter import Assembly, Box, Part, Pose, check_many
-from kilter.analysis.many import decided_together
-from kilter.assembly.side_by_side import side_by_side
+from kilter.analysis.many import verdicts as decided_together
+from kilter.assembly.array_geometry import side_by_side
 from kilter.contact import Tolerance, contacts
 from kilter.contact.detect import contacts_side_by_side
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import build_program
 from kilter.mechanics.program_blocks import ProgramBlocks, program_blocks
-from kilter.solvers.blocks import solve_blocks
+from kilter.solvers.highs import solve_blocks
 
 FLOOR = Part("floor", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
 

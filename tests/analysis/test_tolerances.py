@@ -8,13 +8,12 @@ import pytest
 from judged import judged, random_turn
 from transformations import as_single, permuted, renamed, scaled, tilted
 
+from kilter.analysis import analysis_tolerances as of
 from kilter.analysis import analysis_tolerances as told
-from kilter.analysis import turning_tolerances as of
 from kilter.mechanics import mechanics_tolerances
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.scenes import paper, scene, stacks, walls
-from kilter.scenes.pieces import turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved, turn
 from kilter.solvers import solver_tolerances as asked
 from kilter.solvers import solver_tolerances as solvers
 

@@ -17,7 +17,7 @@ from kilter.analysis.load_limit import NoLimit
 from kilter.cli import main
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 from kilter.tell.tables import forces_table, tables
 
 G, WEIGHT = 9.81, 9810.0

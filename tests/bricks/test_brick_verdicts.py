@@ -14,10 +14,10 @@ import kilter
 from kilter.analysis import everything as limits
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.everything import everything
-from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
 from kilter.assembly.bricks.brick_assembly import bricks_of
 from kilter.assembly.bricks.brick_library import STABLE_LEGO, brick_mass
+from kilter.assembly.part import BRICK_PLATES
 from kilter.cli import main
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
@@ -25,7 +25,7 @@ from kilter.scenes.random_bricks import random_bricks
 from kilter.show.packing import unpack
 from kilter.show.page import render
 from kilter.show.scene import build_scene
-from kilter.tell.improve_words import improve_sentence
+from kilter.tell.plan_words import improve_sentence
 from sampled import sampled
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"

@@ -17,13 +17,12 @@ import pytest
 
 import kilter
 from kilter import pipes
-from kilter.analysis.many.batch import KILLED
+from kilter.analysis.many.batch import KILLED, listed_files
 from kilter.analysis.many.batch_folder import open_folder
-from kilter.analysis.many.batch_list import listed_files
 from kilter.analysis.many.batch_rows import COLUMNS, BatchQuestion, error_row, judged_rows
 from kilter.cli import main
 from kilter.errors import InputError, KilterError
-from kilter.scenes.packings import box_pile
+from kilter.scenes.random_bricks import box_pile
 
 FILES = 24
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and processes of POSIX")
@@ -167,7 +166,7 @@ def test_damaged_rows_are_told_and_never_counted(piles, tmp_path):
 @pytest.mark.slow
 def test_an_assembly_that_kills_is_found_and_has_a_row(piles, tmp_path, monkeypatch):
     deadly = (
-        "import sys, os; sys.path[:] = {path!r}; import kilter.analysis.many.batch_workers as w; "
+        "import sys, os; sys.path[:] = {path!r}; import kilter.analysis.many.batch_rows as w; "
         "judged = w.judged_rows; "
         "w.judged_rows = lambda files, question: "
         "os.kill(os.getpid(), 9) if any('pile-5.' in f for _, f in files) "

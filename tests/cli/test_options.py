@@ -18,10 +18,10 @@ from kilter.cli.commands import functions_of
 from kilter.cli.declarations import declared_in
 from kilter.cli.option_parser import values_of
 from kilter.cli.options import AddedOptions
-from kilter.cli.tolerance_options import ToleranceOptions
-from kilter.files.choices_off import OFF, switched_off
+from kilter.cli.quantities import ToleranceOptions
+from kilter.files.own.choices_writing import OFF, switched_off
 from kilter.files.reading_options import ReadingOptions
-from kilter.workbench.materials import MATERIALS
+from kilter.workbench.live_assembly import MATERIALS
 
 
 def values(line: str) -> dict[str, Any]:

@@ -37,7 +37,7 @@ HEAVY = (
 """Packages whose import is slow."""
 UNUSED = (
     "kilter.contact.curved.curved_contacts", "kilter.contact.sharp.normals",
-    "kilter.files.step_solids", "kilter.second_order.answer.one_cluster",
+    "kilter.files.cad.step_solids", "kilter.second_order.answer.one_cluster",
     "manifold3d", "matplotlib", "numpy.f2py", "numpy.testing", "pydantic", "scipy.linalg",
     "scipy.optimize", "scipy.spatial", "shapely", "trimesh",
 )  # fmt: skip
@@ -87,7 +87,7 @@ def test_a_check_of_boxes_imports_no_module_that_it_does_not_need(tmp_path):
 def test_numpy_lists_all_its_submodules_after_the_import_of_scipy():
     code = (
         "import numpy\nbefore = dir(numpy), numpy.__all__\n"
-        "from kilter.cli.quick_scipy import import_scipy_quickly\nimport_scipy_quickly()\n"
+        "from kilter.cli.asked import import_scipy_quickly\nimport_scipy_quickly()\n"
         "assert (sorted(dir(numpy)), numpy.__all__) == (sorted(before[0]), before[1])\n"
         "import numpy.f2py, numpy.testing\n"
     )

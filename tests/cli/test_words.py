@@ -24,9 +24,9 @@ from kilter.scenes import scene
 from kilter.tell.check_facts import forces_phrase
 from kilter.tell.csv_cells import RUNS, is_numeric, name_of_cell, safe_cell
 from kilter.tell.facts import facts
-from kilter.tell.hold_words import hold_facts
 from kilter.tell.html import html_of
-from kilter.tell.packing_words import packing_sentence
+from kilter.tell.place_words import packing_sentence
+from kilter.tell.plan_words import hold_facts
 from kilter.tell.region_facts import region_phrase
 from kilter.tell.scene_words import scene_sentence
 from kilter.tell.tables import moving_table

@@ -20,7 +20,7 @@ from forked import SAID, Commands
 import kilter
 from kilter.cli import main
 from kilter.errors import KilterError
-from kilter.files.choices_off import OFF
+from kilter.files.own.choices_writing import OFF
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.assembly import Assembly, Part
-from kilter.assembly.polyhedra import polyhedron_moments
+from kilter.assembly.mesh_surface import polyhedron_moments
 from kilter.rigid import Pose
 from kilter.shape.primitives import Cylinder, Mesh
 from kilter.shape.solid import Solid, Surface

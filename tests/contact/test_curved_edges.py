@@ -15,8 +15,7 @@ from kilter.contact.common.edges import part_curves
 from kilter.contact.round_edges import round_edges
 from kilter.contact.sharp.edges_with_edges import corner_rays
 from kilter.mechanics.program import build_program
-from kilter.scenes.pieces import tube, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved, tube, turn
 from kilter.shape.primitives import Mesh
 
 RADIUS, SIDES = 2.0, 40

@@ -10,8 +10,8 @@ from solids import bolt, bore, cone_frustum, mesh_of, peg, pin, socket, torus, t
 import kilter
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array
-from kilter.assembly.polyhedra import polyhedron_moments
-from kilter.assembly.refined import refine
+from kilter.assembly.geometry import refine
+from kilter.assembly.mesh_surface import polyhedron_moments
 from kilter.contact import ContactSet, Tolerance, contacts, detect, pair_findings
 from kilter.contact.common import broad
 from kilter.contact.common import facets as planar_facets

@@ -21,8 +21,7 @@ from kilter.contact.overlap import shared_body
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import Pose
-from kilter.scenes.pieces import block, floor, tube, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, floor, moved, tube, turn
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
 from round_meshes import revolved
 

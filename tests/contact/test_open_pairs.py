@@ -18,8 +18,7 @@ from kilter.contact.contact_tolerances import GAP, LOOSE_ANGLE, LOOSE_GAP
 from kilter.contact.fits.suggestions import coincident_remarks, parts_to_leave_out
 from kilter.rigid import Pose
 from kilter.scenes import scene
-from kilter.scenes.pieces import block, tube, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, moved, tube, turn
 from kilter.shape.primitives import Box, Prism, Sphere
 
 

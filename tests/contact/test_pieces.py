@@ -27,11 +27,10 @@ from kilter import (
 )
 from kilter.contact.contact_tolerances import GAP
 from kilter.contact.detect import detected_with_friction
-from kilter.files.kilter_json import from_dict, to_dict
-from kilter.files.one_body import one_body
+from kilter.files.own.kilter_json import from_dict, to_dict
+from kilter.files.robots.one_body import one_body
 from kilter.mechanics.program import build_program
-from kilter.scenes.pieces import cells, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import cells, moved, turn
 from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import formed, gap_forms

@@ -19,7 +19,7 @@ from solids import (
 )
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check, fastened
-from kilter.assembly.lowest import lowest_heights
+from kilter.assembly.changed_copies import lowest_heights
 from kilter.contact import detect
 from sampled import sampled
 

@@ -9,8 +9,7 @@ from kilter import check, fastened
 from kilter.assembly import Assembly, Joint
 from kilter.contact import contacts
 from kilter.contact.fits.suggestions import suggest_joints
-from kilter.scenes.pieces import block, tube, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, moved, tube, turn
 
 SCENES = 24
 WORDS = ["part", "Body", "Solid", "case/side", "a-1", "x y", "Teil", "12", "cover"]

@@ -166,7 +166,7 @@ def _is_written_as_it_is(shape: Any) -> bool:
         STEPControl_Writer,
     )
 
-    from kilter.files.occt import quiet
+    from kilter.files.cad.step_surfaces import quiet
 
     with quiet(), TemporaryDirectory() as folder:
         path = f"{folder}/a.step"
@@ -201,7 +201,7 @@ def _is_sound(shape: Any) -> bool:
 def _solids(shape: Any) -> int:
     from OCP.TopAbs import TopAbs_ShapeEnum
 
-    from kilter.files.occt import inside
+    from kilter.files.cad.step_surfaces import inside
 
     return len(list(inside(shape, TopAbs_ShapeEnum.TopAbs_SOLID)))
 

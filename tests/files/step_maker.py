@@ -21,7 +21,7 @@ from OCP.TDocStd import TDocStd_Document
 from OCP.TopLoc import TopLoc_Location
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
-from kilter.files.occt import quiet
+from kilter.files.cad.step_surfaces import quiet
 from kilter.units import metres_per_unit
 
 # (name, shape or list of shapes, placement or None)

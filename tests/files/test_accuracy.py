@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter.assembly.polyhedra import polyhedron_moments
+from kilter.assembly.mesh_surface import polyhedron_moments
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files.accuracy import text_accuracy
-from kilter.files.bodies import split_bodies
+from kilter.files.meshes.bodies import split_bodies
+from kilter.files.meshes.placed import text_accuracy
 from kilter.loading import load
-from kilter.shape import sound
-from kilter.shape.closed import open_edges, weld
+from kilter.shape import closed as sound
+from kilter.shape.closed import open_edges, weld, weld_valid_meshes
 from kilter.shape.primitives import Box, Cylinder, Mesh, surface
-from kilter.shape.sound import weld_valid_meshes
 from kilter.validate import LARGEST
 
 RNG = np.random.default_rng(3)

@@ -14,7 +14,7 @@ from kilter.analysis.placing.polygon_sets import rings_of
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import schema, to_text
-from kilter.files.packing_lists import PackedBox, PackingPlan
+from kilter.files.packing.packing_lists import PackedBox, PackingPlan
 from kilter.tell.record import SCHEMA_VERSION, Answer, Record, json_value
 from published import WRITERS, validator
 

@@ -15,7 +15,7 @@ import kilter
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import limits
-from kilter.files.glb import read_glb
+from kilter.files.meshes.glb import read_glb
 from kilter.scenes import scene
 
 SECONDS = 5.0
@@ -186,7 +186,7 @@ def test_models_without_bricks_may_be_placed_without_end():
 
 @pytest.mark.parametrize(("name", "text", "words"), OTHERS, ids=range(len(OTHERS)))
 def test_kilter_files(name, text, words, capsys, monkeypatch):
-    monkeypatch.setattr("kilter.files.strict_json.MOST_VALUES", 1000)
+    monkeypatch.setattr("kilter.files.complaints.MOST_VALUES", 1000)
     assert words in refused(capsys, "check", write(name, text))
 
 

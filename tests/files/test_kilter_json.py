@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
-from kilter.assembly.brick import Brick
+from kilter.assembly.part import Brick
 from kilter.errors import InputError
 from kilter.files import dump, from_dict, schema, to_dict
 from kilter.loading import load

@@ -12,8 +12,9 @@ import pytest
 
 import kilter
 from kilter.errors import InputError
-from kilter.files import limits, raw
-from kilter.files.naming import natural_key
+from kilter.files import limits
+from kilter.files import limits as raw
+from kilter.files.meshes.placed import natural_key
 
 MODEL = '<?xml version="1.0"?><model unit="millimeter">{}</model>'
 TETRAHEDRON = (
@@ -271,7 +272,7 @@ def test_too_little_memory_is_one_sentence(tmp_path):
     import sys
 
     program = (
-        "import resource, sys, kilter.cli, kilter.cli.judging, kilter.files.kilter_json\n"
+        "import resource, sys, kilter.cli, kilter.cli.judging, kilter.files.own.kilter_json\n"
         "import kilter.analysis.check\n"
         "held = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         "resource.setrlimit(resource.RLIMIT_AS, (held + 2**26,) * 2)\n"

@@ -11,7 +11,7 @@ import pytest
 import kilter
 from kilter import InputError
 from kilter.cli import main
-from kilter.files import scene_process
+from kilter.files.robots import scene_process
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="pipes, links or signals of POSIX")
 
@@ -209,7 +209,7 @@ def test_the_end_of_the_process_is_a_sentence(how, tmp_path, monkeypatch):
     code, words = CRASHES[how]
     (tmp_path / f"reader_{how}.py").write_text(
         "import os, signal\n"
-        "from kilter.files.reader_process import serve_requests\n"
+        "from kilter.files.reader_guard import serve_requests\n"
         "def serve(): serve_requests(lambda: read)\n"
         f"def read(*_): {code}\n"
     )

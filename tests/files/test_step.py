@@ -294,7 +294,7 @@ def test_without_occt_it_says_what_to_install(tmp_path, monkeypatch):
 
 
 def test_occt_is_loaded_only_for_step_files():
-    code = "import sys, kilter, kilter.files.step; print('OCP' in sys.modules)"
+    code = "import sys, kilter, kilter.files.cad.step; print('OCP' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
 

@@ -39,11 +39,12 @@ from kilter.contact import detect
 from kilter.contact.common.gaps import UNKNOWN
 from kilter.contact.detect import contacts
 from kilter.errors import InputError
-from kilter.files import from_dict, step_faces, step_process, to_dict
-from kilter.files.occt import inside
-from kilter.files.step import read_step
-from kilter.files.step_bodies import step_bodies
-from kilter.files.step_solids import read_solid, stand_in
+from kilter.files import from_dict, to_dict
+from kilter.files.cad import step_faces, step_process
+from kilter.files.cad.step import read_step
+from kilter.files.cad.step_document import step_bodies
+from kilter.files.cad.step_solids import read_solid, stand_in
+from kilter.files.cad.step_surfaces import inside
 from kilter.loading import load
 from kilter.rigid import Pose
 from kilter.shape.closed import open_edges

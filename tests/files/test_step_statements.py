@@ -21,18 +21,15 @@ from kilter import Box, Part
 from kilter.analysis.check import check
 from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.files import checked_solid as checking
-from kilter.files.checked_solid import checked_solid
-from kilter.files.doubled_faces import has_doubled_faces
+from kilter.files.cad import step_solids as checking
+from kilter.files.cad.step_document import step_bodies
+from kilter.files.cad.step_faces import _area, with_other_sides
+from kilter.files.cad.step_solids import checked_solid, has_doubled_faces, read_solid
+from kilter.files.cad.step_statements import stated_accuracy, text_statements
+from kilter.files.cad.step_surfaces import inside
 from kilter.files.file_tolerances import DOUBLED
 from kilter.files.formats import assembly_of
-from kilter.files.kilter_json import from_dict, to_dict
-from kilter.files.occt import inside
-from kilter.files.stated_accuracy import stated_accuracy
-from kilter.files.step_bodies import step_bodies
-from kilter.files.step_repairs import _area, with_other_sides
-from kilter.files.step_solids import read_solid
-from kilter.files.step_statements import text_statements
+from kilter.files.own.kilter_json import from_dict, to_dict
 from kilter.loading import load
 from kilter.rigid import Pose, quaternion_to_matrix
 from kilter.scenes.pieces import turn

@@ -302,7 +302,7 @@ def settled(assembly: kilter.Assembly) -> kilter.Assembly:
 
 @pytest.mark.parametrize("ending", [".usda", ".usdc", ".usd"])
 def test_new_poses_are_a_layer_and_the_file_stays(ending, path):
-    from kilter.files.usd.usd_poses import write_usd_poses
+    from kilter.files.usd.usd_assembly import write_usd_poses
 
     instanced(path)
     before = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -320,7 +320,7 @@ def test_new_poses_are_a_layer_and_the_file_stays(ending, path):
 def test_a_turned_object_in_scaled_and_turned_parents_lands_where_it_should(path):
     from pxr import Gf, UsdGeom
 
-    from kilter.files.usd.usd_poses import write_usd_poses
+    from kilter.files.usd.usd_assembly import write_usd_poses
 
     stage = Stage(path, up="Y", metres=0.3048)
     outer = stage.body("group", (5, 6, 7), turn=(10, 20, 30), scale=(2, 2, 2), static=True)
@@ -341,7 +341,7 @@ def test_a_turned_object_in_scaled_and_turned_parents_lands_where_it_should(path
 
 
 def test_a_prim_within_an_instance_cannot_be_moved(path):
-    from kilter.files.usd.usd_poses import write_usd_poses
+    from kilter.files.usd.usd_assembly import write_usd_poses
 
     inner = Stage(path.with_name("pair.usda"))
     inner.box("a", (0, 0, 2), (1, 1, 1))

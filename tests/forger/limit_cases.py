@@ -10,8 +10,7 @@ from kilter import Assembly, Bond, Joint, Strap
 from kilter.arrays import Array
 from kilter.mechanics.mechanics_tolerances import EXCESS, EXCUSED, RULED_OUT, TOLERANCE
 from kilter.rigid import Pose
-from kilter.scenes.pieces import block, prism
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, moved, prism
 
 G = 9.81
 MARGIN = 10.0

@@ -13,15 +13,14 @@ from cases import planar, program
 from judged import reloaded, verified
 
 from kilter import check
-from kilter.friction import exclusion_check, exclusion_file
+from kilter.friction import exclusion_file
+from kilter.friction import exclusion_file as exclusion_check
 from kilter.friction.canonical import canonical
 from kilter.friction.contraction import power_bound
 from kilter.friction.enclosure import AT_REST, rescaled
 from kilter.friction.exclusion import prove_no_motion, start_proof
-from kilter.friction.exclusion_bounds import no_power
-from kilter.friction.exclusion_check import power_not_excluded
-from kilter.friction.exclusion_file import exclusion_data, recheck_exclusion
-from kilter.friction.exclusion_steps import CaseStep, PowerStep, Quantity, ShrinkStep
+from kilter.friction.exclusion_bounds import CaseStep, PowerStep, Quantity, ShrinkStep, no_power
+from kilter.friction.exclusion_file import exclusion_data, power_not_excluded, recheck_exclusion
 from kilter.friction.friction_tolerances import NARROWEST_CONE
 from kilter.friction.moment_bound import MomentStep
 from kilter.friction.reduced_law import reduced_law

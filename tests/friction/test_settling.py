@@ -12,17 +12,17 @@ from transformations import permuted, split
 
 from kilter import Joint, check
 from kilter.friction.canonical import canonical
-from kilter.friction.elastic_forces import _DilatingSprings, elastic_forces
 from kilter.friction.law import coulomb_law
 from kilter.friction.seating import find_seating
 from kilter.friction.settling import find_settling
+from kilter.friction.spring_newton import _DilatingSprings, elastic_forces
 from kilter.friction.springs import Springs, spring_system
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program
 from kilter.scenes import arches, friction, stacks, traps, walls, wedges
+from kilter.scenes.pieces import moved
 from kilter.scenes.stacks import tower
-from kilter.scenes.transform import moved
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.tell.facts import facts
 from kilter.work import Work
@@ -233,7 +233,7 @@ def test_an_unsupported_part_is_not_released_from_closed_contacts(monkeypatch):
 def test_forces_of_the_least_energy_are_those_of_the_conic_solver(monkeypatch):
     law = coulomb_law(program(walls.tilted_wall(8.0, friction=0.6, courses=4, per_course=4)))
     newton = elastic_forces(law, work=Work())
-    monkeypatch.setattr("kilter.friction.elastic_forces.balanced_springs", lambda *_: None)
+    monkeypatch.setattr("kilter.friction.spring_newton.balanced_springs", lambda *_: None)
     conic = elastic_forces(law, work=Work())
     assert newton.forces == pytest.approx(conic.forces, abs=1e-4 * np.abs(conic.forces).max())
     assert newton.displacement == pytest.approx(

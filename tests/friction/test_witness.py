@@ -16,12 +16,12 @@ import kilter
 from kilter import Joint
 from kilter.analysis.decision.motion import NO_MOTION_BY_LAW, find_motion
 from kilter.cli import main
-from kilter.friction.law import coulomb_law
+from kilter.friction.law import breach, coulomb_law, may_obey
 from kilter.friction.motion_search import find_coulomb_motion
-from kilter.friction.near_law import breach, may_obey
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law
-from kilter.scenes import accelerations, friction, stacks, traps, walls
+from kilter.scenes import friction, stacks, traps, walls
+from kilter.scenes import friction as accelerations
 from kilter.scenes.arches import arch_with_held_ends
 from kilter.scenes.stacks import block_on_slope
 from kilter.tell.tables import NO_ACCELERATION

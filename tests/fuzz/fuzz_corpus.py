@@ -11,7 +11,7 @@ import numpy as np
 import trimesh
 
 from kilter.files import to_text
-from kilter.files.mjcf import to_mjcf
+from kilter.files.robots.mjcf import to_mjcf
 from kilter.scenes import scene
 from kilter.scenes.stacks import tower
 
@@ -154,7 +154,7 @@ def _step() -> dict[str, bytes]:
         from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
     except ImportError:
         return {}
-    from kilter.files.occt import quiet
+    from kilter.files.cad.step_surfaces import quiet
 
     with TemporaryDirectory() as folder, quiet():
         path = Path(folder) / "box.step"

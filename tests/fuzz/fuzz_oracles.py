@@ -17,7 +17,7 @@ import kilter
 from kilter import Assembly
 from kilter.cli import main
 from kilter.errors import LONGEST_MESSAGE, NO_MEMORY
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 
 sys.path.append(str(Path(__file__).parents[1] / "scenes"))  # run as a command, without pytest
 

@@ -25,7 +25,7 @@ from fuzz_scenes import random_scene
 from transformations import scaled
 
 import kilter
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 
 HERE = Path(__file__).parent
 ROUND = {

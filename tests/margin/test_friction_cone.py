@@ -6,7 +6,7 @@ from margins import program_of, small_assembly
 
 import kilter
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.regions.friction_cone import friction_cone
+from kilter.analysis.regions.cone_cutting import friction_cone
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.errors import InputError
 from kilter.scenes import arches, friction, stacks

@@ -16,8 +16,8 @@ from kilter.analysis.decision.judge import judge
 from kilter.analysis.limit_sides import LimitSides
 from kilter.analysis.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
 from kilter.analysis.margins.least_friction import find_least_friction
-from kilter.analysis.margins.margin_question import PUSHED
-from kilter.analysis.margins.pushes import find_push, find_weakest_push
+from kilter.analysis.margins.level_limits import find_push, find_weakest_push
+from kilter.analysis.margins.margin_steps import PUSHED
 from kilter.analysis.margins.tilt import find_nearest_held, find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.mechanics.mechanics_tolerances import TOLERANCE

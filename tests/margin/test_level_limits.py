@@ -20,10 +20,9 @@ from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.limit_sides import limit_sides
 from kilter.analysis.load_limit import Limit, find_limit, gravity_wrench, with_more
-from kilter.analysis.margins.least_friction import find_least_friction
+from kilter.analysis.margins.least_friction import find_least_friction, held_by_squeeze, squeeze
 from kilter.analysis.margins.level_limits import SHARE
 from kilter.analysis.margins.limit_level import DECISION, NEAR, LevelDecisions, find_level_end
-from kilter.analysis.margins.squeeze import held_by_squeeze, squeeze
 from kilter.analysis.margins.tilt import across_gravity
 from kilter.cli import main
 from kilter.mechanics.certificate import check_forces, check_motion

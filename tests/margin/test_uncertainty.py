@@ -12,7 +12,8 @@ import kilter
 from kilter import Assembly, Box, Load, Part, Pose, margin
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
-from kilter.analysis.margins import following_forces, uncertainty
+from kilter.analysis.margins import tilt as following_forces
+from kilter.analysis.margins import uncertainty
 from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.margins.uncertainty import (
     Ranges,

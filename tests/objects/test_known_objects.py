@@ -9,8 +9,8 @@ import pytest
 
 import kilter
 from kilter import Assembly, InputError, Mesh, Part, Pose
-from kilter.files.naming import distinct
-from kilter.files.one_body import one_body
+from kilter.files.meshes.placed import distinct
+from kilter.files.robots.one_body import one_body
 from kilter.scenes import scene
 from kilter.shape.primitives import Box, surface
 

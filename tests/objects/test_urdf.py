@@ -13,8 +13,8 @@ import kilter
 from kilter import Assembly, InputError
 from kilter.cli import main
 from kilter.contact import contacts
-from kilter.files.kilter_json import from_dict, to_dict
-from kilter.mechanics.merged_parts import merge_parts
+from kilter.files.own.kilter_json import from_dict, to_dict
+from kilter.mechanics.locked_parts import merge_parts
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
 

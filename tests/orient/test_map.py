@@ -5,10 +5,9 @@ import pytest
 from turning import ALL, UNSTABLE, directions, on_facets, program_of, slot_and_float
 
 from kilter import InputError, Load, SolverError
-from kilter.analysis.regions.growing_hull import GrowingHull
-from kilter.analysis.turning.facet_program import joint
+from kilter.analysis.regions.enclose import GrowingHull
+from kilter.analysis.turning.facet_program import joint, nearest
 from kilter.analysis.turning.least_instability import least_instability
-from kilter.analysis.turning.nearest import nearest
 from kilter.analysis.turning.reachable import nearest_on_sphere
 from kilter.analysis.turning.stability_map import stability_map
 from kilter.analysis.turning.virtual_work import VirtualWork

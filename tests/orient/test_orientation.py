@@ -15,8 +15,7 @@ import kilter
 from kilter import Assembly, InputError, Load, Part, check, orient
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import paper, scene, stacks, walls, wedges
-from kilter.scenes.pieces import block, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, moved, turn
 
 PLANAR = pytest.mark.parametrize("planar", [False, True])
 

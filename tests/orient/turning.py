@@ -9,8 +9,7 @@ from kilter.assembly import Assembly
 from kilter.contact import detect
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes import SCENES, arches, paper, scene, stacks, walls, wedges
-from kilter.scenes.pieces import block, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, moved, turn
 
 OBLIQUE = turn([1.0, 2.0, -0.5], 37.0)
 

@@ -16,7 +16,7 @@ from kilter import InputError, check_plan, contacts
 from kilter.analysis.placing import plan_states as states
 from kilter.assembly.question import Question
 from kilter.cli import main
-from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
+from kilter.files.packing.packing_lists import PackedBox, PackingPlan, load_plan
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "packing" / "bed_bpp_plans.json"
 HEADER = "name,length/mm,width/mm,height/mm,mass/kg,x/mm,y/mm,z/mm,turned\n"

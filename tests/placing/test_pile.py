@@ -12,7 +12,7 @@ import kilter
 from kilter import Assembly, InputError, Pile, PileFit, Places, box_to_place, contacts, place
 from kilter.analysis.check import check_equilibrium
 from kilter.analysis.placing.piles.pile_hulls import surround
-from kilter.analysis.placing.uncertain_part import part_cases
+from kilter.analysis.placing.place_at import part_cases
 from kilter.cli import main
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program

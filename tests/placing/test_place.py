@@ -18,10 +18,8 @@ from scipy.optimize import nnls
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Places, Pose, box_to_place, place
-from kilter.analysis.placing.case_maps import case_prism
-from kilter.analysis.placing.landings import Landings
-from kilter.analysis.placing.placed_loads import PlacedLoads
-from kilter.analysis.placing.upright_prisms import find_tops
+from kilter.analysis.placing.place_proofs import case_prism
+from kilter.analysis.placing.upright_prisms import Landings, PlacedLoads, find_tops
 from kilter.cli import main
 from kilter.contact import detect
 from kilter.mechanics.certificate import check_forces

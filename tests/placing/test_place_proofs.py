@@ -13,13 +13,18 @@ from planks import bridge
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Pose, Prism, box_to_place, place
-from kilter.analysis.placing.case_maps import case_prism
-from kilter.analysis.placing.landings import Landings
-from kilter.analysis.placing.moving_contact import least_rates, places_left
 from kilter.analysis.placing.moving_load import MovingLoad
-from kilter.analysis.placing.placed_loads import PlacedLoads
+from kilter.analysis.placing.place_proofs import case_prism
 from kilter.analysis.placing.polygon_sets import both, cleaned, without
-from kilter.analysis.placing.upright_prisms import edges_of, find_tops, shifted
+from kilter.analysis.placing.upright_prisms import (
+    Landings,
+    PlacedLoads,
+    edges_of,
+    find_tops,
+    least_rates,
+    places_left,
+    shifted,
+)
 from kilter.cli import main
 from kilter.contact import detect
 from kilter.mechanics.program import build_program

@@ -14,11 +14,10 @@ import kilter
 from kilter import Assembly, Fixture, InputError, State, States, Support, contacts
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.hold import least_supports
-from kilter.analysis.planning.hold.gripped_parts import grips_that_hold
-from kilter.analysis.planning.hold.support_candidates import candidates_of
-from kilter.analysis.planning.hold.supported import Supported
+from kilter.analysis.planning.hold.hold import candidates_of
+from kilter.analysis.planning.hold.supported import Supported, grips_that_hold
 from kilter.analysis.planning.states.holds import Holds
-from kilter.analysis.planning.states.state_programs import build_state_programs
+from kilter.analysis.planning.states.known_proofs import build_state_programs
 from kilter.analysis.smallest_set import least_cover, least_hitting_set
 from kilter.analysis.verification import verify_bundle, verify_proof
 from kilter.cli import main

@@ -16,13 +16,12 @@ from slopes import leaning
 
 import kilter
 from kilter import Assembly, InputError, Order, Part, Pose, States, states
-from kilter.analysis.planning.order.closure import find_unreachable
-from kilter.analysis.planning.order.exhaustion import MOST_SETS, leads_nowhere
+from kilter.analysis.planning.order.plan import MOST_SETS, find_unreachable, leads_nowhere
 from kilter.analysis.planning.order.removal import Removal
 from kilter.analysis.planning.order.search import OrderSearch
-from kilter.analysis.planning.states.part_sets import bits_of, mask_of
+from kilter.analysis.planning.states.holds import bits_of, mask_of
 from kilter.analysis.verification import verify_bundle
-from kilter.files.sequence import read_sequence
+from kilter.files.packing.packing_lists import read_sequence
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube

@@ -11,7 +11,7 @@ from read_proofs import proof_of, reasons, signed
 
 import kilter
 from kilter import Assembly, InputError, Mesh, Part, PlanRules, State, States
-from kilter.analysis.planning.order.carried_accelerations import SIDES, extreme_accelerations
+from kilter.analysis.planning.order.plan import SIDES, extreme_accelerations
 from kilter.analysis.verification import verify_proof
 from kilter.cli import main
 from kilter.contact.kept_contacts import contacts_among

@@ -14,9 +14,9 @@ import kilter
 from kilter import Assembly, Box, InputError, Order, Part, Pose, states
 from kilter.analysis.planning.order.locking import multipliers_of, opening, shuts
 from kilter.analysis.planning.order.removal import Removal
+from kilter.analysis.planning.order.search import blocked_together, units_of_groups
 from kilter.analysis.planning.order.sweeps import Sweeps
-from kilter.analysis.planning.order.together import blocked_together, units_of_groups
-from kilter.analysis.planning.states.part_sets import bits_of
+from kilter.analysis.planning.states.holds import bits_of
 from kilter.contact.common.distances import PartSolids
 from kilter.scenes import scene
 from kilter.scenes.arches import arch

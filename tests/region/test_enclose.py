@@ -11,11 +11,10 @@ from scipy.spatial import ConvexHull
 import kilter
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.load_limit import Limit, find_limit, gravity_wrench
-from kilter.analysis.regions import boundary_rays
-from kilter.analysis.regions.enclose import KnownSet, SupportPoint, nearest_face
-from kilter.analysis.regions.friction_cone import friction_cone
-from kilter.analysis.regions.growing_hull import GrowingHull
-from kilter.analysis.regions.inner_hull import inner_hull
+from kilter.analysis.regions import cone_cutting as boundary_rays
+from kilter.analysis.regions.cone_cutting import friction_cone
+from kilter.analysis.regions.cone_hull import inner_hull
+from kilter.analysis.regions.enclose import GrowingHull, KnownSet, SupportPoint, nearest_face
 from kilter.arrays import unit_rows
 from kilter.errors import TimeLimitReached
 from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones

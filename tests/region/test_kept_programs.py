@@ -14,12 +14,11 @@ import pytest
 from scipy.sparse import csc_array, random_array
 
 from kilter import SolverError
-from kilter.solvers import clarabel, highs, interrupts
-from kilter.solvers.clarabel import solve_conic, solve_quadratic
+from kilter.solvers import clarabel, highs
+from kilter.solvers import clarabel as interrupts
+from kilter.solvers.clarabel import call_apart, run_aside, solve_conic, solve_quadratic
 from kilter.solvers.highs import KeptProgram, Warm, find_optimum, solve_linear
-from kilter.solvers.interrupts import call_apart, run_aside
-from kilter.solvers.problem import ConicProgram, LinearProgram, quadratic_program
-from kilter.solvers.solution import Solution
+from kilter.solvers.problem import ConicProgram, LinearProgram, Solution, quadratic_program
 from kilter.work import Work
 
 

@@ -31,8 +31,7 @@ from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.locked_parts import LockedParts, find_locked_parts
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes import paper, rails, stacks, wedges
-from kilter.scenes.pieces import block
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, moved
 from sampled import sampled
 
 

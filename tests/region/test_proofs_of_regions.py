@@ -14,9 +14,9 @@ from scipy.optimize import linprog
 
 import kilter
 from kilter import Assembly, ContactSet, InputError, Mesh, Part, Region
+from kilter.analysis.analysis_tolerances import BEYOND_CONE
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin, tilt_about
-from kilter.analysis.turning_tolerances import BEYOND_CONE
 from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.arrays import cross
 from kilter.contact import detect

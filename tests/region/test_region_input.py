@@ -7,7 +7,7 @@ import pytest
 from free_form import free_form_on_a_floor
 
 import kilter
-from kilter.analysis.regions.friction_cone import friction_cone
+from kilter.analysis.regions.cone_cutting import friction_cone
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.assembly import Assembly, Joint, Load, Part
 from kilter.contact import detect

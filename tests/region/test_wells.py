@@ -10,7 +10,7 @@ import kilter
 from kilter import Assembly, Cylinder, InputError, Mesh, Part, Pose, Sphere
 from kilter.analysis.regions.tipping import find_tipping
 from kilter.analysis.regions.well import Well
-from kilter.assembly.lowest import lowest_heights
+from kilter.assembly.changed_copies import lowest_heights
 from kilter.scenes.pieces import block, floor, turn
 from kilter.shape.solid import Solid, Surface
 

@@ -192,7 +192,7 @@ def test_an_object_on_a_joint_belongs_to_the_cluster_of_its_partner():
 @pytest.mark.parametrize("seed", range(30))
 def test_each_state_at_rest_is_a_verdict_with_forces(seed):
     """Random piles: the states of a scene are the verdicts of `check` on each pile alone."""
-    from kilter.scenes.packings import box_pile
+    from kilter.scenes.random_bricks import box_pile
 
     piles = [box_pile(4, seed=10 * seed + k, cells=3, level=bool(k % 2)) for k in range(4)]
     whole = piles[0]

@@ -16,8 +16,7 @@ from kilter.assembly import Assembly, Part
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 from kilter.scenes.arches import arch_with_held_ends
-from kilter.scenes.pieces import block, floor, turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import block, floor, moved, turn
 from kilter.scenes.walls import wall
 
 FAMILIES = ("arch", "stack", "wall")

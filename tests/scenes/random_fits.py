@@ -10,7 +10,7 @@ from kilter.arrays import across, unit_rows
 from kilter.assembly import Assembly
 from kilter.contact import contacts
 from kilter.mechanics.program import Program, build_program
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 
 FIT = (1e-9, 1e-3)
 """Least and greatest error of a normal [rad], and of a point over the radius of a part [-]."""

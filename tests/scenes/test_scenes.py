@@ -18,7 +18,6 @@ from kilter.scenes import (
     arches,
     example,
     friction,
-    packings,
     paper,
     rounds,
     scene,
@@ -27,11 +26,11 @@ from kilter.scenes import (
     walls,
     wedges,
 )
+from kilter.scenes import random_bricks as packings
 from kilter.scenes.friction import bracket, ladder
-from kilter.scenes.paper_contacts import figure_2, figure_3
-from kilter.scenes.pieces import cells, compose, turn
+from kilter.scenes.paper import figure_2, figure_3
+from kilter.scenes.pieces import cells, compose, moved, turn
 from kilter.scenes.rounds import three_cylinders
-from kilter.scenes.transform import moved
 from kilter.shape.primitives import Box, Mesh
 
 

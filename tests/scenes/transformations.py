@@ -1,7 +1,7 @@
 """Transformations of assemblies for tests, with a known effect on the answer.
 
 Scaling, reordering and renaming change no verdict. `tilted` rotates only gravity. `as_single`
-rounds the coordinates to those of a binary STL file. `kilter.scenes.transform` has rigid motions.
+rounds the coordinates to those of a binary STL file. `kilter.scenes.pieces` has rigid motions.
 """
 
 import dataclasses
@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.assembly import GROUND, Assembly, Joint, Load, Part
-from kilter.assembly.inertia import inertia_matrix, inertia_numbers
+from kilter.assembly.part import inertia_matrix, inertia_numbers
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix
-from kilter.scenes.pieces import turn
-from kilter.scenes.transform import moved_features, require_about_y
+from kilter.scenes.pieces import moved_features, require_about_y, turn
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
 
 

@@ -15,8 +15,7 @@ import numpy as np
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.scenes.pieces import turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved, turn
 
 sys.path.append(str(Path(__file__).parents[1] / "contact"))
 

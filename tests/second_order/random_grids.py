@@ -9,7 +9,7 @@ from transformations import scaled
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Prism, Sphere
 from kilter.arrays import Array
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 
 Shape = Box | Cylinder | Prism | Sphere
 

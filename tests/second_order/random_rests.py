@@ -11,7 +11,7 @@ from transformations import scaled
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 
 Random = np.random.Generator
 Made = list[Part]

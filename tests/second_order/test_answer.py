@@ -14,7 +14,7 @@ from kilter.mechanics.proof import digest_of
 from kilter.second_order.answer.second_order_answer import LATE, SPENT, SecondOrder
 from kilter.second_order.answer.whole import find_second_order
 from kilter.second_order.parts.cluster_states import joined_state
-from kilter.second_order.searches.opening_contacts import opening_motion
+from kilter.second_order.searches.level_rest_search import opening_motion
 from kilter.work import Work
 
 
@@ -269,7 +269,7 @@ def test_many_clusters_share_the_work_and_level_strict_does_more():
 
 def test_parts_with_fewer_contact_rows_than_freedoms_cost_no_search_for_forces(monkeypatch):
     balls = bowls(3)
-    monkeypatch.setattr("kilter.second_order.searches.held_search.judge_held", None)
+    monkeypatch.setattr("kilter.second_order.searches.level_rest_search.judge_held", None)
     second = kilter.check(balls).second_order_answer
     assert second is not None
     assert [cluster.state for cluster in second.clusters] == ["minimum"] * 3

@@ -17,14 +17,18 @@ from kilter.arrays import Array, across
 from kilter.files import from_dict
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import DRAG, STOP
-from kilter.scenes.pieces import turn
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved, turn
 from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.fits import _revolved_surface
 from kilter.second_order.gaps.gap_form import corner_slips, formed, gap_forms
-from kilter.second_order.gaps.joint_forms import joint_errors, joint_forms, of_joints
-from kilter.second_order.gaps.joint_springs import spring_excess, spring_form
+from kilter.second_order.gaps.joint_forms import (
+    joint_errors,
+    joint_forms,
+    of_joints,
+    spring_excess,
+    spring_form,
+)
 from kilter.second_order.gaps.touched_surfaces import LINE
 
 Side = tuple[int, Array, Array]

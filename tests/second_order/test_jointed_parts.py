@@ -15,7 +15,7 @@ from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere
 from kilter.assembly.interactions import JointKind
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.transform import moved
+from kilter.scenes.pieces import moved
 from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.second_order.gaps.joint_forms import joint_errors, joint_forms
 from kilter.second_order.parts.rigid_groups import RigidGroups

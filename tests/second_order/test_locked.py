@@ -15,9 +15,14 @@ from kilter.scenes.paper import figure_9
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
 from kilter.second_order.gaps.stationary import Stationary, problem_of, stationary
-from kilter.second_order.proofs.locked import Faces, LockedTurns, faces_of, judge_locked, shifts
-from kilter.second_order.searches.critical import find_critical
-from kilter.second_order.searches.locking_stress import find_locked
+from kilter.second_order.proofs.minimum_proof import (
+    Faces,
+    LockedTurns,
+    faces_of,
+    judge_locked,
+    shifts,
+)
+from kilter.second_order.searches.curved_energy import find_critical, find_locked
 from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED
 from kilter.work import Work
 

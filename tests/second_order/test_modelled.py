@@ -11,7 +11,7 @@ import kilter
 from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Mesh, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.second_order.proofs.modelled import (
+from kilter.second_order.proofs.second_order_recheck import (
     OFF_CENTRE,
     loads_off_centre,
     unmodelled_pairs,

@@ -18,12 +18,10 @@ from kilter.scenes import scene
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.stationary import problem_of
 from kilter.second_order.gaps.touched_surfaces import touched_surfaces
-from kilter.second_order.motions.free_motions import find_free_motions
-from kilter.second_order.motions.free_span import free_span
+from kilter.second_order.motions.free_motions import find_free_motions, free_span
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.fall_proof import STEPS
-from kilter.second_order.proofs.minimum_proof import MinimumProof
-from kilter.second_order.proofs.proof_numbers import by_part
+from kilter.second_order.proofs.minimum_proof import MinimumProof, by_part
 from kilter.second_order.searches.decide import decide
 
 

@@ -12,15 +12,14 @@ from mesh_rounds import TABLE, as_mesh, ball, random_pair, state_of
 
 import kilter
 from kilter import Assembly, Part, Pose
-from kilter.assembly.lowest import lowest_heights
+from kilter.assembly.changed_copies import lowest_heights
 from kilter.mechanics.program import build_program
 from kilter.rigid import turn_of
 from kilter.scenes.pieces import floor
 from kilter.second_order.answer import one_cluster
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
-from kilter.second_order.gaps.recognised import bounded
-from kilter.second_order.gaps.stationary import stationary
+from kilter.second_order.gaps.stationary import bounded, stationary
 from kilter.second_order.parts.separation import bodies_of
 
 SEEDS = range(10)

@@ -10,8 +10,7 @@ import kilter
 from kilter import Assembly, Box, Cylinder, FrictionPair, Joint, Part, Pose, Prism, Sphere
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.gaps.features_of import features_of
-from kilter.second_order.motions.rolling import Rolling, find_rolling
-from kilter.second_order.motions.slips import rolling_shifts
+from kilter.second_order.motions.rolling import Rolling, find_rolling, rolling_shifts
 
 OFF = 1e-6
 

@@ -15,7 +15,7 @@ from kilter.mechanics.proof import digest_of
 from kilter.mechanics.rows import CONTACT, POSSIBLE
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.stationary import problem_of
-from kilter.second_order.motions.free_span import scaled_columns
+from kilter.second_order.motions.free_motions import scaled_columns
 from kilter.second_order.motions.sharp_points import (
     SharpPoints,
     opens_points,
@@ -23,9 +23,9 @@ from kilter.second_order.motions.sharp_points import (
     with_sharp,
 )
 from kilter.second_order.parts.separation import least_separation
-from kilter.second_order.proofs.paths import judge_path
-from kilter.second_order.proofs.proof_numbers import by_part, named_motion
-from kilter.second_order.searches.opening_contacts import enough_to_open
+from kilter.second_order.proofs.fall_proof import judge_path
+from kilter.second_order.proofs.minimum_proof import by_part, named_motion
+from kilter.second_order.searches.level_rest_search import enough_to_open
 from kilter.second_order.searches.path_search import find_path
 
 FLOOR = Part("floor", Box([40, 40, 1]), Pose([0, 0, -0.5]), grounded=True)

@@ -23,8 +23,7 @@ from kilter import (
 )
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.second_order.motions.bending import bending_bodies
-from kilter.second_order.motions.steady import steady_parts
+from kilter.second_order.motions.bending import bending_bodies, steady_parts
 from kilter.second_order.parts.rigid_groups import RigidGroups
 
 TABLE = Part("table", Box([60, 60, 1]), Pose([0, 0, -0.5]), grounded=True)

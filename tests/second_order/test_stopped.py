@@ -16,8 +16,7 @@ from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
 from kilter.second_order.gaps.stationary import Stationary, stationary
 from kilter.second_order.gaps.touched_surfaces import UNKNOWN, Touched, touched_surfaces
-from kilter.second_order.motions.free_motions import find_free_motions
-from kilter.second_order.motions.free_span import free_span
+from kilter.second_order.motions.free_motions import find_free_motions, free_span
 from kilter.second_order.proofs.stopped import Stopped, judge_stopped, level_contacts, level_motions
 from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, DROPS, LEVEL
 

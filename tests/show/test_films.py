@@ -20,7 +20,7 @@ from kilter.rigid import matrix_to_quaternion, quaternion_to_matrix, screwed
 from kilter.scenes import SCENES, scene
 from kilter.scenes.arches import arch
 from kilter.show.packing import unpack
-from kilter.show.plan_film import LEAD, MOVES, STEP, film_of_plan
+from kilter.show.plan_scene import LEAD, MOVES, STEP, film_of_plan
 from kilter.show.scene import build_scene
 
 

@@ -22,8 +22,7 @@ from kilter.scenes import SCENES, scene
 from kilter.scenes.pieces import block
 from kilter.scenes.walls import wall_of
 from kilter.show.packing import unpack
-from kilter.show.page import render
-from kilter.show.workbench_page import workbench_page
+from kilter.show.page import render, workbench_page
 from kilter.tell.numbers import force
 from sampled import sampled
 

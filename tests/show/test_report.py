@@ -15,7 +15,7 @@ from kilter import Assembly, Box, Part, Pose
 from kilter.analysis.planning.order.explained import explain
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.files.fingerprint import fingerprint
+from kilter.files.limits import fingerprint
 from kilter.publish import offline_page
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
@@ -24,7 +24,7 @@ from kilter.scenes.walls import wall_of
 from kilter.show.packing import unpack
 from kilter.show.page import render_plan
 from kilter.show.plan_scene import pulled_apart
-from kilter.show.precedence import graph_svg
+from kilter.show.sections import graph_svg
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ from kilter.analysis.transport.carrier_path import path_from_poses, read_path
 from kilter.analysis.transport.path import find_path_limit
 from kilter.analysis.transport.robot_path import flange_motion, path_from_joints, read_robot_path
 from kilter.cli import main
-from kilter.files.urdf_chain import read_joint_chain
+from kilter.files.robots.urdf_chain import read_joint_chain
 from kilter.mechanics.program import build_program
 
 G, MU = 9.81, 0.4

@@ -11,7 +11,7 @@ from boxes_on_deck import stack_on_deck
 import kilter
 from kilter import Assembly, Box, CarrierMotion, CarrierPath, Part
 from kilter.analysis.transport.carrier import carried_assembly
-from kilter.analysis.transport.codes import CODES, code_cases
+from kilter.analysis.transport.transport import CODES, code_cases
 from kilter.cli import main
 from kilter.scenes.arches import arch, oppenheim_arch
 from kilter.scenes.pieces import block

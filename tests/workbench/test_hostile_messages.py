@@ -29,7 +29,7 @@ from kilter.scenes import scene
 from kilter.workbench import connections, uploads
 from kilter.workbench.connections import listen
 from kilter.workbench.history import autosave_path, upload_autosave_path
-from kilter.workbench.job_queue import FAULT
+from kilter.workbench.jobs import FAULT
 from kilter.workbench.server import Workbench
 
 COUNT = 500

@@ -25,10 +25,11 @@ import kilter
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.scenes import scene
-from kilter.workbench import session, worker, worker_process
+from kilter.workbench import session, worker_process
+from kilter.workbench import worker_process as worker
 from kilter.workbench.actions import ACTIONS, apply
 from kilter.workbench.history import Change, History
-from kilter.workbench.opened_parts import OpenedParts
+from kilter.workbench.live_assembly import OpenedParts
 from kilter.workbench.server import Workbench, folder_of
 from kilter.workbench.worker_process import WorkerProcess
 

@@ -13,23 +13,23 @@ could hold it, the verdict is undecided, and the answer gives the reason.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from kilter.analysis.decision.cascade import decide
-from kilter.analysis.decision.decision import Decision
-from kilter.analysis.decision.open_question import answered_pairs
-from kilter.analysis.decision.ordinary_contacts import (
-    trial_words,
-)
+from kilter.analysis.decision.cascade import Decision, decide
+from kilter.analysis.decision.deciding_pairs import answered_pairs
+from kilter.analysis.decision.ordinary_contacts import trial_words
 from kilter.analysis.verdict.remarks import gaps_under_straps, loose_parts, remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
+from kilter.assembly.assembly import end_words, with_named_ends
 from kilter.assembly.question import Question, question
-from kilter.assembly.strap_ends import end_words, with_named_ends
 from kilter.contact import ContactSet, detect
 from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
+from kilter.errors import TimeLimitReached
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.tell.levels import VerdictWord, level_rank, require_level
 from kilter.tell.numbers import number as text_of
@@ -37,8 +37,10 @@ from kilter.tell.open_words import undecided_sentence
 from kilter.tell.second_order_words import balanced_sentence, push_open_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
+from kilter.work import stop_after
 
-__all__ = ["check", "check_equilibrium", "check_level"]
+__all__ = ["check", "check_equilibrium", "check_level", "given_direction_known"]
+
 
 CUT = "stopped at the time limit: the answer is what was proved until then"
 """Warning in an answer that the time limit cut short."""
@@ -290,3 +292,34 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> l
             "of the lightest parts are not exact"
         )
     return warnings + loose_parts(assembly, contacts)
+
+
+# Time limit of an analysis over all directions of gravity, with a partial answer on expiry.
+
+
+AFTERWARDS = 0.4
+"""Time after the limit for the verdict of the given direction of gravity [s]."""
+
+
+@contextmanager
+def given_direction_known(
+    assembly: Assembly, contacts: ContactSet, time_limit: float | None
+) -> Iterator[None]:
+    """Limit the time of an analysis; its error then states the verdict of the given direction.
+
+    Arguments: `time_limit`: time from now [s]; None for no limit. Raises `TimeLimitReached` at the
+    limit. `TimeLimitReached.known` has the verdict of the given direction of gravity, if it is
+    known or found within the following 0.4 s.
+    """
+    try:
+        with stop_after(time_limit):
+            yield
+    except TimeLimitReached:
+        if time_limit is None:
+            raise  # the limit of an outer computation
+        verdict = check(
+            assembly, contacts=contacts, require="equilibrium", effort=0, time_limit=AFTERWARDS
+        )
+        level = "" if verdict.level is None else f", level {verdict.level}"
+        word = verdict.verdict.replace("-", " ")
+        raise TimeLimitReached(f"With gravity as given it is {word}{level}.") from None

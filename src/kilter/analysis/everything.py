@@ -16,10 +16,10 @@ import numpy as np
 from kilter.analysis.check import check
 from kilter.analysis.margins.improve import Improvement, improve
 from kilter.analysis.margins.margin import margin
-from kilter.analysis.margins.margin_question import PUSHED
+from kilter.analysis.margins.margin_steps import PUSHED
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
-from kilter.analysis.regions.rests import find_rests
+from kilter.analysis.regions.well import find_rests
 from kilter.analysis.turning.orientation import orient
 from kilter.analysis.turning.stability_map import StabilityMap, stability_map
 from kilter.analysis.verdict.displacement import find_displacement

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import ACROSS_GRAVITY
 from kilter.analysis.transport.carrier import CarrierMotion
-from kilter.analysis.transport.transport_proofs import (
+from kilter.analysis.transport.transport_answer import (
     ALPHA,
     CARRIER,
     carried_change,
     participating_mass,
 )
-from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet

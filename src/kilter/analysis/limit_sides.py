@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import BEYOND_LIMIT, LIMIT_AGREES, NEARLY
 from kilter.analysis.decision.refined_proofs import balanced_proof
-from kilter.analysis.turning_tolerances import BEYOND_LIMIT, LIMIT_AGREES, NEARLY
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import angles_across, pyramid, pyramid_forces
@@ -29,7 +29,7 @@ from kilter.mechanics.forms import largest_share, scaled_problem
 from kilter.mechanics.program import Program
 
 if TYPE_CHECKING:
-    from kilter.solvers.solution import Solution
+    from kilter.solvers.problem import Solution
 
 __all__ = ["LimitSides", "beyond_at", "held_at", "limit_sides", "motion_share", "slips_of"]
 

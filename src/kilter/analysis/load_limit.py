@@ -25,15 +25,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from kilter.analysis.limit_sides import (
-    LimitSides,
-    beyond_at,
-    held_at,
-    limit_sides,
-    motion_share,
-    slips_of,
-)
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
     CONIC_SHARP,
     MOVES,
     NEARLY,
@@ -42,6 +34,14 @@ from kilter.analysis.turning_tolerances import (
     SIDES_APART,
     SIDES_NEAR,
     UNLIMITED,
+)
+from kilter.analysis.limit_sides import (
+    LimitSides,
+    beyond_at,
+    held_at,
+    limit_sides,
+    motion_share,
+    slips_of,
 )
 from kilter.arrays import Array
 from kilter.errors import TimeLimitReached

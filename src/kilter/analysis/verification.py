@@ -27,19 +27,19 @@ from kilter.analysis.planning.plan_proof_form import (
     require_plan_form,
 )
 from kilter.analysis.regions.region_check import region_notes, require_region_form, wrong_region
-from kilter.analysis.settled_pose.rest_recheck import (
+from kilter.analysis.settled_pose.rest_proof import (
     at_closed_points,
     is_proof_of_rest,
     open_point_objections,
 )
 from kilter.assembly import Assembly, require_assembly
-from kilter.assembly.plain_joints import plain_joints
-from kilter.assembly.strap_ends import end_words, with_ends_of
+from kilter.assembly.assembly import end_words, with_ends_of
+from kilter.assembly.question import plain_joints
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
-from kilter.files.choices import digest, find_choices
 from kilter.files.file_content import read_json
+from kilter.files.own.choices import digest, find_choices
 from kilter.files.reading import Reading
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch

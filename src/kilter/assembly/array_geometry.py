@@ -7,25 +7,98 @@ represent a curved surface; it has a single shell.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, distinct_rows, ragged, squares, starts
+from kilter.assembly.assembly import Assembly
 from kilter.assembly.assembly_arrays import AssemblyArrays
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST, RESOLVED
-from kilter.assembly.geometry import Geometry
+from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.hexahedra import box_moments, box_orders, closed_octets
-from kilter.assembly.masses import DEFAULT_DENSITY
+from kilter.assembly.mesh_surface import DEFAULT_DENSITY, UnknownSurfaces, polyhedron_moments
 from kilter.assembly.part import Part
-from kilter.assembly.polyhedra import polyhedron_moments
-from kilter.assembly.side_by_side import SideBySide, join_geometry
 from kilter.assembly.surfaces import FEWEST, join_surfaces
-from kilter.assembly.unknown_surfaces import UnknownSurfaces
 from kilter.shape.closed import flat_faces
 from kilter.shape.nested_shells import count_shells
 from kilter.shape.primitives import Mesh
 from kilter.units import metres_per_unit
 
-__all__ = ["arrays_side_by_side"]
+__all__ = ["SideBySide", "arrays_side_by_side", "join_geometry", "side_by_side"]
+
+
+# SideBySide: many small assemblies as one, so that they are computed together.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SideBySide:
+    """M independent assemblies as a single list of parts, all planar or none, in the same unit."""
+
+    whole: Assembly
+    """All parts, without friction. Names may repeat, and its gravity has no meaning."""
+    start: Index
+    """The first part of each assembly, followed by the number of parts, shape (M + 1,)."""
+    gravity: Array
+    """Acceleration of gravity of each assembly [m/s^2], shape (M, 3)."""
+
+    def __len__(self) -> int:
+        return len(self.gravity)
+
+    @property
+    def owner(self) -> Index:
+        """Index of the assembly to which each part belongs, shape (N,)."""
+        return np.repeat(np.arange(len(self)), np.diff(self.start))
+
+
+def side_by_side(assemblies: Sequence[Assembly]) -> SideBySide:
+    """Join independent assemblies without given contacts, joints or loads, to search them at once.
+
+    Raises `InputError` if the geometry of a part is invalid.
+    """
+    parts = [part for assembly in assemblies for part in assembly.parts]
+    units = assemblies[0].units
+    return join_geometry(
+        parts,
+        build_geometry(parts, units),
+        starts([len(assembly) for assembly in assemblies]),
+        np.array([assembly.gravity for assembly in assemblies]),
+        units=units,
+        planar=assemblies[0].planar,
+    )
+
+
+def join_geometry(
+    parts: Sequence[Part],
+    geometry: Geometry,
+    start: Index,
+    gravity: Array,
+    *,
+    units: str = "m",
+    planar: bool = False,
+) -> SideBySide:
+    """Join independent assemblies whose geometry is already computed.
+
+    Arguments: `start` (M + 1,): first part of each assembly, followed by the number of parts;
+    `gravity` (M, 3): acceleration of gravity of each assembly [m/s^2].
+    """
+    whole = object.__new__(Assembly)  # the constructor would reject repeated names
+    fields = {
+        "parts": tuple(parts),
+        "units": units,
+        "gravity": gravity[0],
+        "friction": 0.0,
+        **dict.fromkeys(("friction_pairs", "loads", "contacts", "joints", "bonds", "straps"), ()),
+        "notes": (),
+        "planar": planar,
+        "detect": True,
+        "source": "",
+        "geometry": geometry,
+    }
+    whole.__dict__.update(fields)
+    return SideBySide(whole, start, gravity)
+
 
 HUGE = 1e100
 """Assemblies with a density or gravity above this, or below its inverse, are read one by one, and

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
+import itertools
 import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from kilter.assembly.changed_copies import ChangedCopies
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, ListedJoint, Load
 from kilter.assembly.part import GROUND, Part
-from kilter.assembly.straps import Strap
+from kilter.assembly.straps import Strap, StrapEnd, some
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.hooks import hook
 from kilter.rigid import unit
@@ -35,7 +36,8 @@ from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, name_list, number
 from kilter.values.guesses import guarded
 
-__all__ = ["Assembly", "require_assembly"]
+__all__ = ["Assembly", "end_words", "require_assembly", "with_ends_of", "with_named_ends"]
+
 
 LIBRARIES = ("build123d", "cadquery", "compas", "compas_assembly", "mujoco", "trimesh")
 """Libraries whose objects `kilter.load` converts."""
@@ -331,7 +333,7 @@ class Assembly(ChangedCopies):
         World frame [length unit]. The box contains the exact curved surfaces.
         """
         # imported late: few assemblies need these modules
-        from kilter.assembly.lowest import lowest_heights
+        from kilter.assembly.changed_copies import lowest_heights
 
         low = [lowest_heights(self.geometry, axis).min() for axis in np.eye(3)]
         high = [-lowest_heights(self.geometry, -axis).min() for axis in np.eye(3)]
@@ -472,7 +474,7 @@ class Assembly(ChangedCopies):
         if held or any(GROUND in joint.parts for joint in self.joints):
             return
         # imported late: few assemblies need these modules
-        from kilter.assembly.lowest import lowest_heights
+        from kilter.assembly.changed_copies import lowest_heights
 
         geometry = self.geometry
         lowest = self.names[int(lowest_heights(geometry, -self.down).argmin())]
@@ -545,3 +547,54 @@ def require_assembly(value: object, verb: str) -> None:
     elif type(value).__module__.partition(".")[0] in LIBRARIES:
         hint = "convert it: kilter.load(object, floor=True)"
     raise InputError(f"{verb} needs an assembly, got {type(value).__name__}", hint=hint)
+
+
+# Straps with friction at their corners that name no tensioned end: both ends are possible.
+
+
+MOST_OPEN = 6
+"""Largest number of straps without a named end; all 2^n combinations are decided."""
+
+
+def with_named_ends(assembly: Assembly) -> list[Assembly]:
+    """Copies of an assembly with every combination of tensioned ends; itself if all are named.
+
+    Raises `InputError` if more than `MOST_OPEN` straps name no tensioned end.
+    """
+    unnamed = [k for k, strap in enumerate(assembly.straps) if strap.open_end]
+    if not unnamed:
+        return [assembly]
+    if len(unnamed) > MOST_OPEN:
+        raise InputError(
+            f"{len(unnamed)} straps have friction and name no tensioned end",
+            hint=f'give "tensioned" so that at most {MOST_OPEN} straps are left',
+        )
+    copies = []
+    for ends in itertools.product(get_args(StrapEnd), repeat=len(unnamed)):
+        straps = list(assembly.straps)
+        for k, end in zip(unnamed, ends, strict=True):
+            straps[k] = dataclasses.replace(straps[k], tensioned=end)
+        copies.append(dataclasses.replace(assembly, straps=straps))
+    return copies
+
+
+def with_ends_of(assembly: Assembly, given: Sequence[Mapping[str, Any]]) -> Assembly:
+    """Copy of an assembly whose open ends are those that the straps of a proof name."""
+    if len(given) != len(assembly.straps) or not any(s.open_end for s in assembly.straps):
+        return assembly
+    straps = [
+        dataclasses.replace(strap, tensioned=data.get("tensioned"))
+        if strap.open_end and data.get("tensioned") in get_args(StrapEnd)
+        else strap
+        for strap, data in zip(assembly.straps, given, strict=True)
+    ]
+    return dataclasses.replace(assembly, straps=straps)
+
+
+def end_words(assembly: Assembly, named: Assembly) -> list[str]:
+    """For each strap without a named end, the tensioned end that a copy of the assembly names."""
+    return [
+        f"the strap over {some(strap)} is tensioned at its {other.tensioned} end"
+        for strap, other in zip(assembly.straps, named.straps, strict=True)
+        if strap.open_end and not other.open_end
+    ]

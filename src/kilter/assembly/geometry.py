@@ -4,30 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, read_only, starts
+from kilter.arrays import Array, Index, Mask, cross, read_only, starts, unit_rows
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST, RESOLVED
-from kilter.assembly.masses import box_sizes, part_masses, part_moments
-from kilter.assembly.mesh_surface import MeshSurface, mesh_surfaces
-from kilter.assembly.part import Part
-from kilter.assembly.polyhedra import closed_moments
-from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
-from kilter.assembly.unknown_surfaces import UnknownSurfaces, unknown_surfaces
-from kilter.errors import InputError, some_names
-from kilter.rigid import quaternion_to_matrix
-from kilter.shape.primitives import (
-    BOX_CORNERS,
-    BOX_TRIANGLES,
-    Box,
-    Mesh,
-    Prism,
-    surface,
+from kilter.assembly.mesh_surface import (
+    MeshSurface,
+    UnknownSurfaces,
+    box_sizes,
+    closed_moments,
+    mesh_surfaces,
+    part_masses,
+    part_moments,
+    unknown_surfaces,
 )
+from kilter.assembly.part import Part, inertia_numbers
+from kilter.assembly.surfaces import FREE, Chords, Surfaces, join_surfaces, surfaces_of
+from kilter.errors import InputError, some_names
+from kilter.rigid import Pose, quaternion_to_matrix
+from kilter.shape.closed import shared_edges
+from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES, Box, Mesh, Prism, surface
 from kilter.shape.solid import Solid
 
-__all__ = ["Geometry", "build_geometry", "mass_of"]
+__all__ = ["Geometry", "MassProperties", "build_geometry", "mass_of", "refine"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -369,3 +370,165 @@ def mass_of(part: Part) -> float:
         If the shape does not enclose a volume, as `build_geometry`.
     """
     return float(build_geometry([part], part.units).mass[0])
+
+
+# Mass, centre of mass and inertia of bodies that a file states in several pieces.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MassProperties:
+    """Mass [kg], centre [length unit], and inertia about it [kg x length unit^2], in one frame."""
+
+    mass: float
+    center: Array
+    """Shape (3,)."""
+    inertia: Array
+    """Shape (3, 3)."""
+
+    @classmethod
+    def of_part(cls, part: Part) -> Self:
+        """The mass properties of a part, world frame; those of its shape if none are given."""
+        geometry = build_geometry([part], part.units)
+        return cls(float(geometry.mass[0]), geometry.center[0], geometry.inertia[0])
+
+    @classmethod
+    def sum(cls, pieces: Sequence[MassProperties]) -> Self:
+        """The mass properties of rigidly joined pieces, in their common frame.
+
+        Examples
+        --------
+        >>> ends = [MassProperties(1.0, np.array([x, 0, 0]), np.zeros((3, 3))) for x in (-1, 1)]
+        >>> MassProperties.sum(ends).inertia.diagonal().tolist()
+        [0.0, 2.0, 2.0]
+        """
+        mass = np.array([piece.mass for piece in pieces])
+        centers = np.array([piece.center for piece in pieces])
+        center = mass @ centers / mass.sum()
+        inertia = sum((piece.inertia for piece in pieces), _steiner(mass, centers - center))
+        return cls(float(mass.sum()), center, inertia)
+
+    def about(self, center: Array) -> MassProperties:
+        """The same mass with its moments about another point, which becomes the centre of mass."""
+        return MassProperties(
+            self.mass, center, self.inertia + _steiner(np.array([self.mass]), center - self.center)
+        )
+
+    def outside(self, pose: Pose) -> MassProperties:
+        """The same body in the frame outside of `pose`, whose inner frame it is given in."""
+        turn = pose.matrix
+        return MassProperties(self.mass, pose.apply([self.center])[0], turn @ self.inertia @ turn.T)
+
+    def fields(self, pose: Pose) -> dict[str, Any]:
+        """Mass, centre of mass and inertia as fields of a part with this pose."""
+        own = self.outside(pose.inverse())
+        return {
+            "mass": own.mass,
+            "center_of_mass": own.center,
+            "inertia": inertia_numbers((own.inertia + own.inertia.T) / 2),
+        }
+
+
+def _steiner(mass: Array, arms: Array) -> Array:
+    """Inertia of point masses at `arms` about the origin, shape (3, 3)."""
+    second = np.einsum("n,ni,nj->ij", mass, np.atleast_2d(arms), np.atleast_2d(arms))
+    inertia: Array = np.trace(second) * np.eye(3) - second
+    return inertia
+
+
+# Refine the triangles of a part, with new corners on its exact surfaces.
+
+
+def refine(
+    geometry: Geometry, part: int, rounds: int, box: tuple[Array, Array]
+) -> tuple[Array, Index]:
+    """Divide the triangles of a part within a box into smaller ones on the true surface.
+
+    Arguments: `box` (3,): lower and upper corner, world frame; sides whose bounding box overlaps it
+    are divided. Returns `vertices` (n, 3): world frame; `triangles` (m, 3).
+
+    Examples
+    --------
+    >>> from kilter.assembly import Assembly, Part
+    >>> from kilter.shape.primitives import Sphere
+    >>> geometry = Assembly([Part("ball", Sphere(2.0))]).geometry
+    >>> whole = np.full(3, -2.0), np.full(3, 2.0)
+    >>> vertices, triangles = refine(geometry, 0, 1, whole)
+    >>> len(triangles) == 4 * len(geometry.triangles)
+    True
+    >>> np.allclose(np.linalg.norm(vertices, axis=1), 2.0)
+    True
+    """
+    s = geometry.surfaces
+    first, last = geometry.vertex_start[part], geometry.vertex_start[part + 1]
+    span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    vertices, triangles = geometry.vertices[first:last], geometry.triangles[span] - first
+    label = geometry.triangle_surface[span]
+    if len(s):
+        known = (s.kind[label] != FREE) & (s.doubt[label] == 0)
+        label = np.where(known, label, -1)
+    for _ in range(rounds):
+        vertices, triangles, label = _refine_once(s, vertices, triangles, label, box)
+    return vertices, triangles
+
+
+def _refine_once(
+    s: Surfaces, vertices: Array, triangles: Index, label: Index, box: tuple[Array, Array]
+) -> tuple[Array, Index, Index]:
+    """Divide triangles within a box once; returns vertices, triangles, and surface labels."""
+    first, second = shared_edges(triangles)
+    ends = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
+    p, q = vertices[ends[first]].transpose(1, 0, 2)
+    near = (np.minimum(p, q) <= box[1]).all(axis=1) & (np.maximum(p, q) >= box[0]).all(axis=1)
+    first, second, p, q = first[near], second[near], p[near], q[near]
+    middle = _middles(s, vertices[triangles], label, (first // 3, second // 3), (p, q))
+    at = np.full(len(ends), -1)
+    at[first] = at[second] = len(vertices) + np.arange(len(first))
+    pieces, source = _divide(triangles, at.reshape(-1, 3))
+    return np.concatenate([vertices, middle]), pieces, label[source]
+
+
+def _middles(
+    s: Surfaces, corner: Array, label: Index, sides: tuple[Index, Index], ends: tuple[Array, Array]
+) -> Array:
+    """New corners at the middles of triangle sides, moved to the true surfaces, shape (n, 3).
+
+    Arguments: `corner` (m, 3, 3): corners of the triangles; `label` (m,): surface of each triangle,
+    or -1; `sides` (n,): the two triangles at each side; `ends` (n, 3): ends of the sides.
+    """
+    normal = unit_rows(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
+    both, (p, q) = np.column_stack(sides), ends
+    on, middle = label[both], (p + q) / 2
+    bent = np.flatnonzero(on[:, 0] != on[:, 1])
+    both = both[bent]
+    chords = Chords(p[bent], q[bent], on[bent], corner[both, 0], normal[both])
+    points, converged = chords.on_edge(np.full(len(bent), 0.5), s)
+    middle[bent[converged]] = points[converged]
+    same = np.flatnonzero((on[:, 0] == on[:, 1]) & (on[:, 0] >= 0))
+    rows, at = on[same, 0], middle[same]
+    middle[same] = at - s.distance(rows, at)[:, None] * s.outward(rows, at)
+    return middle
+
+
+def _divide(triangles: Index, at: Index) -> tuple[Index, Index]:
+    """Divide triangles at the new corners on their sides (`at`, -1: none).
+
+    Arguments: `triangles` (m, 3); `at` (m, 3): new corner on each side, from corner k to corner k +
+    1, or -1. Returns `pieces` (n, 3); `source` (n,): the triangle that each piece is from.
+    """
+    count = (at >= 0).sum(axis=1)
+    rows = np.arange(len(triangles))
+    # rotate the corners so that the divided sides come first
+    first = np.where(count == 1, (at >= 0).argmax(axis=1), 0)
+    first = np.where(count == 2, ((at < 0).argmax(axis=1) + 1) % 3, first)
+    turn = (first[:, None] + np.arange(3)) % 3
+    a, b, c = np.take_along_axis(triangles, turn, axis=1).T
+    p, q, r = np.take_along_axis(at, turn, axis=1).T
+    cuts = {
+        0: [(a, b, c)],
+        1: [(a, p, c), (p, b, c)],
+        2: [(a, p, c), (p, q, c), (p, b, q)],
+        3: [(a, p, r), (p, b, q), (r, q, c), (p, q, r)],
+    }
+    pieces = [np.column_stack(t)[count == n] for n, cut in cuts.items() for t in cut]
+    source = [rows[count == n] for n, cut in cuts.items() for _ in cut]
+    return np.concatenate(pieces), np.concatenate(source)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from kilter.assembly.brick import Brick
-from kilter.assembly.inertia import valid_inertia
+from kilter.arrays import Array
+from kilter.assembly.assembly_tolerances import INERTIA_ROUNDING, THIN_INERTIA
 from kilter.errors import InputError
 from kilter.hooks import hook
 from kilter.rigid import Pose, in_brackets
@@ -19,7 +20,132 @@ from kilter.validate import finite, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["GROUND", "Part"]
+__all__ = [
+    "BRICK_PLATES",
+    "COLOR_CODES",
+    "GROUND",
+    "Brick",
+    "Part",
+    "inertia_fault",
+    "inertia_matrix",
+    "inertia_numbers",
+    "valid_inertia",
+]
+
+
+# Brick: the studs, height and colour of a part that is a toy brick.
+
+
+BRICK_PLATES = 3
+"""Height of a brick [plates]."""
+
+MOST = 10_000
+"""Largest number of cells along a side, and largest height in plates."""
+COLOR_CODES = 2**32
+"""Upper bound of the LDraw colour codes, exclusive."""
+
+
+@dataclass(frozen=True, slots=True)
+class Brick:
+    """Size, height and colour of a part that is a toy brick.
+
+    Its box has ``cells`` along x and y, and a stud in the middle of each cell.
+
+    Raises `InputError` if a number is not an integer, or out of range.
+
+    Examples
+    --------
+    >>> Brick((2, 4)).studs
+    8
+    >>> Brick((2, 0))
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: cells of a brick are (2, 0); give two whole numbers from 1 to 10000
+    """
+
+    cells: tuple[int, int]
+    """Number of studs along x and along y."""
+    plates: int = BRICK_PLATES
+    """Height [plates]; a brick has 3."""
+    color: int | None = None
+    """LDraw colour code; None if the file states none."""
+
+    def __post_init__(self) -> None:
+        cells = tuple(self.cells) if isinstance(self.cells, tuple | list) else ()
+        if len(cells) != 2 or not all(_is_integer(count, 1, MOST) for count in cells):
+            hint = f"give two whole numbers from 1 to {MOST}"
+            raise InputError(f"cells of a brick are {self.cells!r:.60}", hint=hint)
+        if not _is_integer(self.plates, 1, MOST):
+            hint = f"give a whole number from 1 to {MOST}"
+            raise InputError(f"height of a brick in plates is {self.plates!r:.60}", hint=hint)
+        if self.color is not None and not _is_integer(self.color, 0, COLOR_CODES - 1):
+            hint = "give an LDraw colour code"
+            raise InputError(f"colour of a brick is {self.color!r:.60}", hint=hint)
+        object.__setattr__(self, "cells", cells)
+
+    @property
+    def studs(self) -> int:
+        """Number of studs on top of the brick."""
+        return math.prod(self.cells)
+
+
+def _is_integer(value: Any, low: int, high: int) -> bool:
+    """Whether a value is an int from `low` to `high`."""
+    return type(value) is int and low <= value <= high
+
+
+# Stated moments of inertia: six numbers of a symmetric tensor, and their validation.
+
+
+def inertia_matrix(numbers: Array) -> Array:
+    """The symmetric matrix of xx, yy, zz, xy, xz, yz, shape (3, 3).
+
+    Examples
+    --------
+    >>> inertia_matrix(np.array([1, 2, 3, 4, 5, 6])).tolist()
+    [[1, 4, 5], [4, 2, 6], [5, 6, 3]]
+    """
+    matrix: Array = numbers[np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])]
+    return matrix
+
+
+def inertia_numbers(matrix: Array) -> Array:
+    """The numbers xx, yy, zz, xy, xz, yz of a symmetric matrix, shape (6,)."""
+    return matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+
+def inertia_fault(matrix: Array) -> str:
+    """The reason why no body has this inertia; empty if a body can have it.
+
+    Examples
+    --------
+    >>> inertia_fault(np.diag([1.0, 1.0, 1.0])), inertia_fault(np.diag([1.0, 1.0, 3.0]))
+    ('', 'its principal moments are 1, 1, 3: the largest exceeds the sum of the others')
+    """
+    moments = np.linalg.eigvalsh(matrix)
+    words = f"its principal moments are {', '.join(f'{moment:.4g}' for moment in moments)}"
+    if not moments[0] > THIN_INERTIA * abs(moments[2]):
+        return f"{words}: the least is not positive"
+    if moments[2] > (1 + INERTIA_ROUNDING) * (moments[0] + moments[1]):
+        return f"{words}: the largest exceeds the sum of the others"
+    return ""
+
+
+def valid_inertia(values: Any) -> Array:
+    """Copy six numbers of an inertia that a body can have to a read-only array.
+
+    Raises `InputError` if there are not six finite numbers, or no body has this inertia.
+    """
+    numbers = finite(values, (6,), "inertia")
+    in_range(numbers, "inertia")
+    fault = inertia_fault(inertia_matrix(numbers))
+    if fault:
+        raise InputError(
+            f"inertia is {numbers.tolist()}, but {fault}",
+            hint="give xx, yy, zz, xy, xz, yz about the centre of mass",
+        )
+    return numbers
+
 
 GROUND = "ground"
 """Reserved name of the world; a joint with it holds a part."""

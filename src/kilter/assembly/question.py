@@ -22,7 +22,6 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.assembly.assembly_tolerances import SAME_DOWN
-from kilter.assembly.plain_joints import plain_joints
 from kilter.errors import InputError, some_names
 from kilter.hooks import hook
 from kilter.rigid import in_brackets
@@ -32,7 +31,71 @@ from kilter.validate import name_list, number
 from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, facts_of, units_of
 
-__all__ = ["SHARED", "AssemblyOrPath", "Question", "holding", "on_floor", "question"]
+__all__ = [
+    "SHARED",
+    "AssemblyOrPath",
+    "Question",
+    "holding",
+    "on_floor",
+    "plain_joints",
+    "question",
+    "require_plain_joints",
+]
+
+
+# Joints without friction and springs, for functions whose answers do not count them.
+
+
+STRENGTH = ("friction", "stiffness")
+"""Members of a joint whose forces do not grow with gravity."""
+LEFT_OUT = {
+    **dict.fromkeys(("region", "common_region", "orient", "plan", "states", "hold"), STRENGTH),
+    **dict.fromkeys(("lashing", "place"), STRENGTH),
+    "settle": (*STRENGTH, "limits"),
+}
+"""Members of joints that a function leaves out, by its name or by the kind of its proofs."""
+WORDS = {"friction": "friction", "stiffness": "springs", "limits": "limits"}
+"""Word of each member in a note."""
+
+
+def plain_joints(assembly: Assembly, verb: str) -> Assembly:
+    """The assembly without the members of joints that `verb` leaves out, and with a note of it.
+
+    Examples
+    --------
+    >>> from kilter import Box, Joint, Part
+    >>> rail = Joint(("lid", "ground"), "prismatic", axis=[1, 0, 0], limits=[0, 1], friction=2)
+    >>> plain_joints(Assembly([Part("lid", Box(1, 1, 1))], joints=[rail]), "region").notes
+    ('region leaves out the friction of 1 joint',)
+    """
+    names = LEFT_OUT.get(verb, ())
+    odd = [bool(set(names) & set(joint.guide)) for joint in assembly.joints]
+    if not any(odd):
+        return assembly
+    given = {name for joint in assembly.joints for name in names if name in joint.guide}
+    *most, last = (WORDS[name] for name in names if name in given)
+    words = " and ".join(filter(None, [", ".join(most), last]))
+    count = f"{sum(odd)} joint{'s' if sum(odd) > 1 else ''}"
+    joints = [joint.without(*names) for joint in assembly.joints]
+    note = f"{verb} leaves out the {words} of {count}"
+    return dataclasses.replace(assembly, joints=joints, notes=[*assembly.notes, note])
+
+
+def require_plain_joints(assembly: Assembly, what: str) -> None:
+    """Raise an InputError if a joint has friction or a spring, for a margin without them.
+
+    Raises `InputError` if there is such a joint.
+    """
+    for joint in assembly.joints:
+        if set(STRENGTH) & set(joint.guide):
+            names = " and ".join(repr(name) for name in joint.parts)
+            raise InputError(
+                f"{what} does not support friction and springs of joints, such as that of {names}: "
+                "they do not grow with gravity",
+                file=assembly.source or None,
+                hint="remove them, or leave this margin out",
+            )
+
 
 AssemblyOrPath = Assembly | str | os.PathLike[str]
 """The first argument of a verb: an assembly, or the path of a file that `kilter.load` reads."""
@@ -299,7 +362,10 @@ def question(
 
 def _completed(text: str, names: list[str]) -> str:
     """A docstring whose section of parameters has the shared keywords that it leaves out."""
-    own, parameters, rest = re.split(r"( {4}Parameters\n {4}-{10}\n)", text, maxsplit=1)
+    own, *section = re.split(r"( {4}Parameters\n {4}-{10}\n)", text, maxsplit=1)
+    if not section:  # an inner function, which the reference does not show
+        return text
+    parameters, rest = section
     listed, end, rest = re.split(r"(\n\n|\n {4}\Z)", rest, maxsplit=1)
     documented = {
         name for names in re.findall(r"(?m)^ {4}(\w[\w, ]*)", listed) for name in names.split(", ")

@@ -15,9 +15,14 @@ from contextlib import suppress
 from pathlib import Path
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
-from kilter.cli.interruption import end_interrupted, interruptible
-from kilter.cli.known_facts import begin_facts, interruption_words
-from kilter.cli.streams import is_full, open_closed_streams
+from kilter.cli.interruption import (
+    begin_facts,
+    end_interrupted,
+    interruptible,
+    interruption_words,
+    is_full,
+    open_closed_streams,
+)
 from kilter.errors import (
     NO_MEMORY,
     InputError,
@@ -91,7 +96,8 @@ def _read_ahead(words: list[str]) -> None:
 
     Kilter is still being loaded meanwhile.
     """
-    from kilter.files import scene_process, step_process
+    from kilter.files.cad import step_process
+    from kilter.files.robots import scene_process
 
     for word in words:
         path, ending = Path(word), word.lower().rpartition(".")[2]

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from inspect import signature
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
 
-from kilter.cli.exit_codes import VERDICT
-from kilter.cli.known_facts import known_words
+from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
+from kilter.cli.interruption import known_words
 from kilter.cli.output import (
     as_json,
     emit,
@@ -21,23 +22,50 @@ from kilter.cli.output import (
     write_whole,
     writes_json,
 )
-from kilter.cli.quick_scipy import import_scipy_quickly
-from kilter.cli.tolerance_options import ToleranceOptions, straps_of
-from kilter.errors import InputError, TimeLimitReached, shell_words
+from kilter.cli.quantities import ToleranceOptions, straps_of
+from kilter.errors import (
+    NO_MEMORY,
+    InputError,
+    TimeLimitReached,
+    fault_words,
+    message_line,
+    shell_words,
+)
 from kilter.files.reading_options import ReadingOptions
 from kilter.tell.record import Record
 from kilter.work import facts_of, stop_after
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kilter.assembly import Assembly, Strap
     from kilter.cli.output import Progress
     from kilter.contact import ContactSet, Tolerance
     from kilter.files.reading import Reading
     from kilter.tell.tables import Table
 
-__all__ = ["Asked", "tell_cut"]
+__all__ = ["Asked", "check_each", "code_of", "import_scipy_quickly", "tell_cut"]
+
+
+# Import scipy without the submodules of numpy that kilter does not use.
+
+
+UNUSED = ("char", "core", "ctypeslib", "f2py", "ma", "polynomial", "rec", "strings", "testing")
+"""Submodules of numpy that the import of scipy does not need."""
+
+
+def import_scipy_quickly() -> None:
+    """Import `scipy.sparse` while numpy does not list the submodules that scipy does not need."""
+    import numpy
+
+    listed, names = getattr(numpy, "__dir__", None), numpy.__all__
+    if listed is None or "scipy.sparse" in sys.modules:
+        return
+    try:
+        numpy.__all__ = [name for name in names if name not in UNUSED]
+        vars(numpy)["__dir__"] = lambda: [name for name in listed() if name not in UNUSED]
+        import scipy.sparse  # noqa: F401
+    finally:
+        numpy.__all__, vars(numpy)["__dir__"] = names, listed
+
 
 TOUCHING = ("gap", "angle", "clearance", "loose")
 """Options of the tolerance."""
@@ -103,7 +131,7 @@ class Asked:
         Raises `InputError` if a value is invalid, or the answer would overwrite the file.
         """
         import_scipy_quickly()
-        from kilter.files.choices_off import require_off
+        from kilter.files.own.choices_writing import require_off
         from kilter.files.reading import Reading
 
         reading = Reading(
@@ -174,7 +202,7 @@ class Asked:
 
         If the file has choices, the request is about the file that they name, with their options.
         """
-        from kilter.files.choices import find_choices
+        from kilter.files.own.choices import find_choices
 
         asked = replace(self, file=file, begun=perf_counter())
         asked.apart()
@@ -318,7 +346,7 @@ class Asked:
 
     def command(self, name: str, *rest: str) -> str:
         """The command `name` with the options of this call, as a user types it."""
-        from kilter.files.option_words import option_words
+        from kilter.files.own.choices import option_words
 
         words = option_words(self.typed.options())
         if self.straps is not None:
@@ -354,3 +382,62 @@ def _not_negative(value: float, option: str, unit: str) -> float:
     if not (math.isfinite(value) and value >= 0):
         raise InputError(f"{option} is {value:g}", hint=f"give {option} {unit}, 0 or more")
     return value
+
+
+# The command `check` for several files: a line for each file, and the worst exit code.
+
+
+Answer = Mapping[str, Any]
+WORST = (FAULT, USAGE, VERDICT["unstable"], VERDICT["undecided"], LOWER, HOLDS)
+"""Exit codes, the worst first."""
+WIDE = 100
+"""Largest number of characters about the motion of a file."""
+
+
+def code_of(answer: Answer) -> int:
+    """Exit code of an answer of `check`: a verdict, or data with a verdict."""
+    if answer["level"] is None:
+        return VERDICT[answer["verdict"]]
+    return HOLDS if answer["stable"] else LOWER
+
+
+def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answer]) -> int:
+    """Print the verdict or the error of each file; return the worst exit code.
+
+    Returns the worst exit code.
+    """
+    from kilter.tell.numbers import plain
+    from kilter.tell.text import aligned
+
+    answers, rows, codes = [], [], set()
+    # every name is validated before the first file is checked
+    for file, request in [(file, asked.of_file(file)) for file in files]:
+        answer, code = _answer(request, judge)
+        answers.append({"file": file, **answer})
+        codes.add(code)
+        moves = plain(answer["summary"], WIDE) if answer.get("verdict") == "unstable" else ""
+        rows.append((file, answer.get("verdict", "error"), moves))
+    text = as_json(answers) if asked.writes_json else "\n".join(aligned(rows))
+    emit(text, asked.output)
+    tell_written(asked.output, f"answers of check about {len(files)} files", asked.quiet)
+    return next(code for code in WORST if code in codes)
+
+
+def _answer(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, int]:
+    """Check a file and return its answer and exit code; an error becomes the answer."""
+    try:
+        answer = judge(asked)
+    except InputError as error:
+        why, code = error.for_command, USAGE
+    except BrokenPipeError:
+        raise
+    except MemoryError:
+        why, code = NO_MEMORY, USAGE
+    except Exception as error:
+        why, code = fault_words(error, ["check", asked.file]), FAULT
+    else:
+        warnings = [f"{asked.file}: {warning}" for warning in answer["warnings"]]
+        tell_warnings(warnings, asked.quiet or asked.json)
+        return answer, code_of(answer)
+    print(f"kilter: {message_line(why)}", file=sys.stderr)
+    return {"error": why}, code

@@ -17,18 +17,11 @@ HOMES = {
     "kilter.cli.judging": "check contacts example verify",
     "kilter.cli.directions": "margin orient region",
     "kilter.cli.pages": "draw report view",
-    "kilter.cli.holding": "hold",
-    "kilter.cli.improving": "improve",
-    "kilter.cli.planning": "plan",
-    "kilter.cli.placing": "place",
-    "kilter.cli.packing_plans": "check-plan",
-    "kilter.cli.resting": "settle",
-    "kilter.cli.scene_states": "scene",
+    "kilter.cli.planning": "hold improve plan",
+    "kilter.cli.placing": "place check-plan",
+    "kilter.cli.resting": "settle scene",
     "kilter.cli.transporting": "transport",
-    "kilter.cli.batches": "batch",
-    "kilter.cli.saving": "save",
-    "kilter.cli.doctoring": "doctor",
-    "kilter.cli.serving_agents": "mcp",
+    "kilter.cli.file_commands": "batch save doctor mcp",
 }
 """Names of the commands in each module; only the module of a command that is called is imported."""
 

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from kilter.cli.asked import Asked
-from kilter.cli.each import code_of
+from kilter.cli.asked import Asked, code_of
 from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, asks
-from kilter.cli.order_files import as_typed
 from kilter.cli.output import Progress
+from kilter.cli.planning import as_typed
 from kilter.errors import InputError
 from kilter.tell.levels import holds
 from kilter.values.declaration import argument, option

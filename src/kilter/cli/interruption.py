@@ -1,7 +1,7 @@
 """End a command on Ctrl-C or a signal, with a message and exit code 130 within a second.
 
 Python raises `KeyboardInterrupt` only between two bytecodes, and a long call of a solver is a
-single bytecode. Solvers of large programs receive a request to stop (`kilter.solvers.interrupts`).
+single bytecode. Solvers of large programs receive a request to stop (`kilter.solvers.clarabel`).
 For every other call a thread watches the signals through the wakeup descriptor of the interpreter.
 It ends the process if the main thread has not handled a signal within `GRACE`. No file is half
 written then, since every file is moved into its place as a whole.
@@ -13,6 +13,7 @@ the command ends at once if a module is being loaded or if an interruption was d
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -24,9 +25,67 @@ from types import FrameType
 from typing import NoReturn
 
 from kilter.cli.exit_codes import INTERRUPTED
-from kilter.cli.known_facts import interruption_words
+from kilter.errors import visible
 
-__all__ = ["end_interrupted", "interruptible"]
+__all__ = [
+    "begin_facts",
+    "end_interrupted",
+    "interruptible",
+    "interruption_words",
+    "is_full",
+    "known_words",
+    "open_closed_streams",
+    "remember_fact",
+    "remember_step",
+]
+
+
+# Facts that the running command knows so far, for the message of an interruption.
+
+
+_FACTS: dict[str, str] = {}
+_STEPS: list[str] = []
+
+
+def begin_facts() -> None:
+    """Forget the facts of an earlier question."""
+    _FACTS.clear()
+    _STEPS.clear()
+
+
+def remember_fact(subject: str, words: str) -> None:
+    """Keep a fact as a clause. Of several facts with the same subject, the first is kept."""
+    _FACTS.setdefault(subject, words)
+
+
+def remember_step(words: str) -> None:
+    """Keep the name of the step that runs now."""
+    _STEPS[:] = [words]
+
+
+def interruption_words() -> str:
+    """Sentence about an interruption, with the step that was running and the known facts.
+
+    Examples
+    --------
+    >>> begin_facts()
+    >>> interruption_words()
+    'interrupted'
+    >>> remember_step("near pairs")
+    >>> remember_fact("parts", "it has 3 parts, 1 of them held")
+    >>> interruption_words()
+    'interrupted in the step "near pairs"; known so far: it has 3 parts, 1 of them held'
+    >>> begin_facts()
+    """
+    step = "".join(f' in the step "{words}"' for words in _STEPS)
+    known = known_words()
+    return visible(f"interrupted{step}{'; ' if known else ''}{known}")
+
+
+def known_words() -> str:
+    """Clause about the known facts; empty without facts."""
+    return f"known so far: {', '.join(_FACTS.values())}" if _FACTS else ""
+
 
 GRACE = 0.6
 """Time that the main thread has to handle a signal; signals within it count as a single signal [s].
@@ -124,3 +183,29 @@ def end_interrupted() -> NoReturn:
         clear = "\r\x1b[K" if sys.stderr.isatty() else ""
         print(f"{clear}kilter: {interruption_words()}", file=sys.stderr, flush=True)
     os._exit(INTERRUPTED)
+
+
+# Standard streams: replace closed streams by empty ones, and recognise full ones.
+
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+"""Error numbers of the system if a stream accepts no more data."""
+
+
+def open_closed_streams() -> None:
+    """Replace standard streams that are closed at the start of the process by empty streams.
+
+    Otherwise the first opened file would get the number of a closed stream, and the output of
+    libraries.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+
+
+def is_full(error: OSError) -> bool:
+    """Whether an error comes from a full disk or another stream that accepts no more data.
+
+    Such an error names no file.
+    """
+    return error.filename is None and error.errno in FULL

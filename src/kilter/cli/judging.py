@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kilter.cli.asked import Asked
-from kilter.cli.each import check_each, code_of
+from kilter.cli.asked import Asked, check_each, code_of
 from kilter.cli.exit_codes import HOLDS, INVALID, LOWER, WRITTEN
 from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks, takes
 from kilter.cli.output import (
@@ -146,7 +145,7 @@ def _settled(
     Without a pose at rest, the assembly and its contacts are returned unchanged.
     """
     from kilter.analysis.settled_pose.settle import settle
-    from kilter.tell.settle_words import moved_words
+    from kilter.tell.scene_words import moved_words
 
     answer = settle(
         assembly,

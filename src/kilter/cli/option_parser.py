@@ -162,7 +162,7 @@ def _add(group: Any, each: Declared) -> None:
 
 def with_values(words: Sequence[str], options: Mapping[str, Declared]) -> list[str]:
     """Write ``--option=value`` where argparse would read the value as something else."""
-    from kilter.files.choices import LOWEST  # imported late: a help text does not need it
+    from kilter.files.own.choices import LOWEST  # imported late: a help text does not need it
 
     result: list[str] = []
     rest = deque(words)
@@ -193,7 +193,7 @@ def with_values(words: Sequence[str], options: Mapping[str, Declared]) -> list[s
 
 def _saved(name: str) -> bool:
     """Whether saved choices have the option of a name."""
-    from kilter.files.choices_off import OFF
+    from kilter.files.own.choices_writing import OFF
 
     return name.replace("-", "_") in OFF
 

@@ -15,7 +15,7 @@ from typing import Any, get_type_hints
 from kilter.cli.asked import Asked, tell_cut
 from kilter.cli.declarations import Declared, declared_in
 from kilter.cli.output import require_answer_file
-from kilter.cli.tolerance_options import ToleranceOptions
+from kilter.cli.quantities import ToleranceOptions
 from kilter.errors import TimeLimitReached
 from kilter.files.reading_options import HELD, TOUCH, ReadingOptions
 from kilter.tell.levels import REQUIRE

@@ -11,15 +11,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from kilter.cli.colour import in_colour
-from kilter.cli.known_facts import begin_facts, remember_fact, remember_step
+from kilter.cli.interruption import begin_facts, remember_fact, remember_step
 from kilter.errors import InputError, message_line, short_name, visible
+from kilter.tell.palette import VERDICT_ROLE
 
 __all__ = [
     "OTHER_FILES",
     "Progress",
     "as_json",
+    "coloured",
     "emit",
+    "in_colour",
     "keep_apart",
     "require_answer_file",
     "tell_warnings",
@@ -27,6 +29,32 @@ __all__ = [
     "write_whole",
     "writes_json",
 ]
+
+
+# Colour of the verdict on a terminal, equal to its colour on pages and figures.
+
+
+TERMINAL = {"stable": "1;34", "unstable": "1;33"}
+"""Terminal codes of the roles of verdicts: blue, and yellow as the nearest colour to orange."""
+
+
+def coloured() -> bool:
+    """Whether standard output is a terminal that shows colours."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    return sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def in_colour(text: str, answer: Mapping[str, Any]) -> str:
+    """A text with its first line in the colour of its verdict, if the terminal shows colours."""
+    code = TERMINAL.get(VERDICT_ROLE.get(str(answer.get("verdict")), ""))
+    if code is None or not coloured():
+        return text
+    first, *rest = text.split("\n", 1)
+    return "\n".join([f"\x1b[{code}m{first}\x1b[0m", *rest])
+
 
 EACH = 1.0
 """Time between two updates of the progress line [s]."""

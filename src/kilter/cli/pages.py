@@ -98,7 +98,7 @@ def view(asked: Asked, options: ViewOptions) -> int:
     The page is served to this machine only, except with --host 0.0.0.0. Ctrl-C ends it; the changes
     are kept beside FILE.
     """
-    from kilter.workbench.view import view as open_workbench
+    from kilter.workbench.server import view as open_workbench
 
     if options.file == "-":
         raise InputError("view cannot watch standard input", hint="give a file or a folder")
@@ -134,7 +134,7 @@ def _first_choices(
     if not (asked.typed.options() or asked.touch.words()):
         return path, None, None
     about = asked.source or path
-    from kilter.files.choices_writing import choices_about
+    from kilter.files.own.choices_writing import choices_about
 
     options = {key: value for key, value in asked.reading.options().items() if key != "down"}
     choices = choices_about(about, about.parent, options, **asked.all_touch.saved())

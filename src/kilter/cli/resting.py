@@ -7,9 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked
-from kilter.cli.exit_codes import HOLDS, LOWER, SETTLE
+from kilter.cli.exit_codes import HOLDS, LOWER, SCENE, SETTLE
 from kilter.cli.options import Json, Require, asks
-from kilter.cli.output import Progress, as_json, emit, tell_warnings, tell_written, write_whole
+from kilter.cli.output import (
+    OTHER_FILES,
+    Progress,
+    as_json,
+    emit,
+    require_answer_file,
+    tell_warnings,
+    tell_written,
+    write_whole,
+)
 from kilter.errors import InputError
 from kilter.values.declaration import option
 
@@ -18,7 +27,8 @@ if TYPE_CHECKING:
     from kilter.analysis.settled_pose.settle import Settled
     from kilter.assembly import Assembly
 
-__all__ = ["require_pose_form", "settle", "write_pose"]
+__all__ = ["require_pose_form", "scene", "settle", "write_pose"]
+
 
 MOVED = "Movement"
 PICTURES = (".svg", ".png", ".pdf")
@@ -114,7 +124,7 @@ def require_pose_form(output: Path, asked: Asked) -> None:
             raise InputError(
                 "choices about standard input cannot be written", hint="give a file or a folder"
             )
-        from kilter.files.choices_writing import choices_about, require_place
+        from kilter.files.own.choices_writing import choices_about, require_place
 
         require_place(output)
         source = asked.source or Path(asked.file)
@@ -172,12 +182,12 @@ def write_pose(answer: Settled | SceneReport, asked: Asked, output: Path) -> Non
 
         write_bytes(output, Film(answer.assembly).to_bytes("pose at rest"))
     elif suffix in USD:
-        from kilter.files.usd.usd_poses import write_usd_poses
+        from kilter.files.usd.usd_assembly import write_usd_poses
 
         source = asked.source or Path(asked.file)
         write_usd_poses(source, output, _drawn(answer), answer.assembly)
     else:
-        from kilter.files.compas_writing import to_compas
+        from kilter.files.compas import to_compas
 
         write_whole(output, to_compas(answer.assembly))
 
@@ -198,3 +208,57 @@ def _write_kilter(answer: Settled | SceneReport, asked: Asked, output: Path) -> 
 
     source = asked.source or Path(asked.file)
     save_reading(source, output, _with_poses(asked, answer), asked.all_touch.saved())
+
+
+# The command `scene`: the state of each object of a scene.
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneOptions:
+    """Options of `scene`."""
+
+    require: str = Require()
+    settle: bool = option(
+        "--settle",
+        "First repair the scene: floating objects fall to their contact, and clusters with "
+        "faults settle. With -o, the repaired scene is written: X.usda (a layer over a USD "
+        "file), X.kilter.json, X.xml (MJCF), X.glb.",
+    )
+
+
+@asks(searches=True, writes=tuple(OTHER_FILES))
+def scene(asked: Asked, options: SceneOptions) -> int:
+    """Report for each object of a scene whether it is at rest, floats, overlaps or falls.
+
+    Objects that touch each other form a cluster, and each cluster is judged by itself. Held are the
+    static bodies of the file, the parts of --ground, and the table of --floor.
+
+    Exit code: 0 every object is at rest at the level of --require; 1 some objects float, overlap or
+    fall; 3 some are at rest only at a lower level; 4 some are open.
+    """
+    from kilter.analysis.scene_states.object_states import scene as find
+
+    output = asked.output if options.settle else None
+    if not options.settle:
+        require_answer_file(asked.output)
+    if output is not None:
+        require_pose_form(output, asked)
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        report = find(
+            assembly,
+            require=options.require,
+            settle=options.settle,
+            **asked.shared(find, contacts, progress),
+        )
+        if output is not None:
+            write_pose(report, asked, output)
+    if options.settle:
+        asked = replace(asked, output=None)
+    asked.tell(report.to_dict())
+    tell_written(output, "repaired scene", asked.quiet)
+    if report.faults:
+        return SCENE["faults"]
+    if any(entry.state == "open" for entry in report):
+        return SCENE["open"]
+    return HOLDS if report.at_rest else LOWER

@@ -9,8 +9,8 @@ import numpy as np
 
 from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
+from kilter.assembly.array_geometry import SideBySide
 from kilter.assembly.question import Question, question
-from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.common.contact_search import (
     ContactSearch,
     begin_search,

@@ -24,9 +24,8 @@ from typing import NamedTuple
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected, cross, starts, unit_rows
-from kilter.assembly.edge_curves import Chords
 from kilter.assembly.geometry import Geometry
-from kilter.assembly.surfaces import FREE
+from kilter.assembly.surfaces import FREE, Chords
 from kilter.contact.common.broad import facet_pairs
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.facets import Facets, facet_triangles

@@ -13,9 +13,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kilter.files.kilter_json import from_dict as from_dict
-    from kilter.files.kilter_json import schema as schema
-    from kilter.files.kilter_json import to_dict as to_dict
+    from kilter.files.own.kilter_json import from_dict as from_dict
+    from kilter.files.own.kilter_json import schema as schema
+    from kilter.files.own.kilter_json import to_dict as to_dict
     from kilter.files.writing import dump as dump
     from kilter.files.writing import to_text as to_text
     from kilter.files.writing import write_bytes as write_bytes
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "dump": "writing",
-    "from_dict": "kilter_json",
-    "schema": "kilter_json",
-    "to_dict": "kilter_json",
+    "from_dict": "own.kilter_json",
+    "schema": "own.kilter_json",
+    "to_dict": "own.kilter_json",
     "to_text": "writing",
     "write_bytes": "writing",
     "write_text": "writing",

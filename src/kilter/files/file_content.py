@@ -9,23 +9,132 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from kilter.assembly import Assembly
-from kilter.errors import InputError
-from kilter.files.brick_text import BRICK_TEXT, load_brick_text
-from kilter.files.compas import from_compas, is_compas
-from kilter.files.folder import load_folder
-from kilter.files.format_options import FormatOptions
-from kilter.files.formats import FORMATS, load_bodies
-from kilter.files.kilter_json import from_dict
-from kilter.files.ldraw import LDRAW_FILES, load_ldraw
-from kilter.files.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
-from kilter.files.raw import is_folder, read_bounded, read_bytes
-from kilter.files.stable_lego import from_stable_lego, is_stable_lego
-from kilter.files.start_folder import require_below
-from kilter.files.strict_json import parse_json
-from kilter.files.usd.usd_stage import USD
+import numpy as np
 
-__all__ = ["ENDINGS", "FileContent", "read_json", "read_path"]
+from kilter.arrays import Array
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.files.bricks.brick_lists import (
+    BRICK_TEXT,
+    from_stable_lego,
+    is_stable_lego,
+    load_brick_text,
+)
+from kilter.files.bricks.ldraw import LDRAW_FILES, load_ldraw
+from kilter.files.compas import from_compas, is_compas
+from kilter.files.complaints import parse_json
+from kilter.files.file_tolerances import LOWEST_CORNERS, SAME_ANGLE
+from kilter.files.format_options import FormatOptions
+from kilter.files.formats import FORMATS, load_bodies, read_bodies
+from kilter.files.limits import is_folder, read_bounded, read_bytes, require_below, require_regular
+from kilter.files.meshes.bodies import split_bodies
+from kilter.files.meshes.placed import FileBodies, distinct, fill_names, natural_key
+from kilter.files.own.kilter_json import from_dict
+from kilter.files.packing.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
+from kilter.files.usd.usd_stage import USD
+from kilter.shape.primitives import Mesh
+
+__all__ = ["ENDINGS", "UP", "FileContent", "load_folder", "note_on_up", "read_json", "read_path"]
+
+
+# Read a folder of mesh and STEP files, one part per file.
+
+
+def load_folder(path: Path, *, units: str | None = None) -> Assembly:
+    """Read all mesh and STEP files of a folder as an assembly; subfolders are ignored.
+
+    Raises `InputError` if the folder cannot be read, has no mesh or STEP file, or a file is
+    damaged.
+    """
+    try:
+        entries = sorted(path.iterdir(), key=lambda entry: natural_key(entry.name))
+    except OSError as error:
+        raise InputError(
+            f"cannot be read: {error.strerror or error}",
+            file=str(path),
+            hint="check the path and the permissions",
+        ) from None
+    entries = [entry for entry in entries if not entry.name.startswith(".")]
+    chosen = [e for e in entries if e.suffix.lower() in FORMATS and not e.is_dir()]
+    if not chosen:
+        raise InputError(
+            "no mesh or STEP file in the folder", file=str(path), hint=_remedy(entries)
+        )
+    try:
+        for entry in chosen:
+            require_regular(entry)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+    solids = [read_bodies(entry) for entry in chosen]
+    target = _units(path, chosen, solids, units)
+    notes = _ignored_note([entry for entry in entries if entry not in chosen])
+    for entry, bodies in zip(chosen, solids, strict=True):
+        notes += [f"{entry.name}: {note}" for note in bodies.notes]
+        notes += _several_bodies(entry, bodies)
+    return Assembly(
+        _parts(path, chosen, solids, target), units=target, source=str(path), notes=notes
+    )
+
+
+def _remedy(entries: Sequence[Path]) -> str:
+    """Advice to the user about a folder without mesh files: give its JSON file, or add meshes."""
+    files = [e.name for e in entries if e.name.lower().endswith(".json")]
+    if files:
+        return f"give the file itself: {files[0]!r}"
+    return f"put files of {', '.join(FORMATS)} into it"
+
+
+def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str) -> list[Part]:
+    """Build the parts of all files, with lengths converted to the unit `target`."""
+    stems = distinct([file.stem for file in files])
+    parts = []
+    for file, stem, bodies in zip(files, stems, solids, strict=True):
+        several = len(bodies.names) > 1
+        names = [f"{stem}/{name}" for name in fill_names(bodies.names, stem)] if several else [stem]
+        try:
+            rows = zip(names, bodies.in_units(target), bodies.stated, strict=True)
+            parts += [Part(name, shape, pose, **stated) for name, (shape, pose), stated in rows]
+        except InputError as error:
+            raise error.located(file=str(file)) from None
+    return parts
+
+
+def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str | None) -> str:
+    """Length unit of the assembly: the given unit, else that of the files, else "m".
+
+    If the files state several units, metres serve as the common unit.
+    """
+    stated = sorted({bodies.units for bodies in solids if bodies.units})
+    if units:
+        return units
+    silent = [file.name for file, bodies in zip(files, solids, strict=True) if not bodies.units]
+    if len(stated) > 1 and silent:
+        raise InputError(
+            f"files are in {' and '.join(stated)}, {silent[0]!r} states no units",
+            file=str(path),
+            hint="give the units: load(path, units='mm')",
+            option="give --units",
+        )
+    return stated[0] if len(stated) == 1 else "m"
+
+
+def _ignored_note(entries: Sequence[Path], limit: int = 8) -> list[str]:
+    """A note that names up to `limit` files of other types; an empty list if there are none."""
+    if not entries:
+        return []
+    shown = ", ".join(repr(entry.name) for entry in entries[:limit])
+    more = f" and {len(entries) - limit} more" if len(entries) > limit else ""
+    return [f"ignored, not mesh or STEP files: {shown}{more}"]
+
+
+def _several_bodies(file: Path, bodies: FileBodies) -> list[str]:
+    """A note if a file without names holds several separate bodies; else an empty list."""
+    only = bodies.shapes[0]
+    if bodies.names != (None,) or not isinstance(only, Mesh):
+        return []
+    count = len(split_bodies(only))
+    return [f"{file.name}: {count} separate bodies, read as a single part"] if count > 1 else []
+
 
 XML = (".xml", ".mjcf", ".urdf")
 """Endings of MJCF and URDF files."""
@@ -71,12 +180,12 @@ def read_path(
         return FileContent(assembly, left_out=left_out, from_cad=True)
     if suffix in XML:
         # imported late: other files do not need these modules
-        from kilter.files.xml_scenes import load_xml
+        from kilter.files.robots.xml_scenes import load_xml
 
         return FileContent(*load_xml(path, options))
     if suffix in USD:
         # imported late: other files do not need these modules
-        from kilter.files.scene_process import read_scene
+        from kilter.files.robots.scene_process import read_scene
 
         return FileContent(read_scene("usd", path, options), states_gravity=True)
     if suffix in LDRAW_FILES:
@@ -157,3 +266,63 @@ def _check_units(assembly: Assembly, units: str | None) -> None:
             file=assembly.source,
             hint="leave the units out",
         )
+
+
+# Detect a file in which an axis other than z points up.
+
+
+UP: dict[str, tuple[float, float, float]] = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "-z": (0.0, 0.0, -1.0),
+}
+"""Unit vector of each value of the option `up`."""
+USUAL = ("y", "x", "-z", "-y", "-x")
+"""Values of `up` other than z in the order in which they are tried, the most usual first."""
+
+
+def note_on_up(assembly: Assembly) -> list[str]:
+    """A note if the assembly seems to lie on its side; else an empty list.
+
+    It would stand with another axis up, but not with z.
+
+    Examples
+    --------
+    >>> from kilter.assembly import Part
+    >>> from kilter.shape.primitives import Prism
+    >>> tip = Part("tip", Prism([[0, 0], [2, -2], [2, 2]], 1))
+    >>> note_on_up(Assembly([tip]))[0][:58]
+    'with z up the centre of mass is outside the support polygo'
+    """
+    try:
+        geometry = assembly.geometry
+    except InputError:
+        return []  # the check of the geometry will report the fault
+    middle = geometry.mass @ geometry.center / geometry.mass.sum()
+    corners = geometry.vertices - middle
+    if _stands(corners, "z"):
+        return []
+    better = next((axis for axis in USUAL if _stands(corners, axis)), None)
+    if better is None:
+        return []
+    return [
+        f"with z up the centre of mass is outside the support polygon, with {better} up inside: "
+        f"if {better} points up in the file, give --up {better} (in Python up={better!r})"
+    ]
+
+
+def _stands(corners: Array, up: str) -> bool:
+    """Whether the centre of mass is above the support polygon, with the axis `up` upwards.
+
+    Arguments: `corners` (n, 3): positions relative to the centre of mass.
+    """
+    axis = int(np.abs(UP[up]).argmax())
+    heights = corners @ np.array(UP[up])
+    lowest = heights <= heights.min() + LOWEST_CORNERS * float(np.ptp(heights))
+    foot = np.delete(corners[lowest], axis, axis=1)
+    angles = np.sort(np.arctan2(foot[:, 1], foot[:, 0]))
+    gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
+    return bool(gaps.max() < np.pi - SAME_ANGLE)

@@ -15,13 +15,16 @@ file that another file names must be a regular file in the folder of that file, 
 
 from __future__ import annotations
 
+import json
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
-from kilter.errors import InputError
-from kilter.files.start_folder import require_below
+from kilter.errors import InputError, nearest_name, shell_words
 
 __all__ = [
     "DEEPEST",
@@ -34,13 +37,134 @@ __all__ = [
     "MOST_TRIANGLES",
     "MOST_VALUES",
     "SceneCount",
+    "Stamp",
     "Tally",
+    "fingerprint",
+    "is_file",
+    "is_folder",
+    "is_restricted",
     "named_path",
+    "only_below",
+    "read_bytes",
+    "require_below",
     "require_count",
     "require_few_entries",
     "require_regular",
     "require_unfolded",
+    "start_folder",
 ]
+
+
+# Detect changes of the files of an assembly by their times and sizes.
+
+
+Stamp = tuple[str, int, int]
+"""Path, time of the last change [ns] and size [bytes] of a file."""
+
+
+def fingerprint(file: str) -> tuple[Stamp, ...]:
+    """Modification times and sizes of the files of an assembly, by which a change is noticed.
+
+    The files are those in a folder, or a file and the meshes and STEP files that its JSON names.
+    Missing files are left out, so that a file that reappears is a change.
+    """
+    path = Path(file)
+    if path.is_dir():
+        files = sorted(p for p in path.iterdir() if p.is_file())
+    else:
+        files = [path, *_named_in(path)]
+    return tuple(stamp for name in files if (stamp := _stamp(name)) is not None)
+
+
+def _stamp(path: Path) -> Stamp | None:
+    """Path, modification time and size of a file; None if it is missing."""
+    try:
+        state = path.stat()
+    except OSError:
+        return None
+    return str(path), state.st_mtime_ns, state.st_size
+
+
+def _named_in(path: Path) -> list[Path]:
+    """Paths of the mesh and STEP files that a JSON assembly file names."""
+    if path.suffix.lower() != ".json":
+        return []
+    try:
+        data: Any = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):  # missing, half written, or nested too deeply
+        return []
+    parts = data.get("parts") if isinstance(data, dict) else None
+    listed = [part for part in parts if isinstance(part, dict)] if isinstance(parts, list) else []
+    named = [part.get(key) for part in listed for key in ("mesh", "step")]
+    named.append(data.get("file") if isinstance(data, dict) else None)  # the file of choices
+    # an inline mesh is no name
+    return [path.parent / name for name in sorted({n for n in named if isinstance(n, str)})]
+
+
+# Restriction of all reading to a folder, for a server that opens files on request.
+
+
+SERVER = "give a file below the folder in which the server was started"
+_START: ContextVar[tuple[str, str] | None] = ContextVar("start folder", default=None)
+
+
+@contextmanager
+def only_below(folder: str | Path, remedy: str = "") -> Iterator[None]:
+    """Refuse all files outside of a folder while the context lasts, in this thread.
+
+    Arguments: `remedy`: remedy in the error; "{folder}" in it becomes the folder above that also
+    contains the file.
+
+    Examples
+    --------
+    >>> with only_below("/tmp/scenes"):
+    ...     require_below("/tmp/scenes/../secret.xml")
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: /tmp/scenes/../secret.xml: outside of the start folder; give ...
+    """
+    token = _START.set((os.path.join(os.path.realpath(folder), ""), remedy))
+    try:
+        yield
+    finally:
+        _START.reset(token)
+
+
+def start_folder() -> tuple[str, str] | None:
+    """The folder to which reading is restricted, and the remedy; None without a restriction."""
+    return _START.get()
+
+
+def is_restricted() -> bool:
+    """Whether only files below a start folder may be read."""
+    return _START.get() is not None
+
+
+def require_below(path: str | Path) -> None:
+    """Raise an error if a file is outside of the start folder; without such a folder, do nothing.
+
+    Raises `InputError` if the path, with symbolic links followed, is not below the start folder.
+    """
+    restriction = _START.get()
+    if restriction is None:
+        return
+    start, remedy = restriction
+    try:
+        place = os.path.realpath(path)
+        inside = os.path.join(place, "").startswith(start)
+        above = os.path.commonpath([place, start])
+    except (OSError, ValueError):  # also: another drive
+        inside, above = False, os.sep
+    if inside:
+        return
+    if not remedy:
+        raise InputError("outside of the start folder", file=str(path), hint=SERVER)
+    # a whole drive is never proposed
+    hint = (
+        "copy it" if os.path.dirname(above) == above else remedy.format(folder=shell_words([above]))
+    )
+    raise InputError("outside of the opened folder", file=str(path), hint=hint)
+
 
 MOST_BYTES = 1_000_000_000
 """Largest size of a file that is read [bytes]."""
@@ -187,3 +311,76 @@ def require_count(what: str, count: int, most: int) -> None:
     if count > most:
         number = f"{count:,}" if count < 10**15 else "more than 10^15"
         raise InputError(f"the file would make {number} {what}; the limit is {most:,}")
+
+
+# Read the bytes of a file or a stream, or raise an `InputError` that states the reason.
+
+
+def is_file(path: Path) -> bool:
+    """Whether a path is a regular file; False if the system rejects the path."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name of thousands of letters, or with a null
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is a folder; False if the system rejects the path."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def read_bytes(path: Path, *, most: int = MOST_BYTES) -> bytes:
+    """Read all bytes of a file, at most `most`; raises `InputError` if it cannot be read.
+
+    Raises `InputError` if the path is missing, a folder, or not readable; or the file is empty or
+    too large; or it is outside of the start folder.
+    """
+    require_below(path)
+    try:
+        with path.open("rb") as stream:
+            data = read_bounded(stream, str(path), most)
+    except FileNotFoundError:
+        raise InputError("no such file", file=str(path), hint=_similar_name_hint(path)) from None
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"cannot be read: {_why(error)}",
+            file=str(path),
+            hint="check the path and the permissions",
+        ) from None
+    if not data:
+        raise InputError("the file is empty", file=str(path), hint="give a file with contents")
+    return data
+
+
+def read_bounded(stream: BinaryIO, file: str, most: int = MOST_BYTES) -> bytes:
+    """Read a stream to its end; raises `InputError` if it has more than `most` bytes.
+
+    Raises `InputError` if it is longer; the error names `file`.
+    """
+    data = stream.read(most + 1)
+    if len(data) > most:
+        size = f"{most / 1e9:g} GB" if most >= 1e9 else f"{most / 1e6:g} MB"
+        raise InputError(
+            f"larger than {size}, the largest size that is read",
+            file=file,
+            hint="make it coarser, or split it",
+        )
+    return data
+
+
+def _why(error: OSError | ValueError) -> str:
+    """The operating system's reason why a file cannot be read, without the path."""
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _similar_name_hint(path: Path) -> str:
+    """Hint for a missing file: the most similar file name in its folder, if any."""
+    try:
+        names = [entry.name for entry in path.parent.iterdir() if not entry.name.startswith(".")]
+        near = nearest_name(path.name, names)
+    except OSError:
+        return "check the path; its folder cannot be read either"
+    return f"did you mean {near!r}?" if near else "check the path"

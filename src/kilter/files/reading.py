@@ -18,26 +18,16 @@ from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
 from kilter.assembly.question import holding, on_floor
 from kilter.errors import InputError, some_names
-from kilter.files.choices import LOWEST, Choices, digest, find_choices
-from kilter.files.choices_off import (
+from kilter.files.file_content import UP, FileContent, note_on_up, read_path
+from kilter.files.format_options import BASES, FormatOptions
+from kilter.files.own.choices import LOWEST, Choices, digest, find_choices
+from kilter.files.own.choices_writing import (
     released_in_part,
     require_off,
     require_saved,
     switched_off,
 )
-from kilter.files.file_content import FileContent, read_path
-from kilter.files.format_options import BASES, FormatOptions
-from kilter.files.lying import UP, note_on_up
-from kilter.files.reading_options import ReadingOptions
-from kilter.files.reading_steps import (
-    on_carrier,
-    with_contacts_of,
-    with_density,
-    with_friction,
-    with_loads,
-    with_masses,
-)
-from kilter.files.saved_entries import (
+from kilter.files.own.saved_entries import (
     entries_for,
     known,
     lists,
@@ -46,6 +36,15 @@ from kilter.files.saved_entries import (
     valid_entries,
     with_bodies,
     with_interactions,
+)
+from kilter.files.reading_options import ReadingOptions
+from kilter.files.reading_steps import (
+    on_carrier,
+    with_contacts_of,
+    with_density,
+    with_friction,
+    with_loads,
+    with_masses,
 )
 from kilter.units import metres_per_unit
 from kilter.values.guesses import guarded

@@ -32,11 +32,11 @@ class ReadingOptions:
     the centre of mass [N]. `accelerate` is the acceleration of a carrier to which the held parts
     belong, as text: m/s^2, or g as in "0.5g"; the assembly then feels gravity less it.
 
-    `entries` are the keys of choices without an option, as JSON data (`kilter.files.choices`).
+    `entries` are the keys of choices without an option, as JSON data (`kilter.files.own.choices`).
     `saved` names the options that come from choices: the parts that they name may be missing.
     `off` names the saved options that are ignored, and `release` saved held parts that are not
-    held (`kilter.files.choices_off`). After a merge with choices, `release` applies to the parts
-    that the saved wildcards of `ground` match.
+    held (`kilter.files.own.choices_writing`). After a merge with choices, `release` applies to the
+    parts that the saved wildcards of `ground` match.
     """
 
     ground: tuple[str, ...] = option(

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from kilter.assembly import Assembly, Load, Part
-from kilter.assembly.masses import reweighed
+from kilter.assembly.mesh_surface import reweighed
 from kilter.errors import InputError
 
 __all__ = [

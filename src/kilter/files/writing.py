@@ -16,7 +16,7 @@ from typing import Any
 
 from kilter.assembly import Assembly, require_assembly
 from kilter.errors import InputError
-from kilter.files.kilter_json import to_dict
+from kilter.files.own.kilter_json import to_dict
 from kilter.values.guesses import guarded
 
 __all__ = ["dump", "json_lines", "to_text", "write_bytes", "write_text"]

@@ -31,14 +31,13 @@ from typing import Literal
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.friction.elastic_forces import elastic_forces
 from kilter.friction.exclusion import Exclusion, prove_no_motion
 from kilter.friction.exclusion_file import exclusion_data
 from kilter.friction.law import coulomb_law
 from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
 from kilter.friction.settling import TRIES, Settling, find_settling
-from kilter.friction.spring_newton import SharedFactor
+from kilter.friction.spring_newton import SharedFactor, elastic_forces
 from kilter.friction.springs import spring_system
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program

@@ -23,8 +23,8 @@ import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask, cross
 from kilter.friction.friction_tolerances import SAME_PLACE
+from kilter.mechanics.locked_parts import merge_parts
 from kilter.mechanics.mechanics_tolerances import RIGID
-from kilter.mechanics.merged_parts import merge_parts
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, JOINT
 
@@ -40,7 +40,7 @@ def canonical(program: Program) -> Program:
     >>> from kilter.mechanics.program import build_program
     >>> from kilter.scenes.pieces import turn
     >>> from kilter.scenes.stacks import block_on_slope
-    >>> from kilter.scenes.transform import moved
+    >>> from kilter.scenes.pieces import moved
     >>> slope = block_on_slope(20.0, friction=0.5)
     >>> one, other = (
     ...     canonical(build_program(made, contacts(made)))

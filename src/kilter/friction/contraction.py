@@ -4,7 +4,7 @@ Each bounded quantity (opening, force, sliding speed, distance to the cone, tota
 is maximised over the relaxation that the present bounds define. The proved bound of the optimum
 replaces the old bound, the motion is rescaled to the size that its greatest power leaves, and so
 on. If the greatest power falls below the tolerance, no motion can start. No cases are
-distinguished. Every bound is that of `kilter.solvers.solution`, which does not trust the solver, so
+distinguished. Every bound is that of `kilter.solvers.problem`, which does not trust the solver, so
 each step is safe.
 """
 
@@ -17,12 +17,21 @@ import numpy as np
 
 from kilter.arrays import TINY
 from kilter.friction.enclosure import Enclosure, rescaled
-from kilter.friction.exclusion_bounds import ALL, quantities, shrunk_by, with_one, with_tangent
-from kilter.friction.exclusion_steps import ExclusionStep, PowerStep, Quantity, ShrinkStep
+from kilter.friction.exclusion_bounds import (
+    ALL,
+    ExclusionStep,
+    PowerStep,
+    Quantity,
+    ShrinkStep,
+    quantities,
+    shrunk_by,
+    with_one,
+    with_tangent,
+)
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
 from kilter.solvers.highs import KeptProgram
-from kilter.solvers.solution import Solution
+from kilter.solvers.problem import Solution
 from kilter.work import Work
 
 __all__ = [

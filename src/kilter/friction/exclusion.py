@@ -5,10 +5,10 @@
 Here w are the loads and u = J a the accelerations at the contact points. The law may have many
 solutions, with different forces and different motions. If a = 0 in all of them, friction of this
 size holds the assembly, and no previous squeeze can change that. The proof uses programs that
-contain all solutions: in space first moments (`kilter.friction.moments`), whose bound needs no
+contain all solutions: in space first moments (`kilter.friction.moment_bound`), whose bound needs no
 cases; for the rest, and in the plane, linear programs and cases (`kilter.friction.relaxation`). No
 bound trusts a solver, and each step can be repeated without a solver
-(`kilter.friction.exclusion_check`). Without a proof the question is open, which is no refutation;
+(`kilter.friction.exclusion_file`). Without a proof the question is open, which is no refutation;
 the bound then limits how fast a motion could start.
 
 A power counts as zero if it is below 1e-8 (coarser for coarse data) of that of the lightest part in
@@ -29,16 +29,15 @@ from kilter.friction.enclosure import Enclosure, rescaled
 from kilter.friction.exclusion_bounds import (
     FORCES,
     TOTALS,
+    ExclusionStep,
     first_bounds,
     largest_forces,
     no_power,
 )
 from kilter.friction.exclusion_cases import CasesLeft, divide_cases
-from kilter.friction.exclusion_steps import ExclusionStep
 from kilter.friction.friction_tolerances import LARGEST_FORCE
-from kilter.friction.moments import FORMS_OF_POINT, MOST_FORMS, moment_proof
-from kilter.friction.opening_motion import opening_motion
-from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
+from kilter.friction.moment_bound import FORMS_OF_POINT, MOST_FORMS, moment_proof
+from kilter.friction.reduced_law import ReducedLaw, opening_motion, reduced_law, refusal
 from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT

@@ -3,22 +3,21 @@
 The relaxation of an enclosure (`kilter.friction.relaxation`) bounds its power, and every quantity
 in it, by any multipliers of its rows (`kilter.solvers.problem`). The prover takes the multipliers
 of a solver (`kilter.friction.contraction`), the check those of a proof
-(`kilter.friction.exclusion_check`). The consequences are the same.
+(`kilter.friction.exclusion_file`). The consequences are the same.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Index
 from kilter.friction.enclosure import Enclosure, first_enclosure
-from kilter.friction.exclusion_steps import PowerStep, ShrinkStep
-from kilter.friction.force_bound import force_bound
 from kilter.friction.friction_tolerances import COARSEST_NO_POWER, LARGEST_FORCE, NO_POWER
-from kilter.friction.reduced_law import ReducedLaw
+from kilter.friction.moment_bound import MomentStep
+from kilter.friction.reduced_law import ReducedLaw, force_bound
 from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import MalformedProof
@@ -28,7 +27,12 @@ __all__ = [
     "ALL",
     "FORCES",
     "TOTALS",
+    "CaseStep",
+    "ExclusionStep",
+    "PowerStep",
     "Quantities",
+    "Quantity",
+    "ShrinkStep",
     "first_bounds",
     "largest_forces",
     "no_power",
@@ -38,6 +42,69 @@ __all__ = [
     "with_one",
     "with_tangent",
 ]
+
+
+# Steps of a proof that no motion can start, with all data needed to repeat them.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PowerStep:
+    """Row multipliers that bound the power in a linear program, and the next tangent point."""
+
+    rows: Index
+    """Rows with nonzero multipliers."""
+    values: Array
+    """Those multipliers."""
+    tangent: Array | None
+    """Motion at which the ball of motions gets a further tangent, shape (n,)."""
+
+    @classmethod
+    def of(cls, multipliers: Array, tangent: Array | None) -> PowerStep:
+        """Make a `PowerStep` from the multipliers of all rows, without storing zeros."""
+        rows = np.flatnonzero(multipliers)
+        return cls(rows, multipliers[rows], tangent)
+
+    def over(self, count: int) -> Array:
+        """Multipliers of all `count` rows as a dense array, with zeros added.
+
+        Raises `MalformedProof` if a row does not exist.
+        """
+        if self.rows.max(initial=-1) >= count:
+            raise MalformedProof("a row does not exist")
+        multipliers = np.zeros(count)
+        multipliers[self.rows] = self.values
+        return multipliers
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quantity:
+    """A bounded quantity by its number, with the row multipliers that prove its new bound."""
+
+    number: int
+    multipliers: PowerStep
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShrinkStep:
+    """New bounds of several quantities, proved one after the other."""
+
+    quantities: tuple[Quantity, ...]
+
+
+@dataclass(slots=True, eq=False)
+class CaseStep:
+    """A case of contact modes: proofs of its power bound, and subcases if it is divided."""
+
+    powers: list[PowerStep] = field(default_factory=list)
+    point: int = -1
+    patch: int = -1
+    """Index of the point or patch at which it is divided; both -1 if it is closed."""
+    cases: list[CaseStep] = field(default_factory=list)
+    """The cases that cover it."""
+
+
+ExclusionStep = MomentStep | PowerStep | ShrinkStep | CaseStep
+
 
 ALL = ("un", "fn", "most", "least", "ut", "rest")
 """Names of the bounds in `Enclosure` that are shrunk."""

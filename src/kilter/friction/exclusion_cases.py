@@ -30,7 +30,7 @@ from kilter.arrays import Array
 from kilter.friction.branching import CaseTree
 from kilter.friction.contraction import ProofAttempt, power_bound
 from kilter.friction.enclosure import Enclosure, cases, rescaled, width
-from kilter.friction.exclusion_steps import CaseStep
+from kilter.friction.exclusion_bounds import CaseStep
 from kilter.friction.friction_tolerances import NARROWEST_CONE, OBEYED
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation

@@ -44,11 +44,12 @@ from scipy.sparse import csr_array
 from kilter.arrays import TINY, Array, Index, Mask, across, cross
 from kilter.friction.friction_tolerances import ZERO_ENTRY
 from kilter.mechanics.law_check import mobilities
+from kilter.mechanics.mechanics_tolerances import STILL, WITNESS_EXACT, WITNESS_SLIVER
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, JOINT
 from kilter.units import metres_per_unit
 
-__all__ = ["CoulombLaw", "coulomb_law"]
+__all__ = ["CoulombLaw", "breach", "coulomb_law", "may_obey"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,3 +182,48 @@ def _matrix(program: Program, basis: Array, sigma: Array, root: Array) -> csr_ar
     used = values != 0
     places = (np.concatenate(rows)[used], np.concatenate(cols)[used])
     return csr_array((values[used], places), shape=(3 * len(program.part_a), per * len(root)))
+
+
+# Quick test of how much a candidate motion violates Coulomb's law, in scaled unknowns.
+
+
+ROUNDING = 2.0
+"""Allowance for rounding: factor by which a residual may exceed the limit of the full check."""
+
+
+def breach(law: CoulombLaw, x: Array, forces: Array) -> float:
+    """Power that a candidate motion gains because it violates the law [-]; 0 if it obeys."""
+    u = (law.matrix @ x).reshape(-1, 3)
+    slip = np.linalg.norm(u[:, 1:], axis=1)
+    gained = (forces * u).sum(axis=1) + law.mu * forces[:, 0] * slip
+    return float(gained[~law.tied].sum())
+
+
+def may_obey(law: CoulombLaw, x: Array, forces: Array) -> bool:
+    """True if a candidate motion gains power and nearly obeys the law, so it deserves a check."""
+    size = float(x @ x)
+    if not float(law.load @ x) > 0.0:
+        return False
+    limit = ROUNDING * min(WITNESS_EXACT * np.sqrt(size), WITNESS_SLIVER * size)
+    balance = np.linalg.norm(x - law.load - law.matrix.T @ forces.reshape(-1))
+    return bool(balance <= limit) and _law_residual(law, x, forces, np.sqrt(size)) <= limit
+
+
+def _law_residual(law: CoulombLaw, x: Array, forces: Array, fastest: float) -> float:
+    """Largest violation of the contact law by a candidate, over the kinds of `LawProof` [-]."""
+    u, tied = (law.matrix @ x).reshape(-1, 3), law.tied
+    u_n, f_n, u_t, f_t = u[:, 0], forces[:, 0], u[:, 1:], forces[:, 1:]
+    slip, drag = np.linalg.norm(u_t, axis=1), np.linalg.norm(f_t, axis=1)
+    limit = law.mu * np.maximum(f_n, 0.0)
+    rows = [
+        np.where(tied, np.abs(u_n), -u_n),
+        np.where(tied, drag, np.maximum(drag - limit, -f_n)),
+        np.where(tied, 0.0, np.abs(u_n * f_n)),
+    ]
+    slides = ~tied & (slip > STILL * fastest)
+    along = u_t[slides] / np.maximum(slip[slides], TINY)[:, None]
+    rows += [
+        np.linalg.norm(f_t[slides] + drag[slides, None] * along, axis=1),
+        np.abs(drag - limit)[slides],
+    ]
+    return max(float(row.max(initial=0.0)) for row in rows)

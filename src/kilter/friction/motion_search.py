@@ -9,7 +9,7 @@ which the parts ran away during seating (`kilter.friction.seating`); 3. branch a
 contact modes (`kilter.friction.mode_search`), which alone finds solutions that repel the iteration.
 
 Candidates are made exact (`kilter.friction.polish`). A cheap test selects those that may obey the
-law (`kilter.friction.near_law`), and of these a motion counts only if
+law (`kilter.friction.law`), and of these a motion counts only if
 `kilter.mechanics.law_check.check_law` accepts it. A search without a result proves nothing.
 
 De Saxce's iteration. With s = mu |u_t| held fixed, accelerations x and forces f that obey the law
@@ -40,9 +40,8 @@ from scipy.sparse import csc_array, eye_array
 
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.friction.friction_tolerances import EXACTLY, GONE, SHARP, STEADY
-from kilter.friction.law import CoulombLaw, coulomb_law
+from kilter.friction.law import CoulombLaw, breach, coulomb_law, may_obey
 from kilter.friction.mode_search import by_modes
-from kilter.friction.near_law import breach, may_obey
 from kilter.friction.polish import TrialMotion, polished
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import LawProof, check_law

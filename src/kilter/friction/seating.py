@@ -5,7 +5,7 @@ Between contacts that give a little, and that start without a gap or a squeeze
 balance: a *seat*. Its forces are forces of equilibrium, each exactly in its cone. A block squeezed
 between walls has forces of equilibrium too, but no displacement produces them.
 
-The search starts from the forces of the least elastic energy (`kilter.friction.elastic_forces`),
+The search starts from the forces of the least elastic energy (`kilter.friction.spring_newton`),
 which can be found at any size; then from zero displacement; then with stiffnesses that vary by a
 factor of 0.1 to 10 between patches, from squeezed starts. If all starts run away, that is evidence
 that no seat exists, and the direction in which the parts ran is returned. A start that failed says
@@ -25,11 +25,15 @@ import numpy as np
 from scipy.sparse import csc_array, eye_array
 
 from kilter.arrays import TINY, Array
-from kilter.friction.elastic_forces import ElasticForces, elastic_forces
 from kilter.friction.friction_tolerances import BALANCED, SOFT_SQUEEZE
 from kilter.friction.law import CoulombLaw, coulomb_law
 from kilter.friction.relaxing import FIRST, Rest, relaxed
-from kilter.friction.spring_newton import SharedFactor, balanced_springs
+from kilter.friction.spring_newton import (
+    ElasticForces,
+    SharedFactor,
+    balanced_springs,
+    elastic_forces,
+)
 from kilter.friction.springs import Springs, spring_system
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program

@@ -12,7 +12,7 @@ needs neither squeeze nor careful placement: of 884 random assemblies, every one
 are excluded settled, and of 166 that a motion refutes, a single one did.
 
 The deflection of a point is the median over the pressed points of its parts, for the forces of the
-least elastic energy (`kilter.friction.elastic_forces`); the smaller of its two parts counts.
+least elastic energy (`kilter.friction.spring_newton`); the smaller of its two parts counts.
 
 The gaps of each try have a fixed seed: the same assembly has the same tries.
 """
@@ -27,11 +27,15 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from kilter.arrays import TINY, Array, Index
-from kilter.friction.elastic_forces import ElasticForces, elastic_forces
 from kilter.friction.friction_tolerances import BALANCED, PRESSES
 from kilter.friction.law import CoulombLaw, coulomb_law
 from kilter.friction.relaxing import Rest, relaxed
-from kilter.friction.spring_newton import SharedFactor, balanced_springs
+from kilter.friction.spring_newton import (
+    ElasticForces,
+    SharedFactor,
+    balanced_springs,
+    elastic_forces,
+)
 from kilter.friction.springs import Springs, SpringState, spring_system
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program

@@ -32,7 +32,7 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.kept_contacts import contacts_among
 from kilter.contact.supports import Support, with_supports
 from kilter.errors import InputError
-from kilter.files.kilter_json import from_dict
+from kilter.files.own.kilter_json import from_dict
 from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_form

@@ -10,7 +10,7 @@ accepted forces, and its own violation v of J dp >= 0, can explain. With frictio
 the dual cone, u_n >= mu |u_t|, and v is the worst mu |u_t| - u_n. A strap of capacity LC takes up
 the power LC times the rate at which it lengthens, and the friction F of a joint F times its speed.
 
-`kilter.mechanics.proof_limits` has both limits, and the theorem that at most one of both proofs
+`kilter.mechanics.clusters` has both limits, and the theorem that at most one of both proofs
 passes. If the data are coarser than float64 the tolerance follows their accuracy (`BLUR` of the
 program): on 270 scenes, rotated at random, moved 100 sizes away and rounded to float32, balanced
 scenes had imbalances of up to 7 accuracies of the forces.
@@ -26,8 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import TINY, Array
+from kilter.mechanics.clusters import balanced_parts, power_limit, pressing_forces
 from kilter.mechanics.program import Program
-from kilter.mechanics.proof_limits import balanced_parts, power_limit, pressing_forces
 
 __all__ = [
     "ForceProof",

@@ -8,13 +8,34 @@ assembly.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Index, connected, starts
+from kilter.arrays import TINY, Array, Index, Mask, connected, starts
+from kilter.mechanics.mechanics_tolerances import (
+    COARSE_EXCESS,
+    COARSE_EXCUSED,
+    EXCESS,
+    EXCUSED,
+    RULED_OUT,
+    TOLERANCE,
+    UNITS_IN_LAST_PLACE,
+)
 from kilter.mechanics.program import Program
 
-__all__ = ["PARTED", "Cluster", "cluster_groups", "cluster_labels", "clusters"]
+__all__ = [
+    "PARTED",
+    "Cluster",
+    "PowerLimit",
+    "balanced_parts",
+    "cluster_groups",
+    "cluster_labels",
+    "clusters",
+    "power_limit",
+    "pressing_forces",
+]
+
 
 PARTED = 1500
 """Programs with more freedoms than this are solved cluster by cluster."""
@@ -86,3 +107,138 @@ def _divided(program: Program, label: Index) -> list[Cluster]:
         rows = order[start[number] : start[number + 1]]
         parted.append(Cluster(replace(program, free=label[:-1] == number).taking(rows), rows))
     return parted
+
+
+# Limits of both kinds of proof, and why no assembly has forces and a motion that both pass.
+
+
+def balanced_parts(
+    program: Program, imbalance: Array, weight: Array, sums: Array, pressed: Array
+) -> tuple[Array, Mask]:
+    """Apply the limits of a proof by forces to each part.
+
+    Arguments: `imbalance`, `weight`, `sums` (..., N): imbalance |r_i|, weight W_i, and sum S_i of
+    the forces on each part [N]; `pressed` (..., N): sum of the forces on each part without the pull
+    of bonds [N]. Returns `relative` (..., N): imbalance over the weight; 0 for held parts [-];
+    `balanced` (..., N): parts that are in balance, or held.
+    """
+    label, free = cluster_labels(program), program.free
+    relative = np.where(free, imbalance / np.maximum(weight, TINY), 0.0)
+    usual = program.tolerance * weight
+    if program.pull.any():
+        usual = usual + _roundings(program) * program.force_sums(program.pull)
+    excess = np.where(free, np.maximum(imbalance - usual, 0.0), 0.0)
+    coarse = program.tolerance > TOLERANCE
+    # parts far lighter than their cluster: its share is more than their whole weight
+    most = np.where(coarse, COARSE_EXCUSED, EXCUSED) * weight
+    balanced = excess <= np.minimum(_roundings(program) * sums, most)
+    # most forces are small: only others need the sums of their cluster
+    small = excess.max(initial=0.0) == 0.0 and bool(
+        (pressed <= RULED_OUT * weight)[..., free].all()
+    )
+    if not small:
+        total = _of_cluster(weight, label)
+        balanced &= _of_cluster(excess, label) <= _cluster_shares(program, label) * total
+        balanced &= _of_cluster(pressed, label) <= RULED_OUT * total
+    return relative, balanced | ~free
+
+
+def pressing_forces(program: Program, forces: Array) -> Array:
+    """Row forces, shape (..., K), less the pull of bonds: the forces that a squeeze can enlarge."""
+    return np.where(program.two_sided, forces, np.maximum(forces - program.pull, 0.0))
+
+
+def _roundings(program: Program) -> Array:
+    """Rounding rho_i of the forces on each part, over their sum, shape (N,) [-]."""
+    coarse = program.tolerance > TOLERANCE
+    return np.where(coarse, program.tolerance, UNITS_IN_LAST_PLACE)
+
+
+def _cluster_shares(program: Program, label: Index) -> Array:
+    """Share delta_c of the weight of the cluster of each part, shape (N,) [-]."""
+    coarse = program.tolerance > TOLERANCE
+    most = np.zeros(len(label) + 1)
+    np.maximum.at(most, label, np.where(coarse, COARSE_EXCESS * program.tolerance, EXCESS))
+    shares: Array = most[label]
+    return shares
+
+
+def _of_cluster(values: Array, label: Index) -> Array:
+    """Sum of the values, shape (..., N), over the free parts of the cluster of each part."""
+    free = np.flatnonzero(label >= 0)
+    total = np.zeros((*values.shape[:-1], len(label) + 1))
+    place: tuple[Any, ...] = (..., label[free])
+    np.add.at(total, place, values[..., free])
+    summed: Array = total[..., label]
+    return summed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PowerLimit:
+    """Power that a motion must exceed to be a proof, as shares of weights and of strengths."""
+
+    parts: Array
+    """Tolerance times size of the motion of each part [-], shape (N,)."""
+    shares: Array
+    """Share of the weight of each part in A and in B [-], shape (2, N)."""
+    strength: Array
+    """Power of the strength of the bond, strap or joint of each row in A and in B [W], shape (2,
+    K)."""
+
+    def largest(self, weight: Array) -> float:
+        """Least power of a proof [W] for every load with weights in the hull of the rows, (n, N).
+
+        The weight of a part is a convex function of its load.
+        """
+        more = (weight @ self.shares.T + self.strength.sum(axis=1)).max(axis=0).min()
+        return float((weight @ self.parts).max() + more)
+
+
+def power_limit(
+    program: Program,
+    opening: Array,
+    sizes: Array,
+    *,
+    mu: Array | None = None,
+    owner: Index | None = None,
+) -> PowerLimit:
+    """The power that a motion of size 1 must exceed to be a proof.
+
+    Arguments: `opening` (K,); `sizes` (N,); `mu` (K,); `owner` (N,).
+    """
+    mu = program.mu if mu is None else mu
+    owner = np.zeros(len(sizes), dtype=int) if owner is None else owner
+    label, bounded = cluster_labels(program), program.bounded
+    moved = np.zeros(len(label) + 1, dtype=bool)
+    moved[label[program.free & (sizes > 0)]] = True
+    moves = moved[label] & program.free
+    rounding = _row_rounding(program, sizes)
+    closing = np.where(program.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
+    kept = np.where(program.two_sided, -closing, opening)
+    rounded = np.maximum((1.0 + mu) * rounding - kept, 0.0)
+    limits = program.cohesion
+    limits[bounded] = program.capacity[bounded] / program.arm[bounded]
+    closing[bounded] = rounded[bounded] = 0.0
+    row_owner = owner[np.maximum(program.part_a, program.part_b)]
+    most = np.zeros((2, int(owner.max(initial=0)) + 1))
+    np.maximum.at(most[0], row_owner, closing)
+    np.maximum.at(most[1], row_owner, rounded)
+    shares = RULED_OUT * most[:, owner]
+    shares[0] += _cluster_shares(program, label)
+    return PowerLimit(
+        np.where(program.free, program.tolerance * sizes, 0.0),
+        np.where(moves, shares, 0.0),
+        np.stack([np.zeros(len(limits)), limits * rounding])
+        + program.pull * (np.stack([closing, rounded]) + rounding),
+    )
+
+
+def _row_rounding(program: Program, sizes: Array) -> Array:
+    """Rounding of a unit force of each row, times the sizes of a motion of its parts, (K,)."""
+    moved = np.append(np.where(program.free, _roundings(program) * sizes, 0.0), 0.0)
+    # the force of an angular row is counted over its arm, and on a part over the radius
+    inverse = np.append(1.0 / program.radius, 1.0)
+    total = np.zeros(len(program.part_a))
+    for part in (program.part_a, program.part_b):
+        total += moved[part] * np.where(program.angular, program.arm * inverse[part], 1.0)
+    return total

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, eye_array, hstack, vstack
+from scipy.sparse import block_diag, csc_array, eye_array, hstack, kron, vstack
 
 from kilter.arrays import TINY, Array
 from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
@@ -32,10 +32,14 @@ from kilter.solvers.problem import ConicProgram, LinearProgram, quadratic_progra
 
 __all__ = [
     "ScaledProblem",
+    "UncertainLoad",
+    "affine_forces",
+    "affine_imbalance",
     "displacement",
     "equilibrium",
     "impending_motion",
     "largest_share",
+    "least_forces",
     "least_imbalance",
     "load_factor",
     "scaled_problem",
@@ -306,3 +310,139 @@ def impending_motion(problem: ScaledProblem) -> ConicProgram:
     return quadratic_program(
         quadratic, cost, opening[order], np.zeros(len(order)), int(program.two_sided.sum())
     )
+
+
+# Linear program for contact forces that depend affinely on the uncertain terms of a load.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UncertainLoad:
+    """A load that depends on uncertain terms within a box, scaled for the equilibrium equations."""
+
+    right: Array
+    along: Array
+    """Load at t = 0, and its change per unit of t, shape (rows,)."""
+    sides: Array
+    turns: Array
+    """Change of `right`, and of `along`, per unit of each unknown d_k, shape (K, rows)."""
+
+
+def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> LinearProgram:
+    """Linear program for the largest multiple t of a load, with forces affine in the unknowns d.
+
+    Its unknowns are x = (t, f_0, f_k+, f_k-), where f_k = f_k+ - f_k- and both are nonnegative.
+
+    Arguments: `most`: upper bound of t [-].
+    """
+    matrix, one_sided = problem.matrix, np.flatnonzero(~problem.program.two_sided)
+    rows, count = matrix.shape
+    unknowns = len(load.sides)
+    follow_blocks = block_diag([matrix, *[matrix] * unknowns], format="csc")
+    negative = vstack(
+        [csc_array((rows, count * unknowns)), -follow_blocks[rows:, count:]]
+        if unknowns
+        else [csc_array((rows, 0))]
+    )
+    share = csc_array(-np.concatenate([load.along, load.turns.ravel()])[:, None])
+    balance = hstack([share, follow_blocks, negative])
+    pushing = csc_array(eye_array(count))[one_sided]
+    all_unknowns = (
+        kron(np.ones((1, unknowns)), pushing)
+        if unknowns
+        else csc_array((len(pushing.indptr) - 1, 0))
+    )
+    # f_0 - sum_k (f_k+ + f_k-) >= 0 on the rows that only push
+    pushes = hstack([csc_array((len(one_sided), 1)), pushing, -all_unknowns, -all_unknowns])
+    bound = np.concatenate([load.right, load.sides.ravel()])
+    free = np.where(problem.program.two_sided, -np.inf, 0.0)
+    total = 1 + count * (1 + 2 * unknowns)
+    lower = np.concatenate([[0.0], free, np.zeros(2 * count * unknowns)])
+    upper = np.full(total, np.inf)
+    upper[0] = most
+    cost = np.zeros(total)
+    cost[0] = -1.0
+    return LinearProgram(
+        cost,
+        csc_array(vstack([balance, pushes], format="csc")),
+        np.concatenate([bound, np.zeros(len(one_sided))]),
+        np.concatenate([bound, np.full(len(one_sided), np.inf)]),
+        lower,
+        upper,
+    )
+
+
+def affine_imbalance(problem: ScaledProblem, load: UncertainLoad, x: Array) -> float:
+    """Largest imbalance of a part for any d, over its weight [-], for a solution x of the program.
+
+    The forces are first cut to their cones: f_0 of a row that only pushes is raised to sum_k |f_k|.
+    """
+    count, unknowns = problem.matrix.shape[1], len(load.sides)
+    share, forces = float(x[0]), x[1 : 1 + count]
+    both = x[1 + count :].reshape(2, unknowns, count)
+    follow = both[0] - both[1]
+    pushes = ~problem.program.two_sided
+    middle = np.where(pushes, np.maximum(forces, np.abs(follow).sum(axis=0)), forces)
+    rest = np.abs(problem.matrix @ middle - load.right - share * load.along)
+    for k in range(unknowns):
+        rest += np.abs(problem.matrix @ follow[k] - load.sides[k] - share * load.turns[k])
+    return float(rest.max(initial=0.0))
+
+
+# Balanced contact forces closest to those of unloaded bonds, by Newton's method.
+
+
+REGULAR = 1e-12
+"""Regularisation of the equations, relative to their largest diagonal entry; a second solve removes
+its effect.
+"""
+REFINED = 2
+"""Number of solves with each factorisation."""
+STEPS = 6
+"""Maximum number of Newton steps."""
+BALANCED = 1e-11
+"""Residual over weight that counts as rounding [-]."""
+STALLED = 0.9
+"""A step is stalled if it leaves more than this fraction of the smallest residual so far [-]."""
+PATIENCE = 1
+"""Stop after this many consecutive stalled steps."""
+
+
+def least_forces(problem: ScaledProblem) -> tuple[Array, Array] | None:
+    """Balanced row forces, (K,), and a motion that may be a proof, (N, 6); None without bonds."""
+    program, matrix = problem.program, problem.matrix
+    if not program.pull.any():
+        return None
+    from scipy.sparse.linalg import splu  # slow to import
+
+    strength = program.pull / (problem.unit * program.arm)
+    active = (program.pull > 0) | program.two_sided
+    y = np.zeros(len(problem.right))
+    identity = eye_array(len(y), format="csc")
+    least_size, stalled = np.inf, 0
+    forces, residual = strength, problem.right
+    for _ in range(STEPS):
+        used = matrix[:, np.flatnonzero(active)]
+        normal = used @ used.T
+        largest = float(normal.diagonal().max(initial=TINY))
+        factor = splu(
+            csc_array(normal + REGULAR * largest * identity),
+            permc_spec="MMD_AT_PLUS_A",
+            options={"SymmetricMode": True},
+        )
+        with np.errstate(all="ignore"):  # without active rows the system is singular: overflow
+            for _ in range(REFINED):
+                y = y + factor.solve(problem.right - used @ (strength[active] + used.T @ y))
+        # the last step had no active rows; the best step before it counts
+        if not np.isfinite(y).all():
+            break
+        pressed = strength + matrix.T @ y
+        active = (pressed > 0) | program.two_sided
+        trial_forces = np.where(active, pressed, 0.0)
+        trial_residual = problem.right - matrix @ trial_forces
+        trial_size = float(np.abs(trial_residual).max(initial=0.0))
+        stalled = stalled + 1 if trial_size > STALLED * least_size else 0
+        if trial_size < least_size:
+            least_size, forces, residual = trial_size, trial_forces, trial_residual
+        if trial_size < BALANCED or stalled == PATIENCE:
+            break
+    return problem.forces(forces), problem.motion(problem.over_weight(-residual))

@@ -10,8 +10,8 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, check_forces, part_sizes
+from kilter.mechanics.clusters import balanced_parts
 from kilter.mechanics.program import Program
-from kilter.mechanics.proof_limits import balanced_parts
 
 __all__ = ["check_load_forces", "shifted_weights"]
 

@@ -8,7 +8,7 @@ has t_k = 1 at every contact that some squeeze loads inside its cone, and t_k = 
 multiple of a squeeze is a squeeze. At the contacts with t_k = 1 every force is possible, since a
 large multiple of x brings it into its cone. No admissible motion slides or opens them, since s.x =
 0 for the motion's openings s. So these contacts are welds: parts between which they stop all
-motions are merged to a body (`kilter.mechanics.merged_parts`), and the rest become two-sided rows.
+motions are merged to a body (`kilter.mechanics.locked_parts`), and the rest become two-sided rows.
 Exactly the same loads are held.
 
 Forces of the smaller program become forces of all contacts: forces of least length at the welds
@@ -25,14 +25,67 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 from scipy.sparse.csgraph import connected_components
 
-from kilter.arrays import TINY, Array, Index, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, cross, group_sums
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.mechanics_tolerances import LOCKED, RIGID
-from kilter.mechanics.merged_parts import merge_parts
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["LockedParts", "find_locked_parts"]
+__all__ = ["LockedParts", "find_locked_parts", "merge_parts"]
+
+
+# Merge rigidly joined parts of a program to single bodies, so that it has fewer freedoms.
+
+
+def merge_parts(program: Program, group: Index) -> Program:
+    """Copy of a program in which each group of rigidly joined parts is a single part.
+
+    Arguments: `group` (N,).
+
+    Examples
+    --------
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> from kilter.scenes import scene
+    >>> assembly = scene("tower")
+    >>> program = build_program(assembly, contacts(assembly))
+    >>> merged = merge_parts(program, np.minimum(np.arange(len(assembly)), 1))
+    >>> len(merged.names), bool(merged.mass[1] == program.mass[1:].sum())
+    (2, True)
+    """
+    count = int(group.max(initial=-1)) + 1
+    mass = np.bincount(group, program.mass, minlength=count)
+    center = group_sums(group, program.mass[:, None] * program.center, count) / mass[:, None]
+    arm = program.center - center[group]
+    square = np.einsum("ij,ij->i", arm, arm)[:, None, None] * np.eye(3)
+    steiner = program.mass[:, None, None] * (square - arm[:, :, None] * arm[:, None, :])
+    applied, clamp = program.applied.copy(), program.clamp.copy()
+    for load in (applied, clamp):
+        load[:, 3:] += cross(arm, load[:, :3])
+    radius, tolerance = np.zeros(count), np.zeros(count)
+    np.maximum.at(radius, group, program.radius + np.linalg.norm(arm, axis=1))
+    np.maximum.at(tolerance, group, program.tolerance)
+    free = np.ones(count, dtype=bool)
+    free[group[~program.free]] = False
+    group_or_ground = np.append(group, -1)
+    a, b = group_or_ground[program.part_a], group_or_ground[program.part_b]
+    still = ~np.append(free, False)
+    rows = np.flatnonzero((a != b) & ~(still[a] & still[b]))
+    first_part = np.unique(group, return_index=True)[1]
+    return program.taking(rows).with_rows(
+        names=tuple(program.names[k] for k in first_part),
+        free=free,
+        center=center,
+        mass=mass,
+        inertia=group_sums(group, program.inertia + steiner, count),
+        radius=radius,
+        applied=group_sums(group, applied, count),
+        clamp=group_sums(group, clamp, count),
+        part_a=a[rows],
+        part_b=b[rows],
+        tolerance=tolerance,
+    )
+
 
 REFINED = 4
 """Number of corrections of the balance of forces at welds."""

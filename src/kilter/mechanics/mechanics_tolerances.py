@@ -5,7 +5,7 @@ All are relative [-] unless a unit is given. For verdicts on exact data:
     UNITS_IN_LAST_PLACE < EXCESS < TOLERANCE,   UNITS_IN_LAST_PLACE * RULED_OUT < TOLERANCE
 
 Forces of more than RULED_OUT weights are no proof, and a motion rules out smaller forces, so forces
-and a motion never both pass (`kilter.mechanics.proof_limits`). Rounding of such forces is smaller
+and a motion never both pass (`kilter.mechanics.clusters`). Rounding of such forces is smaller
 than TOLERANCE of the weight of all parts. For Coulomb's law:
 
     WITNESS_SLIVER > WITNESS_POWER > WITNESS_EXACT > CONE_ROUNDING

@@ -7,7 +7,7 @@ self-stress. If the worst violation of a motion m is v, then m + v m0 is exactly
 motion from an interior point, accurate to the root of its gap, proves as much as an exact motion.
 
 The same program with another objective gives the motion that bounds all contact forces best
-(`kilter.friction.opening_motion`).
+(`kilter.friction.reduced_law`).
 """
 
 from __future__ import annotations

@@ -30,7 +30,6 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.strap_wrenches import strap_wrenches
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.friction_coefficients import certain_friction
-from kilter.mechanics.bond_rows import clamp_of
 from kilter.mechanics.joints import spring_wrenches
 from kilter.mechanics.mechanics_tolerances import BLUR, TOLERANCE
 from kilter.mechanics.rows import (
@@ -42,6 +41,7 @@ from kilter.mechanics.rows import (
     ForceRows,
     RowArrays,
     bonded_rows,
+    clamp_of,
     contact_rows,
     joint_rows,
     possible_rows,
@@ -84,7 +84,7 @@ class Program(RowArrays):
     """Given loads, shape (N, 6): force [N] and torque about the centre of mass [N x length
     unit]."""
     clamp: Array
-    """Clamping loads of the bonds (`kilter.mechanics.bond_rows`) and straps, and the loads of
+    """Clamping loads of the bonds (`kilter.mechanics.rows`) and straps, and the loads of
     springs of joints, in the same form, shape (N, 6)."""
     tolerance: Array
     """Relative tolerance of a verdict for each part [-], shape (N,)."""

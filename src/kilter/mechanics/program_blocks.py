@@ -16,15 +16,15 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.arrays import Array, Index, Mask, across, ragged, starts
-from kilter.assembly.side_by_side import SideBySide
+from kilter.assembly.array_geometry import SideBySide
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.clusters import balanced_parts, power_limit
 from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof_limits import balanced_parts, power_limit
 from kilter.mechanics.stacked_parts import stack_answers
 from kilter.rigid import common_frames
-from kilter.solvers.blocks import BlockAnswers, Blocks
+from kilter.solvers.highs import BlockAnswers, Blocks
 
 __all__ = ["BlockProofs", "ProgramBlocks", "program_blocks"]
 

@@ -5,16 +5,16 @@ functions (`kilter.show`), which compute nothing.
 """
 
 from kilter.publish.answer_figures import answer_to_draw, draw
-from kilter.publish.films import animate
-from kilter.publish.offline_page import Report, report
-from kilter.publish.output_files import (
+from kilter.publish.films import (
     FILMS,
     PAGES,
+    animate,
     require_ending,
     require_figure,
     require_film,
     title_of,
 )
+from kilter.publish.offline_page import Report, report
 
 __all__ = [
     "FILMS",

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.assembly.question import Question, question
 from kilter.errors import InputError
-from kilter.publish.output_files import require_figure
-from kilter.publish.subjects import changed_subject, path_of, require_steps
+from kilter.publish.films import changed_subject, path_of, require_figure, require_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -89,8 +88,7 @@ def draw(
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.show.canvas import encode_figure
     from kilter.show.figures import draw_assembly
-    from kilter.show.movement_figure import draw_movement
-    from kilter.show.plan_figure import draw_plan
+    from kilter.show.plan_figure import draw_movement, draw_plan
     from kilter.show.sphere import draw_region
 
     require_figure(out, view)
@@ -124,8 +122,7 @@ def draw(
 
 def _draw_transport(answer: Transport) -> Figure:
     """Draw the speed factor of a path, or the polar figure; an error if the answer has neither."""
-    from kilter.show.path_profile import draw_path_profile
-    from kilter.show.polar import draw_polar
+    from kilter.show.polar import draw_path_profile, draw_polar
 
     if answer.speed is not None:
         if answer.speed.limit is None:

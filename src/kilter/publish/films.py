@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
-from kilter.publish.output_files import FILMS, require_ending
-from kilter.publish.subjects import path_of, require_steps
+from kilter.validate import LARGEST
 from kilter.values.guesses import guarded
 
 if TYPE_CHECKING:
@@ -15,8 +14,104 @@ if TYPE_CHECKING:
     from kilter.analysis.regions.region import Region
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.analysis.verdict.verdict import Verdict
+    from kilter.assembly.question import Question
+    from kilter.second_order.answer.path_places import PathPlaces
 
-__all__ = ["animate"]
+__all__ = [
+    "FILMS",
+    "PAGES",
+    "animate",
+    "changed_subject",
+    "path_of",
+    "require_ending",
+    "require_figure",
+    "require_film",
+    "require_steps",
+    "title_of",
+]
+
+
+# Names of pages, figures and films: their endings, and the titles of pages.
+
+
+PAGES = (".html", ".htm")
+"""File endings of pages; no input file has them, so a typing error cannot overwrite an input."""
+FILMS = (".glb",)
+"""Endings of films."""
+
+
+def require_ending(out: str | Path, endings: tuple[str, ...], what: str, also: str = "") -> None:
+    """Reject an output name with a wrong ending, so that no input file is overwritten."""
+    if Path(out).suffix.lower() not in endings:
+        hint = f"use a name that ends in {', '.join(endings)}{also}"
+        raise InputError(f"not a file name for a {what}", file=str(out), hint=hint)
+
+
+def require_film(what: str, view: tuple[float, float] | None) -> None:
+    """Reject options that do not apply to a film, before any computation."""
+    if what != "assembly":
+        raise InputError(
+            f"a {what} has no motion", hint="write a figure: out.svg, out.png or out.pdf"
+        )
+    if view is not None:
+        raise InputError("a film has no view", hint="leave the view out; its viewer turns the film")
+
+
+def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> None:
+    """Reject a file ending or a view that cannot be drawn, before any computation."""
+    from kilter.show.canvas import SUFFIXES, require
+
+    if out is not None:
+        require_ending(out, SUFFIXES, "figure", f", or in {', '.join(FILMS)} for a film")
+    # not `isfinite`: it fails for an integer of hundreds of digits
+    if view is not None and not all(abs(angle) < LARGEST for angle in view):
+        raise InputError(
+            f"the view is {view[0]!s:.20} {view[1]!s:.20}",
+            hint="give two angles in degrees",
+            option="give two angles in degrees: --view -32 22",
+        )
+    require()
+
+
+def title_of(source: str) -> str:
+    """Name of a file without its folders and endings, as a title."""
+    if source == "-":
+        return "standard input"
+    return Path(source).resolve().name.removesuffix(".json").removesuffix(".kilter")
+
+
+# Subjects of pages, figures and films: an assembly with changes, or an answer as it is.
+
+
+def changed_subject(subject: Any, asked: Question) -> Any:
+    """Return an assembly with the changes of the keywords; an answer rejects changes."""
+    from kilter.analysis.placing.place import Places
+    from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.regions.region import Region
+    from kilter.analysis.settled_pose.settle import Settled
+    from kilter.analysis.transport.transport_answer import Transport
+    from kilter.analysis.verdict.verdict import Verdict
+
+    if not isinstance(subject, Verdict | Region | Order | Settled | Transport | Places):
+        return asked.read(subject)
+    asked.require_unchanged(subject)
+    return subject
+
+
+def path_of(verdict: Verdict) -> PathPlaces | None:
+    """Path along which a balanced assembly falls; None for any other verdict."""
+    from kilter.second_order.answer.path_places import find_path_places
+
+    second = verdict.second_order_answer
+    return None if second is None else find_path_places(verdict.assembly, second)
+
+
+def require_steps(order: Order) -> None:
+    """Raise `InputError` if a plan has no steps to show."""
+    if not order.found:
+        raise InputError("no order was found: there are no steps to show")
+    if not order.steps:
+        raise InputError("every part is held: there are no steps to show")
 
 
 @guarded
@@ -69,7 +164,7 @@ def animate(subject: Order | Region | Verdict | Transport, out: str | Path | Non
     elif isinstance(subject, Transport):
         film = _film_of_mechanism(subject)
     else:
-        from kilter.show.plan_film import film_of_plan
+        from kilter.show.plan_scene import film_of_plan
 
         if not isinstance(subject, Order):
             raise InputError(
@@ -88,7 +183,7 @@ def animate(subject: Order | Region | Verdict | Transport, out: str | Path | Non
 def _film_of(verdict: Verdict) -> bytes:
     """GLB film of the impending motion, or of the fall of a balanced assembly."""
     from kilter.analysis.verdict.free_travel import free_travel
-    from kilter.show.motion_film import film_of_fall, film_of_motion
+    from kilter.show.glb_film import film_of_fall, film_of_motion
 
     path = path_of(verdict)
     if path is not None:
@@ -100,7 +195,7 @@ def _film_of_mechanism(answer: Transport) -> bytes:
     """GLB film of the motion that starts first on an accelerated carrier, seen from the carrier."""
     from kilter.analysis.load_limit import starting
     from kilter.analysis.verdict.free_travel import travel_along
-    from kilter.show.motion_film import film_of_motion
+    from kilter.show.glb_film import film_of_motion
 
     mechanism = answer.mechanism
     if mechanism is None:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from kilter.assembly.question import Question, question
 from kilter.errors import InputError
-from kilter.publish.output_files import PAGES, require_ending, title_of
-from kilter.publish.subjects import changed_subject
+from kilter.publish.films import PAGES, changed_subject, require_ending, title_of
 
 if TYPE_CHECKING:
     from kilter.analysis.placing.place import Places

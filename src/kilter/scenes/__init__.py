@@ -26,19 +26,16 @@ __all__ = ["SCENES", "Answer", "Example", "example", "scene"]
 
 ROOMS = (
     "paper",
-    "paper_contacts",
     "stacks",
-    "accelerations",
     "walls",
     "mortar",
     "arches",
     "wedges",
-    "packings",
+    "random_bricks",
     "friction",
     "rounds",
     "traps",
     "rails",
-    "exported",
 )
 """Modules with examples, in the order of `kilter example`."""
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kilter.show.brick_look import brick_rgb
+from kilter.show.shapes import brick_rgb
 from kilter.tell.palette import GROUND, PALETTE, rgb
 
 if TYPE_CHECKING:

@@ -14,11 +14,16 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 from kilter.show.packing import as_json, readable
-from kilter.show.place_layer import build_place_layer, place_card
-from kilter.show.plan_scene import build_plan_scene
-from kilter.show.plan_sections import plan_sections
+from kilter.show.plan_scene import build_plan_scene, plan_sections
 from kilter.show.scene import build_scene
-from kilter.show.sections import change_card, margin_card, sections, text
+from kilter.show.sections import (
+    build_place_layer,
+    change_card,
+    margin_card,
+    place_card,
+    sections,
+    text,
+)
 from kilter.tell.palette import as_css
 
 if TYPE_CHECKING:
@@ -27,7 +32,8 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.explained import Explained
     from kilter.analysis.planning.order.order import Order
 
-__all__ = ["fill_template", "render", "render_plan"]
+__all__ = ["fill_template", "render", "render_plan", "workbench_page"]
+
 
 SLOTS = ("bar", "above", "panels", "side", "actions", "later", "motion", "player", "body")
 """Slots of the template that hold asset files of one kind of page."""
@@ -124,3 +130,25 @@ def _digest(script: str) -> str:
 
 def _asset(name: str) -> str:
     return (resources.files("kilter.show") / "assets" / name).read_text(encoding="utf-8")
+
+
+# The page of the workbench: the template without data, which arrive through a WebSocket.
+
+
+WORKBENCH = {
+    "bar": "bench_bar.html",
+    "above": "bench_start.html",
+    "panels": "bench_decide.html",
+    "actions": "bench_actions.html",
+    "later": "bench_forces.html ball.html",
+    "motion": "motion.html",
+    "player": "bench_tabs.html fall.html",
+    "body": "bench_body.html",
+}
+"""Asset files of the workbench, by the slot of the template."""
+
+
+def workbench_page(token: str) -> str:
+    """HTML of the page of the workbench."""
+    data = as_json({"workbench": {"token": token}})
+    return fill_template("", "", data, live=True, pieces=WORKBENCH)

@@ -16,10 +16,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.arrays import Array
+from kilter.rigid import matrix_to_quaternion, quaternion_to_matrix
+from kilter.show.glb_film import Film, xyzw
 from kilter.show.packing import pack, readable
 from kilter.show.scene import build_things
-from kilter.tell.plan_words import order_facts
-from kilter.tell.step_facts import step_facts
+from kilter.show.sections import (
+    facts_html,
+    graph_svg,
+    made_section,
+    name_html,
+    rows_html,
+    section,
+    text,
+    warnings_section,
+)
+from kilter.tell.facts import facts
+from kilter.tell.plan_words import LEVELS, order_facts, step_cells, step_facts
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
@@ -27,7 +39,88 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
     from kilter.assembly import Assembly
 
-__all__ = ["build_plan_scene", "pulled_apart"]
+__all__ = ["build_plan_scene", "film_of_plan", "plan_sections", "pulled_apart"]
+
+
+# A plan as an animated GLB film: each part is inserted along its path.
+
+
+LEAD, STEP, MOVES = 0.8, 1.25, 1.0
+"""Time before the first step, duration of a step, and duration of the motion in it [s]."""
+KEYS = 13
+"""Number of key frames of a track along a path."""
+NEAR = 1.2
+"""Greatest distance of a part from its first corner at the start [size of the assembly]."""
+TURNS = 3
+"""Number of turns that a nut makes on its thread in the film."""
+MARK = 0.28
+"""Size of the mark of a held part [bounding radius of the part]."""
+
+
+def film_of_plan(assembly: Assembly, answer: Mapping[str, Any]) -> bytes:
+    """Encode the steps of a plan as a GLB film."""
+    film, index = Film(assembly), assembly.index
+    places = film.places
+    for k, step in enumerate(answer["steps"]):
+        start = LEAD + k * STEP
+        times = start + MOVES * np.linspace(0.0, 1.0, KEYS)
+        path = _sampled_path(np.array(step["path"]), NEAR * film.size)
+        for part in (index[name] for name in step["parts"]):
+            film.animate(part, "scale", [0.0, start], [[0.0] * 3, [1.0] * 3], "STEP")
+            film.animate(part, "translation", times, places.position[part] - film.center + path)
+            if step["over"] is not None:
+                turning = _nut_rotations(np.array(step["direction"]), places.rotation[part])
+                film.animate(
+                    part, "rotation", np.linspace(start, start + MOVES, len(turning)), turning
+                )
+    for name, changes in _held_times(answer["steps"]).items():
+        part = index[name]
+        mark = film.add_mark(f"hold {name}", assembly.geometry.center[part])
+        reach = MARK * float(assembly.geometry.radius[part])
+        sizes = [[reach * on] * 3 for _, on in changes]
+        film.animate(mark, "scale", [at for at, _ in changes], sizes, "STEP")
+    return film.to_bytes("plan")
+
+
+def _sampled_path(path: Array, reach: float) -> Array:
+    """Points of an insertion path at equal times, slow at both ends, shape (KEYS, 3).
+
+    `path`, shape (k, 3), ends at the seat; its first segment is cut to `reach` [length unit].
+    """
+    first = path[0] - path[1]
+    far = float(np.linalg.norm(first))
+    path = np.vstack([path[1] + first * min(1.0, reach / far), path[1:]])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    t = np.linspace(0.0, 1.0, KEYS)
+    at = along[-1] * t * t * (3 - 2 * t)
+    return np.column_stack([np.interp(at, along, path[:, i]) for i in range(3)])
+
+
+def _nut_rotations(along: Array, rest: Array) -> Array:
+    """Quaternions x, y, z, w, (k, 4), of a nut that turns on a right-handed thread to its seat.
+
+    `along`, shape (3,), is the direction of insertion; `rest` is the quaternion in the seat.
+    """
+    angles = np.linspace(-2 * np.pi * TURNS, 0.0, 4 * TURNS + 1)
+    turns = np.column_stack([np.cos(angles / 2), np.sin(angles / 2)[:, None] * along])
+    turned = quaternion_to_matrix(turns) @ quaternion_to_matrix(rest)
+    return np.array([xyzw(matrix_to_quaternion(matrix)) for matrix in turned])
+
+
+def _held_times(steps: list[dict[str, Any]]) -> dict[str, list[tuple[float, int]]]:
+    """For each part that is ever held, the times [s] at which it is gripped (1) or released (0).
+
+    Each list begins at the time 0.
+    """
+    changes: dict[str, list[tuple[float, int]]] = {}
+    for k, step in enumerate([*steps, {"held": []}]):
+        for name in step["held"]:
+            changes.setdefault(name, [(0.0, 0)])
+        for name, times in changes.items():
+            if (name in step["held"]) != bool(times[-1][1]):
+                times.append((LEAD + k * STEP, int(name in step["held"])))
+    return changes
+
 
 WORDS = {
     "found": "There is an order",
@@ -164,3 +257,74 @@ def pulled_apart(assembly: Assembly, steps: Sequence[Mapping[str, Any]]) -> Arra
         corners = np.concatenate([geometry.corners_of(k).reshape(-1, 3) for k in group])
         apart[group] = below - GAP * float(np.ptp(corners @ along)) * along
     return apart
+
+
+# Text sections of a plan's page: result, steps, precedence graph, warnings, reproduction.
+
+
+DRAWN = 150
+"""Largest number of steps for which the precedence graph is drawn."""
+PLAYED = (
+    "Playing starts no computation: paths, held parts and forces are those of the plan. The forces "
+    "are those of the proof of the step, and not unique. The turning of a nut is illustration."
+)
+
+
+def plan_sections(
+    order: Order, explained: Explained, *, command: str, versions: dict[str, str]
+) -> str:
+    """HTML of all text sections of a plan's page, below the picture."""
+    answer = order.to_dict()
+    parts = [_result(answer), _steps(answer), _graph(answer, explained)]
+    parts.append(warnings_section(answer["warnings"]))
+    parts.append(made_section(command, versions, ("the film", PLAYED)))
+    return "\n".join(filter(None, parts))
+
+
+def _result(answer: Mapping[str, Any]) -> str:
+    rows = [("in words", text(answer["sentence"]))]
+    rows += [(term, text(words)) for term, words in facts(answer)]
+    if answer["level"] is not None:
+        rows.append(("meaning of the level", text(LEVELS[answer["level"]])))
+    return section("Result", facts_html(rows))
+
+
+def _steps(answer: Mapping[str, Any]) -> str:
+    """HTML section with a table of the steps of a plan; empty without steps."""
+    if not answer["steps"]:
+        return ""
+
+    def row(k: int, step: Mapping[str, Any]) -> list[str]:
+        way, held, freed, level = step_cells(step)
+        names = "".join(name_html(name) for name in step["parts"])
+        button = f'<button type="button" class="link" data-step="{k}">{names}</button>'
+        touches = ", ".join(step["touches"])
+        return [str(k + 1), button, *map(text, (way, touches, held, freed, level))]
+
+    head = ["", "part", "inserted", "touches", "held during the step", "released after", "level"]
+    body = rows_html(head, [row(k, s) for k, s in enumerate(answer["steps"])], len(answer["steps"]))
+    return section(f"Steps ({len(answer['steps'])})", body)
+
+
+def _graph(answer: Mapping[str, Any], explained: Explained) -> str:
+    """HTML section with the precedence graph of a plan.
+
+    Empty without steps or with more than `DRAWN` steps.
+    """
+    if not answer["steps"] or len(answer["steps"]) > DRAWN:
+        return ""
+    needs = [(need.before, need.after) for need in explained.needs]
+    reason = (
+        "because of an option or because the second would block the path of the first"
+        if explained.swept
+        else "because of `--before` or `--screws` (paths are not compared for this many parts)"
+    )
+    note = (
+        f"Nodes are steps. A dark arrow: the first step must come before the second, {reason}. "
+        "A pale line: the part of the second step touches that of the first. Arrows and lines that "
+        "follow from others are left out. Blue: the part is held by a hand at some time."
+    )
+    body = (
+        f'<div id="graph" class="wide">{graph_svg(answer, needs)}</div><p class="small">{note}</p>'
+    )
+    return section("Precedence", body)

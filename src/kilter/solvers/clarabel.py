@@ -12,8 +12,11 @@ objectives, 2024. The polishing step follows OSQP (Stellato et al., 2020, sectio
 
 from __future__ import annotations
 
+import os
+import signal
 import threading
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import clarabel
@@ -30,14 +33,160 @@ from scipy.sparse import (
 
 from kilter.arrays import TINY, Array, Index
 from kilter.errors import SolverError
-from kilter.solvers.interrupts import DEAF, LONG, call_apart, run_aside
-from kilter.solvers.problem import ConicProgram
-from kilter.solvers.semidefinite import Multipliers, SemidefiniteProgram
-from kilter.solvers.solution import Outcome, Solution
+from kilter.pipes import can_start, end_process, end_with_parent, receive, send, start_process
+from kilter.solvers.problem import ConicProgram, Outcome, Solution
 from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
 from kilter.work import Work, seconds_left
 
-__all__ = ["solve_conic", "solve_quadratic", "solve_semidefinite"]
+__all__ = [
+    "DEAF",
+    "LONG",
+    "Multipliers",
+    "SemidefiniteProgram",
+    "call_apart",
+    "run_aside",
+    "serve",
+    "solve_conic",
+    "solve_quadratic",
+    "solve_semidefinite",
+]
+
+
+# Run solver calls outside the main thread, so that Ctrl-C ends them at once.
+
+
+LONG = 20_000
+"""Number of matrix entries above which a solver call may take a second."""
+DEAF = 300_000
+"""Number of matrix entries above which the set-up of a solver may block Ctrl-C for half a second.
+"""
+ENDS = 0.2
+"""Time that an interrupted solver gets to stop [s]."""
+
+
+def run_aside(run: Callable[[], None], stop: Callable[[], None]) -> None:
+    """Call `run` in a thread and wait; on an interruption, call `stop` and raise it again.
+
+    Outside the main thread, which alone receives signals, `run` is called directly.
+
+    Examples
+    --------
+    >>> done = []
+    >>> run_aside(lambda: done.append("ran"), lambda: done.append("stopped"))
+    >>> done
+    ['ran']
+    """
+    if threading.current_thread() is not threading.main_thread():
+        run()
+        return
+    failure: list[BaseException] = []
+
+    def run_and_keep_failure() -> None:
+        try:
+            run()
+        except BaseException as error:
+            failure.append(error)
+
+    thread = threading.Thread(target=run_and_keep_failure, daemon=True)
+    thread.start()
+    try:
+        while thread.is_alive():
+            thread.join(1.0)
+    except BaseException:
+        stop()
+        thread.join(ENDS)
+        raise
+    if failure:
+        raise failure[0]
+
+
+def call_apart(function: Callable[..., Any], *given: Any) -> Any:
+    """Call a module-level function in a child process that Ctrl-C can end; return its result.
+
+    Outside the main thread, and if Python cannot be started, the function is called directly.
+
+    Raises `SolverError` if the process broke down.
+
+    Examples
+    --------
+    >>> import math
+    >>> call_apart(math.hypot, 3.0, 4.0)
+    5.0
+    """
+    if threading.current_thread() is not threading.main_thread() or not can_start():
+        return function(*given)
+    process = start_process(__name__)
+    assert process.stdin is not None
+    assert process.stdout is not None
+    try:
+        send(process.stdin, (function, given))
+        failure, answer = receive(process.stdout)
+    except (EOFError, OSError) as error:
+        raise SolverError("a solver's process broke down", status="failed") from error
+    finally:
+        end_process(process)
+    if failure is not None:
+        raise failure
+    return answer
+
+
+def serve() -> None:
+    """Run a single call in the child process, and send its exception (or None) and result."""
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # Ctrl-C reaches all processes of a terminal; the caller ends this process
+    incoming, outgoing = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # output printed by a solver must not mix with the answer
+    end_with_parent()
+    try:
+        function, given = receive(incoming)
+    except EOFError:
+        return
+    failure, answer = None, None
+    try:
+        answer = function(*given)
+    except Exception as error:
+        failure = error
+    send(outgoing, (failure, answer))
+
+
+# Data of small, degenerate semidefinite programs.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SemidefiniteProgram:
+    """Semidefinite program: max gain.x with x[0] = 1, linear rows, cones and positive matrices."""
+
+    gain: Array
+    """Shape (n,)."""
+    equal: csr_array
+    positive: csr_array
+    cones: csr_array
+    """Rows of equations, of nonnegative numbers, and of consecutive second-order cones, shape
+    (., n)."""
+    dimension: int
+    """Dimension of every second-order cone."""
+    squares: tuple[csr_array, ...]
+    """Upper triangles of matrices, column by column, shape (k (k + 1); off-diagonal entries
+    times sqrt(2)."""
+
+    @property
+    def entries(self) -> int:
+        """Number of nonzero entries in all matrices of the program."""
+        rows = (self.equal, self.positive, self.cones, *self.squares)
+        return sum(int(matrix.nnz) for matrix in rows)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Multipliers:
+    """Multipliers of the rows and matrices of a semidefinite program, and its point x."""
+
+    equal: Array
+    positive: Array
+    cones: Array
+    squares: tuple[Array, ...]
+    point: Array = field(default_factory=lambda: np.empty(0))
+
 
 STEPS = 100
 """Maximum number of interior-point steps of a conic program."""

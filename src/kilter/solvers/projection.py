@@ -45,8 +45,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Mask
-from kilter.solvers.block_cholesky import NotPositive
-from kilter.solvers.linked_rows import LinkedRows
+from kilter.solvers.block_cholesky import LinkedRows, NotPositive
 from kilter.solvers.problem import ConeProjection
 
 __all__ = ["ProjectionSolution", "solve_projection"]

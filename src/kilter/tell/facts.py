@@ -11,26 +11,22 @@ from collections.abc import Callable
 from typing import Any
 
 from kilter.errors import some
-from kilter.tell.check_facts import check_facts
-from kilter.tell.hold_words import hold_facts
-from kilter.tell.improve_words import improve_facts
-from kilter.tell.margin_facts import margin_facts
-from kilter.tell.numbers import number, plain, vector
-from kilter.tell.packing_words import packing_facts
-from kilter.tell.place_words import place_facts
-from kilter.tell.plan_words import order_facts
-from kilter.tell.region_facts import orient_facts, region_facts
-from kilter.tell.scene_words import scene_facts
-from kilter.tell.settle_words import settle_facts
-from kilter.tell.shared_facts import (
+from kilter.tell.check_facts import (
     Answer,
     Fact,
     balance_phrase,
+    check_facts,
     gravity_phrase,
     joint_facts,
     parts_phrase,
     touching_phrase,
 )
+from kilter.tell.margin_facts import margin_facts
+from kilter.tell.numbers import number, plain, vector
+from kilter.tell.place_words import packing_facts, place_facts
+from kilter.tell.plan_words import hold_facts, improve_facts, order_facts
+from kilter.tell.region_facts import orient_facts, region_facts
+from kilter.tell.scene_words import scene_facts, settle_facts
 from kilter.tell.transport_facts import transport_facts
 
 __all__ = ["facts", "kind_of"]

@@ -3,13 +3,50 @@
 from __future__ import annotations
 
 import html
+from typing import Any
 
+from kilter.hooks import hook
+from kilter.tell.check_facts import Answer
 from kilter.tell.facts import facts
 from kilter.tell.palette import ink_of
-from kilter.tell.shared_facts import Answer
 from kilter.tell.tables import moving_table, sentences
 
-__all__ = ["html_of"]
+__all__ = ["InCells", "html_of"]
+
+
+# Base class of the answers that a notebook can show as a page.
+
+
+class InCells:
+    """Base class of answers that a notebook can display as an interactive page."""
+
+    __slots__ = ()
+
+    def show(self, *, height: int = 720, title: str = "") -> Any:
+        """Return the interactive page of the answer as the output of a notebook cell.
+
+        It is the page that `kilter.report` writes. Viewers that run no scripts show a figure
+        instead, if matplotlib is installed.
+
+        Parameters
+        ----------
+        height : int
+            Height of the frame [px].
+        title : str
+            Title above the page; the name of the file by default.
+
+        Returns
+        -------
+        kilter.Shown
+
+        Raises
+        ------
+        InputError
+            As `kilter.report`.
+        """
+        # the page is drawn by an upper package, which this package cannot import
+        return hook("cell")(self, height=height, title=title)
+
 
 ROWS = 12
 """Largest number of moving parts, the fastest first, and of warnings that are listed."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from kilter.errors import some
+from kilter.tell.check_facts import Answer, Fact, bond_words, joint_facts
 from kilter.tell.numbers import angle, force, number, plain, rounded_up, vector
-from kilter.tell.shared_facts import Answer, Fact, bond_words, joint_facts
 
 __all__ = ["level_words", "margin_facts", "moved_by_least", "part_level_words"]
 

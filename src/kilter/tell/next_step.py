@@ -6,10 +6,10 @@ import re
 import shlex
 from dataclasses import dataclass
 
+from kilter.tell.check_facts import Answer
 from kilter.tell.facts import kind_of
 from kilter.tell.margin_facts import moved_by_least
 from kilter.tell.numbers import near_zero, number
-from kilter.tell.shared_facts import Answer
 
 __all__ = ["NextStep", "next_step"]
 

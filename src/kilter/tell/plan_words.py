@@ -2,15 +2,218 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kilter.errors import some_names
-from kilter.tell.numbers import count, number, vector
+from kilter.tell.numbers import count, force, number, plain, vector
 
-__all__ = ["order_facts", "order_sentence", "step_cells"]
+__all__ = [
+    "HEAD",
+    "change_cells",
+    "hand_phrase",
+    "hold_facts",
+    "hold_sentence",
+    "improve_facts",
+    "improve_sentence",
+    "order_facts",
+    "order_sentence",
+    "step_cells",
+    "step_facts",
+    "support_cells",
+]
+
+
+# The answer of `kilter hold` (a fixture) in words: its sentence, its facts, its supports.
+
 
 Answer = Mapping[str, Any]
+
+
+def hold_sentence(answer: Answer) -> str:
+    """Return a sentence or two about supports that hold an assembly (`kilter hold`)."""
+    least, noun = answer["least"], _noun(answer)
+    candidates = count(answer["candidates"], "candidate")
+    if answer["verdict"] == "held":
+        return _held_sentence(answer, candidates)
+    if answer["verdict"] == "impossible":
+        if not answer["candidates"]:
+            return "It falls, and no candidate support exists."
+        every = "with its only candidate" if answer["candidates"] == 1 else f"with all {candidates}"
+        if answer["code"]:
+            return f"No set of {candidates} holds in {_directions(answer)}: that is proved."
+        return f"It falls even {every} as {noun}s: it is proved that a motion remains free."
+    proved = f"It is proved that at least {count(least, noun)} must be used"
+    why = "the effort limit was reached"
+    if answer["interrupted"]:
+        why = "the search was interrupted"
+    elif answer["time_limit"] is not None:
+        why = "the time limit was reached"
+    elif answer["exhausted"] and answer["most"] is not None and least > answer["most"]:
+        return f"{proved}, but no more than {answer['most']} are allowed."
+    elif answer["exhausted"]:
+        why = f"for some sets of {noun}s it is undecided whether they hold it"
+    return f"No sufficient {noun}s were found: {why}. {proved}."
+
+
+def _noun(answer: Answer) -> str:
+    """Return the noun of the candidates: support or strap."""
+    return "support" if answer["straps"] is None else "strap"
+
+
+def _directions(answer: Answer) -> str:
+    """Return the words for the directions of the code."""
+    return f"all {len(answer['cases'])} directions of {answer['code']}"
+
+
+def _held_sentence(answer: Answer, candidates: str) -> str:
+    """Return the sentence about supports that hold the assembly, at the required level or below."""
+    noun, least = _noun(answer), answer["least"]
+    held = len(answer["supports"] or answer["straps"] or ())
+    if answer["why"] == "balanced":
+        return "Balanced with nothing held: the slightest push makes it fall."
+    if not answer["holds"]:
+        with_supports = f"with {count(held, noun)}" if held else "with nothing held"
+        where = f" in {_directions(answer)}" if answer["code"] else ""
+        first = f"Forces that hold it exist {with_supports}{where} (level {answer['level']})"
+        if noun == "strap":
+            return f"{first}, and it is proved that fewer straps are not enough."
+        if not answer["exhausted"]:
+            return f"{first}. A higher level was not found within the {_limit(answer)}."
+        return f"{first}; no set of {noun}s that was tried reaches the level {answer['require']}."
+    where = f" in {_directions(answer)}" if answer["code"] else ""
+    if not held:
+        return f"It holds by itself{where}: nothing must be held."
+    first = f"It holds with {count(held, noun)} of {candidates}{where} (level {answer['level']})"
+    if answer["fewest"]:
+        return f"{first}. It is proved that fewer {noun}s are not enough."
+    if least == 0 or answer["require"] != "equilibrium":
+        return f"{first}. No smaller set that was tried reaches this level, but this is no proof."
+    return f"{first}. It is proved that at least {count(least, noun)} must be used."
+
+
+def _limit(answer: Answer) -> str:
+    """Return the limit that ended an incomplete search."""
+    return "effort" if answer["time_limit"] is None else "time limit"
+
+
+def hold_facts(answer: Answer) -> list[tuple[str, str]]:
+    """Return the lines below the sentence of `kilter hold`, each a term and its words."""
+    rows = [("level", answer["level"] or "none"), ("base", some_names(answer["base"]) or "none")]
+    motions = answer["motions"]
+    if answer["verdict"] == "impossible":  # a motion that a support stops is no reason
+        motions = [motion for motion in motions if not motion["stopped_by"]]
+    for k, motion in enumerate(motions):
+        by = some_names(motion["stopped_by"], 4) or "no candidate"
+        words = f"{some_names(motion['moving'], 3)} would move; stopped by {by}"
+        rows.append(("" if k else "because", words))
+    for case in answer["cases"]:
+        along = vector(case["acceleration"])
+        rows.append((case["name"], f"acceleration {along} m/s²: level {case['level'] or 'none'}"))
+    for strap in answer["straps"] or ():
+        rows.append((f"strap {strap['candidate']}", _strap_words(strap)))
+    sets, candidates = count(answer["judged"], "set"), count(answer["candidates"], "candidate")
+    return [*rows, ("search", f"{sets} of {_noun(answer)}s judged, {candidates}")]
+
+
+def _strap_words(strap: Answer) -> str:
+    """Return the parts of a chosen strap with its tension, or with its pull and capacity."""
+    parts = " - ".join(plain(name) for name in strap["parts"])
+    if strap["tension"] is not None:
+        return f"{parts}, tension {force(strap['tension'])}"
+    pull = "" if strap["pull"] is None else f", pull {force(strap['pull'])}"
+    return f"{parts}{pull} of {force(strap['capacity'])}"
+
+
+def support_cells(support: Answer, units: str) -> tuple[str, str, str, str]:
+    """Return the table cells of a support: kind, part, place and force."""
+    place = "" if support["point"] is None else f"at {vector(support['point'])} {units}"
+    if support["on"]:
+        place += f", on {support['on']}"
+    size = "" if support["force"] is None else force(math.hypot(*support["force"]))
+    return support["kind"], support["part"], place, size
+
+
+# The answer of `kilter improve` in words: its sentence, its facts, the tried changes.
+
+
+HEAD = ("change", "brick", "cell", "layer", "strength needed after it")
+"""Column heads of the table of changes that were tried."""
+NEAR = 1e-3
+"""Shares within this distance of 1 are shown with more digits [-]."""
+VERBS = {"add": "add", "remove": "remove"}
+
+
+def improve_sentence(answer: Answer) -> str:
+    """Return sentences about the present state of an assembly and the best change to it.
+
+    Examples
+    --------
+    >>> best = {"what": "add", "name": "2x6-21", "corner": [4, 19, 0], "layer": 0, "cells": [6, 2]}
+    >>> falls = {"verdict": "unstable", "share": 1.0055, "best": {**best, "share": 0.9}}
+    >>> improve_sentence(falls | {"stands": True})
+    'It falls: its studs would need 100.6 % of their strength. Add a brick of 6 x 2 in layer 0 at \
+cell (4, 19): then it stands and needs 90 %.'
+    """
+    best, share = answer["best"], answer["share"]
+    falls = answer["verdict"] == "unstable"
+    needed = "no strength of its studs is enough" if share is None else _needs(share, falls)
+    first = f"It {'falls' if falls else 'stands'}: {needed}."
+    if best is None:
+        return f"{first} No change that was tried lowers this need."
+    change = _change_words(best)
+    if not falls:
+        return f"{first} {change}: then it needs {_need_words(best['share'])}."
+    if answer["stands"]:
+        return f"{first} {change}: then it stands and needs {_need_words(best['share'])}."
+    return (
+        f"{first} No single brick is enough. The best change is: {change[0].lower()}{change[1:]}."
+    )
+
+
+def _needs(share: float, falls: bool) -> str:
+    """Return how much of the strength of the studs an assembly needs, in words."""
+    if share == 0.0:
+        return "its studs need not pull"
+    return f"its studs {'would need' if falls else 'need'} {_percent(share)} of their strength"
+
+
+def _need_words(share: float) -> str:
+    return _percent(share) if share else "no pull of its studs"
+
+
+def _change_words(change: Answer) -> str:
+    """Return a proposed change of the assembly as an instruction to the user."""
+    a, b = change["cells"]
+    x, y, _ = change["corner"]
+    place = f"in layer {number(change['layer'], 4)} at cell ({x}, {y})"
+    if change["what"] == "remove":
+        return f"Remove {plain(change['name'])} {place}"
+    return f"Add a brick of {a} x {b} {place}"
+
+
+def _percent(share: float) -> str:
+    """Return a fraction in percent, with enough digits to distinguish it from 100 %."""
+    return f"{number(100 * share, 4 if abs(share - 1) > NEAR else 7)} %"
+
+
+def change_cells(change: Answer) -> Sequence[str]:
+    """Return the table cells of a change, in the order of `HEAD`."""
+    a, b = change["cells"]
+    x, y, _ = change["corner"]
+    brick = plain(change["name"]) if change["what"] == "remove" else f"{a} x {b}"
+    share = "no strength is enough" if change["share"] is None else _percent(change["share"])
+    return VERBS[change["what"]], brick, f"({x}, {y})", number(change["layer"], 4), share
+
+
+def improve_facts(answer: Answer) -> list[tuple[str, str]]:
+    """Return the lines below the sentence of `kilter improve`, each a term and its words."""
+    rows = [("bricks", str(answer["bricks"]))]
+    if answer["weakest"] is not None:
+        first, second = answer["weakest"]
+        rows.append(("weakest", f"the studs between {plain(first)} and {plain(second)}"))
+    return rows
 
 
 def order_sentence(answer: Answer) -> str:
@@ -175,3 +378,72 @@ def step_cells(step: Answer) -> tuple[str, str, str, str]:
     freed = f"release {some_names(step['releases'])}" if step["releases"] else ""
     along = "" if step["direction"] is None else f"along {vector(step['direction'], 3)}"
     return along, held, freed, "; ".join(step["fails"]) or step["level"]
+
+
+# Facts of one step of a plan: path, touched parts, held parts with their reasons, level.
+
+
+LEVELS = {
+    "proved": "they cannot start to move, that is proved",
+    "settles": "the friction that their own weight creates holds them",
+    "equilibrium": "forces that hold them exist",
+}
+"""Meaning of a level for the standing parts."""
+LISTED = 6
+"""Largest number of names in a list."""
+NO_SHARE = 1e-6
+"""A force below this share of the weight of a part is shown as next to nothing [-]."""
+
+
+def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
+    """Return the lines about a step of an assembly sequence, each a term and its words.
+
+    Arguments: `hands`: held parts, each with ``part``, ``force`` [N] and ``torque`` [N m] or None,
+    ``weight`` [N] and ``radius`` [m] of the part, and ``falls``: the parts that fall without this
+    hand.
+    """
+    path = "no path was found"
+    if step["direction"] is not None:
+        path = f"along {vector(step['direction'], 3)}"
+    pieces = len(step["path"]) - 1
+    if pieces > 1:
+        path += f", the last of {count(pieces, 'straight piece')}"
+    if step["over"] is not None:
+        path += f", over the thread of {some_names([step['over']])}"
+    rows = [("comes in", path), ("touches", some_names(step["touches"], LISTED))]
+    if step["rubs"]:
+        rows.append(("slides along", some_names(step["rubs"], LISTED)))
+    if step["grips"]:
+        rows.append(("first grip", some_names(step["grips"], LISTED)))
+    if step["releases"]:
+        rows.append(("then release", some_names(step["releases"], LISTED)))
+    rows += [(f"hold {some_names([hand['part']])}", hand_phrase(hand)) for hand in hands]
+    if step["fails"]:
+        return [*rows, ("fails", "; ".join(step["fails"]))]
+    return [*rows, ("standing parts", f"{LEVELS[step['level']]} ({step['level']})")]
+
+
+def hand_phrase(hand: Answer) -> str:
+    """Return the force that a hand may carry, and the parts that would move without the hand.
+
+    Examples
+    --------
+    >>> hand_phrase({"force": None, "falls": ["b", "a"]})
+    "without it 2 parts would move: 'b', 'a'"
+    >>> hand_phrase({"force": 2.0, "torque": 1e-9, "weight": 1.0, "radius": 0.1, "falls": []})
+    'it may carry 2 N'
+    """
+    phrases = []
+    if hand["force"] is not None:
+        least = NO_SHARE * hand["weight"]
+        carried = force(hand["force"]) if hand["force"] > least else "next to nothing"
+        if hand["torque"] > least * hand["radius"]:
+            carried += f" and {force(hand['torque'])} m"
+        phrases.append(f"it may carry {carried}")
+    falls = hand["falls"]
+    if falls:
+        move = count(len(falls), "part")
+        phrases.append(f"without it {move} would move: {some_names(falls, LISTED)}")
+    elif not phrases:
+        phrases.append("the standing parts may not need it")
+    return "; ".join(phrases)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from kilter.tell.check_facts import Answer, Fact, balance_phrase, instability_phrase, joint_facts
 from kilter.tell.numbers import angle, number, vector
 from kilter.tell.second_order_words import second_order_words
-from kilter.tell.shared_facts import Answer, Fact, balance_phrase, instability_phrase, joint_facts
 
 __all__ = ["orient_facts", "region_facts", "region_phrase", "region_words", "rest_words"]
+
 
 ROWS = 20
 """Largest number of vectors of each kind that are listed."""

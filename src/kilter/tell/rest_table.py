@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from kilter.tell.check_facts import Answer
 from kilter.tell.numbers import angle, number, plain, vector
-from kilter.tell.shared_facts import Answer
 from kilter.tell.tables import Table
 
 __all__ = ["REST_SIGNS", "rest_table"]

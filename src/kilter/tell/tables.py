@@ -8,18 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from kilter.errors import some
+from kilter.tell.check_facts import Answer
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
-from kilter.tell.hold_words import support_cells
-from kilter.tell.improve_words import HEAD, change_cells, improve_sentence
 from kilter.tell.margin_facts import part_level_words
 from kilter.tell.numbers import Name, count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import settling_options
-from kilter.tell.packing_words import PACKING_HEAD, item_cells
-from kilter.tell.plan_words import step_cells
-from kilter.tell.scene_words import SCENE_HEAD, object_cells, scene_order
-from kilter.tell.settle_words import moved_cells, moved_head
-from kilter.tell.shared_facts import Answer
+from kilter.tell.place_words import PACKING_HEAD, item_cells
+from kilter.tell.plan_words import HEAD, change_cells, improve_sentence, step_cells, support_cells
+from kilter.tell.scene_words import SCENE_HEAD, moved_cells, moved_head, object_cells, scene_order
 from kilter.tell.verify_words import verify_sentence
 from kilter.tell.words import NAMED
 

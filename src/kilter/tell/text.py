@@ -6,20 +6,22 @@ import json
 from collections.abc import Sequence
 
 from kilter.errors import visible
+from kilter.tell.check_facts import Answer
 from kilter.tell.facts import facts
 from kilter.tell.numbers import Name, count, plain, shortened
-from kilter.tell.shared_facts import Answer
 from kilter.tell.tables import Table, moving_table, sentences, tables
 
 __all__ = [
     "LISTED",
     "aligned",
+    "health_text",
     "listed",
     "solids_hint",
     "suggestions_hint",
     "suggestions_text",
     "text_of",
 ]
+
 
 LISTED = 20
 """Largest number of rows of a list in a terminal; --json gives all rows."""
@@ -130,3 +132,28 @@ def _joint_kind(suggestion: Answer) -> str | None:
     """Return the kind of joint that a suggestion proposes; None if it proposes no joint."""
     joint = suggestion["joint"]
     return None if joint is None else joint["kind"]
+
+
+# The answer of `kilter doctor` as text, for a terminal and for a bug report.
+
+
+def health_text(answer: Answer) -> str:
+    """Return the text of `kilter doctor`: a sentence, then each item with its state and its remedy.
+
+    Examples
+    --------
+    >>> broken = {"name": "HiGHS", "state": "broken", "found": "no answer", "remedy": "try again"}
+    >>> print(health_text({"works": False, "looks": [broken]}))
+    kilter does not work here: HiGHS.
+    <BLANKLINE>
+    HiGHS  broken  no answer; try again
+    """
+    broken = [look["name"] for look in answer["looks"] if look["state"] == "broken"]
+    head = "kilter works here."
+    if broken:
+        head = f"kilter does not work here: {', '.join(broken)}."
+    rows = [
+        (look["name"], look["state"], "; ".join(filter(None, (look["found"], look["remedy"]))))
+        for look in answer["looks"]
+    ]
+    return "\n".join([head, "", *aligned(rows)])

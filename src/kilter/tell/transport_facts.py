@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kilter.errors import some
+from kilter.tell.check_facts import Answer, Fact, joint_facts
 from kilter.tell.numbers import COMPUTED, number, plain, vector
-from kilter.tell.shared_facts import Answer, Fact, joint_facts
 
 __all__ = ["transport_facts", "transport_sentence"]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from kilter.tell.check_facts import Answer
 from kilter.tell.levels import level_rank
-from kilter.tell.shared_facts import Answer
 
 __all__ = ["verify_sentence"]
 

@@ -13,9 +13,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from kilter.errors import InputError, short_name
-from kilter.files.choices import Choices
-from kilter.workbench.messages import index_of
-from kilter.workbench.opened_parts import OpenedParts
+from kilter.files.own.choices import Choices
+from kilter.workbench.connections import index_of
+from kilter.workbench.live_assembly import OpenedParts
 
 __all__ = ["ACTIONS", "apply", "drag_of"]
 
@@ -128,7 +128,7 @@ def _mass(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
 
 
 def _poses(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
-    """New poses of parts, as `kilter.workbench.settle_change` finds them; None: as in the file.
+    """New poses of parts, as `kilter.workbench.answering` finds them; None: as in the file.
 
     Loads, joints and bonds at points of these parts are replaced by the moved entries.
     """

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.everything import full_answer, only_given
@@ -12,25 +14,216 @@ from kilter.analysis.margins.margin import margin
 from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.analysis.planning.hold.hold import hold
 from kilter.analysis.planning.order.plan import plan
+from kilter.analysis.settled_pose.settle import settle
 from kilter.analysis.transport.transport import transport
 from kilter.analysis.turning.orientation import orient
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.fits.suggestions import suggest_joints
-from kilter.errors import InputError
-from kilter.show.place_layer import placed_part
+from kilter.errors import InputError, shell_words
+from kilter.files.own.choices import Choices, option_words
+from kilter.files.own.saved_entries import with_interactions
 from kilter.show.scene import build_orientation, build_things
-from kilter.show.sections import answer_html
+from kilter.show.sections import answer_html, placed_part
 from kilter.tell.facts import facts
 from kilter.tell.levels import REQUIRE
+from kilter.tell.numbers import count
 from kilter.tell.open_words import lie_words
-from kilter.workbench.command_line import command
-from kilter.workbench.live_assembly import Prepared
-from kilter.workbench.opened_parts import OpenedParts
-from kilter.workbench.settle_change import settle_offer
+from kilter.tell.scene_words import moved_words
+from kilter.workbench.live_assembly import OpenedParts, Prepared
 
-__all__ = ["PHASES", "TABS", "answer_data", "prepared_check", "scene_data", "tab_data"]
+__all__ = [
+    "PHASES",
+    "TABS",
+    "answer_data",
+    "command",
+    "needs_file",
+    "prepared_check",
+    "saved_name",
+    "scene_data",
+    "settle_offer",
+    "settling_action",
+    "tab_data",
+]
+
+
+# The command line that reproduces what the workbench shows.
+
+
+TOLERANCE = {"gap": "--gap", "angle_deg": "--angle", "clearance": "--clearance"}
+"""Option of each key of the tolerance."""
+
+
+def needs_file(keys: Mapping[str, Any]) -> bool:
+    """Whether choices contain a key without an option, so that a command needs them as a file.
+
+    Examples
+    --------
+    >>> needs_file({"kilter": 1, "file": "a.step", "friction": 0.3})
+    False
+    >>> needs_file({"kilter": 1, "file": "a.step", "loads": [{"part": "a", "force": [0, 0, 1]}]})
+    True
+    """
+    entries = Choices.from_dict(dict(keys)).options()["entries"]
+    return bool(entries)
+
+
+def command(
+    name: str, keys: Mapping[str, Any], saved: str | None = None, further: Sequence[str] = ()
+) -> str:
+    """The command that answers a question about the present choices.
+
+    Parameters
+    ----------
+    name : str
+        Name of the command, such as "check".
+    keys : mapping
+        JSON data of the choices.
+    saved : str, optional
+        File that holds these choices. It is named if an option cannot express a choice; without it,
+        the command begins with the name under which the choices would be saved.
+    further : sequence of str
+        Further words.
+
+    Examples
+    --------
+    >>> command("check", {"kilter": 1, "file": "a.step", "held": ["base"], "friction": 0.3})
+    'kilter check a.step --ground base --friction 0.3'
+    """
+    choices = Choices.from_dict(dict(keys))
+    options = choices.options()
+    if options["entries"]:
+        return shell_words(["kilter", name, saved or saved_name(choices.file), *further])
+    words = option_words({key: value for key, value in options.items() if key != "entries"})
+    for key, value in (choices.tolerance or {}).items():
+        if value is not None:
+            words += [TOLERANCE[key], f"{value:.15g}"]
+    if choices.loose:
+        words.append("--loose")
+    return shell_words(["kilter", name, choices.file, *words, *further])
+
+
+def saved_name(file: str) -> str:
+    """Name of the file of choices beside an assembly file.
+
+    Examples
+    --------
+    >>> saved_name("clamp.step"), saved_name("wall.kilter.json")
+    ('clamp.kilter.json', 'wall.choices.kilter.json')
+    """
+    name = file.rsplit("/", 1)[-1]
+    if name.endswith(".kilter.json"):
+        return f"{name.removesuffix('.kilter.json')}.choices.kilter.json"
+    stem = name.rsplit(".", 1)[0] or name
+    return f"{stem}.kilter.json"
+
+
+# The change of the workbench that settles the parts: their poses at rest as choices.
+
+
+PLACED = ("point", "axis", "points", "normal")
+"""Keys of loads, joints and bonds that move with a part."""
+ENTRIES = ("loads", "joints", "bonds")
+"""Keys of choices whose entries may have points."""
+
+
+def settle_offer(verdict: Verdict) -> dict[str, str] | None:
+    """Parts that overlap, nearly touch or hang, and the known result of settling them, in words.
+
+    None if there is no such part. The result is empty if it was not tried.
+
+    Examples
+    --------
+    >>> from kilter import check
+    >>> from kilter.scenes import scene
+    >>> settle_offer(check(scene("tower"))) is None
+    True
+    """
+    contacts = verdict.contact_set
+    kinds = [pair.kind for pair in contacts.open_pairs]
+    free = ~verdict.assembly.geometry.grounded
+    numbers = {
+        "overlapping pair": kinds.count("overlap"),
+        "nearly touching pair": kinds.count("near"),
+        "hanging part": len({one.part for one in contacts.neighbours if free[one.part]}),
+    }
+    found = ", ".join(count(number, word) for word, number in numbers.items() if number)
+    tried = [one.to_dict()["words"] for one in verdict.remedies if one.option == "--settle"]
+    result = tried[0].partition(": ")[2] if tried else ""
+    return {"parts": found, "result": result} if found else None
+
+
+def settling_action(
+    prepared: Prepared, keys: Mapping[str, Any], progress: Callable[[str], None]
+) -> dict[str, Any]:
+    """The action that moves the parts to their pose at rest.
+
+    Raises `InputError` if no pose at rest is found, if the parts are at rest already, or if choices
+    cannot state the pose.
+    """
+    answer = settle(
+        prepared.assembly,
+        contacts=prepared.contacts,
+        tolerance=prepared.tolerance,
+        effort=0.0,
+        require="equilibrium",
+        progress=progress,
+    )
+    data = answer.to_dict()
+    moved = {entry["part"] for entry in data["moved"]}
+    if answer.state != "at-rest":
+        raise InputError(data["sentence"].rstrip("."), hint="decide the open pairs instead")
+    if not moved:
+        raise InputError("no part moves: the parts are at rest as drawn")
+    drawn, settled = answer.drawn, answer.assembly
+    return {
+        "do": "poses",
+        "poses": {
+            part.name: {
+                "position": part.pose.position.tolist(),
+                "rotation": part.pose.rotation.tolist(),
+            }
+            for part in settled.parts
+            if part.name in moved
+        },
+        "replaced": {key: _replaced(key, drawn, settled, keys) for key in ENTRIES},
+        "moved": moved_words(data),
+        "sha256": keys.get("sha256"),
+        "units": keys.get("units"),
+    }
+
+
+def _replaced(
+    key: str, drawn: Assembly, settled: Assembly, keys: Mapping[str, Any]
+) -> list[list[dict[str, Any]]]:
+    """Pairs of an entry of the choices, as it is and as it moves with its part.
+
+    Raises `InputError` if an entry of the file itself moves.
+    """
+    before, after = list(getattr(drawn, key)), list(getattr(settled, key))
+    moved = {k for k, entry in enumerate(before) if entry != after[k]}
+    pairs = []
+    for entry in keys.get(key, []) if moved else []:
+        built = getattr(with_interactions(drawn, {key: [entry]}), key)[-1]
+        if built not in before:
+            continue  # of a part that is left out
+        k = before.index(built)
+        if k in moved:
+            places = {name: _as_list(getattr(after[k], name)) for name in PLACED if name in entry}
+            pairs.append([dict(entry), {**entry, **places}])
+            moved -= {j for j, other in enumerate(before) if other == built}
+    if moved:
+        raise InputError(
+            f"the {key} of the file move with their parts, which choices cannot state",
+            hint="'kilter settle FILE -o REST.kilter.json' writes the complete assembly",
+        )
+    return pairs
+
+
+def _as_list(value: Any) -> Any:
+    return None if value is None else np.asarray(value).tolist()
+
 
 Tell = Callable[[str], None]
 PHASES = ("equilibrium", "complete")

@@ -16,8 +16,8 @@ from typing import Any
 
 from kilter.errors import InputError
 from kilter.workbench.actions import apply, drag_of
-from kilter.workbench.messages import parse_message
-from kilter.workbench.opened_parts import OpenedParts
+from kilter.workbench.connections import parse_message
+from kilter.workbench.live_assembly import OpenedParts
 
 __all__ = ["Change", "History", "autosave_path", "upload_autosave_path"]
 

@@ -7,7 +7,8 @@ The assembly and the contacts are equal to those that `kilter check` reads from 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import fnmatch
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,14 +20,43 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.contact.kept_contacts import KeptContacts
-from kilter.files.choices import Choices
 from kilter.files.file_content import FileContent
+from kilter.files.own.choices import Choices
 from kilter.files.reading import Chosen, Reading, chosen
 from kilter.loading import tolerance_of
 from kilter.units import metres_per_unit
-from kilter.workbench.opened_parts import OpenedParts
 
-__all__ = ["LiveAssembly", "Prepared"]
+__all__ = ["MATERIALS", "LiveAssembly", "Material", "OpenedParts", "Prepared"]
+
+
+# The parts of an opened file, as far as the actions of a user need them.
+
+
+@dataclass(frozen=True, slots=True)
+class OpenedParts:
+    """Names of the parts of a file, and properties of each part."""
+
+    names: tuple[str, ...] = ()
+    """Parts of the file, also those that the choices leave out; without a floor."""
+    held: frozenset[str] = frozenset()
+    """Parts that the file itself holds; no choice releases them."""
+    volume: tuple[float, ...] = ()
+    """Volume of each part [m^3]."""
+
+    def matching(self, patterns: Sequence[str]) -> list[str]:
+        """Parts that any of the patterns names or matches, in the order of the file."""
+        exact = set(patterns)
+        globs = [pattern for pattern in patterns if pattern not in self.names]
+        return [
+            name
+            for name in self.names
+            if name in exact or any(fnmatch.fnmatchcase(name, glob) for glob in globs)
+        ]
+
+    def volume_of(self, name: str) -> float:
+        """Volume of a part [m^3]; 0 for a part that the file does not have."""
+        return self.volume[self.names.index(name)] if name in self.names else 0.0
+
 
 Tell = Callable[[str], None]
 
@@ -122,3 +152,39 @@ class LiveAssembly:
 
 KEPT = 3
 """Number of contact searches whose findings are kept; more need more memory."""
+
+
+# Densities of common materials that the workbench offers, with their sources [kg/m^3].
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """A material with its density [kg/m^3] and the source of this number."""
+
+    name: str
+    density: float
+    source: str
+
+
+USUAL = "usual value of data sheets"
+
+MATERIALS = (
+    Material("steel", 7850, "EN 1993-1-2, 3.2.2"),
+    Material("stainless steel", 7900, "EN 10088-1, steel 1.4301"),
+    Material("cast iron", 7200, USUAL),
+    Material("aluminium", 2700, "EN 1999-1-1, 3.2.5"),
+    Material("brass", 8500, USUAL),
+    Material("copper", 8900, USUAL),
+    Material("concrete", 2400, USUAL),
+    Material("granite", 2700, USUAL),
+    Material("limestone", 2300, USUAL),
+    Material("brick", 1800, USUAL),
+    Material("oak", 700, USUAL),
+    Material("spruce", 420, "EN 338, class C24, mean density"),
+    Material("glass", 2500, "EN 572-1"),
+    Material("ABS", 1040, USUAL),
+    Material("PLA", 1240, USUAL),
+    Material("nylon", 1140, USUAL),
+    Material("rubber", 1200, USUAL),
+)
+"""Materials in the order of the list that the page shows."""

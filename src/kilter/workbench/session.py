@@ -17,21 +17,19 @@ from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError
-from kilter.files.choices import Choices, digest
-from kilter.files.choices_writing import require_place, write_choices
 from kilter.files.file_content import ENDINGS
-from kilter.files.fingerprint import fingerprint
-from kilter.files.raw import read_bytes
+from kilter.files.limits import fingerprint, read_bytes
+from kilter.files.own.choices import Choices, digest
+from kilter.files.own.choices_writing import require_place, write_choices
 from kilter.files.writing import dump, write_text
 from kilter.scenes.registry import SCENES, scene
 from kilter.tell.numbers import count
 from kilter.workbench.actions import ACTIONS
-from kilter.workbench.command_line import command, needs_file, saved_name
+from kilter.workbench.answering import command, needs_file, saved_name
+from kilter.workbench.connections import index_of, to_json
 from kilter.workbench.history import History, autosave_path, upload_autosave_path
-from kilter.workbench.job_queue import JobQueue, QueuedJob
-from kilter.workbench.materials import MATERIALS
-from kilter.workbench.messages import index_of, to_json
-from kilter.workbench.opened_parts import OpenedParts
+from kilter.workbench.jobs import JobQueue, QueuedJob
+from kilter.workbench.live_assembly import MATERIALS, OpenedParts
 
 __all__ = ["Session"]
 

@@ -15,11 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.analysis.decision.judge import judge
+from kilter.analysis.analysis_tolerances import BEYOND_LIMIT, SIDES_NEAR
+from kilter.analysis.decision.judge import find_strength, judge
 from kilter.analysis.decision.refined_proofs import balanced_proof
-from kilter.analysis.decision.strength import find_strength
 from kilter.analysis.load_limit import Limit, NoLimit, find_limit
-from kilter.analysis.turning_tolerances import BEYOND_LIMIT, SIDES_NEAR
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.coulomb_cones import cone_problem

@@ -19,16 +19,15 @@ Only this package reads the doubts about contacts (`kilter.analysis.decision.dou
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from kilter.analysis.decision.decision import Decision, Word
+from kilter.analysis.decision.deciding_pairs import OpenQuestion, ask_open
 from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.decision.doubts import doubts_of
-from kilter.analysis.decision.fitted_normals import rests_on_fits, why_fits_leave_it_open
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.decision.open_question import OpenQuestion, ask_open
 from kilter.analysis.decision.ordinary_contacts import (
     EQUILIBRIUM,
     PROVED,
@@ -37,14 +36,16 @@ from kilter.analysis.decision.ordinary_contacts import (
     can_be_tried,
     try_ordinary,
 )
+from kilter.arrays import Index
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.detect import touching_words
-from kilter.contact.open_pairs import still_open
+from kilter.contact.open_pairs import rigid_groups, still_open
+from kilter.errors import some
 from kilter.mechanics.certificate import check_forces
 from kilter.mechanics.clusters import clusters
 from kilter.mechanics.program import Program, build_program
-from kilter.tell.levels import REQUIRE
+from kilter.tell.levels import REQUIRE, level_of
 from kilter.work import Work
 
 if TYPE_CHECKING:
@@ -52,7 +53,104 @@ if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
     from kilter.second_order.answer.second_order_answer import SecondOrder
 
-__all__ = ["decide", "with_second_order"]
+__all__ = [
+    "Decision",
+    "Word",
+    "decide",
+    "fits_left_out",
+    "rests_on_fits",
+    "why_fits_leave_it_open",
+    "with_second_order",
+]
+
+
+# Decision on an assembly: verdict, verdict level and evidence, as every command reports them.
+
+
+Word = Literal["stable", "settles", "potentially-stable", "balanced", "unstable", "undecided"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """The verdict on an assembly with its evidence, as `decide` returns it."""
+
+    verdict: Word
+    program: Program
+    """The program against which the certificate is proved."""
+    judgement: Judgement
+    """The proof: forces of equilibrium, or a motion."""
+    friction: FrictionAnswer | None = None
+    """The guarantee of friction; None if the verdict does not rest on friction."""
+    second_order: SecondOrder | None = None
+    """The answer of second order; None if no cluster rests without friction."""
+    reasons: tuple[str, ...] = ()
+    """Reasons why the verdict is undecided, in words."""
+    question: OpenQuestion | None = None
+    """The open pairs that decide an undecided verdict."""
+    trial: OpenTrial | None = None
+    """The level with the open pairs as ordinary contacts, if friction guarantees a level."""
+    units: float = 0.0
+    """Work of the solvers for this decision (`kilter.work`) [units]."""
+
+    @property
+    def level(self) -> str | None:
+        """Verdict level that the assembly reaches, except "strict"; None if it does not hold."""
+        return level_of(self.verdict)
+
+
+# Statements about contacts with fitted normals, at smooth faces that are meshed differently.
+
+
+def rests_on_fits(program: Program, assembly: Assembly) -> bool:
+    """Whether any contact between separate rigid bodies has a fitted, uncertain normal."""
+    return len(_fitted_patches(program, assembly)) > 0
+
+
+def _fitted_patches(program: Program, assembly: Assembly) -> Index:
+    """Indices, without repeats, of patches with fitted normals between separate rigid bodies."""
+    group = rigid_groups(assembly)
+    rows = np.flatnonzero(program.doubt)
+    rows = rows[group[program.part_a[rows]] != group[program.part_b[rows]]]
+    return np.unique(program.source[rows])
+
+
+def why_fits_leave_it_open(
+    assembly: Assembly, contacts: ContactSet, certain: Program, work: Work
+) -> tuple[str, ...]:
+    """Explain why contacts with fitted normals leave an assembly undecided; empty if they do not.
+
+    The certain contacts alone do not hold it.
+
+    Returns one sentence if forces of equilibrium exist with the fitted contacts; otherwise empty.
+    """
+    program = build_program(assembly, contacts, fitted=True)
+    if len(program.kind) == len(certain.kind) or not judge(program, work=work).stable:
+        return ()
+    worst = float(contacts.patch_doubt.max(initial=0.0))
+    return (
+        "forces that hold it exist, but they use fitted normals of curved faces, which are "
+        f"accurate only to {np.degrees(worst):.1g} deg; friction above {worst:.2g} would decide it",
+    )
+
+
+def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) -> list[str]:
+    """Warnings that name the pairs whose contacts were left out because their normals are fitted.
+
+    Arguments: `certain`: program of the certain contacts, by `build_program`, with or without
+    friction. Returns the warning, or an empty list if no contact is left out.
+    """
+    every = build_program(assembly, contacts, fitted=True)
+    out = np.setdiff1d(_fitted_patches(every, assembly), _fitted_patches(certain, assembly))
+    if not len(out):
+        return []
+    names, worst = assembly.names, float(contacts.patch_doubt[out].max())
+    pairs = np.unique(contacts.patch_parts[out], axis=0).tolist()
+    return [
+        "left out: contacts of curved faces whose fitted normals are accurate only to "
+        f"{np.degrees(worst):.1g} deg; with friction above {worst:.2g} they would count: "
+        f"{some([f'{names[a]!r} and {names[b]!r}' for a, b in pairs])}"
+    ]
+
 
 WEAK = "no forces of the certain contacts hold it"
 NEEDS_FRICTION = "without friction the certain contacts do not hold it"
@@ -322,7 +420,7 @@ def _with_push(
     Arguments: `among` (N,): parts that second order leaves open; by default all.
     """
     # imported late, since the import is slow
-    from kilter.second_order.answer.pushed import pushed_answer
+    from kilter.second_order.answer.whole import pushed_answer
     from kilter.second_order.motions.small_push import small_push
 
     proof = decision.judgement.forces

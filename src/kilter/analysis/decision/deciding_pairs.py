@@ -1,7 +1,7 @@
 """Smallest set of open pairs whose joining makes an equilibrium possible.
 
 A set S of open pairs *holds* if the certain contacts have forces of equilibrium after the parts
-of each pair of S are merged into a body (`kilter.mechanics.merged_parts`). If S holds, every
+of each pair of S are merged into a body (`kilter.mechanics.locked_parts`). If S holds, every
 larger set holds, too.
 
 For few open pairs the smallest set is computed by hitting sets (`kilter.analysis.smallest_set`). If
@@ -17,27 +17,130 @@ assembly. If the search stops there, the set so far is reported; it holds, but m
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csc_array, hstack, vstack
 
-from kilter.analysis.decision.joining_wrenches import joining_wrenches
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.smallest_set import (
-    first_hitting_set,
-    irreducible_subset,
-    reduced_by_halves,
-)
-from kilter.arrays import Array, Index, Mask, connected
-from kilter.contact.open_pairs import KINDS, OpenPair
+from kilter.analysis.smallest_set import first_hitting_set, irreducible_subset, reduced_by_halves
+from kilter.arrays import Array, Index, Mask, connected, cross
+from kilter.assembly import Assembly, Joint
+from kilter.contact import ContactSet
+from kilter.contact.open_pairs import KINDS, OpenPair, rigid_groups, still_open
+from kilter.errors import some
 from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
+from kilter.mechanics.locked_parts import merge_parts
 from kilter.mechanics.mechanics_tolerances import STILL
-from kilter.mechanics.merged_parts import merge_parts
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import ConicProgram
+from kilter.tell.record import InPython, Record, Word, key
 from kilter.work import Work
 
-__all__ = ["MOST", "DecidingPairs", "find_deciding"]
+__all__ = [
+    "MOST",
+    "AnsweredPair",
+    "DecidingPairs",
+    "OpenQuestion",
+    "answered_pairs",
+    "ask_open",
+    "find_deciding",
+    "joining_wrenches",
+    "open_pair_names",
+]
+
+
+# Least wrenches between the parts of open pairs that, with the contact forces, balance the parts.
+
+
+COARSE = 1e-5
+"""Requested gap of the conic program. It only proposes pairs, whose sets are judged afterwards; a
+smaller gap takes up to five times as long and proposes the same pairs.
+"""
+
+
+def joining_wrenches(program: Program, ends: Index, *, work: Work | None = None) -> Array | None:
+    """Size of the smallest wrench that each pair must transmit so that all parts balance.
+
+    None if the solver fails.
+
+    Arguments: `ends` (P, 2): the two parts of each pair. Returns (P,): in multiples of the typical
+    weight of a part [-]; None if the solver found no optimum.
+    """
+    from kilter.solvers.clarabel import solve_conic
+
+    wide = cone_problem(program)
+    answer = solve_conic(_least_wrenches(wide, ends), tolerance=COARSE, work=work)
+    if not answer.found:
+        return None
+    wrenches = answer.x[wide.problem.matrix.shape[1] :][: 6 * len(ends)]
+    norms: Array = np.linalg.norm(wrenches.reshape(-1, 6), axis=1)
+    return norms
+
+
+def _least_wrenches(wide: ConeProblem, ends: Index) -> ConicProgram:
+    """The conic program for the least joining wrenches; x = (f, u of each pair, |u| of each pair).
+
+    f are the contact forces, u the wrench between the parts of a pair.
+    """
+    problem, count = wide.problem, len(ends)
+    total = problem.matrix.shape[1]
+    cone_matrix, positive, sizes = wide.cone_rows()
+    size = total + 7 * count
+    wrenches = _wrench_columns(wide, ends)
+    balance, equal = wide.balance(wrenches, csc_array((wrenches.shape[0], count)))
+    conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 7 * count))])
+    # the cone of pair p: its norm, then its wrench
+    norms = total + 6 * count + np.arange(count)[:, None]
+    column = np.hstack([norms, total + np.arange(6 * count).reshape(-1, 6)]).reshape(-1)
+    rows = np.arange(7 * count)
+    norm_rows = csc_array((np.full(7 * count, -1.0), (rows, column)), shape=(7 * count, size))
+    matrix = vstack([balance, conic, norm_rows], format="csc")
+    bound = np.concatenate([problem.right, np.zeros(equal), wide.heads, np.zeros(7 * count)])
+    cost = np.zeros(size)
+    cost[total + 6 * count :] = 1.0 + np.arange(count) / count
+    cones = np.concatenate([sizes, np.full(count, 7, dtype=sizes.dtype)])
+    no_quadratic = csc_array((size, size))
+    return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive, cones)
+
+
+def _wrench_columns(wide: ConeProblem, ends: Index) -> csc_array:
+    """Matrix W, shape (freedoms, 6 P), of a unit wrench of each pair on its second part.
+
+    The wrench acts at the centre of the smaller part, whose radius is rho, in the frame of the
+    scaled problem.
+    """
+    problem, program = wide.problem, wide.program
+    free, per = program.free, len(program.freedoms)
+    place = np.full(len(free), -1)
+    place[free] = np.arange(int(free.sum()))
+    a, b = ends.T
+    smaller = np.where(program.radius[a] <= program.radius[b], a, b)
+    rho = program.radius[smaller]
+    row, column, value = [], [], []
+    for part, sign in ((a, -1.0), (b, 1.0)):
+        pairs = np.flatnonzero(place[part] >= 0)
+        i = part[pairs]
+        arm = (program.center[smaller[pairs]] - program.center[i]) @ problem.frame.T
+        block = np.zeros((len(pairs), 6, 6))
+        block[:, np.arange(6), np.arange(6)] = 1.0
+        for axis in range(3):
+            block[:, 3:, axis] = cross(arm, np.broadcast_to(np.eye(3)[axis], arm.shape))
+        block[:, 3:, 3:] *= rho[pairs, None, None]
+        block[:, 3:] /= program.radius[i, None, None]
+        block *= (sign * problem.unit / program.weight[i])[:, None, None]
+        block = block[:, program.freedoms]
+        rows = place[i][:, None] * per + np.arange(per)
+        columns = pairs[:, None] * 6 + np.arange(6)
+        row.append(np.broadcast_to(rows[:, :, None], block.shape).reshape(-1))
+        column.append(np.broadcast_to(columns[:, None, :], block.shape).reshape(-1))
+        value.append(block.reshape(-1))
+    shape = (problem.matrix.shape[0], 6 * len(ends))
+    index = np.concatenate(row), np.concatenate(column)
+    return csc_array((np.concatenate(value), index), shape=shape)
+
 
 MOST = 12
 """Largest number of open pairs for which the smallest set is computed. With more open pairs, a set
@@ -257,3 +360,84 @@ def _moves_apart(program: Program, motion: Array, ends: Index) -> Mask:
     largest = float(part_sizes(program, motion, per_radius=False).max(initial=0.0))
     moves: Mask = size > STILL * largest
     return moves
+
+
+# The question that leaves an assembly undecided: open pairs on which its verdict depends.
+
+
+class OpenQuestion(Record, kw_only=False):
+    """The open pairs that decide, and the verdict if the parts of these pairs are joined."""
+
+    deciding: InPython[DecidingPairs]
+    """The pairs that decide."""
+    verdict: Word
+    """The verdict with these pairs joined."""
+    level: InPython[str | None]
+    """The level with these pairs joined."""
+
+    @property
+    @key
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Names of the parts of each pair."""
+        return tuple(pair.parts for pair in self.deciding.pairs)
+
+    @property
+    @key
+    def smallest(self) -> bool:
+        """Whether no smaller set of pairs decides."""
+        return self.deciding.smallest
+
+    @property
+    @key
+    def irreducible(self) -> bool:
+        """Whether no pair can be left out."""
+        return self.deciding.irreducible
+
+
+class AnsweredPair(OpenPair):
+    """An open pair, and whether it decides the verdict."""
+
+    decides: bool
+    """Whether the pair decides the verdict."""
+
+
+def ask_open(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    decide: Callable[[Assembly], tuple[str, str | None]],
+    *,
+    work: Work | None = None,
+) -> OpenQuestion | None:
+    """Find the open pairs that decide, and the verdict if they are joined; None if none decide.
+
+    Arguments: `decide`: function that returns verdict and level of an assembly with the same parts
+    and contacts. Returns None if no set of joined open pairs gives forces of equilibrium, or if the
+    empty set seems to suffice because the program is near its limit.
+    """
+    # imported late: only open pairs need these modules
+
+    pairs = still_open(contacts.open_pairs, assembly)
+    deciding = find_deciding(program, rigid_groups(assembly), pairs, work=work)
+    if deciding is None or not deciding.pairs:
+        return None
+    joints = [Joint(pair.parts) for pair in deciding.pairs]
+    return OpenQuestion(deciding, *decide(assembly.with_joints(joints)))
+
+
+def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:
+    """The names of the parts of the first open pairs, as a phrase for messages."""
+    pairs = still_open(contacts.open_pairs, assembly)
+    return some(["{!r} and {!r}".format(*pair.parts) for pair in pairs])
+
+
+def answered_pairs(
+    assembly: Assembly, contacts: ContactSet, question: OpenQuestion | None = None
+) -> tuple[AnsweredPair, ...]:
+    """Entries of the key `open_pairs` of an answer, the deciding pairs first."""
+    decide = {pair.ends for pair in question.deciding.pairs} if question is not None else set()
+    entries = [
+        AnsweredPair(**vars(pair), decides=pair.ends in decide)
+        for pair in still_open(contacts.open_pairs, assembly)
+    ]
+    return tuple(sorted(entries, key=lambda entry: not entry.decides))

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.decision.as_stated import explained_by_accuracy, stated_accuracy
+from kilter.analysis.decision.motion import explained_by_accuracy, stated_accuracy
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet

@@ -29,17 +29,21 @@ from kilter.analysis.analysis_tolerances import (
     MOTION_ENOUGH,
     MOTION_GOOD,
     MOVES,
+    STATED_MOST,
     ZERO_MOTION,
 )
 from kilter.arrays import TINY, Array, Mask
-from kilter.assembly import Part
+from kilter.assembly import Assembly, Part
+from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
 from kilter.mechanics.program import Program
 from kilter.shape.primitives import Cylinder, Sphere
+from kilter.shape.solid import Solid
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.projection import solve_projection
+from kilter.tell.numbers import number
 from kilter.tell.words import RoundMantle
 from kilter.units import metres_per_unit
 from kilter.work import Work, units_of
@@ -50,11 +54,13 @@ __all__ = [
     "NO_MOTION_OF_LIMITS",
     "UNKNOWN_MOTION",
     "ImpendingMotion",
+    "explained_by_accuracy",
     "find_motion",
     "find_motion_with_friction",
     "motion_of",
     "optimality",
     "round_mantle",
+    "stated_accuracy",
     "still",
     "unknown",
     "without_opening",
@@ -337,3 +343,69 @@ def round_mantle(part: Part) -> RoundMantle | None:
     if isinstance(part.shape, Cylinder):
         return RoundMantle(part.pose.position, part.pose.matrix[:, 2], part.shape.radius)
     return None
+
+
+# Decide whether inaccurate coordinates, as the input states them, explain a proved motion.
+
+
+def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
+    """Explain how inaccurate coordinates may cause a proved motion; empty if they cannot cause it.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    program : Program
+        Program of all parts against which a motion is proved.
+    """
+    off = stated_accuracy(assembly)
+    # the bounds above compare accelerations with weights alone, so loads and bonds are left out
+    if not off.any() or assembly.loads or assembly.straps or len(program.gripping):
+        return ""
+    motion = find_motion(program)
+    if not motion.known:  # the solver failed: the assembly is unstable as drawn
+        return ""
+    force, lever = _net_force_and_torque(program, motion.acceleration)
+    aside, width = _inaccuracy_and_width(contacts, off)
+    if (force * width > aside).any() or (lever > aside).any():
+        return ""
+    fastest = assembly.names[int(motion.relative.max(axis=1).argmax())]
+    stated = f"{number(float(off.max()), 3)} {assembly.units}"
+    return (
+        f"the coordinates are not accurate enough to decide: as drawn {fastest!r} starts to move, "
+        f"but it would hold if points moved by {stated}, which is the accuracy that the file states"
+    )
+
+
+def stated_accuracy(assembly: Assembly) -> Array:
+    """Stated inaccuracy of the points of each part, shape (N,) [length unit]; 0 if not stated."""
+    shapes = (part.shape for part in assembly.parts)
+    return np.array([shape.uncertainty if isinstance(shape, Solid) else 0.0 for shape in shapes])
+
+
+def _net_force_and_torque(program: Program, acceleration: Array) -> tuple[Array, Array]:
+    """Net force over weight [-] and net torque over weight [length unit] of each part, both (N,).
+
+    Both result from the given accelerations.
+    """
+    force = np.linalg.norm(acceleration[:, :3], axis=1) / program.g
+    torque = np.einsum("nij,nj->ni", program.inertia, acceleration[:, 3:])
+    lever = np.linalg.norm(torque, axis=1) / (program.mass * program.g)
+    return force, lever * metres_per_unit(program.units)
+
+
+def _inaccuracy_and_width(contacts: ContactSet, off: Array) -> tuple[Array, Array]:
+    """Inaccuracy of the contact points, and least width of the contacts, of each part, (N,).
+
+    Both are in length units.
+
+    A part without contacts has inaccuracy 0. Its size replaces an unknown width.
+    """
+    geometry, parts = contacts.assembly.geometry, contacts.patch_parts
+    both = np.minimum(off[parts].sum(axis=1)[:, None], STATED_MOST * geometry.size[parts])
+    aside, width = np.zeros(len(off)), np.full(len(off), np.inf)
+    np.maximum.at(aside, parts, both)
+    known = contacts.patch_accuracy > 0
+    wide = geometry.accuracy[parts[known]].sum(axis=1) / contacts.patch_accuracy[known]
+    np.minimum.at(width, parts[known], wide[:, None])
+    return aside, np.where(np.isfinite(width), width, geometry.size)

@@ -3,7 +3,7 @@
 Solvers balance forces to their own tolerance, relative to the largest forces, and find motions that
 keep contacts closed. A proof needs more of both: each part in balance up to rounding, also a light
 part under heavy ones, and contacts that open by more than rounding if the moving parts are light
-(`kilter.mechanics.proof_limits`).
+(`kilter.mechanics.clusters`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from kilter.arrays import TINY, Array, Mask
-from kilter.mechanics.balanced_forces import balanced_forces
 from kilter.mechanics.certificate import (
     ForceProof,
     MotionProof,
@@ -21,7 +20,7 @@ from kilter.mechanics.certificate import (
     check_motion,
     part_sizes,
 )
-from kilter.mechanics.coulomb_cones import cone_problem
+from kilter.mechanics.coulomb_cones import balanced_forces, cone_problem
 from kilter.mechanics.mechanics_tolerances import STILL
 from kilter.mechanics.program import Program
 

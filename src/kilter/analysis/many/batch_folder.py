@@ -20,9 +20,8 @@ from typing import Any
 
 from kilter.analysis.many.batch_rows import COLUMNS, BatchQuestion, BatchRow
 from kilter.errors import InputError, visible
-from kilter.files.limits import MOST_TABLE_BYTES
-from kilter.files.raw import read_bytes
-from kilter.files.strict_json import parse_json
+from kilter.files.complaints import parse_json
+from kilter.files.limits import MOST_TABLE_BYTES, read_bytes
 from kilter.files.writing import write_bytes, write_text
 from kilter.tell.csv_cells import csv_text, name_of_cell
 

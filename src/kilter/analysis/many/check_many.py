@@ -1,6 +1,6 @@
 """`kilter.check_many`: verdicts of many small assemblies, ten times as fast as `check` for each.
 
-Hundreds of assemblies are processed together (`kilter.analysis.many.decided_together`): contacts
+Hundreds of assemblies are processed together (`kilter.analysis.many.verdicts`): contacts
 are detected for all parts at once, a warm solver solves the programs in sequence, and the proofs
 are verified in arrays. Assemblies with joints, loads, round faces, undecided friction or open pairs
 are left to `check`.
@@ -16,14 +16,12 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.many.decided_together import Together, decide_together
-from kilter.analysis.many.verdicts import Row, Verdicts
+from kilter.analysis.many.verdicts import Row, Together, Verdicts, decide_together
 from kilter.arrays import Index
 from kilter.assembly import Assembly
-from kilter.assembly.array_geometry import arrays_side_by_side
+from kilter.assembly.array_geometry import SideBySide, arrays_side_by_side, side_by_side
 from kilter.assembly.assembly_arrays import AssemblyArrays
 from kilter.assembly.question import AssemblyOrPath, Question, question
-from kilter.assembly.side_by_side import SideBySide, side_by_side
 from kilter.contact import Tolerance
 from kilter.errors import InputError, KilterError
 from kilter.shape.primitives import Box, Mesh, Prism

@@ -16,20 +16,19 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.check import check
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
-from kilter.analysis.turning_tolerances import MOVES
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, assembly_of_bricks
 from kilter.assembly.bricks.brick_assembly import bricks_of
-from kilter.assembly.bricks.brick_library import STATED, brick_mass
-from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
+from kilter.assembly.bricks.brick_library import NO_COLOR, STATED, brick_mass, cells_of
+from kilter.assembly.part import BRICK_PLATES
 from kilter.assembly.question import Question, question
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
-from kilter.tell.improve_words import improve_sentence
+from kilter.tell.plan_words import improve_sentence
 from kilter.tell.record import Answer, InPython, OrNull, PairNames, Record, Word
 from kilter.work import facts_of, stop_after
 

@@ -16,26 +16,238 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.load_limit import Limit
+from kilter.analysis.analysis_tolerances import HARDEST_PUSH, PUSH_AGREES, SIDES_NEAR
+from kilter.analysis.load_limit import Limit, NoLimit, find_limit
 from kilter.analysis.margins.least_friction import LeastFriction
-from kilter.analysis.margins.limit_level import (
-    NEAR,
-    LevelDecisions,
-    LevelLimit,
-    find_level_end,
-)
-from kilter.analysis.margins.part_loads import PartLoad
-from kilter.analysis.margins.pushes import Push
-from kilter.analysis.margins.tilt import TiltAbout, TiltMargin
+from kilter.analysis.margins.limit_level import NEAR, LevelDecisions, LevelLimit, find_level_end
+from kilter.analysis.margins.tilt import TiltAbout, TiltMargin, held_limit
+from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.arrays import Array, cross
 from kilter.assembly import Assembly
 from kilter.assembly.interactions import Load
 from kilter.contact import ContactSet, detect
 from kilter.errors import some_names
-from kilter.tell.record import LevelWord, Record
+from kilter.mechanics.coulomb_cones import cone_problem
+from kilter.mechanics.opening import Opening
+from kilter.mechanics.program import Program
+from kilter.tell.record import InPython, LevelWord, OrNull, Record, Vector, key
 from kilter.work import Work
 
-__all__ = ["LevelLimits", "Limits", "find_level_limits"]
+__all__ = [
+    "LevelLimits",
+    "Limits",
+    "PartLoad",
+    "Push",
+    "find_level_limits",
+    "find_part_load",
+    "find_push",
+    "find_weakest_push",
+]
+
+
+# The largest further load straight down on a part that contact forces can balance.
+
+
+class PartLoad(Record):
+    """Additional load straight down, at its centre of mass, that a part carries."""
+
+    part: str
+    """Name of the part."""
+    load: OrNull
+    """Load that is proved to be held [N]; infinite without a limit."""
+    mass: OrNull
+    """Mass with this weight [kg]."""
+    beyond: OrNull
+    """Load that is proved not to be held [N]; infinite if that proof is missing."""
+    limit: InPython[Limit]
+    """Forces and mechanism at the limit, in units of `unit`."""
+    unit: InPython[float]
+    """Unit of the multiples [N]."""
+
+    @property
+    @key
+    def residual(self) -> float:
+        """Largest imbalance of a part at the limit, divided by its weight [-]."""
+        return self.limit.residual
+
+    @property
+    @key
+    def moves(self) -> list[str]:
+        """Parts that move beyond the limit."""
+        return self.limit.moves
+
+    def __repr__(self) -> str:
+        return f"PartLoad({self.part!r}, {self.load:.6g} N)"
+
+
+def find_part_load(
+    program: Program, part: int, *, opening: Opening | None = None
+) -> PartLoad | NoLimit:
+    """The largest load straight down on a part; no limit if the weight alone is not balanced.
+
+    Examples
+    --------
+    A cube that hangs under another cube by a bond takes the strength of the bond, less its weight.
+
+    >>> from kilter import Assembly, Bond, Box, Part, Pose
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> top = Part("top", Box([1, 1, 1]), Pose([0, 0, 1]), grounded=True)
+    >>> bond = Bond(("low", "top"), pull=9810)
+    >>> hung = Assembly([top, Part("low", Box([1, 1, 1]))], bonds=[bond])
+    >>> round(find_part_load(build_program(hung, contacts(hung)), 1).load, 3)
+    29430.0
+    """
+    opening = opening or Opening(cone_problem(program))
+    unit = float(program.weight[program.free].sum() + program.pull.sum())
+    limit = _largest_load(program, part, unit, opening)
+    if isinstance(limit, NoLimit) or not 0 < limit.load < np.inf:
+        return limit
+    if limit.beyond - limit.load <= SIDES_NEAR * limit.load:
+        return limit
+    nearer = _largest_load(program, part, limit.load, opening)
+    better = isinstance(nearer, PartLoad) and nearer.beyond < limit.beyond
+    return nearer if better else limit
+
+
+def _largest_load(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:
+    """The largest load straight down on a part, computed in multiples of `unit`."""
+    wrench = np.zeros((len(program.names), 6))
+    wrench[part, :3] = unit * program.down
+    limit = find_limit(program, wrench, opening=opening)
+    if isinstance(limit, NoLimit) or limit.value < 0:
+        return limit if isinstance(limit, NoLimit) else NoLimit("none")
+    beyond = limit.value + limit.gap * max(limit.value, 1.0)
+    load = limit.value * unit
+    return PartLoad(
+        part=program.names[part],
+        load=load,
+        mass=load / program.g,
+        beyond=max(beyond * unit, load),
+        limit=limit,
+        unit=unit,
+    )
+
+
+# Largest push on a part that contacts hold: in a given direction, and in the weakest direction.
+
+
+PROGRAMS = 80
+"""Largest number of programs for the weakest push of a part; then the gap stays open."""
+
+
+class Push(Record):
+    """Greatest push at the centre of mass of a part, in its weakest direction."""
+
+    part: str
+    """Name of the part."""
+    direction: Vector
+    """Unit."""
+    force: OrNull
+    """[N]; infinite without a limit."""
+    lower: OrNull
+    """Push that is proved to be resisted, for the weakest direction in every direction [N]."""
+    limit: Limit
+    """Forces and mechanism there."""
+    programs: InPython[int]
+    """Number of programs solved."""
+
+    def __repr__(self) -> str:
+        return f"Push({self.part!r}, {self.force:.6g} N)"
+
+
+def find_push(
+    program: Program, part: int, direction: Array, *, opening: Opening | None = None
+) -> Push | NoLimit:
+    """The largest push at a part's centre of mass in a direction that the assembly withstands.
+
+    No limit if the weight alone is not balanced.
+
+    Arguments: `direction` (3,).
+    """
+    direction = np.asarray(direction, dtype=np.float64)
+    direction = direction / float(np.linalg.norm(direction))
+    wrench = np.zeros((len(program.names), 6))
+    weight = float(program.weight[program.free].sum())
+    wrench[part, :3] = weight * direction
+    limit = held_limit(
+        program, wrench, opening=opening or Opening(cone_problem(program)), most=HARDEST_PUSH
+    )
+    if isinstance(limit, NoLimit):
+        return limit
+    force = max(limit.value, 0.0) * weight
+    return Push(
+        part=program.names[part],
+        direction=direction,
+        force=force,
+        lower=force,
+        limit=limit,
+        programs=1,
+    )
+
+
+def find_weakest_push(
+    program: Program, part: int, *, opening: Opening | None = None
+) -> Push | NoLimit:
+    """The smallest push at a part's centre of mass, over all directions, that starts a motion.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> cube = stacks.block_on_slope(0.0, friction=0.3)
+    >>> found = find_weakest_push(build_program(cube, contacts(cube)), 1)
+    >>> round(found.force / 9810, 4)  # sliding up a little: mu / sqrt(1 + mu^2)
+    0.2873
+    """
+    opening = opening or Opening(cone_problem(program))
+    cap = HARDEST_PUSH * float(program.weight[program.free].sum())
+    axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
+    pushes: list[Push | NoLimit] = []
+
+    def ask(direction: Array) -> SupportPoint | None:
+        push = find_push(program, part, direction @ axes, opening=opening)
+        pushes.append(push)
+        if isinstance(push, NoLimit):
+            return None
+        normal, distance = _plane(program, part, push)
+        return SupportPoint(min(push.force, cap) * direction, axes @ normal, min(distance, cap))
+
+    first = _first(program.planar) @ axes.T
+    face = nearest_face(ask, first, agree=PUSH_AGREES, limit=PROGRAMS, most=cap)
+    if face is None or NoLimit("none") in pushes:
+        return NoLimit("none" if NoLimit("none") in pushes else "failed")
+    push = pushes[face.answer]
+    assert isinstance(push, Push)
+    unlimited = face.outer >= cap * (1 - PUSH_AGREES)
+    force, lower = (np.inf, np.inf) if unlimited else (face.outer, face.inner)
+    return replace(
+        push, direction=face.normal @ axes, force=force, lower=lower, programs=face.asked
+    )
+
+
+def _first(planar: bool) -> Array:
+    """Directions of a push that the search tries first: both signs of every axis."""
+    axes = np.eye(3)[[0, 2]] if planar else np.eye(3)
+    return np.concatenate([axes, -axes])
+
+
+def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
+    """Plane in the space of pushes on a part, beyond which a part moves: unit normal, distance."""
+    mechanism = push.limit.motion
+    if mechanism is None:
+        return push.direction, push.force
+    step = mechanism.motion[part, :3]
+    size = float(np.linalg.norm(step))
+    if size == 0.0:
+        return push.direction, push.force
+    distance = -program.power(mechanism.motion) / size
+    # where the plane is no support (its motion too coarse), the limit itself bounds
+    if not 0.0 <= distance <= push.force * (1 + PUSH_AGREES):
+        return push.direction, push.force
+    return step / size, distance
+
 
 SHARE = 5.0
 """Work of all searches together, in units of the work of a check [-]."""

@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.decision.fitted_normals import fits_left_out
-from kilter.analysis.decision.open_question import open_pair_names
+from kilter.analysis.decision.cascade import fits_left_out
+from kilter.analysis.decision.deciding_pairs import open_pair_names
 from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.level_limits import Limits
 from kilter.analysis.margins.margin_answer import Bracket, Margin
-from kilter.analysis.margins.margin_question import MarginQuestion, margin_question
-from kilter.analysis.margins.margin_steps import MarginSteps
+from kilter.analysis.margins.margin_steps import MarginQuestion, MarginSteps, margin_question
 from kilter.analysis.margins.tilt import NearestHeld, TiltMargin, tilt_about
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.verdict.verdict import Verdict

@@ -13,17 +13,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import AROUND_LIMIT
 from kilter.analysis.decision.bond_factor import BondFactor
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.margins.least_friction import LeastFriction
-from kilter.analysis.margins.level_limits import LevelLimits
-from kilter.analysis.margins.part_loads import PartLoad
-from kilter.analysis.margins.pushes import Push
+from kilter.analysis.margins.level_limits import LevelLimits, PartLoad, Push
 from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin
 from kilter.analysis.margins.uncertainty import Uncertainty
 from kilter.analysis.margins.what_helps import Help
-from kilter.analysis.turning_tolerances import AROUND_LIMIT
 from kilter.analysis.verdict.answers import OfAssembly
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import TINY, Array, cross

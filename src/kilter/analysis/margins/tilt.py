@@ -15,49 +15,116 @@ do not turn with gravity, so they have no tilt margin of this kind.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import (
-    Limit,
-    NoLimit,
-    SharedCones,
-    find_limit,
-    gravity_wrench,
-)
-from kilter.analysis.margins.edge_limits import limit_on_circles
-from kilter.analysis.margins.turned_forces import held_distance
-from kilter.analysis.regions.enclose import SupportPoint, nearest_face
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
+    BALANCED,
     CONIC_SHARP,
+    FOLLOWING_AGREES,
     NO_PROJECTION,
     NOT_HELD,
     STEEPEST,
     TILT_AGREES,
 )
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, find_limit, gravity_wrench
+from kilter.analysis.margins.turned_forces import held_distance
+from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.arrays import TINY, Array, across, angle_between, cross
 from kilter.contact.round_edges import RoundEdge
-from kilter.mechanics.certificate import MotionProof
+from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb_cones import cone_problem, nearest_load
+from kilter.mechanics.forms import ScaledProblem, UncertainLoad, affine_forces, affine_imbalance
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT, ForceRows
 from kilter.tell.record import OrNull, Record, Vector
 
+if TYPE_CHECKING:
+    from kilter.solvers.highs import Method
+
 __all__ = [
+    "FollowingForces",
     "NearestHeld",
     "TiltAbout",
     "TiltMargin",
+    "Unknowns",
     "across_gravity",
     "find_nearest_held",
     "find_tilt_margin",
     "first_directions",
     "held_limit",
+    "limit_on_circles",
     "tilt_about",
+    "with_edge_points",
 ]
+
+
+# Load limits of parts that tip over round edges, with contact points of the circle as needed.
+
+
+BESIDE = 5e-5
+"""Angle between a point of a circle and the points beside it [rad]; larger: a coarser circle."""
+STEPS = 6
+"""Largest number of repetitions of a limit; the distance to the circle falls with each."""
+NEAR_EDGE = 0.9
+"""A resultant farther out than this share of the radius presses on the edge [-]; the chords of a
+circle of 16 corners are at 0.98."""
+
+
+def limit_on_circles(
+    program: Program, edges: Sequence[RoundEdge], find: Callable[[Program], Limit | NoLimit]
+) -> Limit | NoLimit:
+    """Compute a load limit, with points of round edges where the resultants press on them."""
+    limit = find(program)
+    for _ in range(STEPS):
+        if isinstance(limit, NoLimit) or limit.motion is None:
+            break
+        finer = with_edge_points(program, edges, limit.forces)
+        if finer is None:
+            break
+        program, limit = finer, find(finer)
+    return limit
+
+
+def with_edge_points(
+    program: Program, edges: Sequence[RoundEdge], proof: ForceProof
+) -> Program | None:
+    """The program with points of the round edges on which forces press; None if it has them."""
+    more = []
+    for edge in edges:
+        rows = np.flatnonzero((program.kind == CONTACT) & (program.source == edge.patch))
+        pressed = proof.forces[rows] if len(rows) else np.zeros(0)
+        total = float(pressed.sum())
+        if not total > 0.0:
+            continue
+        arm = pressed @ (program.point[rows] - edge.center) / total
+        angle = np.arctan2(arm @ edge.v, arm @ edge.u) + BESIDE * np.array([0.0, 1.0, -1.0])
+        if np.linalg.norm(arm) < NEAR_EDGE * edge.radius or not edge.contains(angle).all():
+            continue
+        if _known(edge, program.point[rows], float(angle[0])):
+            continue
+        row = program.force_rows.take(rows[:1].repeat(3))
+        more.append(replace(row, point=edge.points(angle)))
+    if not more:
+        return None
+    return program.with_force_rows(ForceRows.join([program.force_rows, *more]))
+
+
+def _known(edge: RoundEdge, points: Array, angle: float) -> bool:
+    """Whether points of the circle lie close to an angle, on both sides of it or at it."""
+    arm = points - edge.center
+    on = np.abs(np.linalg.norm(arm, axis=1) - edge.radius) <= BESIDE * BESIDE * edge.radius
+    away = (np.arctan2(arm[on] @ edge.v, arm[on] @ edge.u) - angle + np.pi) % (2 * np.pi) - np.pi
+    close = away[np.abs(away) <= 1.01 * BESIDE]
+    return bool((close >= 0).any() and (close <= 0).any()) and len(close) > 1
+
 
 FIRST = 4
 """Number of directions of tilt that are tried first, between the two horizontal axes."""
@@ -347,3 +414,119 @@ def first_directions(dimension: int) -> Array:
         return np.array([[1.0], [-1.0]])
     angle = 2 * np.pi * (np.arange(FIRST) + 0.5) / FIRST
     return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+# Limits of tilt and loads that hold for all masses and centres of mass within intervals.
+
+
+Unknowns = list[tuple[int, int]]
+"""Uncertain quantities (part, axis): axis 3 is the mass, 0 to 2 a coordinate of the centre."""
+STEEP = 1e3
+"""Largest tangent of a tilt, and largest share of a load, in the linear program [-]."""
+SHOTS = 16
+"""Maximum number of directions in the search for the least tilt."""
+SIMPLEX = 30_000
+"""Largest number of matrix entries with which simplex runs before the interior-point method."""
+
+
+class FollowingForces:
+    """Limits of tilt and loads for uncertain masses, by forces affine in masses and centres.
+
+    Arguments: `mass`: least and greatest factor of a mass [-]; the masses vary independently;
+    `center`: greatest deviation of each coordinate of each centre of mass [length unit].
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        problem: ScaledProblem,
+        unknowns: Unknowns,
+        *,
+        mass: tuple[float, float],
+        center: float,
+    ) -> None:
+        self.program, self.problem, self.unknowns = program, problem, unknowns
+        self.middle = 0.5 * (mass[0] + mass[1])
+        self.spread = 0.5 * (mass[1] - mass[0])
+        self.moment = center * mass[1]
+
+    def _sides(self, direction: Array) -> Array:
+        """Change of the scaled load with each uncertain quantity, for gravity along `direction`.
+
+        Shape (K, rows).
+        """
+        program = self.program
+        size = program.mass * program.g
+        sides = []
+        for part, axis in self.unknowns:
+            wrench = np.zeros((len(program.names), 6))
+            if axis == 3:
+                wrench[part, :3] = self.spread * size[part] * direction
+            else:
+                wrench[part, 3:] = self.moment * size[part] * cross(np.eye(3)[axis], direction)
+            sides.append(self.problem.scaled_load(wrench))
+        return np.array(sides).reshape(len(sides), len(self.problem.right))
+
+    def reach(
+        self, wrench: Array | None, push: Array | None, most: float, sign: float = 1.0
+    ) -> float | NoLimit:
+        """Largest proved multiple of a load that holds for every mass and centre in the intervals.
+
+        Arguments: `wrench` (N, 6) [N]; `push` (3,); `most` [-]. Returns share [-]; infinite if
+        `most` exceeds `STEEP` and the share reaches it. `NoLimit` with reason "none" if the linear
+        program is infeasible, else "failed".
+        """
+        program = self.program
+        down = program.down
+        base = self.middle * gravity_wrench(program, down)
+        if wrench is None or not program.applied.any():
+            base = base + program.applied
+        if push is not None:
+            given = self.middle * sign * gravity_wrench(program, push)
+            turns = sign * self._sides(push)
+        else:
+            assert wrench is not None
+            given, turns = sign * wrench, np.zeros((len(self.unknowns), len(self.problem.right)))
+        load = UncertainLoad(
+            self.problem.scaled_load(base),
+            self.problem.scaled_load(given),
+            self._sides(down),
+            turns,
+        )
+        return self._largest_share(load, most)
+
+    def _largest_share(self, load: UncertainLoad, most: float) -> float | NoLimit:
+        """Largest multiple of an uncertain load that any of several methods proves to be held."""
+        from kilter.solvers.highs import solve_linear
+
+        program = affine_forces(self.problem, load, min(most, STEEP))
+        methods: tuple[Method, ...] = ("simplex", "interior")
+        if program.matrix.nnz > SIMPLEX:
+            methods = ("interior", "simplex")
+        for method in methods:
+            answer = solve_linear(program, method=method)
+            if answer.outcome == "infeasible":
+                return NoLimit("none")
+            if not answer.optimal:
+                continue
+            if affine_imbalance(self.problem, load, answer.x) <= BALANCED:
+                share = float(answer.x[0])
+                return np.inf if most > STEEP and share >= STEEP * (1 - FOLLOWING_AGREES) else share
+        return NoLimit("failed")
+
+    def tilt(self) -> float | NoLimit:
+        """Angle [rad] by which gravity may tilt, for all masses and centres in their intervals.
+
+        The angle is a proved inner bound; `NoLimit` with reason "failed" if no bound is found.
+        """
+        basis = across_gravity(self.program)
+
+        def shoot(direction: Array) -> SupportPoint | None:
+            share = self.reach(None, direction @ basis, STEEP)
+            if isinstance(share, NoLimit):
+                return None
+            return SupportPoint(share * direction, direction, share)
+
+        first = first_directions(len(basis))
+        face = nearest_face(shoot, first, agree=FOLLOWING_AGREES, limit=SHOTS)
+        return NoLimit("failed") if face is None or face.failed else float(np.arctan(face.inner))

@@ -10,7 +10,7 @@ Masses and centres of mass. For each gravity the load is linear in the masses m_
 moments m_i d_i, and these lie in polytopes. The loads that are held are a convex cone, so
 all are held if and only if the corners are: the worst margin is the least of the corners.
 Exact, up to `CORNERS` of them. Above that, forces that follow the masses in proportion
-(`kilter.mechanics.affine`), in pyramids inside Coulomb's cones. Inner.
+(`kilter.mechanics.forms`), in pyramids inside Coulomb's cones. Inner.
 
 An inner answer is a margin that every assembly within the intervals has.
 """
@@ -24,19 +24,20 @@ from typing import Any, Literal
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import (
+    UNLIMITED,
+)
 from kilter.analysis.load_limit import (
     NoLimit,
     Why,
     find_limit,
     gravity_wrench,
 )
-from kilter.analysis.margins.following_forces import FollowingForces, Unknowns
 from kilter.analysis.margins.tilt import (
+    FollowingForces,
     TiltMargin,
+    Unknowns,
     find_tilt_margin,
-)
-from kilter.analysis.turning_tolerances import (
-    UNLIMITED,
 )
 from kilter.arrays import Array, cross
 from kilter.contact.friction_coefficients import certain_friction

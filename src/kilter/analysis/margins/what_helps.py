@@ -19,6 +19,10 @@ from typing import Literal
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import (
+    MOVES,
+    NO_GAIN,
+)
 from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
@@ -26,10 +30,6 @@ from kilter.analysis.load_limit import (
     gravity_wrench,
 )
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
-from kilter.analysis.turning_tolerances import (
-    MOVES,
-    NO_GAIN,
-)
 from kilter.arrays import Array
 from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.certificate import part_sizes

@@ -15,25 +15,220 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+import shapely
+from numpy.typing import ArrayLike
 
-from kilter.analysis.placing.item_support import fall_reason, item_support
 from kilter.analysis.placing.plan_states import PlanState, plan_states
-from kilter.analysis.placing.plan_walls import THICK, given_walls, walls_around
-from kilter.analysis.placing.top_loads import least_top_load
 from kilter.analysis.transport.transport import transport
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
-from kilter.files.packing_lists import PackedBox, PackingPlan, load_plan
+from kilter.files.packing.packing_lists import PackedBox, PackingPlan, load_plan
+from kilter.mechanics.coulomb_cones import pyramid
+from kilter.mechanics.forms import equilibrium, scaled_problem
+from kilter.mechanics.program import Program
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.levels import holds, level_rank, require_level
-from kilter.tell.packing_words import packing_sentence
+from kilter.tell.place_words import packing_sentence
 from kilter.tell.record import Answer, InPython, Record, UnitWord, key
+from kilter.validate import finite
 from kilter.work import stop_after
 
-__all__ = ["CheckedItem", "CheckedPlan", "check_plan"]
+__all__ = [
+    "THICK",
+    "CheckedItem",
+    "CheckedPlan",
+    "check_plan",
+    "fall_reason",
+    "given_walls",
+    "item_support",
+    "least_top_load",
+    "walls_around",
+]
+
+
+# The support of an item of a packing plan, and the reason why the pile falls under the item.
+
+
+def item_support(contacts: ContactSet, box: PackedBox, later: Index) -> SupportShares:
+    """Parts below an item, and the share of its underside on each."""
+    patches, below = _patches_under(contacts, box.name)
+    before = ~np.isin(below, later)
+    patches, below = patches[before], below[before]
+    names = contacts.assembly.names
+    area = np.bincount(below, contacts.patch_area[patches], minlength=len(names))
+    share = area / (box.size[0] * box.size[1])
+    parts = np.unique(below)
+    order = parts[np.argsort(-share[parts], kind="stable")]
+    return tuple((names[k], float(share[k])) for k in order.tolist())
+
+
+SupportShares = tuple[tuple[str, float], ...]
+"""Names of the parts below an item, and the share of its underside on each [-]."""
+
+
+def _patches_under(contacts: ContactSet, name: str) -> tuple[Index, Index]:
+    """Contact patches under a part, and the part below at each; both of shape (n,)."""
+    k = contacts.assembly.index_of(name)
+    upward = contacts.patch_normal[:, 2]
+    is_above = (contacts.patch_parts[:, 1] == k) & (upward > FLAT)
+    is_above_reversed = (contacts.patch_parts[:, 0] == k) & (-upward > FLAT)
+    patches = np.flatnonzero(is_above | is_above_reversed)
+    return patches, contacts.patch_parts[patches, np.where(is_above[patches], 0, 1)]
+
+
+FLAT = 0.999
+"""Least upward component of the normal of a contact under a box [-]."""
+
+
+def fall_reason(plan: PackingPlan, first: int, verdict: Verdict) -> str:
+    """The reason why the pile falls when an item is put down, as a clause."""
+    box = plan.boxes[first]
+    patches, _ = _patches_under(verdict.contact_set, box.name)
+    points = verdict.contact_set.points[np.isin(verdict.contact_set.point_patch, patches), :2]
+    center = np.array(box.corner[:2]) + np.array(box.size[:2]) / 2
+    if not len(points):
+        return f"nothing is under {box.name!r}"
+    area = shapely.convex_hull(shapely.multipoints(points))
+    beside = float(shapely.distance(area, shapely.points(center)))
+    if beside > 0:
+        return (
+            f"the centre of {box.name!r} lies {beside:.3g} {plan.units} beside the area on which "
+            "it rests"
+        )
+    tipped = _moving_below(box, verdict)
+    if tipped:
+        named = " and ".join(repr(name) for name in tipped[:2])
+        return f"{box.name!r} tips {named}, on which it rests"
+    return f"the pile falls under {box.name!r}"
+
+
+def _moving_below(box: PackedBox, verdict: Verdict) -> list[str]:
+    """Parts that lie under an item and move, the fastest first."""
+    low, high = verdict.assembly.geometry.part_boxes
+    k = verdict.assembly.index_of(box.name)
+    overlap = np.minimum(high[:, :2], high[k, :2]) - np.maximum(low[:, :2], low[k, :2])
+    top = box.corner[2] + ABOVE * box.size[2]
+    under = (high[:, 2] <= top) & (overlap > 0).all(axis=1)
+    names = {verdict.assembly.names[j] for j in np.flatnonzero(under).tolist()}
+    return [name for name in verdict.moving if name in names]
+
+
+ABOVE = 1e-3
+"""Height above the underside of a box up to which the top of a box below it lies [heights]."""
+
+
+# Held walls around the pile of a packing plan, such as those of a roll container.
+
+
+WALL = "wall"
+"""Beginning of the names of assumed walls."""
+THICK = 0.1
+"""Thickness of the base and of assumed walls [widths of the pile]."""
+
+
+def walls_around(low: Array, high: Array, top: float) -> list[Part]:
+    """Four held walls around the space between two corners, up to a height."""
+    low, high = np.array(low), np.array([high[0], high[1], top])
+    thick = THICK * float((high - low).max())
+    walls = []
+    for axis in (0, 1):
+        for end, side in ((low, -1), (high, 1)):
+            size = high - low + 2 * thick
+            middle = (low + high) / 2
+            size[axis] = thick
+            middle[axis] = end[axis] + side * thick / 2
+            name = f"{WALL} {'xy'[axis]}{'-+'[side > 0]}"
+            walls.append(Part(name, Box(size), Pose(middle), grounded=True, density=1000.0))
+    return walls
+
+
+def given_walls(plan: PackingPlan, size: ArrayLike) -> list[Part]:
+    """Held walls of a given inner size; an error if a box lies beyond them."""
+    size = finite(size, (2,), "the walls")
+    if not size.min() > 0:
+        raise InputError(
+            f"the walls are {size.tolist()}", hint="give an inner length and width above 0"
+        )
+    slack = BEYOND * float(size.max())
+    for box in plan.boxes:
+        if any(
+            box.corner[k] < -slack or box.corner[k] + box.size[k] > size[k] + slack for k in (0, 1)
+        ):
+            word = "item" if plan.order else "line"
+            raise InputError(
+                f"{word} {box.line}: {box.name!r:.60} lies beyond the walls, which are "
+                f"{size[0]:g} x {size[1]:g} {plan.units} inside",
+                file=plan.source or None,
+                hint="correct its place, or the size of the walls",
+            )
+    low, high = np.array([0.0, 0.0, plan.low[2]]), np.array([*size, plan.high[2]])
+    return walls_around(low, high, float(plan.high[2]))
+
+
+BEYOND = 1e-6
+"""A box may lie beyond a wall by this fraction of the size of the walls [-]."""
+
+
+# The least load that the top of an item must carry, in all forces that balance a pile.
+
+
+SIDES = 16
+"""Sides of the pyramid around each friction cone."""
+
+
+def least_top_load(program: Program, name: str) -> float | None:
+    """Compute the least sum of normal forces on the top of a part [N]; None if it is not proved.
+
+    Examples
+    --------
+    >>> from kilter import Assembly, Box, Part, Pose, contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> base = Part("base", Box([1, 1, 1]), grounded=True)
+    >>> boxes = [Part(f"b{k}", Box([1, 1, 1]), Pose([0, 0, k]), mass=k) for k in (1, 2)]
+    >>> pile = Assembly([base, *boxes])
+    >>> program = build_program(pile, contacts(pile))
+    >>> round(least_top_load(program, "b1") / program.g, 9)
+    2.0
+    >>> least_top_load(program, "b2")
+    0.0
+    """
+    from kilter.solvers.highs import solve_linear
+
+    top = _downward_on(program, program.names.index(name))
+    if not top.any():
+        return 0.0
+    rays = pyramid(program, SIDES, outer=True)
+    problem = scaled_problem(rays)
+    normal_force = _of_rays(program, rays, top) * problem.forces(np.ones(len(rays.part_a)))
+    answer = solve_linear(replace(equilibrium(problem), cost=normal_force / problem.unit))
+    if not answer.holds:
+        return None
+    return max(answer.objective * problem.unit, 0.0)
+
+
+def _downward_on(program: Program, k: int) -> Array:
+    """1 for each contact row that presses on the top of a part, else 0; shape (K,)."""
+    upward = program.normal[:, 2]
+    top = ((program.part_a == k) & (upward > FLAT)) | ((program.part_b == k) & (upward < -FLAT))
+    chosen: Array = (top & ~program.angular).astype(float)
+    return chosen
+
+
+def _of_rays(program: Program, rays: Program, top: Array) -> Array:
+    """Normal component of a unit force along each row of the pyramids, on the chosen rows."""
+    if rays is program:
+        return top
+    smooth, rough = np.flatnonzero(program.mu <= 0), program.rough
+    sides = (len(rays.part_a) - len(smooth)) // len(rough)
+    rows = np.concatenate([smooth, np.repeat(rough, sides)])
+    along: Array = top[rows] * np.einsum("ij,ij->i", rays.normal, program.normal[rows])
+    return along
+
 
 BASE = "base"
 """Name of the held part under the pile."""
@@ -220,7 +415,7 @@ def check_plan(
 
     Examples
     --------
-    >>> from kilter.files.packing_lists import PackedBox, PackingPlan
+    >>> from kilter.files.packing.packing_lists import PackedBox, PackingPlan
     >>> lower = PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1)
     >>> upper = PackedBox("b", (1, 1, 1), 1, (0.6, 0, 1), 2)
     >>> check_plan(PackingPlan((lower, upper), "m")).why

@@ -27,11 +27,9 @@ import numpy as np
 import shapely
 from scipy.sparse import coo_array, csc_array
 
-from kilter.analysis.placing.moving_contact import places_left
-from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import both, moved
 from kilter.analysis.placing.shifted_load import CarriedPlaces, CarriedPoint, ShiftedLoad
-from kilter.analysis.placing.upright_prisms import PlacedPrism, Top
+from kilter.analysis.placing.upright_prisms import PlacedLoads, PlacedPrism, Top, places_left
 from kilter.arrays import Array, Index
 from kilter.mechanics.certificate import ForceProof
 from kilter.solvers.problem import LinearProgram

@@ -17,21 +17,21 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from kilter.analysis.placing.case_maps import (
+from kilter.analysis.placing.place_at import AtPlace, decide_at, mass_limits, part_cases
+from kilter.analysis.placing.place_map import LevelMap, map_warnings
+from kilter.analysis.placing.place_proofs import (
+    MapQuestion,
+    at_proof,
     case_prism,
     combined_levels,
     map_cases,
     map_domain,
+    map_proof,
 )
-from kilter.analysis.placing.map_warnings import map_warnings
-from kilter.analysis.placing.place_at import AtPlace, decide_at
-from kilter.analysis.placing.place_map import LevelMap
-from kilter.analysis.placing.place_proofs import MapQuestion, at_proof, map_proof
 from kilter.analysis.placing.polygon_sets import NOTHING, rings_of
-from kilter.analysis.placing.uncertain_part import mass_limits, part_cases
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, placed_prism
 from kilter.assembly import Assembly, Part
-from kilter.assembly.masses import reweighed
+from kilter.assembly.mesh_surface import reweighed
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError

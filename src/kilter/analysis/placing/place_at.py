@@ -4,29 +4,150 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from kilter.analysis.check import check
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.load_limit import Limit, find_limit
-from kilter.analysis.placing.default_density import density_matters
-from kilter.analysis.placing.uncertain_part import part_cases
 from kilter.analysis.placing.upright_prisms import Top, placed_prism, shifted
 from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
-from kilter.assembly.masses import density_warnings
+from kilter.assembly.mesh_surface import density_warnings, reweighed
 from kilter.assembly.question import Question
 from kilter.contact import detect
 from kilter.errors import InputError
+from kilter.mechanics.certificate import MotionProof
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import Pose
+from kilter.shape.primitives import Box
 from kilter.tell.levels import level_rank
 from kilter.tell.record import InPython, Record, key
-from kilter.validate import finite
+from kilter.validate import finite, number
 
-__all__ = ["AtPlace", "decide_at"]
+__all__ = ["AtPlace", "decide_at", "density_matters", "mass_limits", "part_cases"]
+
+
+# Whether a verdict depends on the density of parts that state neither a density nor a mass.
+
+
+def density_matters(verdict: Verdict) -> bool:
+    """True unless it is proved that the verdict is the same for every value of the default density.
+
+    A verdict that rests on friction, and an undecided verdict, count as dependent.
+    """
+    program = verdict.program
+    weights = _default_weights(verdict, program)
+    if not weights.any():
+        return False
+    if verdict.friction_answer is not None or program.has_strength:
+        return True
+    if isinstance(verdict.evidence, MotionProof):
+        motion = verdict.evidence.motion
+        shares = [float((load * motion).sum()) for load in (weights, program.load - weights)]
+        return min(shares) < 0.0
+    if verdict.level is None:
+        return True
+    known = program.with_rows(applied=program.applied - weights)
+    default = program.with_rows(applied=weights - _free_weights(program))
+    return not (judge(known).stable and judge(default).stable)
+
+
+def _free_weights(program: Program) -> Array:
+    """Weights of the free parts [N], shape (N, 6)."""
+    weights = np.zeros((len(program.names), 6))
+    weights[:, :3] = (program.mass * program.free)[:, None] * program.gravity
+    return weights
+
+
+def _default_weights(verdict: Verdict, program: Program) -> Array:
+    """Weights of the free parts at the default density [N]; zero for the other parts, (N, 6)."""
+    default = [part.density is None and part.given_mass is None for part in verdict.assembly.parts]
+    weights: Array = _free_weights(program) * np.array(default)[:, None]
+    return weights
+
+
+# A part whose mass and centre of mass are uncertain: the cases that decide for all of them.
+
+
+MOST_SHARE = 0.5
+"""Largest shift of the centre of mass from the middle [sizes of the part]: it lies inside."""
+
+
+def mass_limits(mass: float | Sequence[float] | None, part: Part) -> tuple[float, float]:
+    """Least and largest mass of a part [kg].
+
+    Raises `InputError` if a mass is not positive, or the limits are reversed.
+    """
+    if mass is None:
+        return part.mass, part.mass
+    if np.ndim(mass) == 0:
+        value = number(mass, "mass", lowest=0, above=True)
+        return value, value
+    low, high = finite(mass, (2,), "mass").tolist()
+    if not 0 < low <= high:
+        raise InputError(
+            f"the mass is {low:g} to {high:g} kg", hint="give the least, then the largest mass"
+        )
+    return low, high
+
+
+def part_cases(part: Part, mass: tuple[float, float], center_within: float) -> list[Part]:
+    """The part with each corner of its masses and centres of mass.
+
+    Arguments: `mass`: least and largest mass [kg]; `center_within`: largest horizontal shift of the
+    centre of mass along each axis of the part [sizes of the part along this axis]; a box has its
+    own axes, another part those of the world.
+
+    Examples
+    --------
+    >>> crate = Part("crate", Box([4, 2, 1]), mass=5)
+    >>> [(case.mass, case.center_of_mass.tolist()) for case in part_cases(crate, (5, 5), 0.1)]
+    ... # doctest: +NORMALIZE_WHITESPACE
+    [(5.0, [-0.4, -0.2, 0.0]), (5.0, [-0.4, 0.2, 0.0]), (5.0, [0.4, -0.2, 0.0]),
+     (5.0, [0.4, 0.2, 0.0])]
+    """
+    share = number(center_within, "center_within", lowest=0)
+    if share >= MOST_SHARE:
+        raise InputError(
+            f"the centre of mass lies within {share:g} sizes of the middle",
+            hint=f"give less than {MOST_SHARE:g}",
+            option="give less than 50%",
+        )
+    masses = sorted(set(mass))
+    if not share:
+        return [reweighed(part, given_mass=value, density=None) for value in masses]
+    geometry = Assembly([part]).geometry
+    turned = part.pose.matrix
+    own = turned.T @ (geometry.center[0] - np.asarray(part.pose.position))
+    return [
+        reweighed(part, given_mass=value, density=None, center_of_mass=own + turned.T @ shift)
+        for value in masses
+        for shift in _shifts(part, geometry.vertices, share)
+    ]
+
+
+def _shifts(part: Part, vertices: Array, share: float) -> list[Array]:
+    """The corners of the shifts of a centre of mass, world frame, each of shape (3,)."""
+    level: list[Array] = []
+    if isinstance(part.shape, Box):
+        axes = (part.pose.matrix * np.asarray(part.shape.size)).T
+        level = [axis for axis in axes if abs(axis[2]) <= UPRIGHT * float(np.linalg.norm(axis))]
+    if len(level) != 2:
+        size = np.ptp(vertices, axis=0)
+        level = [np.array([size[0], 0, 0]), np.array([0, size[1], 0])]
+    return [
+        share * (first * level[0] + second * level[1])
+        for first, second in product((-1, 1), (-1, 1))
+    ]
+
+
+UPRIGHT = 1e-6
+"""Largest slope of a side of a box that counts as horizontal [-]."""
 
 
 class AtPlace(Record):

@@ -14,13 +14,9 @@ import numpy as np
 import shapely
 from shapely import Geometry
 
-from kilter.analysis.placing.case_maps import bounding_loads, case_prism
-from kilter.analysis.placing.excluded_side import excluded_side, remaining
-from kilter.analysis.placing.landings import Landing, Landings
-from kilter.analysis.placing.moving_contact import places_left
 from kilter.analysis.placing.moving_load import ContactRoom
-from kilter.analysis.placing.place_proofs import part_data
-from kilter.analysis.placing.placed_loads import PlacedLoads
+from kilter.analysis.placing.place_at import part_cases
+from kilter.analysis.placing.place_proofs import bounding_loads, case_prism, part_data
 from kilter.analysis.placing.polygon_sets import (
     both,
     is_within,
@@ -28,12 +24,18 @@ from kilter.analysis.placing.polygon_sets import (
     union,
     without,
 )
-from kilter.analysis.placing.uncertain_part import part_cases
-from kilter.analysis.placing.upright_prisms import find_tops
+from kilter.analysis.placing.shifted_load import excluded_side, remaining
+from kilter.analysis.placing.upright_prisms import (
+    Landing,
+    Landings,
+    PlacedLoads,
+    find_tops,
+    places_left,
+)
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet
-from kilter.files import kilter_json
+from kilter.files.own import kilter_json
 from kilter.mechanics.certificate import check_forces
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof_form import (

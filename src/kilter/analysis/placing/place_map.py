@@ -1,13 +1,13 @@
 """The map of places: at which centres (x, y) does the next part stand?
 
-The part is lowered straight down (`kilter.analysis.placing.landings`). All tops of one height on
-which it rests decide:
+The part is lowered straight down (`kilter.analysis.placing.upright_prisms`). All tops of one
+height on which it rests decide:
 
     a single top       the forces under the part are equal to its weight at its centre, so it stands
                        exactly where the centre is on the top and a load there is carried
     several tops       the area of contact moves with the part. Without friction, the forces of a
                        rectangle of places move with it (`kilter.analysis.placing.moving_load`), and
-                       each motion leaves polygons (`kilter.analysis.placing.moving_contact`). With
+                       each motion leaves polygons (`kilter.analysis.placing.upright_prisms`). With
                        friction, the area that all places of a rectangle have gives places that
                        surely stand; the area that any place has gives places that surely fall.
                        Around the places that are left, smaller rectangles are searched: they keep
@@ -19,15 +19,14 @@ it states nothing about them beyond the places that stand.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import shapely
 
-from kilter.analysis.placing.landings import Landing, Landings
 from kilter.analysis.placing.moving_load import MovingLoad
-from kilter.analysis.placing.placed_loads import PlacedLoads
 from kilter.analysis.placing.polygon_sets import (
     GRID,
     NOTHING,
@@ -39,11 +38,15 @@ from kilter.analysis.placing.polygon_sets import (
     without,
 )
 from kilter.analysis.placing.shifted_load import CarriedPlaces, ShiftedLoad
-from kilter.analysis.placing.upright_prisms import Top
+from kilter.analysis.placing.upright_prisms import Landing, Landings, PlacedLoads, Top
 from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.errors import some, some_names
 from kilter.mechanics.program import Program
 
-__all__ = ["Finding", "LevelMap", "PlaceMap"]
+__all__ = ["Finding", "LevelMap", "PlaceMap", "map_warnings"]
+
 
 MOST_PROGRAMS = 20_000
 """Largest number of programs of a map; places that are not decided then stay open."""
@@ -382,3 +385,38 @@ def _equal_areas(first: dict[int, shapely.Geometry], second: dict[int, shapely.G
         shapely.symmetric_difference(first[k], second[k]).area <= NOTHING * second[k].area
         for k in first
     )
+
+
+# Warnings of a map of places: reasons why places stay open.
+
+
+def map_warnings(
+    assembly: Assembly,
+    tops: Sequence[Top],
+    contacts: ContactSet,
+    levels: Sequence[LevelMap],
+    strip: float,
+) -> list[str]:
+    """Warnings about parts that are no upright prisms, and about pairs that leave places open.
+
+    Arguments: `strip`: width above which an open area is no strip between places [length unit].
+    """
+    warnings = []
+    other = [assembly.names[top.part] for top in tops if not top.upright]
+    if other:
+        warnings.append(
+            f"the map leaves places on {some_names(other, 3)} open: only tops of upright prisms "
+            "are mapped"
+        )
+    wide = any(
+        not piece.buffer(-strip).is_empty for level in levels for piece in polygons_of(level.open)
+    )
+    if wide and contacts.open_pairs:
+        pairs = [
+            " and ".join(repr(assembly.names[k]) for k in pair.ends) for pair in contacts.open_pairs
+        ]
+        warnings.append(
+            f"the map leaves places open, because the geometry does not decide whether "
+            f"{some(pairs, 1)} touch"
+        )
+    return warnings

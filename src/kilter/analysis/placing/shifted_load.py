@@ -19,20 +19,78 @@ import numpy as np
 import shapely
 from scipy.sparse import csc_array, hstack, vstack
 
-from kilter.analysis.placing.excluded_side import excluded_side, remaining
 from kilter.analysis.placing.polygon_sets import moved
 from kilter.arrays import Array
-from kilter.mechanics.certificate import ForceProof
+from kilter.mechanics.certificate import ForceProof, check_motion, needed_power
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
-from kilter.mechanics.load_checks import check_load_forces
+from kilter.mechanics.load_checks import check_load_forces, shifted_weights
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram, LinearProgram, with_columns
 
 if TYPE_CHECKING:
     from kilter.solvers.highs import KeptProgram
 
-__all__ = ["CarriedPlaces", "ShiftedLoad"]
+__all__ = ["CarriedPlaces", "ShiftedLoad", "excluded_side", "remaining"]
+
+
+# The places of a load that a motion excludes: a half plane.
+
+
+def excluded_side(
+    program: Program, wrenches: Array, low: Array, high: Array, motion: Array
+) -> tuple[Array, float] | None:
+    """The half plane of shifts that a motion excludes, within a rectangle of shifts.
+
+    Arguments: `wrenches` (2, N, 6): change of the load per unit of shift along each axis; `low`,
+    `high` (2,): the rectangle [length unit]; `motion` (N, 6). Returns `normal` (2,); `reach`:
+    shifts d with normal.d > reach are not carried; -inf if no shift is carried. None if the motion
+    proves nothing.
+    """
+    judged = check_motion(program, motion)
+    if not judged.motion.any():
+        return None
+    # the power that a proof needs grows with the load: convex in d, so the corners bound it
+    corners = [(u, v) for u in (low[0], high[0]) for v in (low[1], high[1])]
+    loads = np.tensordot(np.array(corners), wrenches, axes=1)
+    needed = needed_power(program, judged, shifted_weights(program, loads))
+    free = program.free[:, None]
+    rate = np.array([float((np.where(free, w, 0.0) * judged.motion).sum()) for w in wrenches])
+    size = float(np.linalg.norm(rate))
+    if not size > 0:
+        return (np.array([1.0, 0.0]), -np.inf) if judged.power > needed else None
+    return rate / size, (needed - judged.power) / size
+
+
+def remaining(
+    area: shapely.Geometry, side: tuple[Array, float], whole: shapely.Geometry
+) -> shapely.Geometry:
+    """A convex area of a rectangle without an excluded half plane.
+
+    Examples
+    --------
+    >>> square = shapely.box(0, 0, 1, 1)
+    >>> remaining(square, (np.array([1.0, 0.0]), 0.25), square).area
+    0.25
+    """
+    normal, reach = side
+    low, high = np.array(whole.bounds[:2]), np.array(whole.bounds[2:])
+    middle = (low + high) / 2
+    far = 4 * float(np.linalg.norm(high - low))
+    beyond = reach - float(normal @ middle)  # distance of the line from the middle
+    if beyond <= -far:
+        return shapely.Polygon()
+    if beyond >= far:
+        return area
+    along = np.array([-normal[1], normal[0]])
+    foot = middle + beyond * normal
+    corners = [foot + far * along, foot - far * along]
+    half = shapely.polygons(
+        [*corners, corners[1] - 2 * far * normal, corners[0] - 2 * far * normal]
+    )
+    cut = shapely.intersection(area, half)
+    return cut if cut.geom_type == "Polygon" else shapely.Polygon()
+
 
 FIRST = ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
 """Directions that are searched first."""

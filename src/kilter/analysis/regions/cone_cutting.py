@@ -1,29 +1,23 @@
 """Search for the enclosure of a round cone of held directions by proved rays and facets.
 
 Each extreme ray of the outer cone is the target of an arc from inside
-(`kilter.analysis.regions.boundary_rays`), or, until the inner cone has width and the outer cone a
-tip, of a projection. Both bring a ray and a facet. `kilter.analysis.regions.friction_cone` has the
+(`kilter.analysis.regions.cone_cutting`), or, until the inner cone has width and the outer cone a
+tip, of a projection. Both bring a ray and a facet. `kilter.analysis.regions.cone_cutting` has the
 formulas.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
-from kilter.analysis.regions.boundary_rays import BoundaryRay, BoundaryRays
-from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
-from kilter.analysis.regions.inner_hull import InnerHull, inner_hull
-from kilter.analysis.regions.polyhedral_cone import widest_axis
-from kilter.analysis.regions.stable_cone import DirectionProof, StableCone
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
     BEYOND_FACET,
     BEYOND_FAR,
     CONIC_SHARP,
+    GAP_DEG,
     NO_DIRECTION,
     NO_PROJECTION,
     ON_PLANE,
@@ -31,20 +25,122 @@ from kilter.analysis.turning_tolerances import (
     PULLED_IN,
     RAY_BLUR,
     SAME_RAY,
+    SHARE_AGREES,
+    WIDEST_ARC,
 )
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
+from kilter.analysis.regions.cone_hull import (
+    InnerHull,
+    cone_around,
+    edges_of,
+    extreme_rays,
+    inner_hull,
+)
+from kilter.analysis.regions.polyhedral_cone import widest_axis
+from kilter.analysis.regions.stable_cone import DirectionProof, StableCone, stable_cone
 from kilter.arrays import Array, angle_between, unit_rows
-from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
+from kilter.errors import InputError, TimeLimitReached
+from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import (
     ConeProblem,
     cone_problem,
     nearest_load,
+    pyramid,
+    pyramid_forces,
 )
-from kilter.mechanics.locked_parts import find_locked_parts
+from kilter.mechanics.locked_parts import LockedParts, find_locked_parts
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.solvers.many_shares import SharePoint, first_point, many_shares
 from kilter.validate import frozen
 
-__all__ = ["ConeCutting"]
+__all__ = ["BoundaryRay", "BoundaryRays", "ConeCutting", "friction_cone"]
+
+
+# Boundary points of the cone of held directions along arcs from a direction inside, with facets.
+
+
+ENTRIES = 60_000
+"""Entries of the columns of all programs that are solved side by side; more are solved in turn."""
+LEAST = 4
+"""Least number of programs that are solved side by side."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoundaryRay:
+    """A direction near the boundary of the cone of held directions, with candidates for proofs."""
+
+    down: Array
+    """Unit, shape (3,)."""
+    forces: tuple[Array, Array]
+    """Forces along and across the rows that hold it [N]."""
+    motion: Array
+    """Motion that starts beyond it, shape (N, 6)."""
+
+
+class BoundaryRays:
+    """Search for boundary directions of the cone of held directions of a program."""
+
+    def __init__(self, locked: LockedParts, opening: Opening) -> None:
+        self._locked, self._opening = locked, opening
+        self._middles: list[tuple[Array, SharePoint]] = []
+        program = locked.program
+        none = np.zeros((len(program.names), 6))
+        self._balance: ConeBalance = balance_in_cones(program, none, none, 1.0)
+        wrenches = [gravity_wrench(program, axis) for axis in np.eye(3)]
+        self._loads = np.array(
+            [self._balance.with_more(wrench, 1.0).cones.along for wrench in wrenches]
+        )
+
+    @property
+    def together(self) -> int:
+        """Number of programs that are solved side by side."""
+        return max(ENTRIES // int(self._balance.cones.columns[0].size), LEAST)
+
+    def towards(self, start: Array, targets: Array) -> list[BoundaryRay | None]:
+        """Boundary direction on the arc from a start inside the cone to each target outside.
+
+        Arguments: `start` (3,); `targets` (D, 3): unit, not opposite to the start. Returns None if
+        the search fails on an arc.
+        """
+        ways = _ways(start, targets)
+        right = np.tensordot(start, self._loads, axes=1)
+        along = np.tensordot(ways, self._loads, axes=1)
+        starts = [self._start(target) for target in targets]
+        shares = many_shares(self._balance.cones, right, along, starts, agree=SHARE_AGREES)
+        found: list[BoundaryRay | None] = []
+        for way, share in zip(ways, shares, strict=True):
+            if share is None:
+                found.append(None)
+                continue
+            reached = start + share.share * way
+            size = float(np.linalg.norm(reached))
+            down = reached / size
+            self._middles.append((down, share.middle))
+            forces = self._locked.forces(down, *self._balance.decoded(share.x / size))
+            motion = self._locked.motion(self._balance.motion(-share.y))
+            found.append(BoundaryRay(down, forces, motion))
+        return found
+
+    def _start(self, target: Array) -> SharePoint:
+        """First point of the search towards a target, from the nearest known boundary direction."""
+        if self._middles:
+            return max(self._middles, key=lambda known: float(known[0] @ target))[1]
+        m0 = self._opening.m0
+        opening = None if m0 is None else -self._balance.multipliers(m0)
+        return first_point(self._balance.cones, opening)
+
+
+def _ways(start: Array, targets: Array) -> Array:
+    """Vectors from a start towards targets, shortened to arcs of at most `WIDEST_ARC`."""
+    aside = unit_rows(targets - np.outer(targets @ start, start))
+    wide = np.cos(WIDEST_ARC) * start + np.sin(WIDEST_ARC) * aside
+    far = targets @ start < np.cos(WIDEST_ARC)
+    result: Array = np.where(far[:, None], wide, targets) - start
+    return result
+
 
 NEARER = 0.5
 """Fraction of the allowed angle within which a boundary ray is at the extreme ray: no facet is
@@ -351,3 +447,71 @@ def _scale_forces(proof: ForceProof, down: Array) -> tuple[Array, Array]:
     """Forces and friction for a unit direction, from a proof for a direction of any length."""
     length = float(np.linalg.norm(down))
     return proof.forces / length, proof.friction / length
+
+
+# Directions of gravity that contacts with friction can hold, enclosed between two polyhedra.
+
+
+SHARES = (0.9, 0.45, 0.2)
+"""Distances up to which extreme rays of the outer cone are kept, as shares of the gap, in turn."""
+
+
+def friction_cone(
+    program: Program, *, gap_deg: float = GAP_DEG, progress: Callable[[str], None] | None = None
+) -> StableCone:
+    """Enclose the directions of gravity that contacts with friction can hold.
+
+    Arguments: `gap_deg`: [deg]; ends earlier, with the gap that is left, after `PROGRAMS` programs
+    or at the limit of `kilter.work.stop_after`. Raises `TimeLimitReached` if no direction is yet
+    known to be held, or none yet known not to be. Raises `InputError` if loads are given: the set
+    is then no cone.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> block = stacks.block_on_slope(0.0, friction=0.5)
+    >>> found = friction_cone(build_program(block, contacts(block)))
+    >>> found.cone.kind, bool(found.gap < np.radians(0.1))
+    ('cone', True)
+    """
+    if program.applied[program.free].any():
+        raise InputError(
+            "loads are given: their effect depends on the size of gravity, so the held directions"
+            " are not a cone",
+            hint="leave the loads out, or check a single direction",
+        )
+    if program.planar or not program.mu.any() or not program.free.any():
+        return _exact(program, progress)
+    search = ConeCutting(program, progress)
+    try:
+        for share in SHARES:
+            while search.cut(share * np.radians(gap_deg)):
+                pass
+            cone = search.answer()
+            if cone.gap <= np.radians(gap_deg):
+                break
+    except TimeLimitReached:
+        if not search.rays or not search.facets:
+            raise
+        return replace(search.answer(), is_cut=True)
+    return cone
+
+
+def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCone:
+    """The stable directions in the plane, exactly; a friction cone there has two rays."""
+    rays = pyramid(program, 2)
+    cone = stable_cone(rays, progress=progress)
+    opening = Opening(cone_problem(program))
+
+    def judged(proof: DirectionProof) -> ForceProof | MotionProof:
+        turned, certificate = program.turned(proof.down), proof.certificate
+        if isinstance(certificate, ForceProof):
+            return check_forces(turned, *pyramid_forces(program, rays, certificate.forces))
+        motion = check_motion(turned, certificate.motion)
+        # what a simplex leaves of a violation is mended
+        return motion if motion.holds else check_motion(turned, opening.mended(motion.motion))
+
+    proofs = tuple(replace(proof, certificate=judged(proof)) for proof in cone.proofs)
+    return replace(cone, proofs=proofs)

@@ -21,18 +21,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
-from kilter.analysis.regions.growth import Reach, grow
-from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
     BLUR_OVER_TOLERANCE,
     NO_DIRECTION,
 )
+from kilter.analysis.regions.growth import Reach, grow
+from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
 from kilter.arrays import Array, Mask
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
-    from kilter.solvers.solution import Solution
+    from kilter.solvers.problem import Solution
 
 __all__ = ["ConeOracle", "intersection"]
 

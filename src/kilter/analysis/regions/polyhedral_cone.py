@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.turning_tolerances import NO_LENGTH
+from kilter.analysis.analysis_tolerances import NO_LENGTH
 from kilter.arrays import Array, Mask
 from kilter.validate import frozen
 

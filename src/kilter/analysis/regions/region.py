@@ -3,7 +3,7 @@
 The directions of gravity with forces that hold the assembly: without friction those for which
 it is stable, found exactly (`kilter.analysis.regions.stable_cone`); with friction those that
 forces in Coulomb's cones can hold, between rays inside and facets outside
-(`kilter.analysis.regions.friction_cone`). `kilter.analysis.check` decides whether friction must
+(`kilter.analysis.regions.cone_cutting`). `kilter.analysis.check` decides whether friction must
 hold in a single direction.
 
 For several assemblies the cones are intersected, friction left out: a plan needs no
@@ -20,22 +20,26 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.analysis_tolerances import GAP_DEG
+from kilter.analysis.check import given_direction_known
+from kilter.analysis.decision.deciding_pairs import AnsweredPair, answered_pairs
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
+from kilter.analysis.regions.cone_cutting import friction_cone
 from kilter.analysis.regions.cone_oracle import intersection
-from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.polyhedral_cone import Cone
-from kilter.analysis.regions.region_proofs import RegionProof, common_proofs, region_proof
-from kilter.analysis.regions.region_words import further_forces, warnings_of
-from kilter.analysis.regions.rests import PlaceOfRest, find_rests
+from kilter.analysis.regions.region_proofs import (
+    RegionProof,
+    common_proofs,
+    further_forces,
+    region_proof,
+    warnings_of,
+)
 from kilter.analysis.regions.stable_cone import StableCone, stable_cone
-from kilter.analysis.time_limits import given_direction_known
-from kilter.analysis.turning_tolerances import GAP_DEG
+from kilter.analysis.regions.well import PlaceOfRest, find_rests
 from kilter.arrays import Mask
 from kilter.assembly import Assembly, Joint, ListedJoint, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds
-from kilter.assembly.plain_joints import plain_joints
-from kilter.assembly.question import Question, question
+from kilter.assembly.question import Question, plain_joints, question
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.suggestions import require_apart
 from kilter.contact.open_pairs import still_open
@@ -43,7 +47,7 @@ from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
-from kilter.tell.cells import InCells
+from kilter.tell.html import InCells
 from kilter.tell.record import (
     AnswerInWords,
     InPython,

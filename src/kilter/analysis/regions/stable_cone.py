@@ -26,16 +26,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.analysis.decision.judge import judge
-from kilter.analysis.regions.cone_oracle import ConeOracle
-from kilter.analysis.regions.growth import Grown, Reach, grow
-from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
     BEYOND_CONE,
     BLUR_OVER_TOLERANCE,
     NO_DIRECTION,
     SAME_POINT,
 )
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.regions.cone_oracle import ConeOracle
+from kilter.analysis.regions.growth import Grown, Reach, grow
+from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion

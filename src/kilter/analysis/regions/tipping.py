@@ -28,10 +28,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.analysis.turning_tolerances import NO_PROJECTION, NO_RISE, SAME_RAY
+from kilter.analysis.analysis_tolerances import NO_PROJECTION, NO_RISE, SAME_RAY
 from kilter.arrays import Array, Index, Mask, across, connected, cross, unit_rows
+from kilter.assembly.changed_copies import lowest_heights
 from kilter.assembly.geometry import Geometry
-from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.surfaces import FREE, SPHERE, TORUS
 
 if TYPE_CHECKING:

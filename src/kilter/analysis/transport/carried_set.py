@@ -22,13 +22,13 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import TILT_AGREES
 from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, Why
 from kilter.analysis.margins.tilt import across_gravity, held_limit
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
 from kilter.analysis.transport.plane_section import SupportLine, enclose_section
-from kilter.analysis.turning_tolerances import TILT_AGREES
 from kilter.arrays import Array, Mask
 from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.coulomb_cones import cone_problem

@@ -24,15 +24,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.decision.motion import find_motion_with_friction, round_mantle
+from kilter.analysis.load_limit import Limit, starting, with_more
 from kilter.arrays import Array, Mask, cross
 from kilter.assembly import Assembly, Load
 from kilter.errors import InputError
+from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
 from kilter.rigid import skew
+from kilter.tell.record import Record
+from kilter.tell.words import motion_words
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range
 
-__all__ = ["PAIRS", "CarrierMotion", "carried_assembly", "carrier_wrench", "load_matrix"]
+__all__ = [
+    "PAIRS",
+    "CarrierMotion",
+    "FirstMotion",
+    "carried_assembly",
+    "carrier_wrench",
+    "first_motions",
+    "kind_of_motion",
+    "load_matrix",
+]
+
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Entries (row, column) of the symmetric matrix O = o o' in the order of the load vector."""
@@ -235,3 +250,78 @@ def load_matrix(program: Program, about: Array) -> Array:
         )
     matrix[~program.free] = 0.0
     return matrix
+
+
+# How parts start to move just beyond a limit of transport.
+
+
+BEYOND = 1e-3
+"""Excess of the load over the limit at which the motion is computed [-]."""
+MOST_POINTS = 150
+"""Number of contact points above which the motion is not computed; it would take seconds."""
+EFFORT = 0.2
+"""Effort of the search for the motion at a limit: an answer has up to eight."""
+
+
+class FirstMotion(Record):
+    """How a part starts to move, in words."""
+
+    part: str
+    """Name of the part."""
+    words: str
+    """The motion, such as "slides +x"."""
+
+
+def first_motions(assembly: Assembly, limit: Limit, carried: CarrierMotion) -> list[FirstMotion]:
+    """How the parts start to move beyond a limit of a carrier motion, the fastest first."""
+    program = limit.program
+    if limit.motion is None:
+        return []
+    found = _by_the_law(program, limit, carried)
+    dilates = found is None and bool(program.mu.any())
+    motion = limit.motion.motion if found is None else found
+    names = set(starting(program, limit.motion))
+    size = part_sizes(program, motion, per_radius=False)
+    if found is not None:
+        names = {name for k, name in enumerate(program.names) if size[k] > 0}
+    order = [k for k in np.argsort(-size, kind="stable") if program.names[k] in names]
+    metres = metres_per_unit(program.units)
+    words = []
+    for k in order:
+        turn = float(np.linalg.norm(motion[k, 3:])) * program.radius[k]
+        relative = np.array([np.linalg.norm(motion[k, :3]), turn])
+        twist = np.concatenate([motion[k, :3] * metres, motion[k, 3:]])
+        phrase = motion_words(
+            twist,
+            relative,
+            program.down,
+            center=program.center[k],
+            unit=metres,
+            sizes=False,
+            mantle=round_mantle(assembly.parts[k]),
+        )
+        phrase = kind_of_motion(phrase) if dilates else phrase
+        words.append(FirstMotion(part=program.names[k], words=phrase))
+    return words
+
+
+def kind_of_motion(words: str) -> str:
+    """Name of a motion, such as "slides" or "tips", without its direction."""
+    return words.split(maxsplit=1)[0]
+
+
+def _by_the_law(program: Program, limit: Limit, carried: CarrierMotion) -> Array | None:
+    """Motion that obeys the law of friction just beyond a limit, shape (N, 6), or None.
+
+    Translations [length unit] and rotations [rad] of any common size; 0 for parts at rest.
+    """
+    modelled = not (len(program.bounded) or program.cohesion.any() or program.tied.any())
+    few = 0 < len(program.part_a) <= MOST_POINTS
+    if not (modelled and few and program.mu.any() and np.isfinite(limit.value)):
+        return None
+    share = limit.value + BEYOND * max(abs(limit.value), BEYOND)
+    beyond = with_more(program, carrier_wrench(program, carried), share)
+    found = find_motion_with_friction(beyond, EFFORT)
+    if found is None or not found.moves.any():
+        return None
+    return found.screws(metres_per_unit(program.units))

@@ -35,6 +35,7 @@ from typing import Annotated
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import NOT_HELD
 from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
@@ -43,7 +44,6 @@ from kilter.analysis.load_limit import (
 )
 from kilter.analysis.transport.carrier import load_matrix
 from kilter.analysis.transport.carrier_path import CarrierPath
-from kilter.analysis.turning_tolerances import NOT_HELD
 from kilter.arrays import Array, Mask
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.nonnegative import nonnegative

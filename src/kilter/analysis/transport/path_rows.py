@@ -20,14 +20,16 @@ analysis, 2018: constraints a u + b x + c <= 0 at each sample.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import TILT_AGREES
 from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, find_limit
-from kilter.analysis.transport.carried_set import MOST
+from kilter.analysis.transport.carried_set import MOST, Slice
 from kilter.analysis.transport.carrier import load_matrix
 from kilter.analysis.transport.path import PathLimit
 from kilter.analysis.transport.plane_section import SupportLine, enclose_section
-from kilter.analysis.turning_tolerances import TILT_AGREES
 from kilter.arrays import TINY, Array
 from kilter.errors import InputError
 from kilter.mechanics.coulomb_cones import cone_problem
@@ -35,7 +37,55 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
-__all__ = ["path_rows"]
+__all__ = ["inner_rows", "outer_rows", "path_rows"]
+
+
+# Linear constraints A a <= b on the acceleration of a carrier, for path planners.
+
+
+Known = Sequence[tuple[Array, Limit]]
+"""Unit directions, shape (3,), and the largest acceleration along each [g]."""
+
+
+def inner_rows(program: Program, known: Known, polar: Slice | None) -> tuple[Array, Array]:
+    """Constraints A a <= b on an acceleration a [m/s^2]; if a satisfies all, forces can hold."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    points = [min(limit.value, MOST) * direction for direction, limit in known]
+    if polar is not None:
+        points += list(polar.points @ polar.axes)
+    carried = np.vstack([np.zeros(3), *points]) * program.g
+    used = np.array([0, 2]) if program.planar else np.arange(3)
+    try:
+        facets = ConvexHull(carried[:, used]).equations
+    except QhullError:
+        raise InputError(
+            "the carried accelerations lie in a plane or on a line", hint="use outer rows"
+        ) from None
+    facets = np.unique(facets.round(12), axis=0)
+    rows = np.zeros((len(facets), 3))
+    rows[:, used] = facets[:, :-1]
+    return rows, -facets[:, -1]
+
+
+def outer_rows(program: Program, known: Known, polar: Slice | None) -> tuple[Array, Array]:
+    """Constraints A a <= b on an acceleration a [m/s^2]; if a violates one, no forces can hold."""
+    rows, bounds = [], []
+    for _, limit in known:
+        if limit.motion is None:
+            continue
+        motion = limit.motion.motion
+        moment = (program.mass * program.free) @ motion[:, :3]
+        size = float(np.linalg.norm(moment))
+        if size > 0.0:
+            rows.append(-moment / size)
+            bounds.append(-program.power(motion) / size)
+    if polar is not None:
+        proved = polar.proved
+        rows += list((polar.normals @ polar.axes)[proved])
+        bounds += list(polar.reach[proved] * program.g)
+    return np.array(rows).reshape(-1, 3), np.array(bounds)
+
 
 ACCURACY = 5e-3
 """Largest distance between the polygon and the lines of a sample [g]."""

@@ -10,10 +10,9 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import InputError, nearest_name
-from kilter.files.limits import MOST_TABLE_BYTES
-from kilter.files.raw import read_bytes
+from kilter.files.limits import MOST_TABLE_BYTES, read_bytes
+from kilter.files.packing.packing_lists import decoded_table, table_rows
 from kilter.files.reader_guard import reader_guard
-from kilter.files.table_rows import decoded_table, table_rows
 
 __all__ = ["columns_of", "read_table"]
 

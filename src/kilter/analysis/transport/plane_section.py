@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import PARALLEL_PLANES
 from kilter.analysis.load_limit import NoLimit
-from kilter.analysis.turning_tolerances import PARALLEL_PLANES
 from kilter.arrays import TINY, Array
 
 __all__ = ["SupportLine", "corner_gaps", "enclose_section"]

@@ -37,7 +37,7 @@ from kilter.analysis.transport.carrier_path import (
 from kilter.analysis.transport.path_table import read_table
 from kilter.arrays import Array, cross
 from kilter.errors import InputError
-from kilter.files.urdf_chain import ChainJoint, JointChain, read_joint_chain
+from kilter.files.robots.urdf_chain import ChainJoint, JointChain, read_joint_chain
 from kilter.rigid import skew
 
 __all__ = ["FlangeMotion", "flange_motion", "path_from_joints", "read_robot_path"]
@@ -195,7 +195,7 @@ def read_robot_path(file: str | Path, robot: str | Path, flange: str) -> Carrier
     Raises
     ------
     InputError
-        As `kilter.files.urdf_chain.read_joint_chain`, or if the table is invalid.
+        As `kilter.files.robots.urdf_chain.read_joint_chain`, or if the table is invalid.
     """
     chain = read_joint_chain(robot, flange)
     return read_table(

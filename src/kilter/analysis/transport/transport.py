@@ -20,39 +20,147 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.analysis_tolerances import ACROSS_GRAVITY
 from kilter.analysis.check import check
 from kilter.analysis.load_limit import EXACT, Limit, LimitSteps
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.analysis.transport.carried_set import CarriedSet, Slice
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
 from kilter.analysis.transport.carrier_path import CarrierPath
-from kilter.analysis.transport.codes import code_accelerations
-from kilter.analysis.transport.collapse import (
-    CONFIDENCE_FACTOR,
-    CollapseMultiplier,
-    find_collapse,
-)
+from kilter.analysis.transport.collapse import CONFIDENCE_FACTOR, CollapseMultiplier, find_collapse
 from kilter.analysis.transport.path import PathLimit, find_path_limit
 from kilter.analysis.transport.transport_answer import (
+    CARRIER,
     CarriedCase,
     DirectionLimit,
     Transport,
     carried_at,
 )
-from kilter.analysis.transport.transport_proofs import CARRIER
-from kilter.analysis.turning_tolerances import ACROSS_GRAVITY
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.arrays import Array
+from kilter.arrays import Array, cross
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet
 from kilter.contact.round_edges import round_edges
-from kilter.errors import InputError
+from kilter.errors import InputError, nearest_name
 from kilter.mechanics.program import build_program
+from kilter.rigid import unit
 from kilter.tell.levels import level_rank, require_level
 from kilter.validate import number
 
-__all__ = ["transport"]
+__all__ = ["CODES", "CodeCase", "code_accelerations", "code_cases", "transport"]
+
+
+# Accelerations that codes of load securing (such as EN 12195) require, with their sources.
+
+
+@dataclass(frozen=True, slots=True)
+class CodeCase:
+    """An acceleration that a code of load securing requires, in multiples of g."""
+
+    name: str
+    """Direction in which the load is pressed, as the rule calls it."""
+    inertia: tuple[float, float]
+    """Direction in which the load is pressed [-]."""
+    size: float
+    """[g]"""
+
+    def acceleration(self, forward: Array, down: Array, g: float) -> Array:
+        """Acceleration of the carrier [m/s^2], shape (3,), opposite to the required inertia force.
+
+        Arguments: `forward`, `down` (3,): unit directions of travel and of gravity, perpendicular
+        to each other; `g` [m/s^2].
+        """
+        left = cross(forward, down)
+        pressed = self.inertia[0] * forward + self.inertia[1] * left
+        return -self.size * g * pressed
+
+
+def _road(forward: float, backward: float, sideways: float) -> tuple[CodeCase, ...]:
+    """Cases of a code for road transport: braking, starting and both sides."""
+    return (
+        CodeCase("forward", (1.0, 0.0), forward),
+        CodeCase("backward", (-1.0, 0.0), backward),
+        CodeCase("left", (0.0, 1.0), sideways),
+        CodeCase("right", (0.0, -1.0), sideways),
+    )
+
+
+CODES: dict[str, tuple[CodeCase, ...]] = {
+    "en12195": _road(0.8, 0.5, 0.5),
+    "en12195:tipping": _road(0.8, 0.5, 0.6),
+    "gdv": _road(0.8, 0.5, 0.5),
+    "vdi2700:3.5t": _road(0.8, 0.5, 0.5),
+    "vdi2700:up-to-3.5t": _road(0.8, 0.5, 0.6),
+    "eumos": _road(0.5, 0.5, 0.5),
+}
+"""Cases of each rule. ``eumos:K`` sets the acceleration of the test to K g."""
+FREE = ("eumos",)
+"""Rules whose acceleration the user chooses."""
+
+
+def code_cases(name: str) -> tuple[CodeCase, ...]:
+    """Required accelerations of a code, by its name such as "EN 12195-1" or "eumos:0.4".
+
+    Raises `InputError` if the rule does not exist or its acceleration is not a positive number.
+
+    Examples
+    --------
+    >>> [(case.name, case.size) for case in code_cases("EN 12195-1")][:2]
+    [('forward', 0.8), ('backward', 0.5)]
+    >>> code_cases("eumos:0.4")[0].size
+    0.4
+    """
+    plain = name.lower().replace(" ", "").replace("en12195-1", "en12195")
+    if plain in CODES:
+        return CODES[plain]
+    head, colon, tail = plain.partition(":")
+    if colon and head in FREE:
+        try:
+            size = float(tail)
+        except ValueError:
+            size = np.nan
+        if not 0.0 < size < np.inf:
+            raise InputError(
+                f"the acceleration {tail!r} of {head} is not a positive number",
+                hint=f"write {head}:0.5 for half of gravity",
+            )
+        return _road(size, size, size)
+    near = nearest_name(plain, CODES)
+    hint = f"did you mean {near}?" if near else f"use one of {', '.join(CODES)}"
+    raise InputError(f"the rule {name!r:.60} does not exist", hint=hint)
+
+
+def code_accelerations(
+    assembly: Assembly, code: str, forward: ArrayLike
+) -> tuple[tuple[str, Array], ...]:
+    """Names and accelerations of the carrier [m/s^2] that a code requires for an assembly.
+
+    For a planar assembly only those in its plane.
+
+    Raises `InputError` if the rule does not exist, or the direction of travel is zero or vertical.
+    """
+    cases = code_cases(code)
+    size = float(np.linalg.norm(assembly.gravity))
+    ahead = travel_direction(forward, assembly.down)
+    return tuple(
+        (case.name, case.acceleration(ahead, assembly.down, size))
+        for case in cases
+        if not (assembly.planar and case.inertia[1] != 0.0)
+    )
+
+
+def travel_direction(forward: object, down: Array) -> Array:
+    """The direction of travel as a horizontal unit vector, shape (3,).
+
+    Raises `InputError` if it is zero or vertical.
+    """
+    vector = unit(forward, "the direction of travel")  # type: ignore[arg-type]
+    level = vector - (vector @ down) * down
+    if float(np.linalg.norm(level)) < 1e-6:
+        raise InputError("the direction of travel is vertical", hint="give a horizontal direction")
+    return unit(level)
+
 
 AXES = (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("-y", (0, -1, 0)),
         ("+z", (0, 0, 1)), ("-z", (0, 0, -1)))  # fmt: skip
@@ -88,7 +196,7 @@ def transport(
         Is this motion carried?
     code : str, optional
         Are the accelerations of this rule of load securing carried? See
-        `kilter.analysis.transport.codes`.
+        `kilter.analysis.transport.transport`.
     forward : array_like, shape (3,)
         Direction of travel, for `code`.
     path : CarrierPath, optional

@@ -29,13 +29,13 @@ from itertools import combinations
 
 import numpy as np
 
-from kilter.analysis.regions.growing_hull import GrowingHull
-from kilter.analysis.turning.virtual_work import unit_program
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
     HULL_ROUNDING,
     KAPPA_GAP,
     KAPPA_RESIDUAL,
 )
+from kilter.analysis.regions.enclose import GrowingHull
+from kilter.analysis.turning.virtual_work import unit_program
 from kilter.arrays import Array, Index
 from kilter.mechanics.forms import ScaledProblem, impending_motion, scaled_problem
 from kilter.mechanics.program import Program

@@ -23,17 +23,15 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from kilter.analysis.check import check
+from kilter.analysis.analysis_tolerances import OPPOSITE, PLAIN
+from kilter.analysis.check import check, given_direction_known
+from kilter.analysis.decision.deciding_pairs import open_pair_names
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.decision.motion import NO_MOTION
-from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
-from kilter.analysis.time_limits import given_direction_known
-from kilter.analysis.turning.facet_program import DiamondOptimum, joint
-from kilter.analysis.turning.nearest import Method, Nearest, nearest
-from kilter.analysis.turning_tolerances import OPPOSITE, PLAIN
+from kilter.analysis.turning.facet_program import DiamondOptimum, Method, Nearest, joint, nearest
 from kilter.analysis.verdict.answers import OfAssembly
 from kilter.analysis.verdict.part_answer import PartAnswer
 from kilter.analysis.verdict.verdict import Verdict

@@ -19,12 +19,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.regions.enclose import KnownSet, SupportPoint
-from kilter.analysis.regions.growing_hull import GrowingHull
-from kilter.analysis.turning.virtual_work import VirtualWork
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
     OUTSIDE_HULL,
 )
+from kilter.analysis.regions.enclose import GrowingHull, KnownSet, SupportPoint
+from kilter.analysis.turning.virtual_work import VirtualWork
 from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program

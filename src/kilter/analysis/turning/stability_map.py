@@ -20,9 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.regions.growing_hull import GrowingHull
+from kilter.analysis.analysis_tolerances import OUTSIDE_HULL
+from kilter.analysis.regions.enclose import GrowingHull
 from kilter.analysis.turning.reachable import PROGRAMS, Reachable
-from kilter.analysis.turning_tolerances import OUTSIDE_HULL
 from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program

@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 from scipy.sparse import csc_array, diags_array
 
-from kilter.analysis.turning_tolerances import (
+from kilter.analysis.analysis_tolerances import (
     ENTRY_ROUNDING,
 )
 from kilter.arrays import Array, Index

@@ -35,17 +35,17 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csc_array, hstack, vstack
 
+from kilter.analysis.analysis_tolerances import (
+    OPTIMAL,
+    OPTIMAL_FACE,
+    SAME_ON_DIAMOND,
+    WALK_STEP,
+)
 from kilter.analysis.turning.virtual_work import (
     Optimum,
     UnitProgram,
     VirtualWork,
     facets_of_diamond,
-)
-from kilter.analysis.turning_tolerances import (
-    OPTIMAL,
-    OPTIMAL_FACE,
-    SAME_ON_DIAMOND,
-    WALK_STEP,
 )
 from kilter.arrays import Array
 from kilter.mechanics.program import Program

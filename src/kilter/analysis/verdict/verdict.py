@@ -15,7 +15,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOVES
-from kilter.analysis.decision.decision import Decision, Word
+from kilter.analysis.decision.cascade import Decision, Word
+from kilter.analysis.decision.deciding_pairs import (
+    AnsweredPair,
+    OpenQuestion,
+    answered_pairs,
+)
 from kilter.analysis.decision.judge import Judgement
 from kilter.analysis.decision.motion import (
     NO_MOTION,
@@ -31,18 +36,12 @@ from kilter.analysis.decision.motion import (
     unknown,
     without_opening,
 )
-from kilter.analysis.decision.open_question import (
-    AnsweredPair,
-    OpenQuestion,
-    answered_pairs,
-)
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
-from kilter.analysis.verdict.neutral import Neutral, find_neutral
+from kilter.analysis.verdict.neutral import Neutral, find_neutral, find_slipping_motion
 from kilter.analysis.verdict.part_answer import PartAnswer
 from kilter.analysis.verdict.remedies import Remedy, find_remedies
-from kilter.analysis.verdict.slipping_motion import find_slipping_motion
 from kilter.analysis.verdict.verdict_answer import (
     BondsNeeded,
     ContactCounts,
@@ -62,7 +61,7 @@ from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE
-from kilter.tell.cells import InCells
+from kilter.tell.html import InCells
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
 from kilter.tell.record import Answer, InPython, LevelWord, OrAbsent, UnitWord, Vector, key
 from kilter.tell.words import GAINS, NAMED, motion_summary, motion_words

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from kilter.assembly import Assembly
-from kilter.assembly.masses import DEFAULT_DENSITY
+from kilter.assembly.mesh_surface import DEFAULT_DENSITY
 from kilter.contact.contact_set import AppliedTolerance
 from kilter.tell.record import Record
 

@@ -14,11 +14,21 @@ import numpy as np
 from kilter.arrays import Array, Index, distinct_rows
 from kilter.assembly import Assembly, Bond, GivenContact, Part
 from kilter.assembly.assembly_tolerances import ON_GRID
-from kilter.assembly.brick import BRICK_PLATES, Brick
-from kilter.assembly.bricks.brick_library import is_stated
-from kilter.assembly.bricks.brick_model import NO_COLOR, BrickModel
-from kilter.assembly.bricks.stud_rules import GRAVITY, LAYER, UNIT, UNLIMITED, StudRules
-from kilter.assembly.bricks.studs import Sides, Studs, sides_of, studs_of
+from kilter.assembly.bricks.brick_library import (
+    GRAVITY,
+    LAYER,
+    NO_COLOR,
+    UNIT,
+    UNLIMITED,
+    BrickModel,
+    Sides,
+    StudRules,
+    Studs,
+    is_stated,
+    sides_of,
+    studs_of,
+)
+from kilter.assembly.part import BRICK_PLATES, Brick
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box

@@ -14,14 +14,40 @@ LDraw parts library, numbers of "Brick", "Plate", "Baseplate".
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from kilter.arrays import Array, Index
-from kilter.assembly.brick import BRICK_PLATES
+from kilter.arrays import Array, Index, Mask, Rows, columns, counted, distinct_rows
+from kilter.assembly.part import BRICK_PLATES
+from kilter.errors import InputError
+from kilter.validate import number
 
-__all__ = ["LDRAW", "STABLE_LEGO", "STATED", "brick_mass", "is_stated"]
+__all__ = [
+    "GRAVITY",
+    "LAYER",
+    "LDRAW",
+    "NARROW",
+    "NO_COLOR",
+    "SIDES",
+    "STABLE_LEGO",
+    "STATED",
+    "UNIT",
+    "UNLIMITED",
+    "WIDE",
+    "BrickModel",
+    "Cells",
+    "Sides",
+    "StudRules",
+    "Studs",
+    "brick_mass",
+    "cells_of",
+    "is_stated",
+    "sides_of",
+    "studs_of",
+]
+
 
 STABLE_LEGO: dict[int, tuple[int, int, float]] = {
     1: (2, 2, 0.2),
@@ -100,3 +126,233 @@ def brick_mass(across: int, along: int, plates: int = BRICK_PLATES) -> float:
     if is_stated(across, along, plates):
         return STATED[min(across, along), max(across, along)]
     return float((_terms(np.array([[across, along]]), plates) @ _fit())[0])
+
+
+# BrickModel: bricks on their grid, one row per brick.
+
+
+NO_COLOR = -1
+"""Value of `BrickModel.color` for a brick without a stated colour."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BrickModel(Rows):
+    """N toy bricks on a grid, as arrays."""
+
+    corner: Index = columns(3)
+    """Lowest cell of each brick, shape (N, 3): x, y [cells], z [plates]."""
+    size: Index = columns(3)
+    """Size along x, y [cells] and z [plates], shape (N, 3)."""
+    mass: Array = columns()
+    """Masses [kg], shape (N,)."""
+    color: Index = columns()
+    """LDraw colour codes, shape (N,); `NO_COLOR` if none is stated."""
+    held: Mask = columns()
+    """Whether each brick is held, shape (N,); true for baseplates."""
+    number: Index = columns()
+    """Number of the brick in the file, shape (N,): its key, or its line."""
+    line: Index = columns()
+    """Line of the file, shape (N,); 0 for a brick that is in no file."""
+
+    @property
+    def top(self) -> Index:
+        """Height of the top of each brick [plates], shape (N,)."""
+        top: Index = self.corner[:, 2] + self.size[:, 2]
+        return top
+
+    def require_apart(self) -> None:
+        """Raise an InputError if two bricks occupy the same grid cell.
+
+        Raises `InputError` if two bricks overlap; the error names the lines of both, and the cell.
+        """
+        cells = cells_of(self)
+        low, high = self.corner[cells.brick, 2], self.top[cells.brick]
+        clash = np.flatnonzero(cells.same_column & (low[1:] < high[:-1]))
+        if not len(clash):
+            return
+        pairs = np.sort(self.line[np.column_stack([cells.brick[clash], cells.brick[clash + 1]])])
+        k = np.lexsort(pairs.T)[0]
+        x, y = cells.xy[clash[k]]
+        other, line = pairs[k]
+        raise InputError(
+            f"line {line}: cell ({x}, {y}) is occupied by the brick in line {other}",
+            hint="move either brick",
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """Grid cells that the bricks cover, sorted by column and height."""
+
+    brick: Index
+    """Brick of each cell, shape (C,)."""
+    xy: Index
+    """Position of each cell, shape (C, 2)."""
+    same_column: Mask
+    """Whether cell k + 1 is above cell k, shape (C - 1,)."""
+
+
+def cells_of(model: BrickModel) -> Cells:
+    """List the grid cells that the bricks of a model cover."""
+    brick, place = counted(model.size[:, 0] * model.size[:, 1])
+    along = model.size[brick, 1]
+    xy = model.corner[brick, :2] + np.column_stack([place // along, place % along])
+    order = np.lexsort((model.corner[brick, 2], xy[:, 1], xy[:, 0]))
+    xy = xy[order]
+    return Cells(brick[order], xy, (xy[1:] == xy[:-1]).all(axis=1))
+
+
+# StudRules: the strength of studs, and the contacts between neighbouring bricks.
+
+
+UNIT = 7.8
+"""Width of a cell in StableLego [mm]."""
+LAYER = 9.6
+"""Height of a brick [mm]."""
+GRAVITY = 9.8
+"""Acceleration of gravity in StableLego [m/s^2]."""
+PULL = 0.98
+"""Largest pull at a point of a stud in StableLego [N]: the weight of 100 g."""
+NARROW: Array = np.array([[0, -0.25], [-0.25, 0], [0, 0.25], [0.25, 0]])
+"""Points of a stud under a brick of width 1, relative to the middle of the stud [cells]."""
+WIDE: Array = np.array([[0.125, -0.125], [-0.25, 0], [0.125, 0.125]])
+"""Points of a stud under a wider brick, at two walls and a tube [cells]."""
+SIDES = ("lower-edge", "face", "none")
+"""Values of `sides`: the contact points between neighbouring bricks."""
+UNLIMITED, FRICTION = "unlimited", "mu"
+
+
+@dataclass(frozen=True, slots=True)
+class StudRules:
+    """Rules for toy bricks: strength of the studs, and contacts of neighbouring bricks.
+
+    Arguments: `pull`: largest pull at each point of a stud [N]; `shear`: largest sideways force at
+    each point of a stud: no limit, mu (f_n + pull), or a number [N]. Raises `InputError` if a force
+    is negative, or a value is unknown.
+
+    Examples
+    --------
+    >>> StudRules().pull
+    0.98
+    >>> StudRules(sides="edge")
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: the sides of bricks are 'edge'; use lower-edge or face or none
+    """
+
+    pull: float = PULL
+    shear: float | str = UNLIMITED
+    sides: str = "lower-edge"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pull", number(self.pull, "pull of a stud", lowest=0))
+        if self.shear not in (UNLIMITED, FRICTION):
+            try:
+                object.__setattr__(self, "shear", number(_float(self.shear), "shear", lowest=0))
+            except InputError:
+                hint = "use unlimited, mu, or a force in N"
+                raise InputError(f"the shear of studs is {self.shear!r:.40}", hint=hint) from None
+        if self.sides not in SIDES:
+            raise InputError(
+                f"the sides of bricks are {self.sides!r:.40}", hint=f"use {' or '.join(SIDES)}"
+            )
+
+    @property
+    def bond_shear(self) -> float | str | None:
+        """Shear strength of studs, as `Bond` expects it; None for no limit."""
+        return None if self.shear == UNLIMITED else self.shear
+
+
+def _float(value: float | str) -> object:
+    """A value converted to a float; other values unchanged, for the error message."""
+    try:
+        return float(value)
+    except ValueError:
+        return value
+
+
+# Find the connections of bricks: points of studs between layers, and sides of neighbours.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Studs(Rows):
+    """Points at which studs connect bricks, sorted by pair of bricks."""
+
+    lower: Index
+    upper: Index
+    """The brick with the stud, and the brick on it, shape (n,)."""
+    point: Array = columns(3)
+    """Position, shape (n, 3): x, y [cells], z [plates]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sides(Rows):
+    """Rectangles over which two neighbouring bricks touch with their sides."""
+
+    first: Index
+    second: Index
+    """The two bricks, shape (n,); the second is further along `axis`."""
+    axis: Index
+    """0 or 1, shape (n,): the axis of the normal from the first to the second brick."""
+    low: Index = columns(3)
+    high: Index = columns(3)
+    """Corners of the rectangle, shape (n, 3): x, y [cells], z [plates]; equal along `axis`."""
+
+
+def studs_of(model: BrickModel) -> Studs:
+    """Find all studs that hold a brick above: points, and pairs of bricks.
+
+    Examples
+    --------
+    A 1x1 brick on the end of a 1x2 brick has one stud with four points.
+
+    >>> two = BrickModel(
+    ...     np.array([[0, 0, 0], [1, 0, 3]]), np.array([[2, 1, 3], [1, 1, 3]]), np.ones(2),
+    ...     np.zeros(2, int), np.zeros(2, bool), np.array([1, 2]), np.array([1, 2]))
+    >>> studs_of(two).point[:, 0]
+    array([1.5 , 1.25, 1.5 , 1.75])
+    """
+    cells = cells_of(model)
+    below, above = cells.brick[:-1], cells.brick[1:]
+    k = np.flatnonzero(cells.same_column & (model.top[below] == model.corner[above, 2]))
+    narrow = model.size[above[k], :2].min(axis=1) == 1
+    stud, place = counted(np.where(narrow, len(NARROW), len(WIDE)))
+    offset = np.where(narrow[stud, None], NARROW[place], WIDE[np.minimum(place, len(WIDE) - 1)])
+    cell = k[stud]
+    xy = cells.xy[cell] + 0.5 + offset
+    lower, upper = below[cell], above[cell]
+    points = np.column_stack([xy, model.corner[upper, 2]])
+    order = np.lexsort((place, stud, upper, lower))
+    return Studs(lower[order], upper[order], points[order])
+
+
+def sides_of(model: BrickModel) -> Sides:
+    """Find the rectangle over which each two neighbouring bricks touch with their sides."""
+    cells = cells_of(model)
+    owner, height = counted(model.size[cells.brick, 2])
+    brick = cells.brick[owner]
+    place = np.column_stack([cells.xy[owner], model.corner[brick, 2] + height])
+    place -= place.min(axis=0)
+    wide = place.max(axis=0) + 2  # a step beyond the end of a row reaches no cell of the next row
+    steps = (wide[1] * wide[2], wide[2])
+    key = place @ np.array([*steps, 1])
+    order = np.argsort(key)
+    ordered = key[order]
+    blocks = []
+    for axis in (0, 1):
+        nearest = np.minimum(np.searchsorted(ordered, key + steps[axis]), len(key) - 1)
+        beside = order[nearest]
+        k = np.flatnonzero((ordered[nearest] == key + steps[axis]) & (brick[beside] != brick))
+        pairs, _ = distinct_rows(np.column_stack([brick[k], brick[beside[k]]]))
+        blocks.append(_rectangles(model, pairs, axis))
+    return Sides.join(blocks)
+
+
+def _rectangles(model: BrickModel, pairs: Index, axis: int) -> Sides:
+    """Common side rectangles of brick pairs, shape (n, 2), that are neighbours along an axis."""
+    first, second = pairs.T
+    low = np.maximum(model.corner[first], model.corner[second])
+    ends = model.corner + model.size
+    high = np.minimum(ends[first], ends[second])
+    low[:, axis] = high[:, axis] = ends[first, axis]
+    return Sides(first, second, np.full(len(first), axis), low, high)

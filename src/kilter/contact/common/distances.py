@@ -40,8 +40,7 @@ from kilter.arrays import (
     squares,
     unit_rows,
 )
-from kilter.assembly.geometry import Geometry
-from kilter.assembly.refined import refine
+from kilter.assembly.geometry import Geometry, refine
 from kilter.contact.contact_tolerances import DISTANCE_ROUNDING, FREE_PARALLEL
 from kilter.shape.closed import weld
 from kilter.tell.record import Record

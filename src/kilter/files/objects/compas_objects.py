@@ -10,8 +10,8 @@ from typing import Any
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.compas import from_compas
+from kilter.files.complaints import parse_json
 from kilter.files.format_options import FormatOptions
-from kilter.files.strict_json import parse_json
 
 __all__ = ["read"]
 

@@ -18,9 +18,8 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import assembly_of
-from kilter.files.naming import distinct
+from kilter.files.meshes.placed import FileBodies, distinct
 from kilter.files.objects import compas_objects, mujoco_objects, occt_objects, trimesh_objects
-from kilter.files.placed import FileBodies
 from kilter.shape.primitives import Mesh
 
 __all__ = ["READERS", "TAKEN", "assembly_of_object", "read_object"]

@@ -1,4 +1,4 @@
-"""Read MJCF files with MuJoCo; `kilter.files.scene_process` runs this in a separate process."""
+"""Read MJCF files with MuJoCo, in the process of `kilter.files.robots.scene_process`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError
-from kilter.files.mjcf_survey import survey_mjcf
 from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
+from kilter.files.robots.mjcf_survey import survey_mjcf
 
 __all__ = ["read_mjcf"]
 

@@ -1,7 +1,7 @@
 """Read MuJoCo models: bodies as parts, in the pose of a keyframe; the world is held.
 
 A body is one part with its colliding geoms, or with all geoms if none collides; bodies without mass
-or geoms belong to a part that moves with them (`kilter.files.objects.mujoco_bodies`). Each geom of
+or geoms belong to a part that moves with them (`kilter.files.objects.mujoco_objects`). Each geom of
 the world is a held part, and a body fixed to the world is held. A plane is a table. Masses, centres
 and inertia are those of the compiled model, and gravity compensation is a load. Hinges, slides and
 balls are joints without motors. Hinges and slides have their limits, friction and springs. Friction
@@ -18,26 +18,90 @@ import numpy as np
 
 from kilter.arrays import Mask
 from kilter.assembly import Assembly, Part
-from kilter.assembly.interactions import Joint
+from kilter.assembly.geometry import MassProperties
+from kilter.assembly.interactions import Joint, Load
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
 from kilter.files.file_tolerances import PARALLEL
 from kilter.files.format_options import FormatOptions
-from kilter.files.naming import distinct
-from kilter.files.near_parts import near_pairs
-from kilter.files.objects.mujoco_bodies import (
-    held_bodies,
-    mass_fields,
-    owners,
-    relieving_loads,
-)
+from kilter.files.meshes.placed import distinct
 from kilter.files.objects.mujoco_contacts import GeomRules, contact_entries
 from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
-from kilter.files.one_body import capsule, compose, one_body
+from kilter.files.robots.one_body import capsule, compose, near_pairs, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
-__all__ = ["ModelScene", "read"]
+__all__ = ["ModelScene", "held_bodies", "mass_fields", "owners", "read", "relieving_loads"]
+
+
+# Bodies of a MuJoCo model that move together, the parts that they form, and their masses.
+
+
+def held_bodies(model: Snapshot) -> Mask:
+    """Mask of the bodies that do not move: those welded to the world or to a mocap body."""
+    weld = model.body_weldid
+    held: Mask = (weld == 0) | (model.body_mocapid[weld] >= 0)
+    return held
+
+
+def owners(model: Snapshot) -> dict[int, int]:
+    """For each body that moves with a part, the body whose part it is.
+
+    It is the nearest body above it with geoms and mass that moves with it, or else the first of
+    the bodies that move together. Without a mass of its own, it is the first with geoms.
+    """
+    solid, held = model.body_geomnum > 0, held_bodies(model)
+    bears = solid & (held | (model.body_mass > 0))
+    groups: dict[int, list[int]] = {}
+    for body in range(1, model.nbody):
+        root = -body if held[body] else int(model.body_weldid[body])
+        groups.setdefault(root, []).append(body)
+    owner = {}
+    for bodies in groups.values():
+        chosen = [body for body in bodies if bears[body]] or [b for b in bodies if solid[b]][:1]
+        for body in bodies if chosen else ():
+            above = body
+            while above not in chosen and above in bodies:
+                above = int(model.body_parentid[above])
+            owner[body] = above if above in chosen else chosen[0]
+    return owner
+
+
+def mass_fields(model: Snapshot, bodies: list[int], pose: Pose, *, held: bool) -> dict[str, Any]:
+    """Mass, centre and inertia of bodies that move together, as fields of a part with a pose.
+
+    For massless bodies there are none. A held part needs no inertia.
+    """
+    masses = []
+    for body in bodies:
+        if model.body_mass[body] > 0:
+            turn = model.ximat[body].reshape(3, 3)
+            inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
+            masses.append(MassProperties(float(model.body_mass[body]), model.xipos[body], inertia))
+    if not masses:
+        return {}
+    fields = MassProperties.sum(masses).fields(pose)
+    if held:
+        del fields["inertia"]
+    return fields
+
+
+def relieving_loads(model: Snapshot, names: dict[int, str]) -> list[Load]:
+    """Forces of the gravity compensation of free bodies, at their centres.
+
+    `names` has the name of the part of each body.
+    """
+    held = held_bodies(model)
+    return [
+        Load(
+            names[body],
+            force=-model.body_gravcomp[body] * model.body_mass[body] * model.gravity,
+            point=model.xipos[body],
+        )
+        for body in np.flatnonzero(model.body_gravcomp * model.body_mass).tolist()
+        if body in names and not held[body]
+    ]
+
 
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
 FREE, BALL, SLIDE, HINGE = range(4)

@@ -13,11 +13,17 @@ from typing import Any
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
+from kilter.files.cad.step_document import (
+    StepDocument,
+    TreeSolid,
+    bodies_of,
+    number_repeats,
+    occurrences,
+    split,
+)
+from kilter.files.cad.step_surfaces import failures, quiet, shape_map
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import assembly_of
-from kilter.files.occt import failures, quiet, shape_map
-from kilter.files.step_bodies import bodies_of
-from kilter.files.step_document import StepDocument, TreeSolid, number_repeats, occurrences, split
 
 __all__ = ["read"]
 

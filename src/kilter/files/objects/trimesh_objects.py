@@ -16,8 +16,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import agreed_units, assembly_of
-from kilter.files.naming import distinct, fill_names
-from kilter.files.placed import FileBodies, transform_mesh
+from kilter.files.meshes.placed import FileBodies, distinct, fill_names, transform_mesh
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 

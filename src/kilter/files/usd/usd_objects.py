@@ -20,7 +20,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.limits import MOST_PARTS, Tally
-from kilter.files.naming import distinct, tails
+from kilter.files.meshes.placed import distinct, tails
 from kilter.files.usd.usd_values import array_of, place_of, require_finite_transform
 
 __all__ = ["UsdObject", "UsdShape", "find_objects", "matrix_of"]

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from kilter.arrays import Array, Index, cross
 from kilter.errors import InputError
 from kilter.files.file_tolerances import FLAT_POLYGON, STRAIGHT_AXES
-from kilter.files.one_body import capsule
-from kilter.files.placed import transform_mesh
+from kilter.files.meshes.placed import transform_mesh
+from kilter.files.robots.one_body import capsule
 from kilter.files.usd.usd_values import array_of, size_of, token_of
 from kilter.rigid import Pose, matrix_to_quaternion
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface

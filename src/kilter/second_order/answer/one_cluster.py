@@ -21,29 +21,31 @@ import numpy as np
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import POSSIBLE
-from kilter.second_order.answer.oscillation import growth_rate
-from kilter.second_order.answer.second_order_answer import SecondOrder, answer_of, open_answer
+from kilter.second_order.answer.second_order_answer import (
+    SecondOrder,
+    answer_of,
+    growth_rate,
+    open_answer,
+)
 from kilter.second_order.gaps.joint_forms import of_joints
 from kilter.second_order.gaps.stationary import Stationary
-from kilter.second_order.motions.free_motions import FreeMotions
-from kilter.second_order.motions.free_span import free_span, moving_free
+from kilter.second_order.motions.free_motions import FreeMotions, free_span, moving_free
 from kilter.second_order.motions.sharp_points import SharpPoints, opens_points, sharp_points
 from kilter.second_order.parts.bearing import level_axes
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
-from kilter.second_order.proofs.fall_proof import by_path_alone, find_configuration
-from kilter.second_order.proofs.locked import faces_of, shifts
-from kilter.second_order.proofs.minimum_proof import MinimumProof
-from kilter.second_order.proofs.paths import Path
+from kilter.second_order.proofs.fall_proof import Path, by_path_alone, find_configuration
+from kilter.second_order.proofs.minimum_proof import MinimumProof, faces_of, shifts
 from kilter.second_order.proofs.stopped import stop_forms, stop_question
-from kilter.second_order.searches.critical import Critical, find_critical
+from kilter.second_order.searches.curved_energy import Critical, find_critical, find_locked
 from kilter.second_order.searches.decide import decide
 from kilter.second_order.searches.energy_decision import EnergyDecision
-from kilter.second_order.searches.every_surface import decided_for_all
-from kilter.second_order.searches.level_rest_search import find_parting
-from kilter.second_order.searches.locking_stress import find_locked
-from kilter.second_order.searches.opening_contacts import enough_to_open, opening_motion
-from kilter.second_order.searches.parted_path import parted_paths
-from kilter.second_order.searches.stopping_weights import find_stopped
+from kilter.second_order.searches.level_rest_search import (
+    enough_to_open,
+    find_parting,
+    find_stopped,
+    opening_motion,
+)
+from kilter.second_order.searches.path_search import decided_for_all, parted_paths
 from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
 from kilter.work import Work
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kilter.second_order.parts.cluster_states import joined_state
-from kilter.second_order.proofs.proof_numbers import by_part, counts
+from kilter.second_order.proofs.minimum_proof import by_part, counts
 
 if TYPE_CHECKING:
     from kilter.second_order.answer.second_order_answer import SecondOrder

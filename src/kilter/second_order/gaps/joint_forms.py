@@ -24,17 +24,21 @@ below its limit does not move, so its row is an equation.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
-from kilter.assembly import Joint
+from kilter.arrays import Array, Index, Mask, cross, read_only
+from kilter.assembly import Assembly, Joint
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import DRAG, JOINT, OF_JOINTS, STOP
 from kilter.rigid import skew, turn_of
 from kilter.second_order.gaps.gap_form import arms_of, relative_motion, swing
+from kilter.second_order.parts.rigid_groups import RigidGroups
+from kilter.second_order.second_order_tolerances import KEEPS
 
 __all__ = [
+    "Swings",
     "close_joints",
     "joint_errors",
     "joint_forms",
@@ -42,7 +46,12 @@ __all__ = [
     "of_joints",
     "on_joints",
     "slipping",
+    "spring_excess",
+    "spring_form",
+    "sprung_rows",
+    "swings_of",
 ]
+
 
 ROUNDS = 60
 """Largest number of corrections that close the joints of a configuration."""
@@ -179,3 +188,109 @@ def _kinds(program: Program, joints: Sequence[Joint], rows: Index) -> tuple[Mask
         [joint.axis if turn else np.zeros(3) for joint, turn in zip(chosen, turns, strict=True)]
     ).reshape(-1, 3)
     return slides, axes, turns
+
+
+# Energy of the springs of joints, to second order and exactly.
+
+
+def sprung_rows(program: Program, joints: Sequence[Joint]) -> Index:
+    """One row of each joint with a spring that the program has, shape (S,)."""
+    rows = np.flatnonzero(program.kind == JOINT)
+    sprung = np.array([joints[k].stiffness > 0 for k in program.source[rows]], dtype=bool)
+    _, first = np.unique(program.source[rows[sprung]], return_index=True)
+    chosen: Index = rows[sprung][first]
+    return chosen
+
+
+def spring_form(program: Program, joints: Sequence[Joint]) -> Array | None:
+    """Second derivative of the energy of all springs over the freedoms, (n, n); None without any.
+
+    The unknowns are those of `Program.columns` [N / length unit, N, N x length unit].
+    """
+    along, stiffness, rest = _springs(program, joints)
+    if not len(stiffness):
+        return None
+    rows, per = along.jacobian().toarray(), len(program.freedoms)
+    forms = joint_forms(along, joints) / along.arm[:, None, None]
+    total = rows.T @ (stiffness[:, None] * rows)
+    place = np.full((len(program.names) + 1, 6), -1)
+    free = np.flatnonzero(program.free)
+    place[np.ix_(free, program.freedoms)] = np.arange(per * len(free)).reshape(-1, per)
+    for a, b, form, force in zip(along.part_a, along.part_b, forms, stiffness * rest, strict=True):
+        at = np.append(place[a], place[b])
+        used = at >= 0
+        total[np.ix_(at[used], at[used])] += force * form[np.ix_(used, used)]
+    return np.asarray((total + total.T) / 2)
+
+
+def spring_excess(program: Program, joints: Sequence[Joint], motion: Array) -> float:
+    """Exact energy of all springs after a motion, (N, 6), beyond their load [N x length unit]."""
+    along, stiffness, rest = _springs(program, joints)
+    if not len(stiffness):
+        return 0.0
+    moved = joint_errors(along, joints, motion) / along.arm
+    moved = np.where(along.angular, np.arcsin(np.clip(moved, -1.0, 1.0)), moved)
+    linear = along.velocities(np.where(program.free[:, None], motion, 0.0))
+    return float(stiffness @ (moved**2 / 2 + rest * (moved - linear)))
+
+
+def _springs(program: Program, joints: Sequence[Joint]) -> tuple[Program, Array, Array]:
+    """Rows along the axes of all joints with springs, their stiffness and rest positions."""
+    rows = sprung_rows(program, joints)
+    chosen = [joints[k] for k in program.source[rows]]
+    along = program.taking(rows).with_rows(
+        normal=np.array([joint.axis for joint in chosen]).reshape(-1, 3),
+        angular=np.array([joint.kind == "revolute" for joint in chosen], dtype=bool),
+        kind=np.full(len(rows), DRAG),
+    )
+    stiffness = np.array([joint.stiffness for joint in chosen])
+    return along, stiffness, np.array([joint.rest for joint in chosen])
+
+
+# Loads off the centres of mass to second order.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Swings:
+    """Loads on N parts, with rigid groups as their first parts."""
+
+    forms: Array
+    """S for the turns of each part [N x length unit], shape (N, 3, 3)."""
+    arms: Array
+    """Sum of the squares of the cross products with the arms of the loads on each part, shape
+    (N, 3, 3)."""
+    inclined: Mask
+    torques: Mask
+    """Parts with a load that is not vertical, and with a torque, shape (N,)."""
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+    def conditions(self, part: int) -> Array:
+        """Conditions, (3, 3), on a turn of a part that moves no load along an arc."""
+        if self.torques[part]:
+            return np.eye(3)
+        size = float(np.abs(self.arms[part]).max())
+        return np.asarray(self.arms[part] / (size if size > 0 else 1.0))
+
+
+def swings_of(assembly: Assembly, program: Program) -> Swings:
+    """Loads of an assembly."""
+    count = len(program.names)
+    forms, arms = np.zeros((2, count, 3, 3))
+    inclined, torques = np.zeros((2, count), dtype=bool)
+    groups, center = RigidGroups.of(assembly), assembly.geometry.center
+    for load in assembly.loads:
+        part = assembly.index_of(load.part)
+        first = int(groups.first[part])
+        force = np.asarray(load.force, dtype=float)
+        arm = (center[part] if load.point is None else load.point) - program.center[first]
+        size = float(np.linalg.norm(force))
+        torques[first] |= bool(np.any(load.torque))
+        aside = float(np.linalg.norm(np.cross(force, program.down)))
+        inclined[first] |= aside > KEEPS * size
+        if np.linalg.norm(arm) > KEEPS * program.radius[first] and size > 0:
+            product = np.outer(force, arm)
+            forms[first] += force @ arm * np.eye(3) - (product + product.T) / 2
+            arms[first] += skew(arm).T @ skew(arm)
+    return Swings(forms, arms, inclined, torques)

@@ -22,12 +22,11 @@ from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.assembly import Joint
 from kilter.mechanics.program import Program
 from kilter.second_order.gaps.features import Features
-from kilter.second_order.gaps.gap_form import corner_slips, gap_forms
-from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
-from kilter.second_order.gaps.joint_springs import spring_form
+from kilter.second_order.gaps.gap_form import corner_slips, formed, gap_forms
+from kilter.second_order.gaps.joint_forms import joint_forms, of_joints, on_joints, spring_form
 from kilter.second_order.second_order_tolerances import ACROSS
 
-__all__ = ["Stationary", "problem_of", "stationary"]
+__all__ = ["Stationary", "bounded", "formed_for_all", "problem_of", "stationary"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -209,4 +208,33 @@ def stationary(program: Program, forms: Array, slips: Array | None = None) -> St
         slips=slips,
         joined=joined if joined.any() else None,
         limits=program.capacity / (program.arm * weight) if len(program.bounded) else None,
+    )
+
+
+# Second derivatives of gaps that are valid for every surface that a mesh may represent.
+
+
+def formed_for_all(program: Program, features: Features) -> Mask:
+    """Mask of rows whose gap has a second derivative whatever the true surfaces are, (K,)."""
+    rows = formed(program, features)
+    if features.doubted:
+        rows &= formed(program, _bent(features, program.normal, -1.0))
+    return rows | of_joints(program)
+
+
+def bounded(
+    program: Program, features: Features, sense: float, joints: Sequence[Joint] = ()
+) -> Stationary:
+    """Gaps and load to second order, at the upper (1) or lower (-1) bounds of curvature."""
+    bent = _bent(features, program.normal, sense)
+    return problem_of(program, bent, joints)
+
+
+def _bent(features: Features, normal: Array, sense: float) -> Features:
+    """Copy of the features with each curvature moved to its upper or lower bound."""
+    plane = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+    return replace(
+        features,
+        curvature_a=features.curvature_a + sense * features.doubt_a[:, None, None] * plane,
+        curvature_b=features.curvature_b + sense * features.doubt_b[:, None, None] * plane,
     )

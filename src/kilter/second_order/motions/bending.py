@@ -24,16 +24,17 @@ that its friction holds nothing: a plate on an upright hinge beside a wall that 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.sparse import diags_array
 
-from kilter.arrays import TINY, Array, Index, Mask, across, read_only
+from kilter.arrays import TINY, Array, Index, Mask, across, connected, read_only
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import clusters
+from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.rigid import skew
@@ -41,16 +42,97 @@ from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.fits import body_pairs, find_fits, stressed, wrenches
 from kilter.second_order.gaps.gap_form import formed, gap_forms
-from kilter.second_order.gaps.joint_forms import joint_forms, on_joints
-from kilter.second_order.gaps.joint_springs import spring_form
-from kilter.second_order.gaps.load_forms import swings_of
+from kilter.second_order.gaps.joint_forms import joint_forms, on_joints, spring_form, swings_of
 from kilter.second_order.gaps.touched_surfaces import touched_surfaces
 from kilter.second_order.motions.harmless import Harmless, level_screws
 from kilter.second_order.motions.null_space import null_space
-from kilter.second_order.motions.steady import spread_over, steady_parts
-from kilter.second_order.second_order_tolerances import BEARS, BENDS
+from kilter.second_order.second_order_tolerances import BEARS, BENDS, SLIPS, SPREAD
 
-__all__ = ["Bending", "Bends", "bending_bodies", "round_rows"]
+__all__ = [
+    "Bending",
+    "Bends",
+    "bending_bodies",
+    "round_rows",
+    "spread_over",
+    "spread_wrench",
+    "steady_parts",
+    "tipping_parts",
+]
+
+
+# Parts that level faces below allow to move level only, by rule, at any number of parts.
+
+
+SHARE, ROUNDS = 1e-3, 60
+"""Least force of a point of a patch, over the mean force [-], and number of rounds to reach it."""
+
+
+def steady_parts(program: Program, forces: Array, flat: Mask) -> Mask:
+    """Mask of free parts that level faces below allow to move level only, shape (N,).
+
+    The points of the faces of held or steady parts below do not sink. Where they press, they do not
+    rise either. So the part keeps its height and tilt if its centre of pressure is within the hull
+    of all these points: their forces can be spread so that all of them press.
+
+    Arguments: `forces` (K,): forces of an equilibrium [N]; `flat` (K,): rows of contacts that are
+    not curved.
+    """
+    upright = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < BENDS
+    rows = np.flatnonzero(flat & upright & (program.kind == CONTACT))
+    fixed = np.append(~program.free, True)
+    lifts_b = program.normal[rows] @ program.down < 0
+    upper = np.where(lifts_b, program.part_b[rows], program.part_a[rows])
+    lower = np.where(lifts_b, program.part_a[rows], program.part_b[rows])
+    order = np.argsort(upper, kind="stable")
+    parts, start = np.unique(upper[order], return_index=True)
+    at = dict(zip(parts.tolist(), np.split(order, start[1:] if len(rows) else []), strict=False))
+    above: dict[int, set[int]] = {}
+    for high, low in zip(upper.tolist(), lower.tolist(), strict=True):
+        above.setdefault(low, set()).add(high)
+    need = 2 if program.planar else 3
+    todo = [part for part in at if not fixed[part]]
+    while todo:
+        part = todo.pop()
+        mine = at[part][fixed[lower[at[part]]]]
+        if fixed[part] or len(mine) < need:
+            continue
+        lever = program.lever(rows[mine], np.full(len(mine), part))[:, program.freedoms]
+        lever = lever / np.where(program.freedoms < 3, 1.0, program.radius[part])
+        values = np.linalg.svd(lever, compute_uv=False) ** 2
+        wide = len(values) >= need and values[need - 1] > SPREAD * values[0]
+        if wide and spread_over(lever, forces[rows[mine]]) is not None:
+            fixed[part] = True
+            todo += [k for k in above.get(part, ()) if not fixed[k]]
+    return np.asarray(fixed[:-1] & program.free)
+
+
+def spread_over(lever: Array, forces: Array) -> Array | None:
+    """Forces that press at every point with the wrench of given forces, (k,); None if not found.
+
+    `lever`, shape (k, m): wrench of a unit force at each point.
+    """
+    total = float(forces.sum())
+    if total <= 0.0 or (forces < 0).any():
+        return None
+    if forces.min() > SHARE * total / len(forces):
+        return forces
+    return spread_wrench(lever, lever.T @ forces, total)
+
+
+def spread_wrench(lever: Array, wrench: Array, total: float) -> Array | None:
+    """Forces of a given total that press at every point with a given wrench, (k,); or None."""
+    if total <= 0.0:
+        return None
+    least = SHARE * total / len(lever)
+    inverse = np.linalg.pinv(lever.T, rcond=1e-9)
+    spread = np.full(len(lever), total / len(lever))
+    for _ in range(ROUNDS):
+        spread = spread + inverse @ (wrench - lever.T @ spread)
+        if spread.min() > least:
+            return np.asarray(spread)
+        spread = np.maximum(spread, 2 * least)
+    return None
+
 
 STRAIGHT = ("plane", "edge-edge", "edge-face", "vertex-face")
 """Kinds of patch that are curved only if a part has curved surfaces."""
@@ -329,3 +411,94 @@ class Bending:
         rough = rows[self.presses[rows] & (self.program.mu[rows] > 0)]
         pair = self.program.taking(np.tile(rough, 2))
         return pair.with_rows(normal=np.concatenate(across(self.program.normal[rough])))
+
+
+# Parts with flat faces that a motion without work tips: they stand exactly above an edge.
+
+
+def tipping_parts(
+    assembly: Assembly, contacts: ContactSet, program: Program, forces: Array, held: Mask
+) -> Mask:
+    """Mask of the free parts between flat faces that may tip without work, shape (N,).
+
+    Arguments: `forces` (K,): forces of an equilibrium along the rows [N]; `held` (N,): parts that
+    count as held.
+    """
+    tips = np.zeros(len(program.names), dtype=bool)
+    for cluster in clusters(replace(program, free=program.free & ~held)):
+        part, mine = cluster.program, forces[cluster.rows]
+        rounds = round_rows(part, contacts)
+        search = Bending(assembly, contacts, part, mine, rounds)
+        loose = part.free & ~search.steady
+        if not loose.any():
+            continue
+        still = _stuck_parts(part, search.presses & (part.mu > 0))
+        flat = _stuck_parts(part, search.presses)  # these slide, and spin about the normal
+        bent = rounds & search.closed
+        ends = np.concatenate([part.part_a[bent], part.part_b[bent]])
+        still[ends[ends >= 0]] = True
+        still &= part.free
+        if not still.any():
+            tips |= _tipping(search, loose & ~flat)
+        elif (loose & ~still).any():
+            tips |= tipping_parts(assembly, contacts, part, mine, still)
+    return tips
+
+
+def _stuck_parts(program: Program, presses: Mask) -> Mask:
+    """Mask of the free parts that pressed faces connect to held parts, (N,)."""
+    rows = np.flatnonzero(presses & (program.kind == CONTACT))
+    if not len(rows):
+        return np.zeros_like(program.free)
+    count = len(program.free)
+    body = np.append(np.where(program.free, np.arange(count), count), count)
+    pair = body_pairs(program)[rows]
+    order = np.argsort(pair, kind="stable")
+    ends = np.flatnonzero(np.diff(pair[order])) + 1
+    fixed = [mine[0] for mine in np.split(rows[order], ends) if _wide(program, mine)]
+    label = connected(count + 1, body[program.part_a[fixed]], body[program.part_b[fixed]])
+    return np.asarray((label[:-1] == label[-1]) & program.free)
+
+
+def _wide(program: Program, rows: Index) -> bool:
+    """True if points span a line, or in space a plane, so that two bodies stuck there move alike.
+
+    Points count as apart if they are so by a small fraction of the bodies' size.
+    """
+    points = program.point[rows]
+    free = np.append(program.free, False)
+    ends = np.concatenate([program.part_a[rows], program.part_b[rows]])
+    size = float(program.radius[ends[free[ends]]].min())
+    if program.planar:
+        points = points[:, [0, 2]]
+    values = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    need = 1 if program.planar else 2
+    return len(values) >= need and bool(values[need - 1] > SLIPS * size)
+
+
+def _tipping(search: Bending, loose: Mask) -> Mask:
+    """Mask of the loose parts that a neutral motion may turn about an axis that is not vertical."""
+    program = search.program
+    motions = search.neutral_motions()
+    if motions is None:
+        return loose
+    tips, per = np.zeros_like(loose), len(program.freedoms)
+    unpressed = np.flatnonzero((program.kind == CONTACT) & ~search.closed)
+    opened = program.taking(unpressed).jacobian() @ (search.scale[:, None] * motions)
+    size = np.linalg.norm(opened, axis=1, keepdims=True)
+    opened = np.divide(opened, size, where=size > BENDS * size.max(initial=0.0), out=0 * opened)
+    axes = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.vstack(across(program.down[None]))
+    for number, k in enumerate(np.flatnonzero(program.free).tolist()):
+        if loose[k]:
+            mine = motions[per * number : per * (number + 1)]
+            turns = axes[:, 1:2] @ mine[2:] if program.planar else axes @ mine[3:]
+            tips[k] = any(_possible(opened, sense * turn) for turn in turns for sense in (1, -1))
+    return tips
+
+
+def _possible(opened: Array, turn: Array) -> bool:
+    """True if no multipliers prove that a motion z with `opened` z >= 0 has `turn` z <= 0."""
+    size = float(np.linalg.norm(turn))
+    if size <= BENDS:
+        return False
+    return nonnegative(opened, -turn)[1] > BENDS * size

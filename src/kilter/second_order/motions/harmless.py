@@ -27,9 +27,9 @@ from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.gap_form import formed
-from kilter.second_order.gaps.load_forms import Swings
+from kilter.second_order.gaps.joint_forms import Swings
 from kilter.second_order.gaps.touched_surfaces import LINE, Touched
-from kilter.second_order.motions.free_span import spins_unseen
+from kilter.second_order.motions.free_motions import spins_unseen
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.second_order_tolerances import BENDS
 

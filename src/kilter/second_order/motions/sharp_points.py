@@ -114,7 +114,7 @@ def opens_points(program: Program, contacts: ContactSet, motion: Array) -> bool:
     `program` has the rows of the sharp points.
     """
     # imported late: only sharp points need these modules
-    from kilter.second_order.motions.free_span import scaled_columns
+    from kilter.second_order.motions.free_motions import scaled_columns
 
     problem = stationary(program, np.zeros((len(program.kind), 12, 12)))
     columns = scaled_columns(program, problem, motion[None])[:, 0]

@@ -25,8 +25,7 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, OF_JOINTS
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.joint_forms import slipping
-from kilter.second_order.motions.bending import bending_bodies
-from kilter.second_order.motions.edge_tips import tipping_parts
+from kilter.second_order.motions.bending import bending_bodies, tipping_parts
 from kilter.second_order.motions.rolling import (
     Rolling,
     Rolls,

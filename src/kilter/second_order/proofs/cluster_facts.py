@@ -18,8 +18,7 @@ from kilter.mechanics.clusters import Cluster
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.gaps.features import Features
-from kilter.second_order.gaps.recognised import bounded, formed_for_all
-from kilter.second_order.gaps.stationary import Stationary, problem_of
+from kilter.second_order.gaps.stationary import Stationary, bounded, formed_for_all, problem_of
 from kilter.second_order.gaps.touched_surfaces import Touched, planes_of, touched_surfaces
 from kilter.second_order.motions.free_motions import FreeMotions, find_free_motions
 

@@ -24,12 +24,15 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from kilter.arrays import TINY, Array, Index, Mask, cross, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import NUMBER, SIX, Form, keys, list_of, named
+from kilter.mechanics.rows import POSSIBLE
 from kilter.second_order.gaps.features_of import FLAT, detected_rows
+from kilter.second_order.gaps.joint_forms import on_joints, slipping
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.sharp_points import SharpPoints, sharp_points
 from kilter.second_order.parts.bearing import (
@@ -41,7 +44,7 @@ from kilter.second_order.parts.bearing import (
     sums_by_part,
 )
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
-from kilter.second_order.proofs.held import imbalances, unbalanced
+from kilter.second_order.proofs.minimum_proof import all_carry
 from kilter.second_order.second_order_tolerances import (
     ACROSS,
     BALANCED,
@@ -51,7 +54,99 @@ from kilter.second_order.second_order_tolerances import (
     SPREAD,
 )
 
-__all__ = ["LevelRest", "judge_level_rest", "level_rows", "wrong_forces", "wrong_motion"]
+__all__ = [
+    "Held",
+    "LevelRest",
+    "judge_held",
+    "judge_level_rest",
+    "level_rows",
+    "scaled_rows",
+    "unbalanced",
+    "wrong_forces",
+    "wrong_motion",
+]
+
+
+# Proof that parts are held to first order: equilibrium forces leave no motion neutral.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """Equilibrium forces, (K,) [N], that prove that no neutral motion exists.
+
+    Rows of joints about turns have torques [N x length unit].
+    """
+
+    FORM: ClassVar[Form] = keys(held=list_of(NUMBER))
+    SURFACES: ClassVar[str] = "none"
+    forces: Array
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """JSON data of this proof of held parts, for a proof file."""
+        return {"held": self.forces.tolist()}
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Held:
+        """Read a proof of held parts from JSON data."""
+        return cls(np.array(data["held"], dtype=float))
+
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Verify the proof of held parts: why it fails, or the state and counts it proves."""
+        certain = facts.program.taking(facts.program.kind != POSSIBLE)
+        return judge_held(certain, self) or ("minimum", 0, 0)
+
+
+def judge_held(program: Program, proof: Held) -> str:
+    """Reason why a proof of held parts (without friction) fails; empty if it is valid."""
+    forces = proof.forces
+    if forces.shape != program.part_a.shape or not np.isfinite(forces).all():
+        return "it does not have a finite force for each contact"
+    joined = on_joints(program)
+    if (forces[~joined] < 0).any():
+        return "a contact force pulls"
+    if slipping(program, forces).any():
+        return "the friction of a joint is at its limit"
+    limit = max(BALANCED, float(program.tolerance.max(initial=0.0)))
+    if not unbalanced(program, forces) <= limit:
+        return "its forces do not balance the load"
+    over_arm = forces / program.arm  # torques of joints as forces
+    carries = joined | (over_arm > BEARS * limit * np.abs(over_arm).max(initial=TINY))
+    sizes = np.maximum(program.weight, program.force_sums(forces))[program.free]
+    per = len(program.freedoms)
+    rows = scaled_rows(program)[carries] @ diags_array(np.repeat(1 / sizes, per))
+    missing = 2 * limit * np.sqrt(per * len(sizes))
+    if not all_carry(csr_array(rows), over_arm[carries], missing, joined=joined[carries]):
+        return "its forces leave a motion neutral"
+    return ""
+
+
+def unbalanced(program: Program, forces: Array) -> float:
+    """Largest imbalance |J^T f + w| of a part, relative to its load and forces [-]."""
+    return float(imbalances(program, forces).max(initial=0.0))
+
+
+def imbalances(program: Program, forces: Array) -> Array:
+    """Imbalance |J^T f + w| of each part, relative to its load and forces [-], shape (N,)."""
+    left = np.abs(program.wrenches(forces) + program.load)
+    left[:, 3:] /= program.radius[:, None]
+    size = np.maximum(program.weight, program.force_sums(forces))
+    left = left[:, program.freedoms]
+    relative: Array = np.where(program.free, left.max(axis=1) / np.maximum(size, TINY), 0.0)
+    return relative
+
+
+def scaled_rows(program: Program) -> csr_array:
+    """Matrix J of the rows, with turns in units of 1 / part radius, shape (K, n).
+
+    Rows about turns are multiplied by their lever length.
+    """
+    units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
+    scale = diags_array(units[:, program.freedoms].reshape(-1))
+    return csr_array(diags_array(program.arm) @ program.jacobian() @ scale)
+
 
 MOST_CHANGED = 0.5
 """Largest relative change of a force by the correction that balances the load exactly [-]."""
@@ -77,7 +172,7 @@ class LevelRest:
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
         """JSON data of this proof of rest on horizontal faces, for a proof file."""
         # imported late: only a written proof needs these modules
-        from kilter.second_order.proofs.proof_numbers import named_motion
+        from kilter.second_order.proofs.minimum_proof import named_motion
 
         return {"level": self.forces.tolist(), "motion": named_motion(program, self.motion)}
 
@@ -85,7 +180,7 @@ class LevelRest:
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LevelRest:
         """Read a proof of rest on horizontal faces from JSON data."""
         # imported late: only a written proof needs these modules
-        from kilter.second_order.proofs.proof_numbers import read_motion
+        from kilter.second_order.proofs.minimum_proof import read_motion
 
         motion = read_motion(facts.program, data["motion"])
         return cls(np.array(data["level"], dtype=float), motion)

@@ -20,35 +20,187 @@ its rays. A single leaf without rays is the whole space.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
-from kilter.arrays import Array, Mask, unit_rows
+from kilter.arrays import TINY, Array, Index, Mask, read_only, unit_rows
+from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
-from kilter.mechanics.proof_form import COUNT, NUMBER, SIX, Form, keys, list_of, named, nullable
+from kilter.mechanics.proof_form import (
+    COUNT,
+    NUMBER,
+    SIX,
+    Form,
+    MalformedProof,
+    keys,
+    list_of,
+    named,
+    nullable,
+)
+from kilter.second_order.gaps.features_of import detected_rows
 from kilter.second_order.gaps.joint_forms import YIELDS
 from kilter.second_order.gaps.stationary import Stationary
-from kilter.second_order.motions.free_motions import FreeMotions
-from kilter.second_order.motions.free_span import free_span, moving_free
+from kilter.second_order.motions.free_motions import (
+    FreeMotions,
+    free_span,
+    moving_free,
+    scaled_columns,
+)
 from kilter.second_order.motions.null_space import null_space
-from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
-from kilter.second_order.proofs.proof_numbers import MalformedProof, by_part, square, stacked
-from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CURVED, LEVEL
+from kilter.second_order.second_order_tolerances import (
+    ACROSS,
+    BALANCED,
+    BEARS,
+    CURVED,
+    LEVEL,
+    SPREAD,
+)
 
 __all__ = [
+    "Faces",
     "Leaf",
+    "LockedTurns",
+    "MalformedProof",
     "MinimumProof",
+    "all_carry",
+    "by_part",
+    "carry_beyond_doubt",
+    "carrying_rows",
+    "counts",
     "definite",
+    "faces_of",
+    "judge_locked",
     "judge_minimum",
     "leaf_cones",
+    "named_motion",
     "orthants",
+    "read_columns",
+    "read_motion",
+    "shifts",
     "sides_of_cone",
     "split",
+    "square",
+    "stacked",
 ]
+
+
+# Contacts whose equilibrium force is larger than rounding errors.
+
+
+ROUNDING = 1e-13
+"""Error of an eigenvalue, over the largest eigenvalue [-]."""
+
+
+def carrying_rows(problem: Stationary, forces: Array) -> Mask:
+    """Mask of the contact rows whose force, of shape (K,), is clearly above the tolerance."""
+    limit = max(BALANCED, problem.blur)
+    return np.asarray(
+        problem.two_sided | (forces > BEARS * limit * np.abs(forces).max(initial=TINY))
+    )
+
+
+def carry_beyond_doubt(
+    problem: Stationary, forces: Array, carries: Mask, neutral: Array, load: Array
+) -> bool:
+    """True if the forces on given rows remain positive after an exact correction of the balance.
+
+    Arguments: `forces` (K,): forces over the weight [-]; those on other rows count as residual;
+    `carries` (K,): the given rows; `neutral` (n, d): orthonormal basis of the motions that open
+    none of these rows; `load` (n,): the load of the problem, or zero for self-stress.
+    """
+    rows, limit = problem.rows[carries], max(BALANCED, problem.blur)
+    missing = float(np.linalg.norm(rows.T @ forces[carries] + load))
+    missing += limit * np.sqrt(len(load)) * float(np.abs(problem.load).max(initial=0.0))
+    joined = problem.two_sided[carries]
+    return all_carry(csr_array(rows), forces[carries], missing, neutral, joined)
+
+
+def all_carry(
+    rows: csr_array,
+    forces: Array,
+    missing: float,
+    neutral: Array | None = None,
+    joined: Mask | None = None,
+) -> bool:
+    """True if forces (k,) on rows (k, n) remain positive after any correction of their residual.
+
+    Arguments: `neutral` (n, d): orthonormal motions; the rows have to block all motions across
+    them; `joined` (k,): rows of joints, which may also pull.
+    """
+    pushes = np.ones(len(forces), dtype=bool) if joined is None else ~joined
+    weights = np.where(pushes, forces, max(float(np.abs(forces).max(initial=0.0)), 1.0))
+    held = (rows.T @ diags_array(weights) @ rows).toarray()
+    size = max(float(held.diagonal().max(initial=0.0)), TINY)
+    least = max(missing**2 / float(forces[pushes].min(initial=np.inf)), ROUNDING * size)
+    if neutral is not None:
+        held += size * neutral @ neutral.T
+    try:
+        np.linalg.cholesky(held - least * np.eye(len(held)))
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+# Numbers of a proof file as arrays, and motions by the names of their parts.
+
+
+def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
+    """Total counts of motions over the proofs of clusters; empty if any cluster falls."""
+    given = [entry for entry in entries if entry is not None]
+    if any(entry["state"] == "balanced" for entry in given):
+        return {}
+    return {key: sum(entry[key] for entry in given) for key in ("neutral", "free")}
+
+
+def square(weights: list[Any]) -> Array:
+    """Square matrix from its list of rows, shape (n, n)."""
+    size = len(weights)
+    if any(len(row) != size for row in weights):
+        raise MalformedProof("weights are not square")
+    return np.array(weights, dtype=float).reshape(size, size)
+
+
+def stacked(program: Program, problem: Stationary, motions: Iterable[Any]) -> Array:
+    """Convert motions of proof data to columns of scaled unknowns, shape (n, d)."""
+    columns = [read_columns(program, problem, motion) for motion in motions]
+    return np.array(columns).T if columns else np.zeros((len(problem.load), 0))
+
+
+def by_part(program: Program, problem: Stationary, columns: Array) -> dict[str, list[float]]:
+    """Convert a motion in scaled unknowns, shape (n,), to numbers by part name."""
+    assert problem.scale is not None
+    return named_motion(program, program.full(columns * problem.scale))
+
+
+def named_motion(program: Program, motion: Array) -> dict[str, list[float]]:
+    """Convert a motion of all parts, shape (N, 6), to numbers by part name."""
+    return {program.names[k]: motion[k].tolist() for k in np.flatnonzero(program.free)}
+
+
+def read_motion(program: Program, named: dict[str, Any]) -> Array:
+    """Read a motion of all parts, shape (N, 6), from six numbers for each free part.
+
+    Raises `MalformedProof` if the names are not those of the free parts, or a motion leaves the
+    plane.
+    """
+    free = [program.names[k] for k in np.flatnonzero(program.free)]
+    if set(named) != set(free):
+        raise MalformedProof("a motion does not belong to the free parts")
+    motion = np.zeros((len(program.names), 6))
+    motion[program.free] = np.array([named[name] for name in free], dtype=float).reshape(-1, 6)
+    if np.delete(motion, program.freedoms, axis=1).any():
+        raise MalformedProof("a motion leaves the plane")
+    return motion
+
+
+def read_columns(program: Program, problem: Stationary, named: dict[str, Any]) -> Array:
+    """Read a motion by part names, and convert it to scaled unknowns, shape (n,)."""
+    return scaled_columns(program, problem, read_motion(program, named)[None])[:, 0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -302,3 +454,104 @@ def definite(matrix: Array) -> bool:
     except np.linalg.LinAlgError:
         return False
     return True
+
+
+# Proof that parts can only slide: a self-stress excludes every turn of parts on flat faces.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Faces:
+    """Contacts of a face on a face: their patches, a mask, and the contact points.
+
+    `patch`, shape (K,): patch of each row; `flat`, shape (K,): rows of faces on faces; `point`,
+    shape (K, 3): contact points over L [-].
+    """
+
+    patch: Index
+    flat: Mask
+    point: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LockedTurns:
+    """Equilibrium forces and self-stress, (K,) each [-], which prove that parts cannot turn."""
+
+    FORM: ClassVar[Form] = keys(locked=list_of(NUMBER), stress=list_of(NUMBER))
+    SURFACES: ClassVar[str] = "exact"
+    forces: Array
+    stress: Array
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """JSON data of this proof of locked turns, for a proof file."""
+        assert problem is not None
+        forces = (self.forces * problem.weight).tolist()
+        return {"locked": forces, "stress": self.stress.tolist()}
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LockedTurns:
+        """Read a proof of locked turns from JSON data."""
+        forces = np.array(data["locked"], dtype=float) / facts.problem.weight
+        return cls(forces, np.array(data["stress"], dtype=float))
+
+    def judge(self, facts: ClusterFacts) -> Judged:
+        """Verify the proof of locked turns: why it fails, or the state and counts it proves."""
+        if facts.program.planar:
+            return "parts in a plane have no turns to lock"
+        faces = faces_of(facts.program, facts.contacts, facts.problem)
+        free, across = (basis.shape[1] for basis in shifts(facts.problem))
+        return judge_locked(facts.problem, faces, self) or ("free", free + across, free)
+
+
+def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Faces:
+    """Detected contacts of flat faces on flat faces in a program."""
+    flat = np.zeros(len(program.source), dtype=bool)
+    rows = detected_rows(program, contacts)
+    flat[rows] = contacts.patch_kind[program.source[rows]] == "plane"
+    return Faces(program.source, flat, program.point / problem.length)
+
+
+def shifts(problem: Stationary) -> tuple[Array, Array]:
+    """Orthonormal bases of the neutral motions: without turns, (n, f), and orthogonal to these."""
+    neutral = null_space(problem.rows, problem.blur)
+    turns = np.arange(neutral.shape[0]) % 6 >= 3
+    free = neutral @ null_space(neutral[turns], ACROSS)
+    return free, neutral @ null_space(free.T @ neutral, ACROSS)
+
+
+def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
+    """Reason why a proof of locked turns fails; empty if it is valid."""
+    count = len(problem.rows)
+    if proof.forces.shape != (count,) or proof.stress.shape != (count,):
+        return "it does not have a finite force for each contact"
+    if not (np.isfinite(proof.forces).all() and np.isfinite(proof.stress).all()):
+        return "its numbers are not finite"
+    if problem.rows.shape[1] % 6 or not faces.flat.all() or not _wide(faces):
+        return "not every contact is a contact of faces on faces"
+    limit = max(BALANCED, problem.blur)
+    if (proof.forces < 0).any() or problem.imbalance(proof.forces) > limit:
+        return "its forces do not balance the load"
+    most = float(proof.stress.max(initial=TINY))
+    if not (proof.stress > BEARS * limit * most).all():
+        return "its self-stress does not press on every contact"
+    if np.abs(problem.rows.T @ proof.stress).max(initial=0.0) > limit * most:
+        return "its self-stress does not balance"
+    neutral = null_space(problem.rows, problem.blur)
+    scaled, every = proof.stress / most, np.ones(count, dtype=bool)
+    if not carry_beyond_doubt(problem, scaled, every, neutral, np.zeros_like(problem.load)):
+        return "its self-stress is no larger than rounding errors"
+    free, across = shifts(problem)
+    if np.abs(problem.load @ free).max(initial=0.0) > ACROSS:
+        return "its shifts cost energy"
+    if not definite(problem.stress_curvature(scaled, across)):
+        return "its self-stress does not exclude every turn"
+    return ""
+
+
+def _wide(faces: Faces) -> bool:
+    """True if the contact points of every face span an area, not only a line."""
+    points = [faces.point[faces.patch == patch] for patch in np.unique(faces.patch)]
+    arms = [point - point.mean(axis=0) for point in points]
+    return all(np.linalg.eigvalsh(arm.T @ arm)[1] > SPREAD for arm in arms)

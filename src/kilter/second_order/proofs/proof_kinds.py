@@ -12,10 +12,8 @@ from kilter.mechanics.proof_form import Form
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
 from kilter.second_order.proofs.fall_proof import Fall
-from kilter.second_order.proofs.held import Held
-from kilter.second_order.proofs.level_rest import LevelRest
-from kilter.second_order.proofs.locked import LockedTurns
-from kilter.second_order.proofs.minimum_proof import MinimumProof
+from kilter.second_order.proofs.level_rest import Held, LevelRest
+from kilter.second_order.proofs.minimum_proof import LockedTurns, MinimumProof
 from kilter.second_order.proofs.stopped import Stopped
 
 __all__ = ["KINDS", "SecondOrderProof"]

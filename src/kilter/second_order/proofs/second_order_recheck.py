@@ -6,13 +6,15 @@ motions, weights and places are taken from the file, after its form has been ver
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Mask
+from kilter.arrays import Array, Mask, counted
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
+from kilter.contact.open_pairs import still_open
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof_form import (
@@ -26,39 +28,146 @@ from kilter.mechanics.proof_form import (
     nullable,
     optional_keys,
 )
-from kilter.mechanics.rows import POSSIBLE
+from kilter.mechanics.rows import CONTACT, OF_JOINTS, POSSIBLE
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.joint_forms import of_joints, on_joints
 from kilter.second_order.gaps.stationary import stationary
-from kilter.second_order.motions.free_motions import FreeMotions
-from kilter.second_order.motions.free_span import moving_free, scaled_columns
+from kilter.second_order.motions.free_motions import FreeMotions, moving_free, scaled_columns
 from kilter.second_order.motions.rolling import rolling_of, worst_rolling
-from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
+from kilter.second_order.motions.sharp_points import sharp_points, sharp_pushes, with_sharp
 from kilter.second_order.parts.cluster_states import falling_alone, joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
 from kilter.second_order.proofs.fall_proof import Fall
-from kilter.second_order.proofs.held import Held
-from kilter.second_order.proofs.level_rest import LevelRest
-from kilter.second_order.proofs.minimum_proof import MinimumProof
-from kilter.second_order.proofs.modelled import (
-    OFF_CENTRE,
-    loads_off_centre,
-    unmodelled_pairs,
-    why_beyond,
-    why_unmodelled,
-)
-from kilter.second_order.proofs.proof_kinds import KINDS, SecondOrderProof
-from kilter.second_order.proofs.proof_numbers import (
+from kilter.second_order.proofs.level_rest import Held, LevelRest
+from kilter.second_order.proofs.minimum_proof import (
     MalformedProof,
+    MinimumProof,
     counts,
     read_motion,
     stacked,
 )
+from kilter.second_order.proofs.proof_kinds import KINDS, SecondOrderProof
 from kilter.second_order.proofs.stopped import Stopped
-from kilter.second_order.second_order_tolerances import ACROSS, DROPS, KEEPS
+from kilter.second_order.second_order_tolerances import ACROSS, AGREE, DROPS, KEEPS
 
-__all__ = ["recheck_second_order"]
+__all__ = [
+    "OFF_CENTRE",
+    "loads_off_centre",
+    "recheck_second_order",
+    "unmodelled_pairs",
+    "why_beyond",
+    "why_unmodelled",
+]
+
+
+# Contacts, bonds and loads that second order cannot model.
+
+
+OFF_CENTRE = "second order does not model loads beside a centre of mass"
+
+
+def unmodelled_pairs(assembly: Assembly, contacts: ContactSet) -> dict[frozenset[int], str]:
+    """Pairs of parts with contacts that second order cannot model, each with the reason."""
+    if not contacts.open_pairs and not len(contacts.possible):
+        return {}
+    sharp = sharp_pushes(contacts)
+    jointed = RigidGroups.of(assembly).jointed_pairs(assembly)
+    possible = _pairs(contacts)
+    known = _on_rims(contacts) | _within_groups(assembly, contacts) | sharp
+    pushed = {possible[k] for k in np.flatnonzero(sharp)}
+    found = {}
+    for pair in still_open(contacts.open_pairs, assembly):
+        both = frozenset(pair.ends)
+        overlaps = pair.kind == "overlap" and both in jointed
+        if not (overlaps or (pair.kind == "degenerate" and both in pushed)):
+            found[both] = "is open"
+    for k in np.flatnonzero(~known):
+        if possible[k] not in jointed:
+            found.setdefault(possible[k], "is not modelled")
+    return found
+
+
+def why_unmodelled(
+    assembly: Assembly, pairs: Mapping[frozenset[int], str], bodies: Mask | None = None
+) -> str:
+    """Reason why second order cannot model some bodies, with the first pair; empty if it can.
+
+    Arguments: `bodies` (N,): first parts of the rigid groups that count; by default all.
+    """
+    first = RigidGroups.of(assembly).first
+    mine = [
+        (sorted(pair), why)
+        for pair, why in pairs.items()
+        if bodies is None or bodies[first[list(pair)]].any()
+    ]
+    if not mine:
+        return ""
+    (a, b), why = min(mine)
+    more = f", and {len(mine) - 1} more" if len(mine) > 1 else ""
+    return f"the contact of {assembly.names[a]} and {assembly.names[b]} {why}{more}"
+
+
+def why_beyond(program: Program, assembly: Assembly) -> str:
+    """Reason why second order cannot model a cluster's bonds, straps or loads; else empty."""
+    strapped = bool(assembly.straps) and bool(program.clamp.any())
+    if strapped or program.pull.any() or program.cohesion.any():
+        return "second order does not model bonds and straps"
+    if not np.isin(program.kind, (CONTACT, POSSIBLE, *OF_JOINTS)).all():
+        return "second order does not model bonds and straps"
+    if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
+        return OFF_CENTRE
+    return ""
+
+
+def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
+    """Masks of parts with a load off their centre, and of those with an inclined one, (N,)."""
+    off, slanted = np.zeros((2, len(program.names)), dtype=bool)
+    groups, center = RigidGroups.of(assembly), assembly.geometry.center
+    for load in assembly.loads:
+        part = assembly.index_of(load.part)
+        first = groups.first[part]
+        arm = (center[part] if load.point is None else load.point) - program.center[first]
+        if np.linalg.norm(arm) > KEEPS * program.radius[first] and load.force.any():
+            off[first] = True
+            aside = np.linalg.norm(np.cross(load.force, program.down))
+            slanted[first] |= aside > KEEPS * np.linalg.norm(load.force)
+    return off, slanted
+
+
+def _pairs(contacts: ContactSet) -> list[frozenset[int]]:
+    """The two parts of each possible contact."""
+    both = zip(contacts.possible.part_a.tolist(), contacts.possible.part_b.tolist(), strict=True)
+    return [frozenset(pair) for pair in both]
+
+
+def _within_groups(assembly: Assembly, contacts: ContactSet) -> Mask:
+    """Mask of possible contacts between parts of the same rigid group, shape (k,)."""
+    first = RigidGroups.of(assembly).first
+    within: Mask = first[contacts.possible.part_a] == first[contacts.possible.part_b]
+    return within
+
+
+def _on_rims(contacts: ContactSet) -> Mask:
+    """Mask of possible contacts that lie in the plane of a flat patch of the same parts, (k,)."""
+    possible, count = contacts.possible, len(contacts.assembly.parts)
+    flat = np.flatnonzero(contacts.patch_kind == "plane")
+    parts = contacts.patch_parts[flat]
+    pair = parts[:, 0] * count + parts[:, 1]
+    order = np.argsort(pair, kind="stable")
+    flat, pair = flat[order], pair[order]
+    wanted = possible.part_a * count + possible.part_b
+    first, last = np.searchsorted(pair, wanted, "left"), np.searchsorted(pair, wanted, "right")
+    row, place = counted(last - first)
+    patch = flat[first[row] + place]
+    normal = contacts.patch_normal[patch]
+    agrees = np.einsum("ij,ij->i", normal, possible.normals[row]) > 1 - AGREE
+    off = possible.points[row] - contacts.points[contacts.patch_start[patch]]
+    near = np.abs(np.einsum("ij,ij->i", normal, off)) <= contacts.gap
+    on = np.zeros(len(possible), dtype=bool)
+    on[row[agrees & near]] = True
+    return on & ~possible.two_sided
+
 
 ENTRY = every(
     keys(state=WORD),

@@ -39,13 +39,18 @@ from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.gap_form import formed
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.gaps.touched_surfaces import Touched
-from kilter.second_order.motions.free_span import free_span
+from kilter.second_order.motions.free_motions import free_span
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.parts.bearing import level_axes
-from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
-from kilter.second_order.proofs.minimum_proof import definite
-from kilter.second_order.proofs.proof_numbers import MalformedProof, by_part, read_columns
+from kilter.second_order.proofs.minimum_proof import (
+    MalformedProof,
+    by_part,
+    carry_beyond_doubt,
+    carrying_rows,
+    definite,
+    read_columns,
+)
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS, LEVEL
 
 __all__ = [

@@ -7,13 +7,16 @@ of the proof moves all parts away from their middle.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csc_array, csr_array, diags_array
 
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.mechanics.program import Program
+from kilter.second_order.gaps.joint_forms import on_joints
+from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.sharp_points import SharpPoints
 from kilter.second_order.parts.bearing import (
     Bearing,
@@ -23,13 +26,117 @@ from kilter.second_order.parts.bearing import (
     level_axes,
     sums_by_part,
 )
-from kilter.second_order.proofs.level_rest import LevelRest, wrong_forces, wrong_motion
-from kilter.second_order.searches.critical import carrying_forces
-from kilter.second_order.searches.opening_contacts import enough_to_open, opening_motion
+from kilter.second_order.proofs.level_rest import (
+    Held,
+    LevelRest,
+    judge_held,
+    scaled_rows,
+    wrong_forces,
+    wrong_motion,
+)
+from kilter.second_order.proofs.stopped import StopForms, Stopped, judge_stopped, stop_forms
+from kilter.second_order.searches.counted_program import optimum
+from kilter.second_order.searches.curved_energy import carrying_forces
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
+from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
-__all__ = ["find_level_rest", "find_parting", "resting_forces", "rests_level"]
+__all__ = [
+    "enough_to_open",
+    "find_held",
+    "find_level_rest",
+    "find_parting",
+    "find_stopped",
+    "opening_motion",
+    "resting_forces",
+    "rests_level",
+]
+
+
+# Search for equilibrium forces that exclude every neutral motion.
+
+
+FULL = 1e-12
+"""J has full rank if the least eigenvalue of J^T J over its largest entry is above this [-]."""
+ROUNDS = 50
+"""Largest number of rounds in which forces are redistributed over the contacts."""
+SHARE = 0.02
+"""Least force of a contact at which redistribution aims, over the mean force; half is enough."""
+
+
+def find_held(program: Program, forces: Array) -> Held | None:
+    """Make a proof of held parts from equilibrium forces, (K,) [N]; None if it would fail."""
+    if len(forces) < int(program.free.sum()) * len(program.freedoms):
+        return None  # fewer rows than freedoms: a motion opens no contact, whatever the forces
+    if not judge_held(program, Held(forces)):
+        return Held(forces)
+    if not forces.any():
+        return None
+    spread = _spread_out(program, forces)
+    return None if spread is None or judge_held(program, Held(spread)) else Held(spread)
+
+
+def _spread_out(program: Program, forces: Array) -> Array | None:
+    """Equilibrium forces near the given forces that push at every contact; None if not found."""
+    if on_joints(program).any():
+        return None  # the forces of joints are not to be made positive
+    rows = scaled_rows(program)
+    gram = (rows.T @ rows).toarray()
+    try:
+        np.linalg.cholesky(gram - FULL * gram.diagonal().max(initial=0.0) * np.eye(len(gram)))
+    except np.linalg.LinAlgError:
+        return None  # some motion opens no contact: it stays neutral under all forces
+    inverse = np.linalg.inv(gram)
+    least = SHARE * float(forces.mean())
+    spread = forces
+    for _ in range(ROUNDS):
+        change = np.maximum(spread, least) - forces
+        spread = forces + change - rows @ (inverse @ (rows.T @ change))
+        if spread.min() > least / 2:
+            return np.asarray(spread)
+    return None
+
+
+# Search for motions that open contacts, by a linear program.
+
+
+MOST_CHOICES = 64
+"""Largest number of combinations of normals, one for each pair."""
+
+
+def opening_motion(rows: Array, work: Work | None) -> Array | None:
+    """Motion, (f,), that opens all given rows as widely as possible; None if none opens all.
+
+    Max t:  rows x >= t,  |x| <= 1.
+    """
+    count, freedoms = rows.shape
+    x = optimum(
+        LinearProgram(
+            np.append(np.zeros(freedoms), -1.0),
+            csc_array(np.hstack([rows, -np.ones((count, 1))])),
+            np.zeros(count),
+            np.full(count, np.inf),
+            -np.ones(freedoms + 1),
+            np.ones(freedoms + 1),
+        ),
+        work,
+    )
+    return x[:-1] if x is not None and x[-1] > 0 else None
+
+
+def enough_to_open(points: SharpPoints, rows: Mask) -> Iterator[Mask]:
+    """Yield subsets of the given rows that, if opened, separate every pair of parts.
+
+    For a pair with sharp points the rows of a single normal suffice. There are at most
+    `MOST_CHOICES` subsets.
+    """
+    sharp = rows & (points.along >= 0)
+    pairs = np.unique(points.pair[sharp])
+    normals = [np.unique(points.along[sharp & (points.pair == pair)]) for pair in pairs]
+    others = rows & ~np.isin(points.pair, pairs)
+    for chosen in itertools.islice(itertools.product(*normals), MOST_CHOICES):
+        yield others | (rows & np.isin(points.along, chosen))
+
 
 MOST_ASKED = 100
 """Largest number of free parts for which a linear program distributes the load."""
@@ -252,3 +359,78 @@ def find_parting(
         if not wrong_motion(program, level, motion, sharp):
             return motion
     return None
+
+
+# Search for the weights of stops in a proof that stops keep sliding parts from falling.
+
+
+SHARES = (0.1, 1e-3, 1e-5)
+"""Lower bounds of the weights, over the most even weights, while curvature is maximised [-]."""
+MOST_WEIGHTS = 2_000
+"""Largest number of products of a stop and a level contact."""
+
+
+def find_stopped(
+    problem: Stationary, level: Mask, motions: Array, free: Array, *, work: Work | None = None
+) -> Stopped | None:
+    """Search for a proof by stops that the energy has a minimum; None without a proof.
+
+    The arguments are those of `judge_stopped`.
+    """
+    stops, count = int((~level).sum()), int(level.sum())
+    if not count or not stops or stops * count > MOST_WEIGHTS:
+        return None
+    answer = carrying_forces(csr_array(problem.rows[level]), problem.load, work=work)
+    opening = opening_motion(problem.rows[~level] @ motions, work)
+    if answer is None or opening is None:
+        return None
+    forces = np.zeros(len(level))
+    forces[level] = answer[0]
+    forms = stop_forms(problem, level, motions, free, forces)
+    for weights in _candidate_weights(forms, work):
+        proof = Stopped(forces, weights, motions @ opening)
+        if not judge_stopped(problem, level, motions, free, proof):
+            return proof
+    return None
+
+
+def _candidate_weights(forms: StopForms, work: Work | None) -> Iterator[Array]:
+    """Weights for a proof by stops, (s, m): first the most even, then the most effective."""
+    if not len(forms.stops_level) * len(forms.rises):
+        yield np.zeros((len(forms.stops_level), len(forms.rises)))
+        return
+    even = _weights(forms, None, work)
+    if even is None:
+        return
+    yield even
+    for share in SHARES:
+        weights = _weights(forms, share * float(even.min()), work)
+        if weights is not None:
+            yield weights
+
+
+def _weights(forms: StopForms, least: float | None, work: Work | None) -> Array | None:
+    """Weights that match the coupling terms of the energy, each at least t, (s, m); or None.
+
+    Without `least`, t is maximised; otherwise t = `least`, and the trace of S is maximised. None if
+    the program is not solved.
+    """
+    stops, rises = len(forms.stops_level), len(forms.rises)
+    count = stops * rises
+    products = np.einsum("if,jd->fdij", forms.stops_level, forms.rises).reshape(-1, count)
+    above = np.hstack([np.eye(count), -np.ones((count, 1))])
+    right = forms.coupling.reshape(-1)
+    taken = (forms.stops_tilts @ forms.rises.T).reshape(-1)  # by each weight from the trace of S
+    low, high = (0.0, np.inf) if least is None else (least, least)
+    x = optimum(
+        LinearProgram(
+            np.append(np.zeros(count), -1.0) if least is None else np.append(taken, 0.0),
+            csc_array(np.vstack([np.hstack([products, np.zeros((len(products), 1))]), above])),
+            np.concatenate([right, np.zeros(count)]),
+            np.concatenate([right, np.full(count, np.inf)]),
+            np.append(np.zeros(count), low),
+            np.append(np.full(count, np.inf), high),
+        ),
+        work,
+    )
+    return None if x is None else x[:-1].reshape(stops, rises)

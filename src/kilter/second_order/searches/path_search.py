@@ -11,21 +11,33 @@ Parts that are pressed between planes keep these contacts: then d2 shifts them a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.arrays import TINY, Array, Index, Mask
+from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.program import Program
 from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.free_motions import scaled_columns
 from kilter.second_order.motions.null_space import null_space
-from kilter.second_order.proofs.paths import Path, judge_path
+from kilter.second_order.motions.sharp_points import sharp_points
+from kilter.second_order.parts.bearing import level_axes
+from kilter.second_order.proofs.cluster_facts import ClusterFacts
+from kilter.second_order.proofs.fall_proof import Path, judge_path
+from kilter.second_order.proofs.level_rest import level_rows
+from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
 from kilter.second_order.searches.counted_program import optimum
+from kilter.second_order.searches.energy_decision import EnergyDecision
+from kilter.second_order.searches.level_rest_search import find_parting
 from kilter.second_order.second_order_tolerances import ACROSS, DROPS, REACHES
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
-__all__ = ["find_path"]
+__all__ = ["decided_for_all", "find_path", "parted_paths"]
+
 
 TURNS = [3, 4, 5, 9, 10, 11]
 """Indices of the turns among the 12 unknowns of a contact."""
@@ -153,3 +165,85 @@ def _second_derivative(
         work,
     )
     return None if x is None else _on_joints(problem, x[:-1], rows[joined], bends[joined])
+
+
+# Decisions that are valid for every surface that a mesh may represent.
+
+
+TOO_NEAR = "the surfaces recognised in meshes are not known exactly enough to decide"
+
+
+def decided_for_all(
+    facts: ClusterFacts,
+    problem: Stationary,
+    decision: EnergyDecision,
+    work: Work,
+) -> tuple[Stationary, EnergyDecision]:
+    """Return a decision only if it holds for all surfaces within their doubt; else "open".
+
+    Returns the problem at the worst bounds, which the proof is about.
+    """
+    proof = decision.proof
+    if isinstance(proof, MinimumProof):
+        worst = facts.bounded(1.0)
+        if not judge_minimum(problem, proof, worst):
+            return worst, decision
+    elif isinstance(proof, Path):
+        worst = facts.bounded(-1.0)
+        for candidate in (proof, *decision.others):
+            path = find_path(worst, candidate.first, work=work)
+            if path is not None and path.falls:
+                return worst, replace(decision, proof=path, others=())
+    else:
+        return problem, decision
+    left = decision.neutral - decision.free
+    return problem, replace(
+        decision, state="open", blocked=0, undecided=left, proof=None, why=TOO_NEAR, others=()
+    )
+
+
+# Falling paths along which the falling parts also separate from their neighbours.
+
+
+SHARES = (0.3, 1.0, 3.0)
+"""Lengths of the added horizontal motion, over the length of the path [-]."""
+MOST = 4
+"""Largest number of paths that are tried; paths of few parts come first."""
+
+
+def parted_paths(
+    program: Program,
+    contacts: ContactSet,
+    problem: Stationary,
+    paths: tuple[Path, ...],
+    work: Work,
+) -> Iterator[Path]:
+    """Yield falling paths near given ones, with added shifts that open other contacts."""
+
+    def moved(path: Path) -> int:
+        by_part = path.first.reshape(-1, len(program.freedoms))
+        return int((np.abs(by_part).max(axis=1) > ACROSS).sum())
+
+    shifts = _level_shifts(program, contacts, problem, work)
+    for path in sorted(paths, key=moved)[:MOST]:
+        for away in shifts:
+            for share in SHARES:
+                parted = find_path(problem, path.first + share * away, work=work)
+                if parted is not None and parted.falls:
+                    yield parted
+
+
+def _level_shifts(
+    program: Program, contacts: ContactSet, problem: Stationary, work: Work
+) -> list[Array]:
+    """Horizontal motions, (n,): parts away from a common point, and all parts alike."""
+    points = sharp_points(program, contacts)
+    parting = find_parting(program, level_rows(program, contacts), points, work)
+    motions = [] if parting is None else [parting]
+    for axis in level_axes(program):
+        for sense in (1.0, -1.0):
+            motion = np.zeros((len(program.names), 6))
+            motion[program.free, :3] = sense * axis
+            motions.append(motion)
+    columns = scaled_columns(program, problem, np.array(motions))
+    return list((columns / np.linalg.norm(columns, axis=0)).T)

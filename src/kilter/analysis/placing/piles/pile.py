@@ -20,9 +20,15 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.placing.piles.pile_contacts import BoxRows, Touching
-from kilter.analysis.placing.piles.pile_friction import decide_rough, rough_program
-from kilter.analysis.placing.piles.pile_places import decide_places
-from kilter.analysis.placing.piles.pile_question import FALLS, OPEN, STANDS, PlaceDecision
+from kilter.analysis.placing.piles.pile_open_places import decide_places
+from kilter.analysis.placing.piles.pile_question import (
+    FALLS,
+    OPEN,
+    STANDS,
+    PlaceDecision,
+    decide_rough,
+    rough_program,
+)
 from kilter.analysis.placing.piles.pile_state import PileState, corner_shares
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index, Mask

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
-from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
+from kilter.analysis.decision.deciding_pairs import AnsweredPair, answered_pairs
 from kilter.assembly import Assembly, Strap
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support
@@ -14,8 +14,8 @@ from kilter.mechanics.bundle import apply_change, make_bundle
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_motion
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, make_proof
-from kilter.tell.hold_words import hold_sentence
 from kilter.tell.levels import holds
+from kilter.tell.plan_words import hold_sentence
 from kilter.tell.record import Answer, InPython, LevelWord, Record, UnitWord, Vector, key, keys_of
 
 __all__ = ["ChosenStrap", "Fixture", "HeldSupport", "Stated", "StoppedMotion", "StrapCase"]

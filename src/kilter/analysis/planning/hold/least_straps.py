@@ -30,7 +30,7 @@ from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.hold.fixture import ChosenStrap, Fixture, Stated, StrapCase
 from kilter.analysis.smallest_set import TooManySets, least_cover
 from kilter.analysis.transport.carrier import CarrierMotion, carried_assembly
-from kilter.analysis.transport.codes import code_accelerations
+from kilter.analysis.transport.transport import code_accelerations
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Strap
 from kilter.assembly.strap_wrenches import strap_wrenches

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.planning.hold.gripped_parts import grips_that_hold
-from kilter.analysis.planning.hold.supported import Supported, SupportedState
+from kilter.analysis.planning.hold.supported import Supported, SupportedState, grips_that_hold
 from kilter.analysis.smallest_set import Shares, least_cover, reduced_by_halves
 from kilter.tell.levels import holds
 from kilter.work import EFFORT, Work, units_of

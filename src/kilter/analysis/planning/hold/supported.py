@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.decision.cascade import decide
-from kilter.analysis.decision.decision import Decision
+from kilter.analysis.decision.cascade import Decision, decide
+from kilter.analysis.decision.deciding_pairs import joining_wrenches
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.hold.fixture import HeldSupport, Stated
-from kilter.analysis.planning.states.state_programs import StatePrograms, build_state_programs
-from kilter.analysis.smallest_set import Shares
+from kilter.analysis.planning.states.known_proofs import StatePrograms, build_state_programs
+from kilter.analysis.smallest_set import Shares, irreducible_subset
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -25,7 +25,8 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.work import Work
 
-__all__ = ["Supported", "SupportedState", "shares_of"]
+__all__ = ["Supported", "SupportedState", "grips_that_hold", "shares_of"]
+
 
 LEFT = 1e-3
 """Least share of its power that a motion must keep for a set of supports to be ruled out."""
@@ -219,3 +220,44 @@ def shares_of(
         if share > 0:
             share_of[k] = share
     return share_of
+
+
+# Parts of a large assembly whose grips hold it, from least wrenches of grips on all parts.
+
+
+WRENCHES = (1e-2, 1e-4)
+"""Grips with a wrench above this are tried, in multiples of the typical weight [-]. The second
+value serves if the grips of the first do not hold.
+"""
+REDUCING = 0.25
+"""Fraction of the remaining work after which no further grip is left out [-]."""
+
+
+def grips_that_hold(given: Supported, work: Work, charge: float) -> frozenset[int] | None:
+    """Grips that hold an assembly, none of which can be left out; None if none were found.
+
+    The assembly does not hold without supports, and a judgement costs `charge` units of work. If a
+    quarter of the work is spent, grips may be left that are not needed.
+    """
+    program, index = given.without_supports(), given.assembly.index
+    held = np.flatnonzero(~program.free)
+    grips = [k for k, support in enumerate(given.supports) if support.kind == "grip"]
+    grips = [k for k in grips if program.free[index[given.supports[k].part]]]
+    if not grips or not len(held):
+        return None
+    ends = np.array([[held[0], index[given.supports[k].part]] for k in grips])
+    norms = joining_wrenches(program, ends, work=work)
+    if norms is None:
+        return None
+    budget = work.fraction_left(REDUCING)
+
+    def suffices(chosen: list[int]) -> bool:
+        work.charge(charge)
+        return given.judge(chosen, work).stable is True
+
+    order = np.argsort(-norms, kind="stable")
+    for least in WRENCHES:
+        chosen = [grips[k] for k in order[norms[order] > least].tolist()]
+        if chosen and suffices(chosen):
+            return frozenset(irreducible_subset(chosen, suffices, lambda: budget.over))
+    return None

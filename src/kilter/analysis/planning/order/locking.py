@@ -30,8 +30,8 @@ from scipy.sparse import csc_array
 
 from kilter.analysis.analysis_tolerances import LOCKS
 from kilter.analysis.planning.order.removal import Removal
-from kilter.analysis.planning.states.part_sets import mask_of
-from kilter.analysis.planning.states.state import State
+from kilter.analysis.planning.states.holds import mask_of
+from kilter.analysis.planning.states.known_proofs import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Array, Mask
 from kilter.mechanics.program import Program

@@ -3,52 +3,257 @@
 The order is found backwards (`kilter.analysis.planning.order.search`). Each step has a state that
 contact forces hold while the next part comes in (`kilter.analysis.planning.states.states`), and a
 free path (`kilter.analysis.planning.order.removal`). Three proofs of impossibility hold for any
-paths. Without holds, some parts cannot stand (`kilter.analysis.planning.order.closure`). For any
+paths. Without holds, some parts cannot stand (`kilter.analysis.planning.order.plan`). For any
 holds, parts lock each other (`kilter.analysis.planning.order.locking`). For a given number of
-holds, the states that need more bar every order (`kilter.analysis.planning.order.exhaustion`).
-Without such a proof, the answer "none found" covers only the tried paths.
+holds, the states that need more bar every order (`kilter.analysis.planning.order.plan`). Without
+such a proof, the answer "none found" covers only the tried paths.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from kilter.analysis.decision.open_question import answered_pairs
-from kilter.analysis.planning.order.carried_accelerations import extreme_accelerations
-from kilter.analysis.planning.order.cheapest import Searched, find_order
-from kilter.analysis.planning.order.closure import find_unreachable
-from kilter.analysis.planning.order.exhaustion import find_refused
-from kilter.analysis.planning.order.given_order import judge_order, sets_of_order
+from kilter.analysis.decision.deciding_pairs import answered_pairs
 from kilter.analysis.planning.order.locking import Locked, find_locked
 from kilter.analysis.planning.order.order import Assumes, Fewest, Finished, Order, Search
 from kilter.analysis.planning.order.plan_rules import PlanRules, turns_alone
-from kilter.analysis.planning.order.plan_step import steps_of
-from kilter.analysis.planning.order.pressing import Pressing
-from kilter.analysis.planning.order.removal import Removal, Screw
-from kilter.analysis.planning.order.screws import find_screws
-from kilter.analysis.planning.order.search import OrderSearch
-from kilter.analysis.planning.order.succession import later_parts, precedence_pairs
-from kilter.analysis.planning.order.together import units_of_groups
-from kilter.analysis.planning.order.turning import find_with_turns
-from kilter.analysis.planning.states.holds import Holds
-from kilter.analysis.planning.states.part_sets import members
-from kilter.analysis.planning.states.state import State
+from kilter.analysis.planning.order.plan_step import judge_order, sets_of_order, steps_of
+from kilter.analysis.planning.order.removal import Pressing, Removal, Screw, find_screws
+from kilter.analysis.planning.order.search import FEW, PROGRAM, OrderSearch, units_of_groups
+from kilter.analysis.planning.order.turning import Searched, find_order, find_with_turns
+from kilter.analysis.planning.states.holds import Holds, bits_of, members
+from kilter.analysis.planning.states.known_proofs import State
 from kilter.analysis.planning.states.states import States, states
+from kilter.analysis.smallest_set import least_hitting_set
 from kilter.analysis.verdict.remarks import remarks
-from kilter.arrays import Array, Mask
+from kilter.arrays import Array, Mask, across, cross
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.question import Question, question
+from kilter.errors import InputError, some_names
 from kilter.tell.levels import require_level
 from kilter.validate import finite
 from kilter.work import Work
 
-__all__ = ["plan"]
+__all__ = [
+    "MOST_SETS",
+    "SIDES",
+    "extreme_accelerations",
+    "find_refused",
+    "find_unreachable",
+    "later_parts",
+    "leads_nowhere",
+    "plan",
+    "precedence_pairs",
+]
+
+
+# Accelerations of a carrier that every state of a plan must carry between two steps.
+
+
+SIDES = 16
+"""Number of corners around the circle of horizontal accelerations. More corners take more time and
+are nearer to the circle: the corners exceed its radius by 2 % for 16."""
+
+
+def extreme_accelerations(assembly: Assembly, carried: float | ArrayLike) -> Array:
+    """Accelerations whose convex hull has all accelerations to be carried, shape (n, 3) [m/s^2].
+
+    Arguments: `carried` (3,) [m/s^2]. Raises `InputError` if a vector leaves the plane of a planar
+    assembly, or leaves the parts in free fall.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> corners = extreme_accelerations(scene("tower"), 3.0)
+    >>> corners.shape, bool(np.linalg.norm(corners[0] + corners[1]) / 2 >= 3.0)
+    ((16, 3), True)
+    """
+    value = np.asarray(carried, dtype=np.float64)
+    down = assembly.down
+    if value.ndim:
+        if assembly.planar and value[1] != 0.0:
+            raise InputError(
+                f"carried is {value.tolist()}, which leaves the x-z plane of a planar assembly",
+                hint="give it y = 0",
+            )
+        if not (assembly.gravity - value).any():
+            raise InputError(
+                "with this acceleration of the carrier everything falls freely",
+                hint="give another acceleration",
+            )
+        return value[None] if value.any() else np.empty((0, 3))
+    if not value:
+        return np.empty((0, 3))
+    if assembly.planar:
+        along = cross(down, np.array([0.0, 1.0, 0.0]))
+        return np.stack([value * along, -value * along])
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    corners: Array = np.column_stack([np.cos(angle), np.sin(angle)]) @ np.stack(across(down))
+    corners *= float(value) / np.cos(np.pi / SIDES)
+    return corners
+
+
+# Proof that no order of assembly without held parts exists, whatever the paths.
+
+
+def find_unreachable(states: States, work: Work | None = None) -> tuple[Mask, list[State]]:
+    """Find the parts that can stand without hands, and proofs that each of the other parts falls.
+
+    Returns `reached` (N,): mask of the parts that an order may reach; `falling`: states of the
+    other parts, each alone free on the reached parts; the part falls. Empty if all parts are
+    reached, or if the budget is exhausted; then nothing is proved.
+
+    Examples
+    --------
+    >>> from kilter.analysis.planning.states.states import states
+    >>> from kilter.scenes.arches import arch
+    >>> reached, falling = find_unreachable(states(arch(9, ratio=0.3, friction=0.6)))
+    >>> int(reached.sum()), len(falling)
+    (6, 5)
+    """
+    work = Work() if work is None else work
+    reached = states.assembly.geometry.grounded.copy()
+    grown = True
+    while grown:
+        grown = False
+        for part in np.flatnonzero(~reached).tolist():
+            if work.over:
+                return reached, []
+            if _state_of_part(states, reached, part, work).stable is not False:
+                reached[part] = grown = True
+    falling = np.flatnonzero(~reached).tolist()
+    return reached, [_state_of_part(states, reached, part, work) for part in falling]
+
+
+def _state_of_part(states: States, standing: Mask, part: int, work: Work) -> State:
+    """Judge the state in which only `part` is free and all `standing` parts are held."""
+    present = standing.copy()
+    present[part] = True
+    before = states.units
+    state = states.judge(present, standing)
+    work.charge(states.units - before + PROGRAM * (FEW + 1))
+    return state
+
+
+# Proof, by all sets of parts, that no order with at most K held parts exists for any paths.
+
+
+MOST_SETS = 1000
+"""Largest number of part sets to enumerate; beyond it nothing is proved."""
+MOST_MOTIONS = 200
+"""Largest number of motions of a proof; beyond it no proof is returned."""
+
+
+def leads_nowhere(whole: int, base: int, goes_on: Callable[[int, int], bool]) -> bool:
+    """Whether no sequence of removals of single parts leads from the whole assembly to the base.
+
+    Arguments: `goes_on`: function of a part and the set without it that returns whether the removal
+    is allowed.
+    """
+    seen, waiting = {whole}, [whole]
+    while waiting:
+        present = waiting.pop()
+        free = present & ~base
+        while free:
+            part = free & -free
+            free &= ~part
+            rest = present & ~part
+            if rest in seen or not goes_on(part, rest):
+                continue
+            if rest == base or len(seen) == MOST_SETS:
+                return False
+            seen.add(rest)
+            waiting.append(rest)
+    return True
+
+
+def find_refused(search: OrderSearch, hold: int) -> list[Holds[State]]:
+    """Sets of parts that need more than `hold` held parts; empty unless they exclude all orders."""
+    search.work.stage("a proof that no order exists, whatever the paths")
+    refused: dict[int, Holds[State]] = {}
+    holdable = bits_of(search.holdable)
+
+    def goes_on(part: int, rest: int) -> bool:
+        """Whether `part` may be removed and the parts `rest` then stand with at most `hold` held.
+
+        Sets that do not stand are recorded.
+        """
+        if not search.may_leave(part, rest | part):
+            return False
+        if rest not in refused:
+            if search.work.over:
+                return True
+            known = search.needs(rest, hold)
+            sets = [bits_of(cut.parts) & holdable for cut in known.cuts]
+            if least_hitting_set(sets, hold) is not None:
+                return True
+            refused[rest] = known
+        return False
+
+    barred = leads_nowhere(search.whole, search.base, goes_on) and not search.work.over
+    motions = sum(len(known.cuts) for known in refused.values())
+    return list(refused.values()) if barred and motions <= MOST_MOTIONS else []
+
+
+# Precedence in a plan: pairs of parts of which the first must be inserted before the second.
+
+
+def later_parts(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[int]:
+    """For each part, the parts that must be inserted later by the given pairs, as a bit set."""
+    later = [0] * len(assembly)
+    for pair in before:
+        if isinstance(pair, str) or len(pair) != 2:
+            raise InputError(f"before has {pair!r:.60}", hint="give pairs of names")
+        first, second = (sorted(assembly.matching(pattern)) for pattern in pair)
+        for name in first:
+            for other in second:
+                if assembly[other].grounded and not assembly[name].grounded:
+                    raise InputError(
+                        f"{name!r} must come before {other!r}, which is held from the start",
+                        hint="leave that pair out",
+                    )
+                later[assembly.index[name]] |= 1 << assembly.index[other]
+    _require_no_circle(assembly, later)
+    return later
+
+
+def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
+    """Reject a precedence in which a part would have to come before itself."""
+    left = bits_of(np.ones(len(later), dtype=bool))
+    while True:
+        last = [k for k in range(len(later)) if left >> k & 1 and not later[k] & left]
+        if not last:
+            break
+        for k in last:
+            left &= ~(1 << k)
+    if left:
+        names = [name for k, name in enumerate(assembly.names) if left >> k & 1]
+        raise InputError(
+            f"the precedence has a cycle: {some_names(names)}",
+            hint="leave a pair out",
+        )
+
+
+def precedence_pairs(
+    assembly: Assembly, later: list[int], screws: Sequence[Screw]
+) -> tuple[tuple[str, str], ...]:
+    """Required precedence as pairs of names; the bolt of each screw comes before its nut."""
+    names = assembly.names
+    asked = [
+        (names[k], names[other])
+        for k in range(len(names))
+        for other in range(len(names))
+        if later[k] >> other & 1
+    ]
+    return (*asked, *((names[screw.bolt], names[screw.nut]) for screw in screws))
+
 
 SEARCH = 12.0
 """Work of the search of an order, relative to the work of an effort [-]; larger: longer searches.

@@ -17,20 +17,36 @@ together with other parts.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.planning.order.sweeps import Direction, Sweeps
-from kilter.analysis.planning.states.part_sets import members
+from kilter.analysis.planning.states.holds import mask_of, members
+from kilter.analysis.planning.states.known_proofs import State
+from kilter.analysis.planning.states.states import States
 from kilter.arrays import Array, Index, Mask
+from kilter.assembly import Load
 from kilter.contact import ContactSet
+from kilter.contact.contact_tolerances import THREAD
+from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.errors import InputError
 from kilter.rigid import unit
 
-__all__ = ["Direction", "Leg", "Removal", "Screw"]
+__all__ = [
+    "Direction",
+    "Leg",
+    "Pressed",
+    "Pressing",
+    "Removal",
+    "Screw",
+    "find_screws",
+    "press_loads",
+]
+
 
 NORMALS = 12
 """Largest number of contact normals of a part that are tried as directions."""
@@ -94,7 +110,7 @@ class Removal:
     def way_out(self, moved: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
         """Free path of `legs` legs for moved parts out of a set of parts; None if none was found.
 
-        Arguments: `moved`, `present`: bit sets (`kilter.analysis.planning.states.part_sets`) of the
+        Arguments: `moved`, `present`: bit sets (`kilter.analysis.planning.states.holds`) of the
         parts that move together,.
         """
         others = present & ~moved
@@ -261,3 +277,103 @@ def _contacts_by_part(contacts: ContactSet) -> list[tuple[Index, Array]]:
         (other[order[bounds[k] : bounds[k + 1]]], normal[order[bounds[k] : bounds[k + 1]]])
         for k in range(len(contacts.assembly))
     ]
+
+
+# Verdicts on an assembly while a force presses an inserted part in.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pressed:
+    """Verdicts on a step: before its part is inserted, and while the part is pressed in."""
+
+    standing: State
+    pressed: State | None
+    """None if the standing parts do not hold even before."""
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether the parts hold before the insertion and under the pressing force."""
+        return self.standing.stable if self.pressed is None else self.pressed.stable
+
+    @property
+    def moves(self) -> Mask:
+        """Mask of the moving parts in the first of the two states that falls, shape (N,)."""
+        return self.standing.moves if self.pressed is None else self.pressed.moves
+
+
+@dataclass(slots=True)
+class Pressing:
+    """Verdicts on the steps of a plan under the force that presses parts in."""
+
+    states: States
+    """States without the force."""
+    force: float
+    """Pressing force [N]."""
+    _of: dict[tuple[int, Direction], States] = field(default_factory=dict)
+
+    def judge_of(self, moved: int, direction: Direction) -> Callable[[Mask, Mask], Pressed]:
+        """Create the function that judges a step before insertion and under the pressing force.
+
+        Its arguments are the masks of standing and held parts.
+        """
+        coming = mask_of(moved, len(self.states.assembly))
+
+        def judge(present: Mask, held: Mask) -> Pressed:
+            standing = self.states.judge(present, held & present)
+            if not standing.stable:
+                return Pressed(standing, None)
+            pressed = self.states_of(moved, direction).judge(present | coming, held)
+            return Pressed(standing, pressed)
+
+        return judge
+
+    def states_of(self, moved: int, direction: Direction) -> States:
+        """States of the assembly with the pressing force on the moved parts."""
+        key = moved, direction
+        if key not in self._of:
+            assembly = self.states.assembly
+            names = [assembly.names[k] for k in members(moved, len(assembly)).tolist()]
+            mass = dict(zip(assembly.names, assembly.geometry.mass.tolist(), strict=True))
+            loads = press_loads(names, [mass[name] for name in names], direction, self.force)
+            loaded = replace(assembly, loads=[*assembly.loads, *(Load(**load) for load in loads)])
+            self._of[key] = States(loaded, self.states.contacts)
+        return self._of[key]
+
+
+def press_loads(
+    names: list[str], mass: list[float], direction: Direction, force: float
+) -> list[dict[str, Any]]:
+    """Loads for a file that distribute a force [N] over parts by mass."""
+    along = force * np.array(direction)
+    return [
+        {"part": name, "force": (along * (share / sum(mass))).tolist(), "torque": [0.0] * 3}
+        for name, share in zip(names, mass, strict=True)
+    ]
+
+
+# Bolts with their nuts, as (bolt, nut, axis along which the nut comes off).
+
+
+def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[Screw]:
+    """Match each named bolt with the nuts around it; return a screw for each pair.
+
+    Raises `InputError` if a pattern matches no part, or no nut of a pair is round a bolt.
+    """
+    assembly = contacts.assembly
+    screw_of: dict[tuple[int, int], Screw] = {}
+    for pair in named:
+        if isinstance(pair, str) or len(pair) != 2:
+            raise InputError(f"screws have {pair!r:.60}", hint="give pairs of a bolt and a nut")
+        bolts, nuts = (sorted(map(assembly.index_of, assembly.matching(entry))) for entry in pair)
+        wanted = {(bolt, nut) for bolt in bolts for nut in nuts if bolt != nut}
+        fits = coaxial_fits(assembly, wanted, contacts.searched, thickest=THREAD, thinnest=THREAD)
+        screws = [(fit.ends, fit.axis) for fit in fits if fit.ends in wanted]
+        if not screws:
+            raise InputError(
+                f"no {pair[1]!r} surrounds the shaft of a {pair[0]!r}",
+                hint="name the bolt, then the nut",
+            )
+        for (bolt, nut), axis in screws:
+            x, y, z = (float(entry) + 0.0 for entry in axis.round(12))
+            screw_of.setdefault((bolt, nut), Screw(bolt, nut, (x, y, z)))
+    return list(screw_of.values())

@@ -23,7 +23,7 @@ import numpy as np
 import shapely
 
 from kilter.analysis.analysis_tolerances import ALONG
-from kilter.analysis.planning.states.part_sets import bits_of, members
+from kilter.analysis.planning.states.holds import bits_of, members
 from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
 from kilter.contact.common.polygons import cut_convex

@@ -24,16 +24,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from heapq import heappop, heappush
 from itertools import product
 
 import numpy as np
 from scipy.sparse import block_diag, csc_array, hstack
 
-from kilter.analysis.planning.order.cheapest import Searched
 from kilter.analysis.planning.order.removal import Leg
 from kilter.analysis.planning.order.search import FEW, PROGRAM, OrderSearch, Removed
-from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
-from kilter.analysis.planning.states.state import State
+from kilter.analysis.planning.states.holds import bits_of, mask_of, members
+from kilter.analysis.planning.states.known_proofs import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Mask
 from kilter.mechanics.coulomb_cones import pyramid
@@ -41,7 +41,124 @@ from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["OPPOSITE", "TurningSearch", "common_down", "find_with_turns"]
+__all__ = [
+    "OPPOSITE",
+    "Searched",
+    "TurningSearch",
+    "common_down",
+    "find_fewest_held_steps",
+    "find_order",
+    "find_with_turns",
+    "held_steps_of",
+]
+
+
+# Search for the order of assembly with the fewest parts held at once, or the fewest held steps.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Searched:
+    """Result of a search for an order of assembly."""
+
+    order: list[Removed] | None
+    """Removals, the last step of the assembly first; None without an order."""
+    least: int = 0
+    """Value of the minimized quantity."""
+    proved: bool = False
+    """Whether no order along the tried paths has a smaller value."""
+    interrupted: bool = False
+    """Whether the user interrupted the search."""
+
+
+def find_order(search: OrderSearch, lowest: int, most: int, fewest: str) -> Searched:
+    """Find an order of assembly that minimises held parts or held steps, by the option `fewest`.
+
+    Arguments: `lowest`, `most`: first and last limit of the parts held at once; fewer than `lowest`
+    are proved impossible.
+    """
+    order, hold = None, lowest
+    try:
+        for hold in range(lowest, most + 1):
+            search.work.stage(f"an order with up to {hold} held parts")
+            order = search.find(hold)
+            if order is not None or search.work.over:
+                break
+        if order is None or fewest == "holds":
+            return Searched(order, hold, proved=order is not None)
+        search.work.stage("an order with fewer held steps")
+        order, proved = find_fewest_held_steps(search, most, order)
+        return Searched(order, held_steps_of(search, order), proved)
+    except KeyboardInterrupt:
+        search.exhausted = False
+        return Searched(order, hold, interrupted=True)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Reached:
+    """A set of parts that the search reached, with its cost, last removal and previous set."""
+
+    present: int
+    cost: int
+    removals: Iterator[Removed]
+    last: Removed | None = None
+    before: _Reached | None = None
+
+    @property
+    def order(self) -> list[Removed]:
+        """Removals that lead from the whole assembly to this set."""
+        removals, node = [], self
+        while node.last is not None and node.before is not None:
+            removals.append(node.last)
+            node = node.before
+        return removals[::-1]
+
+
+def held_steps_of(search: OrderSearch, order: Sequence[Removed]) -> int:
+    """Number of steps of an order during which a part beside the grounded parts is held."""
+    return sum(_holds(search, removed) for removed in order)
+
+
+def find_fewest_held_steps(
+    search: OrderSearch, hold: int, known: Sequence[Removed]
+) -> tuple[list[Removed], bool]:
+    """Find the order with the fewest held steps, and whether the minimum is proved."""
+    best = list(known)
+    limit = held_steps_of(search, best)
+    if limit == 0:
+        return best, True
+    start = _Reached(search.whole, 0, search.removals(search.whole, 0, hold))
+    waiting, count = [(0, search.whole.bit_count(), 0, start)], 0
+    seen = {search.whole: 0}
+    while waiting:
+        cost, _, _, node = waiting[0]
+        if node.present == search.base:
+            return node.order, True
+        if search.work.over:
+            return best, False
+        if seen[node.present] < cost:
+            heappop(waiting)
+            continue
+        taken = next(node.removals, None)
+        if taken is None:
+            if search.work.over:  # the removals that are left were not tried
+                return best, False
+            heappop(waiting)
+            continue
+        rest, after = node.present & ~taken.set, cost + _holds(search, taken)
+        if after >= seen.get(rest, after + 1) or after >= limit:
+            continue
+        seen[rest] = after
+        count += 1
+        following = search.removals(rest, taken.set, hold)
+        reached = _Reached(rest, after, following, taken, node)
+        heappush(waiting, (after, rest.bit_count(), count, reached))
+    return best, True
+
+
+def _holds(search: OrderSearch, removed: Removed) -> bool:
+    """Whether a part other than the grounded parts is held during a removal."""
+    return removed.held > search.base.bit_count()
+
 
 MOST_TURNS = 3
 """Largest number of turns of an order that the search tries."""

@@ -12,11 +12,41 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from kilter.analysis.planning.states.part_sets import bits_of, mask_of
 from kilter.analysis.smallest_set import least_hitting_set, reduced_by_halves
-from kilter.arrays import Mask
+from kilter.arrays import Index, Mask
 
-__all__ = ["Cut", "Holds", "find_fewest_holds"]
+__all__ = ["Cut", "Holds", "bits_of", "find_fewest_holds", "mask_of", "members"]
+
+
+# Sets of parts as integers, with bit k for part k, for fast comparison of many sets.
+
+
+def bits_of(parts: Mask) -> int:
+    """Bit set of the parts in a mask, shape (N,).
+
+    Examples
+    --------
+    >>> bits_of(np.array([True, False, True]))
+    5
+    """
+    return int.from_bytes(np.packbits(parts, bitorder="little").tobytes(), "little")
+
+
+def mask_of(bits: int, count: int) -> Mask:
+    """Mask, shape (count,), of the parts in a bit set.
+
+    Examples
+    --------
+    >>> mask_of(5, 3)
+    array([ True, False,  True])
+    """
+    data = np.frombuffer(bits.to_bytes((count + 7) // 8, "little"), dtype=np.uint8)
+    return np.unpackbits(data, count=count, bitorder="little").astype(bool)
+
+
+def members(bits: int, count: int) -> Index:
+    """Indices of the parts in a bit set, ascending."""
+    return np.flatnonzero(mask_of(bits, count))
 
 
 class Judged(Protocol):

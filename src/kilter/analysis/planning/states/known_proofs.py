@@ -16,13 +16,15 @@ state that they are to prove: a set that fits is no proof yet.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.planning.states.part_sets import bits_of
-from kilter.analysis.planning.states.state_programs import parts_of
-from kilter.arrays import TINY, Array, Mask, connected
+from kilter.analysis.planning.states.holds import bits_of
+from kilter.analysis.verdict.verdict import Verdict
+from kilter.arrays import TINY, Array, Index, Mask, connected
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
 from kilter.mechanics.certificate import (
     ForceProof,
     MotionProof,
@@ -30,11 +32,99 @@ from kilter.mechanics.certificate import (
     part_sizes,
     violations,
 )
-from kilter.mechanics.mechanics_tolerances import RULED_OUT, STILL
-from kilter.mechanics.program import Program
-from kilter.mechanics.proof_limits import power_limit
+from kilter.mechanics.clusters import power_limit
+from kilter.mechanics.coulomb_cones import pyramid, pyramid_forces
+from kilter.mechanics.forms import load_factor, scaled_problem
+from kilter.mechanics.mechanics_tolerances import BLUR, RULED_OUT, STILL, TOLERANCE
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.rows import CONTACT
+from kilter.work import Work
 
-__all__ = ["KnownForces", "KnownMotion", "forces_for_others", "motions_for_others"]
+__all__ = [
+    "KnownForces",
+    "KnownMotion",
+    "PyramidProgram",
+    "State",
+    "StatePrograms",
+    "build_state_programs",
+    "forces_for_others",
+    "motions_for_others",
+    "parts_of",
+    "rows_of_state",
+]
+
+
+# Programs of the states of a half-built assembly, taken from the program of all parts.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StatePrograms:
+    """The program of all parts, from which the program of any state is taken."""
+
+    whole: Program
+    """All parts present, none held but the grounded ones."""
+    outer: Program
+    """The same with every force that contacts which are not modelled might bring; `whole` itself
+    where there are none."""
+    patch_blur: Array
+    """The tolerance that the accuracy of each patch asks for [-], shape (P,)."""
+
+    @property
+    def free(self) -> Mask:
+        """Mask of the parts that are not grounded, shape (N,)."""
+        return self.whole.free
+
+    @property
+    def open(self) -> bool:
+        """Whether contacts that are not modelled may exert forces."""
+        return self.outer is not self.whole
+
+    def turned(self, down: Array) -> StatePrograms:
+        """Copy of these programs under gravity along `down`, shape (3,), of any length."""
+        whole = self.whole.turned(down)
+        return replace(self, whole=whole, outer=self.outer.turned(down) if self.open else whole)
+
+    def of(self, present: Mask, held: Mask) -> Program:
+        """The program of the state with the given present and held parts, masks of shape (N,)."""
+        return self.taken(self.whole, present, held)
+
+    def outer_of(self, present: Mask, held: Mask) -> Program:
+        """The program of a state with the possible forces of contacts that are not modelled."""
+        return self.taken(self.outer, present, held)
+
+    def taken(self, program: Program, present: Mask, held: Mask) -> Program:
+        """Restrict a program of all parts to the rows and free parts of a state."""
+        free = self.free & present & ~held
+        rows = np.flatnonzero(rows_of_state(program, present, free))
+        tolerance = np.full(len(free), TOLERANCE)
+        contacts = rows[program.kind[rows] == CONTACT]
+        blur = self.patch_blur[program.source[contacts]]
+        np.maximum.at(tolerance, program.part_a[contacts], blur)
+        np.maximum.at(tolerance, program.part_b[contacts], blur)
+        return replace(program.taking(rows), free=free, tolerance=tolerance)
+
+
+def rows_of_state(program: Program, present: Mask, free: Mask) -> Mask:
+    """Mask of the rows between present parts at least one of which is free, shape (K,)."""
+    here, moves = np.append(present, True), np.append(free, False)
+    a, b = program.part_a, program.part_b
+    rows: Mask = here[a] & here[b] & (moves[a] | moves[b])
+    return rows
+
+
+def build_state_programs(assembly: Assembly, contacts: ContactSet) -> StatePrograms:
+    """Build the program of all parts, with and without forces that are not modelled."""
+    whole = build_program(assembly, contacts)
+    outer = build_program(assembly, contacts, possible=True)
+    blur: Array = np.maximum(TOLERANCE, BLUR * contacts.patch_accuracy)
+    return StatePrograms(whole, outer if len(outer.part_a) > len(whole.part_a) else whole, blur)
+
+
+def parts_of(program: Program, rows: Index) -> Mask:
+    """Mask of the parts on which the given rows act, shape (N,), without the ground."""
+    is_part = np.zeros(len(program.names) + 1, dtype=bool)
+    is_part[program.part_a[rows]] = is_part[program.part_b[rows]] = True
+    return is_part[:-1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,3 +211,150 @@ def _stored_motion(outer: Program, proof: MotionProof, moving: Mask) -> KnownMot
     opened = violations(outer, proof.motion)
     entered = parts_of(outer, np.flatnonzero(opened < -most)) & ~moving
     return KnownMotion(proof.motion, bits_of(moving), bits_of(entered))
+
+
+# A linear program for the load factor of many states, which only changes its bounds.
+
+
+SIDES = 4
+"""Rays of each pyramid in space."""
+
+
+class PyramidProgram:
+    """The load factor of each state of an assembly, with friction pyramids in place of cones.
+
+    - `solves`: number of programs that were solved.
+    """
+
+    def __init__(self, whole: Program) -> None:
+        from kilter.solvers.highs import KeptProgram
+
+        self._whole = whole
+        self._rays = pyramid(whole, SIDES)
+        self._problem = scaled_problem(self._rays)
+        program = load_factor(self._problem)
+        self._kept = KeptProgram(program, warm="dual", goal="point")
+        self._lower, self._upper = program.lower[:-1], program.upper[:-1]
+        self._free, self._present = whole.free.copy(), np.ones(len(whole.free), dtype=bool)
+        self._on = np.ones(len(self._upper), dtype=bool)
+
+    @property
+    def solves(self) -> int:
+        """Number of linear programs that were solved."""
+        return self._kept.solves
+
+    def far(self, present: Mask, free: Mask) -> int:
+        """Number of parts whose presence or freedom differs from the state that was solved last."""
+        return int(((present != self._present) | (free != self._free)).sum())
+
+    def solve(
+        self, present: Mask, free: Mask, *, work: Work | None = None
+    ) -> tuple[Array, Array] | Array | None:
+        """Solve a state: balancing forces (normal, tangential), or a motion; None if unsolved.
+
+        Arguments: `present`, `free` (N,). Returns (K,).
+        """
+        self._change(present, free)
+        answer = self._kept.solve(work=work)
+        if not answer.found:
+            return None
+        factor = float(answer.x[-1])
+        if factor > 0.5:
+            forces = self._problem.forces(answer.x[:-1]) / factor
+            return pyramid_forces(self._whole, self._rays, forces)
+        if not len(answer.multipliers):
+            return None
+        motion = self._problem.motion(self._problem.over_weight(-answer.multipliers))
+        return np.where(free[:, None], motion, 0.0)
+
+    def _change(self, present: Mask, free: Mask) -> None:
+        """Set the bounds of the linear program to those of a state."""
+        on = rows_of_state(self._rays, present, free)
+        columns = np.flatnonzero(on != self._on)
+        if len(columns):
+            lower = np.where(on[columns], self._lower[columns], 0.0)
+            upper = np.where(on[columns], self._upper[columns], 0.0)
+            self._kept.change_bounds(columns, lower, upper)
+            self._on = on
+        movable = np.flatnonzero(self._whole.free)
+        changed = np.flatnonzero((free != self._free)[movable])
+        if len(changed):
+            per = len(self._whole.freedoms)
+            rows = (changed[:, None] * per + np.arange(per)).reshape(-1)
+            side = np.where(np.repeat(free[movable[changed]], per), 0.0, np.inf)
+            self._kept.change_sides(rows, -side, side)
+        self._present, self._free = present.copy(), free.copy()
+
+
+# Verdict and proof of an assembly with some parts present and some of these held.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """Verdict and proof of a state: some parts of an assembly present, some of these held.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of all N parts.
+    present, free : ndarray of bool, shape (N,)
+        Masks of the present parts, and of the present parts that are neither held nor grounded.
+    stable : bool or None
+        Whether contact forces can hold the state (level equilibrium); None if undecided.
+        `kilter.check` requires the level settles by default: `States.level` gives the level.
+    programs : StatePrograms
+        Programs of the assembly, from which `program` is taken.
+    outer : bool
+        Whether the proof refers to the program with the forces of contacts that are not modelled.
+    forces : ForceProof or None
+        Proof that the state holds.
+    motion : MotionProof or None
+        Proof that the state falls.
+    verdict : Verdict or None
+        Answer of `kilter.check` with its own proof; None if a simpler method decided.
+    """
+
+    names: tuple[str, ...]
+    present: Mask
+    free: Mask
+    stable: bool | None
+    programs: StatePrograms
+    outer: bool = False
+    forces: ForceProof | None = None
+    motion: MotionProof | None = None
+    verdict: Verdict | None = None
+
+    @property
+    def program(self) -> Program:
+        """Program of the state, to whose rows the proof refers.
+
+        It is taken anew at each call, since the programs of thousands of states would fill the
+        memory.
+        """
+        held = self.present & ~self.free
+        take = self.programs.outer_of if self.outer else self.programs.of
+        return take(self.present, held)
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the parts that move in this state; empty if the state holds."""
+        return [name for name, moves in zip(self.names, self.moves, strict=True) if moves]
+
+    @property
+    def moves(self) -> Mask:
+        """Mask of the parts that move in this state, shape (N,)."""
+        if self.motion is None:
+            proved_verdict = None if self.stable is not False else self.verdict
+            named = set() if proved_verdict is None else set(proved_verdict.moving)
+            return np.array([name in named for name in self.names], dtype=bool)
+        sizes = part_sizes(self.programs.whole, self.motion.motion, per_radius=False)
+        moves: Mask = sizes > STILL * sizes.max(initial=0.0)
+        return moves
+
+    def __repr__(self) -> str:
+        word = {True: "holds", False: "falls", None: "undecided"}[self.stable]
+        free = int(self.free.sum())
+        return f"<State: {int(self.present.sum())} parts, {free} free, {word}>"
+
+    def __bool__(self) -> bool:
+        raise TypeError("a state is neither true nor false: use .stable")

@@ -32,23 +32,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.decision.cascade import decide
-from kilter.analysis.decision.decision import Decision
+from kilter.analysis.decision.cascade import Decision, decide
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.planning.states.holds import Holds, find_fewest_holds
+from kilter.analysis.planning.states.holds import Holds, bits_of, find_fewest_holds
 from kilter.analysis.planning.states.known_proofs import (
     KnownForces,
     KnownMotion,
-    forces_for_others,
-    motions_for_others,
-)
-from kilter.analysis.planning.states.part_sets import bits_of
-from kilter.analysis.planning.states.pyramid_program import PyramidProgram
-from kilter.analysis.planning.states.state import State
-from kilter.analysis.planning.states.state_programs import (
+    PyramidProgram,
+    State,
     StatePrograms,
     build_state_programs,
+    forces_for_others,
+    motions_for_others,
     rows_of_state,
 )
 from kilter.arrays import Mask

@@ -1,0 +1,1 @@
+"""Lists of toy bricks: LDraw, StableLego and BrickGPT."""

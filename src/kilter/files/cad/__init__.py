@@ -1,0 +1,1 @@
+"""STEP files: their products, solids, faces, densities and statements."""

@@ -1,0 +1,1 @@
+"""The formats of kilter: assemblies, choices and answers."""

@@ -1,0 +1,1 @@
+"""Packing plans, and sequences in tables."""

@@ -1,0 +1,1 @@
+"""Robots and scenes of simulators: MJCF and URDF."""
