@@ -37,10 +37,19 @@ from kilter.analysis.transport.transport_answer import Transport
 from kilter.analysis.turning.orientation import Orientation
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.analysis.verification import Verification
-from kilter.cli.asked import Incomplete
 from kilter.contact import ContactSet
 from kilter.files.own.models import build_choices_schema, build_schema
-from kilter.tell.record import SCHEMA_VERSION, OneOf, OrNull, Record, Shape, keys_of
+from kilter.tell.record import (
+    SCHEMA_VERSION,
+    Answer,
+    AnswerInWords,
+    Incomplete,
+    OneOf,
+    OrNull,
+    Record,
+    Shape,
+    keys_of,
+)
 
 __all__ = ["ANSWERS", "build_all_schemas", "build_answer_schema", "texts_of"]
 
@@ -125,7 +134,7 @@ def _model(kind: Any) -> Any:
     types: dict[str, Any] = {}
     texts: dict[str, str] = {}
     for base in reversed(kind.__mro__):
-        if not issubclass(base, Record) or base.__module__ == Record.__module__:
+        if not issubclass(base, Record) or base in (Record, Answer, AnswerInWords):
             continue
         scope = _scope(base.__module__)
         words = dict(inspect.get_annotations(base))

@@ -69,8 +69,8 @@ def test_slow_blocks_name_every_folder_of_tests():
 
 @pytest.mark.parametrize(("source", "nearest"), [
     ("mechanics/certificate.py", "analysis/test_certificates.py"),  # by guards.toml
-    ("cli/batches.py", "cli/test_batch.py"),
-    ("files/step_process.py", "files/test_step"),
+    ("cli/file_commands.py", "cli/test_commands.py"),
+    ("files/cad/step_process.py", "files/test_step"),
 ])  # fmt: skip
 def test_a_source_file_has_its_nearest_tests(source, nearest):
     first, *others = near_tests(ROOT / "src/kilter" / source)

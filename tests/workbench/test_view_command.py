@@ -368,7 +368,7 @@ WRONG = [
     ({"do": "fasten", "parts": ["plate", "rod"], "on": False}, "no single choice joins"),
     ({"do": "pair", "pairs": [["plate", "rod"]], "as": "glued"}, "a pair is 'glued'"),
     ({"do": "friction", "mu": -1}, "the friction coefficient is -1"),
-    ({"do": "friction", "mu": "much"}, "a wrong value"),
+    ({"do": "friction", "mu": "much"}, "give a number"),
     ({"do": "density", "value": 0}, "the density is 0"),
     ({"do": "mass", "part": "nut_2", "mass": 1}, "has no volume"),
     ({"do": "load", "part": "rod", "force": [1, 2]}, "has 2 numbers"),

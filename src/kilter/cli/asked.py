@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, replace
 from inspect import signature
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
 from kilter.cli.interruption import known_words
@@ -32,7 +32,6 @@ from kilter.errors import (
     shell_words,
 )
 from kilter.files.reading_options import ReadingOptions
-from kilter.tell.record import Record
 from kilter.work import facts_of, stop_after
 
 if TYPE_CHECKING:
@@ -73,19 +72,6 @@ NOTHING_TYPED = ToleranceOptions()
 """Tolerance options of a command line that has none."""
 WORDS_SHARE, MOST_WORDS = 0.2, 1.0
 """Time that is kept for printing the answer: share of a time limit [-], and at most this [s]."""
-
-
-class Incomplete(Record):
-    """Data that a command prints if the time limit ended its computation without an answer."""
-
-    verdict: Literal["undecided"] = "undecided"
-    """Always this word."""
-    sentence: str
-    """The answer in a sentence."""
-    time_limit: float | None
-    """The time limit [s]; null without a --time-limit."""
-    warnings: tuple[str, ...] = ()
-    """No warnings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,6 +354,8 @@ def tell_cut(
     known = known_words()
     facts = f"{known[:1].upper()}{known[1:]}." if known else ""
     sentence = " ".join(words for words in (sentence, reached.known, facts) if words)
+    from kilter.tell.record import Incomplete
+
     answer = Incomplete(sentence=sentence, time_limit=time_limit)
     emit(as_json(answer.to_dict()) if as_data else sentence, output)
     tell_written(output, "incomplete answer", quiet)

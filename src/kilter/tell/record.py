@@ -24,7 +24,7 @@ from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, f
 from enum import Enum
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -40,6 +40,7 @@ __all__ = [
     "Ends",
     "Guarantee",
     "InPython",
+    "Incomplete",
     "LevelWord",
     "Lines",
     "OneOf",
@@ -221,6 +222,19 @@ class AnswerInWords(Answer):
         from kilter.tell.tables import sentences
 
         return sentences(self.to_dict())[0]
+
+
+class Incomplete(Record):
+    """Data that a command prints if the time limit ended its computation without an answer."""
+
+    verdict: Literal["undecided"] = "undecided"
+    """Always this word."""
+    sentence: str
+    """The answer in a sentence."""
+    time_limit: float | None
+    """The time limit [s]; null without a --time-limit."""
+    warnings: tuple[str, ...] = ()
+    """No warnings."""
 
 
 @cache
