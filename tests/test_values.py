@@ -297,10 +297,10 @@ def test_no_small_number_goes_without_a_name():
     found = unnamed("files", but="file_tolerances.py")
     places = {place.split(":")[0] for place in found}
     assert places == {
-        "files/mjcf.py",
-        "files/stated_accuracy.py",
-        "files/step_densities.py",
-        "files/threemf.py",
+        "files/robots/mjcf.py",
+        "files/cad/step_statements.py",
+        "files/cad/step_densities.py",
+        "files/meshes/threemf.py",
     }
 
 

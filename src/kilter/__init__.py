@@ -92,7 +92,7 @@ _HOOKS = {
     "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
     "scene_of": "kilter.files.objects.trimesh_objects",
-    "settle_remedy": "kilter.analysis.settled_pose.settle",
+    "settle_remedy": "kilter.analysis.settled_pose.settle_remedy",
     "to_mjcf": "kilter.files.robots.mjcf",
 }
 """Module of each function that lower packages call through `kilter.hooks`."""

@@ -23,7 +23,8 @@ from kilter.errors import InputError, TimeLimitReached
 from kilter.files import dump, from_dict
 from kilter.files.meshes.placed import distinct
 from kilter.files.own.kilter_json import to_dict
-from kilter.files.own.models import MOST_VALUES, AssemblyFile, plain_entries
+from kilter.files.own.models import AssemblyFile
+from kilter.files.own.plain_entries import MOST_VALUES, plain_entries
 from kilter.files.reader_guard import reader_guard
 from kilter.files.reading import Reading
 from kilter.loading import load

@@ -22,9 +22,10 @@ from kilter.analysis.check import check
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.cad import step_solids as checking
+from kilter.files.cad.checked_solid import checked_solid, has_doubled_faces
 from kilter.files.cad.step_document import step_bodies
 from kilter.files.cad.step_faces import _area, with_other_sides
-from kilter.files.cad.step_solids import checked_solid, has_doubled_faces, read_solid
+from kilter.files.cad.step_solids import read_solid
 from kilter.files.cad.step_statements import stated_accuracy, text_statements
 from kilter.files.cad.step_surfaces import inside
 from kilter.files.file_tolerances import DOUBLED

@@ -14,8 +14,8 @@ from kilter.mechanics.program import build_program
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.second_order.gaps.stationary import Stationary, stationary
-from kilter.second_order.proofs.fall_proof import Path
-from kilter.second_order.searches.curved_energy import find_critical
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.searches.critical import find_critical
 from kilter.second_order.searches.decide import decide
 from kilter.second_order.searches.energy_decision import EnergyDecision
 

@@ -16,7 +16,7 @@ from kilter.scenes import scene
 from kilter.second_order.answer.path_places import PathPlaces, find_path_places
 from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.second_order.gaps.stationary import Stationary
-from kilter.second_order.proofs.fall_proof import Path, judge_path
+from kilter.second_order.proofs.paths import Path, judge_path
 from kilter.second_order.second_order_tolerances import ACROSS, DROPS, KEEPS, LASTS, REACHES, SLIPS
 from kilter.work import Work
 

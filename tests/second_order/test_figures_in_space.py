@@ -22,7 +22,7 @@ from kilter.scenes import scene
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import gap_forms
 from kilter.second_order.gaps.stationary import Stationary, stationary
-from kilter.second_order.proofs.fall_proof import Path
+from kilter.second_order.proofs.paths import Path
 from kilter.second_order.searches.decide import decide
 
 FINDINGS = pathlib.Path(__file__).parents[2] / "docs" / "findings.md"

@@ -22,7 +22,8 @@ from kilter.second_order.proofs.minimum_proof import (
     judge_locked,
     shifts,
 )
-from kilter.second_order.searches.curved_energy import find_critical, find_locked
+from kilter.second_order.searches.critical import find_critical
+from kilter.second_order.searches.curved_energy import find_locked
 from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED
 from kilter.work import Work
 

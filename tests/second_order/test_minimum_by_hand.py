@@ -9,7 +9,6 @@ import pytest
 from kilter.arrays import Array
 from kilter.rigid import skew
 from kilter.second_order.gaps.stationary import Stationary
-from kilter.second_order.proofs.fall_proof import Path, judge_path
 from kilter.second_order.proofs.minimum_proof import (
     Leaf,
     MinimumProof,
@@ -20,6 +19,7 @@ from kilter.second_order.proofs.minimum_proof import (
     sides_of_cone,
     split,
 )
+from kilter.second_order.proofs.paths import Path, judge_path
 from kilter.second_order.searches.decide import decide
 from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, LEVEL
 

@@ -23,8 +23,8 @@ from kilter.second_order.motions.sharp_points import (
     with_sharp,
 )
 from kilter.second_order.parts.separation import least_separation
-from kilter.second_order.proofs.fall_proof import judge_path
 from kilter.second_order.proofs.minimum_proof import by_part, named_motion
+from kilter.second_order.proofs.paths import judge_path
 from kilter.second_order.searches.level_rest_search import enough_to_open
 from kilter.second_order.searches.path_search import find_path
 

@@ -337,7 +337,7 @@ def test_an_undecided_check_offers_the_pose_at_rest(height, tmp_path, capsys):
 
 @pytest.mark.parametrize(("depth", "offered"), [(0.99, True), (1.01, False)])
 def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth, offered):
-    from kilter.analysis.settled_pose.settle import DEEPEST
+    from kilter.analysis.settled_pose.settle_remedy import DEEPEST
 
     size = float(Assembly([box("box", [1, 1, 1], [0, 0, 0])]).geometry.size[0])
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5 - depth * DEEPEST * size])])

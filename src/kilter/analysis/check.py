@@ -19,7 +19,7 @@ from dataclasses import replace
 from typing import Any
 
 from kilter.analysis.decision.cascade import Decision, decide
-from kilter.analysis.decision.deciding_pairs import answered_pairs
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.analysis.decision.ordinary_contacts import trial_words
 from kilter.analysis.verdict.remarks import gaps_under_straps, loose_parts, remarks
 from kilter.analysis.verdict.verdict import Verdict

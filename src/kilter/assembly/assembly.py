@@ -22,7 +22,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.assembly.bonds import Bond, require_apart
-from kilter.assembly.changed_copies import ChangedCopies
+from kilter.assembly.changed_copies import ChangedCopies, lowest_heights
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, ListedJoint, Load
 from kilter.assembly.part import GROUND, Part
@@ -333,7 +333,6 @@ class Assembly(ChangedCopies):
         World frame [length unit]. The box contains the exact curved surfaces.
         """
         # imported late: few assemblies need these modules
-        from kilter.assembly.changed_copies import lowest_heights
 
         low = [lowest_heights(self.geometry, axis).min() for axis in np.eye(3)]
         high = [-lowest_heights(self.geometry, -axis).min() for axis in np.eye(3)]
@@ -474,7 +473,6 @@ class Assembly(ChangedCopies):
         if held or any(GROUND in joint.parts for joint in self.joints):
             return
         # imported late: few assemblies need these modules
-        from kilter.assembly.changed_copies import lowest_heights
 
         geometry = self.geometry
         lowest = self.names[int(lowest_heights(geometry, -self.down).argmin())]

@@ -111,7 +111,7 @@ def _told(kind: str, *lines: str, annotation: str = "") -> dict[str, str]:
 class Question:
     """The record of the shared keywords; a function that gets it answers it without a change.
 
-    The other fields are the function that is asked, the assembly with the changes of the keywords,
+    The other fields are the function, the assembly with the changes of the keywords,
     and the time at which the question began [s].
     """
 

@@ -31,6 +31,7 @@ from kilter.files.meshes.bodies import split_bodies
 from kilter.files.meshes.placed import FileBodies, distinct, fill_names, natural_key
 from kilter.files.own.kilter_json import from_dict
 from kilter.files.packing.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
+from kilter.files.robots.scene_process import read_scene
 from kilter.files.usd.usd_stage import USD
 from kilter.shape.primitives import Mesh
 
@@ -185,7 +186,6 @@ def read_path(
         return FileContent(*load_xml(path, options))
     if suffix in USD:
         # imported late: other files do not need these modules
-        from kilter.files.robots.scene_process import read_scene
 
         return FileContent(read_scene("usd", path, options), states_gravity=True)
     if suffix in LDRAW_FILES:

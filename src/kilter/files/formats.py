@@ -16,6 +16,7 @@ from pathlib import Path
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError, nearest_name, some_names
+from kilter.files.cad.step import read_step
 from kilter.files.limits import named_path, read_bytes, require_below
 from kilter.files.meshes.bodies import split_bodies
 from kilter.files.meshes.glb import read_glb
@@ -79,7 +80,6 @@ def _step(
 ) -> FileBodies:
     """Read the solids of a STEP file, except for the parts that `without` names."""
     # imported late: other files do not need these modules
-    from kilter.files.cad.step import read_step
 
     return read_step(path, without=without, progress=progress)
 

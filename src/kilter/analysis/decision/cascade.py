@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from kilter.analysis.decision.deciding_pairs import OpenQuestion, ask_open
 from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.decision.open_question import OpenQuestion, ask_open
 from kilter.analysis.decision.ordinary_contacts import (
     EQUILIBRIUM,
     PROVED,
@@ -420,7 +420,7 @@ def _with_push(
     Arguments: `among` (N,): parts that second order leaves open; by default all.
     """
     # imported late, since the import is slow
-    from kilter.second_order.answer.whole import pushed_answer
+    from kilter.second_order.answer.pushed import pushed_answer
     from kilter.second_order.motions.small_push import small_push
 
     proof = decision.judgement.forces

@@ -17,7 +17,7 @@ assembly. If the search stops there, the set so far is reported; it holds, but m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,30 +26,16 @@ from scipy.sparse import csc_array, hstack, vstack
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.smallest_set import first_hitting_set, irreducible_subset, reduced_by_halves
 from kilter.arrays import Array, Index, Mask, connected, cross
-from kilter.assembly import Assembly, Joint
-from kilter.contact import ContactSet
-from kilter.contact.open_pairs import KINDS, OpenPair, rigid_groups, still_open
-from kilter.errors import some
+from kilter.contact.open_pairs import KINDS, OpenPair
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.locked_parts import merge_parts
 from kilter.mechanics.mechanics_tolerances import STILL
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
-from kilter.tell.record import InPython, Record, Word, key
 from kilter.work import Work
 
-__all__ = [
-    "MOST",
-    "AnsweredPair",
-    "DecidingPairs",
-    "OpenQuestion",
-    "answered_pairs",
-    "ask_open",
-    "find_deciding",
-    "joining_wrenches",
-    "open_pair_names",
-]
+__all__ = ["MOST", "DecidingPairs", "find_deciding", "joining_wrenches"]
 
 
 # Least wrenches between the parts of open pairs that, with the contact forces, balance the parts.
@@ -360,84 +346,3 @@ def _moves_apart(program: Program, motion: Array, ends: Index) -> Mask:
     largest = float(part_sizes(program, motion, per_radius=False).max(initial=0.0))
     moves: Mask = size > STILL * largest
     return moves
-
-
-# The question that leaves an assembly undecided: open pairs on which its verdict depends.
-
-
-class OpenQuestion(Record, kw_only=False):
-    """The open pairs that decide, and the verdict if the parts of these pairs are joined."""
-
-    deciding: InPython[DecidingPairs]
-    """The pairs that decide."""
-    verdict: Word
-    """The verdict with these pairs joined."""
-    level: InPython[str | None]
-    """The level with these pairs joined."""
-
-    @property
-    @key
-    def pairs(self) -> tuple[tuple[str, str], ...]:
-        """Names of the parts of each pair."""
-        return tuple(pair.parts for pair in self.deciding.pairs)
-
-    @property
-    @key
-    def smallest(self) -> bool:
-        """Whether no smaller set of pairs decides."""
-        return self.deciding.smallest
-
-    @property
-    @key
-    def irreducible(self) -> bool:
-        """Whether no pair can be left out."""
-        return self.deciding.irreducible
-
-
-class AnsweredPair(OpenPair):
-    """An open pair, and whether it decides the verdict."""
-
-    decides: bool
-    """Whether the pair decides the verdict."""
-
-
-def ask_open(
-    assembly: Assembly,
-    contacts: ContactSet,
-    program: Program,
-    decide: Callable[[Assembly], tuple[str, str | None]],
-    *,
-    work: Work | None = None,
-) -> OpenQuestion | None:
-    """Find the open pairs that decide, and the verdict if they are joined; None if none decide.
-
-    Arguments: `decide`: function that returns verdict and level of an assembly with the same parts
-    and contacts. Returns None if no set of joined open pairs gives forces of equilibrium, or if the
-    empty set seems to suffice because the program is near its limit.
-    """
-    # imported late: only open pairs need these modules
-
-    pairs = still_open(contacts.open_pairs, assembly)
-    deciding = find_deciding(program, rigid_groups(assembly), pairs, work=work)
-    if deciding is None or not deciding.pairs:
-        return None
-    joints = [Joint(pair.parts) for pair in deciding.pairs]
-    return OpenQuestion(deciding, *decide(assembly.with_joints(joints)))
-
-
-def open_pair_names(assembly: Assembly, contacts: ContactSet) -> str:
-    """The names of the parts of the first open pairs, as a phrase for messages."""
-    pairs = still_open(contacts.open_pairs, assembly)
-    return some(["{!r} and {!r}".format(*pair.parts) for pair in pairs])
-
-
-def answered_pairs(
-    assembly: Assembly, contacts: ContactSet, question: OpenQuestion | None = None
-) -> tuple[AnsweredPair, ...]:
-    """Entries of the key `open_pairs` of an answer, the deciding pairs first."""
-    decide = {pair.ends for pair in question.deciding.pairs} if question is not None else set()
-    entries = [
-        AnsweredPair(**vars(pair), decides=pair.ends in decide)
-        for pair in still_open(contacts.open_pairs, assembly)
-    ]
-    return tuple(sorted(entries, key=lambda entry: not entry.decides))

@@ -15,7 +15,7 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.decision.cascade import fits_left_out
-from kilter.analysis.decision.deciding_pairs import open_pair_names
+from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.load_limit import Limit
 from kilter.analysis.margins.level_limits import Limits
 from kilter.analysis.margins.margin_answer import Bracket, Margin

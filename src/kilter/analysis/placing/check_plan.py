@@ -32,6 +32,7 @@ from kilter.mechanics.forms import equilibrium, scaled_problem
 from kilter.mechanics.program import Program
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
+from kilter.solvers.highs import solve_linear
 from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.place_words import packing_sentence
 from kilter.tell.record import Answer, InPython, Record, UnitWord, key
@@ -197,8 +198,6 @@ def least_top_load(program: Program, name: str) -> float | None:
     >>> least_top_load(program, "b2")
     0.0
     """
-    from kilter.solvers.highs import solve_linear
-
     top = _downward_on(program, program.names.index(name))
     if not top.any():
         return 0.0

@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.analysis_tolerances import GAP_DEG
 from kilter.analysis.check import given_direction_known
-from kilter.analysis.decision.deciding_pairs import AnsweredPair, answered_pairs
 from kilter.analysis.decision.judge import judge
+from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.analysis.regions.cone_cutting import friction_cone
 from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.polyhedral_cone import Cone

@@ -15,10 +15,10 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import BEYOND_CONE
 from kilter.analysis.decision.cascade import fits_left_out
-from kilter.analysis.decision.deciding_pairs import open_pair_names
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.decision.motion import find_motion
+from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.stable_cone import DirectionProof, StableCone
 from kilter.analysis.verdict.remarks import remarks, touching_nothing

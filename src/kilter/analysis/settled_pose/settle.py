@@ -22,13 +22,12 @@ from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_conta
 from kilter.analysis.settled_pose.rest_search import SearchResult, search_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle_tolerances import REACH
-from kilter.analysis.verdict.remedies import Remedy
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
-from kilter.errors import InputError, KilterError
+from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.numbers import NO_ANGLE
@@ -37,8 +36,7 @@ from kilter.tell.scene_words import settle_sentence
 from kilter.validate import number
 from kilter.work import stop_after
 
-__all__ = ["Settled", "settle", "settle_remedy"]
-
+__all__ = ["Settled", "settle"]
 
 MARGIN = 3.0
 """Default reach, in multiples of the widest gap or overlap that was found."""
@@ -320,7 +318,7 @@ def _found(
         return SearchResult("not-found", bodies, 0, why=refusal), most or 0.0, 0.0
     dropped = 0.0
     if drop:
-        from kilter.analysis.settled_pose.rigid_bodies import drop_hanging
+        from kilter.analysis.settled_pose.vertical_drop import drop_hanging
 
         tell("drop")
         bodies, dropped = drop_hanging(bodies)
@@ -441,41 +439,3 @@ def _unproved(closed: ClosedContacts, verdict: Verdict) -> str:
             "are proved to balance the parts"
         )
     return ""
-
-
-# The remedy `--settle`: the verdict on the pose at rest, where overlaps or near misses decide.
-
-
-MOST_PARTS, MOST_POINTS = 40, 400
-"""Largest numbers of parts and contact points for which the pose at rest is searched for."""
-DEEPEST = 0.02
-"""Largest depth of an open overlap for which it is searched for [sizes of the smaller part]. Near
-deep overlaps many features are close to each other, and the search takes long."""
-CLOSABLE = ("overlap", "near")
-"""Kinds of open pairs that a movement of parts can decide."""
-
-
-def settle_remedy(verdict: Verdict) -> Remedy | None:
-    """The verdict on the pose at rest near the drawn pose; None if it was not tried or found."""
-    assembly, contacts = verdict.assembly, verdict.contact_set
-    kinds = {pair.kind for pair in contacts.open_pairs}
-    small = len(assembly) <= MOST_PARTS and len(contacts.points) <= MOST_POINTS
-    if verdict.verdict != "undecided" or not kinds & set(CLOSABLE) or not small:
-        return None
-    left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
-    size = assembly.geometry.size
-    deep = (
-        overlap.depth > DEEPEST * size[list(overlap.ends)].min()
-        for overlap in contacts.overlaps
-        if frozenset(overlap.ends) in left_open
-    )
-    if any(deep):
-        return None
-    try:
-        answer = settle(assembly, contacts=contacts, require="equilibrium", effort=0.0)
-    except KilterError:
-        return None
-    if answer.state != "at-rest" or answer.settled_verdict is None:
-        return None
-    moved = float(answer.distance.max(initial=0.0))
-    return Remedy("--settle", answer.settled_verdict.verdict, answer.level, moved, assembly.units)

@@ -39,6 +39,7 @@ from kilter.analysis.turning.virtual_work import unit_program
 from kilter.arrays import Array, Index
 from kilter.mechanics.forms import ScaledProblem, impending_motion, scaled_problem
 from kilter.mechanics.program import Program
+from kilter.solvers.clarabel import solve_quadratic
 from kilter.solvers.problem import ConicProgram
 
 __all__ = ["LeastInstability", "least_instability"]
@@ -172,8 +173,6 @@ class _Known:
 
 def _minimum(quadratic: ConicProgram) -> Array:
     """Minimum of a quadratic program, with a looser tolerance if the solver fails on rounding."""
-    from kilter.solvers.clarabel import solve_quadratic
-
     answer = solve_quadratic(quadratic, tolerance=1e-10, polish=False)
     if answer.residual > KAPPA_RESIDUAL:
         answer = min([answer, solve_quadratic(quadratic)], key=lambda solution: solution.residual)

@@ -25,9 +25,9 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import OPPOSITE, PLAIN
 from kilter.analysis.check import check, given_direction_known
-from kilter.analysis.decision.deciding_pairs import open_pair_names
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.decision.motion import NO_MOTION
+from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kilter.analysis.decision.deciding_pairs import AnsweredPair, answered_pairs
+from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.assembly import Assembly, ListedJoint
 from kilter.contact import ContactSet
 from kilter.tell.record import Answer, InPython, UnitWord, Vector, key

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from kilter.analysis.decision.cascade import Decision, decide, with_second_order
-from kilter.analysis.decision.deciding_pairs import answered_pairs
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.fastening import fastened

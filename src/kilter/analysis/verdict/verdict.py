@@ -16,11 +16,6 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.decision.cascade import Decision, Word
-from kilter.analysis.decision.deciding_pairs import (
-    AnsweredPair,
-    OpenQuestion,
-    answered_pairs,
-)
 from kilter.analysis.decision.judge import Judgement
 from kilter.analysis.decision.motion import (
     NO_MOTION,
@@ -36,6 +31,7 @@ from kilter.analysis.decision.motion import (
     unknown,
     without_opening,
 )
+from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement

@@ -27,11 +27,11 @@ from kilter.assembly import (
 )
 from kilter.assembly.part import BRICK_PLATES, Brick
 from kilter.errors import InputError, nearest_name
-from kilter.files.cad.step_solids import checked_solid
+from kilter.files.cad.checked_solid import checked_solid
 from kilter.files.complaints import complaint
 from kilter.files.formats import NamedFiles
 from kilter.files.limits import Tally
-from kilter.files.own.models import SHAPES, plain_entries
+from kilter.files.own.plain_entries import SHAPES, plain_entries
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere
 from kilter.shape.solid import Solid, Surface

@@ -25,7 +25,7 @@ from kilter.files.limits import (
     require_count,
     require_regular,
 )
-from kilter.files.robots.xml_scenes import xml_root
+from kilter.files.robots.xml_text import xml_root
 
 __all__ = ["Survey", "survey_mjcf"]
 

@@ -20,7 +20,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.robots.urdf import Element, joints_by_child, numbers_of, origin_of, text_of
-from kilter.files.robots.xml_scenes import xml_root
+from kilter.files.robots.xml_text import xml_root
 from kilter.rigid import Pose, unit
 
 __all__ = ["ChainJoint", "JointChain", "read_joint_chain"]

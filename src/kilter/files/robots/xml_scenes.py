@@ -3,38 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from xml.etree import ElementTree
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.format_options import FormatOptions
-from kilter.files.limits import read_bytes, require_few_entries
 from kilter.files.objects.mujoco_objects import ModelScene
 from kilter.files.reader_guard import reader_guard
 from kilter.files.robots.scene_process import read_scene
 from kilter.files.robots.urdf import read_urdf
+from kilter.files.robots.xml_text import xml_root
 
-__all__ = ["load_xml", "xml_root"]
-
-
-# Parse the XML of a file; a damaged text is an `InputError`.
-
-
-def xml_root(path: Path) -> ElementTree.Element:
-    """Root element of an XML file.
-
-    Raises `InputError` if the file cannot be read or is no XML; the error names the file.
-    """
-    data = read_bytes(path)
-    try:
-        require_few_entries(data)
-        return ElementTree.fromstring(data)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise InputError(
-            f"the XML is invalid: {error}", file=str(path), hint="correct the file"
-        ) from None
-    except InputError as error:
-        raise error.located(file=str(path)) from None
+__all__ = ["load_xml"]
 
 
 def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:

@@ -33,10 +33,12 @@ from kilter.second_order.motions.free_motions import FreeMotions, free_span, mov
 from kilter.second_order.motions.sharp_points import SharpPoints, opens_points, sharp_points
 from kilter.second_order.parts.bearing import level_axes
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
-from kilter.second_order.proofs.fall_proof import Path, by_path_alone, find_configuration
+from kilter.second_order.proofs.fall_proof import by_path_alone, find_configuration
 from kilter.second_order.proofs.minimum_proof import MinimumProof, faces_of, shifts
+from kilter.second_order.proofs.paths import Path
 from kilter.second_order.proofs.stopped import stop_forms, stop_question
-from kilter.second_order.searches.curved_energy import Critical, find_critical, find_locked
+from kilter.second_order.searches.critical import Critical, find_critical
+from kilter.second_order.searches.curved_energy import find_locked
 from kilter.second_order.searches.decide import decide
 from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.level_rest_search import (

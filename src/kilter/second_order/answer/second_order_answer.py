@@ -22,9 +22,9 @@ from kilter.mechanics.program import Program
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.parts.cluster_states import State
-from kilter.second_order.proofs.fall_proof import Path
 from kilter.second_order.proofs.minimum_proof import MinimumProof
-from kilter.second_order.searches.curved_energy import Critical
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.searches.critical import Critical
 from kilter.second_order.second_order_tolerances import ACROSS, LEVEL
 from kilter.tell.record import Record, Twist
 from kilter.units import metres_per_unit
@@ -176,7 +176,7 @@ class SecondOrder:
     def proof(self) -> SecondOrderProof | None:
         """Proof of the answer for a single cluster; None for several clusters or an open answer."""
         # imported late: other answers do not need these modules
-        from kilter.second_order.proofs.fall_proof import Fall, Path
+        from kilter.second_order.proofs.fall_proof import Fall
 
         proof = None if self.decision is None else self.decision.proof
         if isinstance(proof, Path):

@@ -20,14 +20,18 @@ from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, OF_JOINTS, POSSIBLE
-from kilter.second_order.answer.second_order_answer import LATE, SPENT, SecondOrder, open_answer
+from kilter.second_order.answer.second_order_answer import (
+    LATE,
+    SPENT,
+    SecondOrder,
+    open_answer,
+)
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.joint_forms import of_joints
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.bending import bending_bodies, round_rows
 from kilter.second_order.motions.rolling import rolling_of, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
-from kilter.second_order.motions.small_push import ABOVE_EDGE, SmallPush
 from kilter.second_order.parts.cluster_states import joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
@@ -39,20 +43,12 @@ from kilter.second_order.proofs.second_order_recheck import (
     why_beyond,
     why_unmodelled,
 )
-from kilter.second_order.searches.curved_energy import find_critical
+from kilter.second_order.searches.critical import find_critical
 from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.level_rest_search import find_held, find_level_rest
 from kilter.work import PER_EFFORT, Work
 
-__all__ = [
-    "MOST_IN_ALL",
-    "MOST_PARTS",
-    "NEEDS_FRICTION",
-    "find_second_order",
-    "pushed_answer",
-    "with_rolling",
-]
-
+__all__ = ["MOST_IN_ALL", "MOST_PARTS", "NEEDS_FRICTION", "find_second_order", "with_rolling"]
 
 NEEDS_FRICTION = "the curvature of the energy was not examined, because the proof needs friction"
 """Reason of an open answer for a cluster that forces without friction do not balance."""
@@ -333,24 +329,3 @@ def _rate(same: list[SecondOrder]) -> float | None:
     if same[0].state == "balanced":
         return max(known, default=None)
     return min(known, default=None) if len(known) == len(rates) else None
-
-
-# Second-order answer that includes the rules about small pushes (`small_push`).
-
-
-def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) -> SecondOrder:
-    """Answer with the result of a small push that makes parts fall, or may make them fall.
-
-    Arguments: `known`: answer without friction; None if friction is needed to hold the parts.
-    """
-    why = push.rolling.why if push.rolling is not None else ""
-    answer = known or open_answer(why or NEEDS_FRICTION, program)
-    parts = np.flatnonzero(push.parts)
-    if push.state != "falls":
-        known_why = "" if why == ABOVE_EDGE else answer.why
-        return replace(answer, bending=parts, why=known_why or why or NEEDS_FRICTION)
-    motion = push.rolling.motion if push.rolling is not None else None
-    if answer.state == "open":  # its path, if any, is no proof
-        answer = replace(answer, decision=None)
-    rolling = push.rolling if push.rough else None
-    return replace(answer, state="balanced", rolling=rolling, motion=motion, moving=parts)

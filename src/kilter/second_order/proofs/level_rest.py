@@ -44,7 +44,7 @@ from kilter.second_order.parts.bearing import (
     sums_by_part,
 )
 from kilter.second_order.proofs.cluster_facts import ClusterFacts, Judged
-from kilter.second_order.proofs.minimum_proof import all_carry
+from kilter.second_order.proofs.minimum_proof import all_carry, named_motion, read_motion
 from kilter.second_order.second_order_tolerances import (
     ACROSS,
     BALANCED,
@@ -172,7 +172,6 @@ class LevelRest:
     def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
         """JSON data of this proof of rest on horizontal faces, for a proof file."""
         # imported late: only a written proof needs these modules
-        from kilter.second_order.proofs.minimum_proof import named_motion
 
         return {"level": self.forces.tolist(), "motion": named_motion(program, self.motion)}
 
@@ -180,7 +179,6 @@ class LevelRest:
     def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LevelRest:
         """Read a proof of rest on horizontal faces from JSON data."""
         # imported late: only a written proof needs these modules
-        from kilter.second_order.proofs.minimum_proof import read_motion
 
         motion = read_motion(facts.program, data["motion"])
         return cls(np.array(data["level"], dtype=float), motion)

@@ -24,7 +24,6 @@ from kilter.arrays import TINY, Array
 from kilter.mechanics.nonnegative import nonnegative
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
-from kilter.second_order.proofs.fall_proof import Path
 from kilter.second_order.proofs.minimum_proof import (
     Leaf,
     MinimumProof,
@@ -33,12 +32,9 @@ from kilter.second_order.proofs.minimum_proof import (
     sides_of_cone,
     split,
 )
-from kilter.second_order.searches.curved_energy import (
-    Critical,
-    best_curvature,
-    blocking_stress,
-    find_critical,
-)
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.searches.critical import Critical, find_critical
+from kilter.second_order.searches.curved_energy import best_curvature, blocking_stress
 from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.path_search import find_path
 from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from kilter.arrays import Array
-    from kilter.second_order.proofs.fall_proof import Path
     from kilter.second_order.proofs.level_rest import Held, LevelRest
     from kilter.second_order.proofs.minimum_proof import LockedTurns, MinimumProof
+    from kilter.second_order.proofs.paths import Path
     from kilter.second_order.proofs.stopped import Stopped
 
 __all__ = ["EnergyDecision"]

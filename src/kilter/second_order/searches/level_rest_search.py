@@ -36,7 +36,7 @@ from kilter.second_order.proofs.level_rest import (
 )
 from kilter.second_order.proofs.stopped import StopForms, Stopped, judge_stopped, stop_forms
 from kilter.second_order.searches.counted_program import optimum
-from kilter.second_order.searches.curved_energy import carrying_forces
+from kilter.second_order.searches.critical import carrying_forces
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work

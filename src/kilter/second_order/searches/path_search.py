@@ -26,9 +26,9 @@ from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.motions.sharp_points import sharp_points
 from kilter.second_order.parts.bearing import level_axes
 from kilter.second_order.proofs.cluster_facts import ClusterFacts
-from kilter.second_order.proofs.fall_proof import Path, judge_path
 from kilter.second_order.proofs.level_rest import level_rows
 from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
+from kilter.second_order.proofs.paths import Path, judge_path
 from kilter.second_order.searches.counted_program import optimum
 from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.level_rest_search import find_parting

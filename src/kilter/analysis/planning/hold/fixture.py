@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
-from kilter.analysis.decision.deciding_pairs import AnsweredPair, answered_pairs
+from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.assembly import Assembly, Strap
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support
@@ -42,6 +42,9 @@ class HeldSupport(Record):
     """Name of the candidate."""
     force: Vector | None
     """Force of the proof [N]; null for a grip, which also has a torque."""
+
+    def __repr__(self) -> str:
+        return f"<Support: {self.name}>"
 
 
 class ChosenStrap(Record):

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from kilter.analysis.decision.cascade import Decision, Word
-from kilter.analysis.decision.deciding_pairs import AnsweredPair
+from kilter.analysis.decision.open_question import AnsweredPair
 from kilter.analysis.planning.order.locking import Locked
 from kilter.analysis.planning.order.plan_step import VERDICTS, Step, lower_level
 from kilter.analysis.planning.order.removal import Screw

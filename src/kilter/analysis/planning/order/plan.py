@@ -19,7 +19,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.decision.deciding_pairs import answered_pairs
+from kilter.analysis.decision.open_question import answered_pairs
 from kilter.analysis.planning.order.locking import Locked, find_locked
 from kilter.analysis.planning.order.order import Assumes, Fewest, Finished, Order, Search
 from kilter.analysis.planning.order.plan_rules import PlanRules, turns_alone
