@@ -21,7 +21,7 @@ from kilter import Box, Part
 from kilter.analysis.check import check
 from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.files.cad import step_solids as checking
+from kilter.files.cad import checked_solid as checking
 from kilter.files.cad.checked_solid import checked_solid, has_doubled_faces
 from kilter.files.cad.step_document import step_bodies
 from kilter.files.cad.step_faces import _area, with_other_sides

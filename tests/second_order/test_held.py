@@ -20,8 +20,7 @@ from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs import level_rest as held_judge
 from kilter.second_order.proofs.level_rest import Held, judge_held, unbalanced
 from kilter.second_order.proofs.minimum_proof import all_carry, carry_beyond_doubt, carrying_rows
-from kilter.second_order.searches import curved_energy as critical
-from kilter.second_order.searches import level_rest_search
+from kilter.second_order.searches import critical, level_rest_search
 from kilter.second_order.searches.level_rest_search import find_held
 from kilter.second_order.second_order_tolerances import BALANCED, BEARS
 

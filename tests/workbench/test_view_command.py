@@ -25,8 +25,7 @@ import kilter
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.scenes import scene
-from kilter.workbench import session, worker_process
-from kilter.workbench import worker_process as worker
+from kilter.workbench import session, worker, worker_process
 from kilter.workbench.actions import ACTIONS, apply
 from kilter.workbench.history import Change, History
 from kilter.workbench.live_assembly import OpenedParts
