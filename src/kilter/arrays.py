@@ -16,33 +16,6 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "TINY",
-    "Array",
-    "Index",
-    "Labels",
-    "Mask",
-    "Rows",
-    "across",
-    "angle_between",
-    "columns",
-    "connected",
-    "counted",
-    "cross",
-    "distinct_rows",
-    "group_sums",
-    "largest_entries",
-    "lengths",
-    "nearest",
-    "ragged",
-    "ratio",
-    "read_only",
-    "sealed",
-    "squares",
-    "starts",
-    "unit_rows",
-]
-
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]

@@ -13,24 +13,6 @@ import re
 import shlex
 from collections.abc import Iterable, Sequence
 
-__all__ = [
-    "FAULT",
-    "NO_MEMORY",
-    "InputError",
-    "KilterError",
-    "SolverError",
-    "TimeLimitReached",
-    "fault_words",
-    "message_line",
-    "nearest_name",
-    "shell_words",
-    "short_name",
-    "some",
-    "some_names",
-    "visible",
-]
-
-
 FAULT = 70
 """Exit code of the command after a fault of kilter itself."""
 NO_MEMORY = "not enough memory; leave parts out, or use coarser meshes"

@@ -22,8 +22,6 @@ from typing import Any, Literal
 import kilter
 from kilter import files
 
-__all__ = ["EXTRAS", "NEEDED", "Health", "Look", "doctor"]
-
 State = Literal["works", "absent", "broken"]
 
 NEEDED = (

@@ -27,8 +27,6 @@ from kilter.files.reading_options import ReadingOptions
 from kilter.validate import finite, number
 from kilter.values.guesses import guarded
 
-__all__ = ["load", "read_chosen", "reading_for", "save", "save_reading", "tolerance_of"]
-
 NAMES = "str | Iterable[str]"
 AS_GIVEN = {
     **dict.fromkeys(("ground", "without", "off", "release"), NAMES),

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from kilter.analysis.regions.region import Region
     from kilter.analysis.verdict.verdict import Verdict
 
-__all__ = ["Shown", "cell"]
 
 FRAME = (
     '<iframe class="kilter" title="{title}" sandbox="allow-scripts allow-downloads" '

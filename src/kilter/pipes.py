@@ -9,8 +9,6 @@ import subprocess
 import sys
 from typing import IO, Any
 
-__all__ = ["can_start", "end_process", "end_with_parent", "receive", "send", "start_process"]
-
 _SERVE = "import sys; sys.path[:] = {path!r}; from {module} import serve; serve()"
 
 

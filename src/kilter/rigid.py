@@ -20,20 +20,6 @@ from kilter.validate import finite, frozen, in_range
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = [
-    "Pose",
-    "common_frame",
-    "common_frames",
-    "in_brackets",
-    "matrix_to_quaternion",
-    "quaternion_to_matrix",
-    "rotation_between",
-    "screwed",
-    "skew",
-    "turn_of",
-    "unit",
-]
-
 SAMPLE = 2000
 """Approximate number of normals that are sampled for the common frame."""
 ALL_PAIRS = 300

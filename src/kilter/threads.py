@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 if TYPE_CHECKING:
     import threadpoolctl
 
-__all__ = ["VARIABLES", "make_no_threads", "on_one_thread"]
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")

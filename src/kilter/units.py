@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from kilter.errors import InputError
 
-__all__ = ["METRES", "metres_per_unit"]
-
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 """Length of each unit [m]."""
 

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array
 from kilter.errors import InputError
 
-__all__ = ["LARGEST", "finite", "frozen", "in_range", "name_list", "number"]
-
 LARGEST = 1e100
 """Numbers with a size above this, or below its inverse, are rejected [any unit]."""
 

@@ -26,19 +26,6 @@ from time import perf_counter
 
 from kilter.errors import TimeLimitReached
 
-__all__ = [
-    "EFFORT",
-    "PER_EFFORT",
-    "Work",
-    "facts_of",
-    "is_late",
-    "seconds_left",
-    "stop_after",
-    "stop_if_late",
-    "take_at_least",
-    "units_of",
-]
-
 EFFORT = 1.0
 """Default effort of every search."""
 PER_EFFORT = 1_000_000

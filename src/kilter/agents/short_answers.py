@@ -14,8 +14,6 @@ from typing import Any
 
 from kilter.tell.scene_words import scene_order
 
-__all__ = ["LIMIT", "complete_text", "resource_name", "short_text"]
-
 LIMIT = 4000
 """Largest size of the text of an answer [bytes]."""
 DIGITS = 6

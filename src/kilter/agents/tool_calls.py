@@ -29,9 +29,6 @@ from kilter.publish import draw
 from kilter.scenes import SCENES
 from kilter.scenes import scene as example_of
 
-__all__ = ["Called", "ToolCalls", "build_server", "serve"]
-
-
 KEPT = 100
 """Number of whole answers that are kept as resources."""
 TYPES: dict[str, tuple[type, ...]] = {

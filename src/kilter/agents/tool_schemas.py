@@ -11,8 +11,6 @@ from typing import Any
 
 from kilter.tell.levels import LEVELS
 
-__all__ = ["TOOLS", "Tool", "required_of", "tool_named"]
-
 NUMBER: dict[str, Any] = {"type": "number"}
 NAMES: dict[str, Any] = {"type": "array", "items": {"type": "string"}}
 VECTOR: dict[str, Any] = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}

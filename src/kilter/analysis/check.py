@@ -39,9 +39,6 @@ from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.work import stop_after
 
-__all__ = ["check", "check_equilibrium", "check_level", "given_direction_known"]
-
-
 CUT = "stopped at the time limit: the answer is what was proved until then"
 """Warning in an answer that the time limit cut short."""
 

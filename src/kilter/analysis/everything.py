@@ -33,16 +33,6 @@ from kilter.mechanics.program import Program, build_program
 from kilter.second_order.answer.path_places import PathPlaces, find_path_places
 from kilter.work import stop_after
 
-__all__ = [
-    "Answered",
-    "Balance",
-    "Everything",
-    "MapMotions",
-    "everything",
-    "full_answer",
-    "only_given",
-]
-
 T = TypeVar("T")
 Tell = Callable[[str], None]
 

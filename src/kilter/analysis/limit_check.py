@@ -37,8 +37,6 @@ from kilter.mechanics.proof_form import (
 )
 from kilter.tell.numbers import number
 
-__all__ = ["limit_notes", "require_limit_form", "wrong_limits"]
-
 Entry = Mapping[str, Any]
 FORM = keys(
     proofs=list_of(

@@ -31,7 +31,6 @@ from kilter.mechanics.program import Program
 if TYPE_CHECKING:
     from kilter.solvers.problem import Solution
 
-__all__ = ["LimitSides", "beyond_at", "held_at", "limit_sides", "motion_share", "slips_of"]
 
 EVEN = 8
 """Number of rays, and of sides, of each pyramid at even angles."""

@@ -55,19 +55,6 @@ from kilter.solvers.solver_tolerances import CONIC
 from kilter.tell.record import InPython, OrNull, Record, Twist, key
 from kilter.work import Work, stop_after
 
-__all__ = [
-    "Limit",
-    "LimitSteps",
-    "NoLimit",
-    "SharedCones",
-    "find_limit",
-    "finite",
-    "gravity_wrench",
-    "starting",
-    "with_more",
-]
-
-
 MENDED = 2000
 """Largest number of rows for which a further program narrows bounds that already agree."""
 EXACT = 500

@@ -24,17 +24,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-__all__ = [
-    "ENOUGH",
-    "Shares",
-    "TooManySets",
-    "first_hitting_set",
-    "irreducible_subset",
-    "least_cover",
-    "least_hitting_set",
-    "reduced_by_halves",
-]
-
 Shares = Mapping[int, float]
 """For each member, by number, the share of a motion's power that it takes up."""
 ENOUGH = 1 - 1e-3

@@ -54,8 +54,6 @@ from kilter.tell.levels import level_of, level_rank, require_level
 from kilter.tell.record import AnswerInWords, UnitWord
 from kilter.values.guesses import guarded
 
-__all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
-
 NEEDS_FORCES = "its second order needs a proof by forces without friction"
 """Objection to second-order proofs of clusters that only friction holds."""
 

@@ -26,9 +26,6 @@ from kilter.shape.nested_shells import count_shells
 from kilter.shape.primitives import Mesh
 from kilter.units import metres_per_unit
 
-__all__ = ["SideBySide", "arrays_side_by_side", "join_geometry", "side_by_side"]
-
-
 # SideBySide: many small assemblies as one, so that they are computed together.
 
 

@@ -36,9 +36,6 @@ from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, name_list, number
 from kilter.values.guesses import guarded
 
-__all__ = ["Assembly", "end_words", "require_assembly", "with_ends_of", "with_named_ends"]
-
-
 LIBRARIES = ("build123d", "cadquery", "compas", "compas_assembly", "mujoco", "trimesh")
 """Libraries whose objects `kilter.load` converts."""
 

@@ -21,8 +21,6 @@ from kilter.shape.primitives import Mesh
 from kilter.units import metres_per_unit
 from kilter.validate import number
 
-__all__ = ["AssemblyArrays"]
-
 
 @dataclass(frozen=True, eq=False)
 class AssemblyArrays:

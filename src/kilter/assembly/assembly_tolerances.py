@@ -9,27 +9,6 @@ in `kilter.contact.contact_tolerances`.
 
 from __future__ import annotations
 
-__all__ = [
-    "ACROSS",
-    "BESIDE_SEAM",
-    "COPLANAR",
-    "CREASE",
-    "FLAT_PART",
-    "INERTIA_ROUNDING",
-    "INSIDE_OUT",
-    "LARGEST",
-    "ON_GRID",
-    "PLANAR_AXIS",
-    "RESOLVED",
-    "SAME_DOWN",
-    "SAME_SURFACE",
-    "SMOOTH",
-    "STRAP_OFF_PART",
-    "STRAP_THROUGH",
-    "THIN_INERTIA",
-    "UPRIGHT",
-]
-
 LARGEST = 1e30
 """Largest size of a part; the smallest is its inverse [length unit]. Moments of inertia, fifth
 powers of a size, must stay within float64."""

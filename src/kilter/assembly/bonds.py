@@ -15,18 +15,6 @@ from kilter.validate import frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = [
-    "KINDS",
-    "NOT_RANGED",
-    "NOT_SET",
-    "NO_CONE",
-    "Bond",
-    "BondKind",
-    "ListedBond",
-    "require_apart",
-    "require_no_bonds",
-]
-
 BondKind = Literal["glue", "mortar", "magnet", "suction", "press-fit"]
 KINDS: dict[BondKind, str | None] = {
     "glue": None,

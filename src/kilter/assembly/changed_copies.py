@@ -29,9 +29,6 @@ from kilter.shape.primitives import Box
 from kilter.validate import number
 from kilter.values.value import Value
 
-__all__ = ["ChangedCopies", "lowest_heights"]
-
-
 SPACIOUS = 4.0
 """Width of the floor [widths of the parts together]."""
 THICK = 0.25

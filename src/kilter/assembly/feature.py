@@ -14,8 +14,6 @@ from kilter.rigid import in_brackets, unit
 from kilter.validate import finite
 from kilter.values.value import Value
 
-__all__ = ["Feature", "FeatureKind"]
-
 FeatureKind = Literal["face", "edge", "vertex"]
 KINDS: tuple[FeatureKind, ...] = get_args(FeatureKind)
 

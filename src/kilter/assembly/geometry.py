@@ -28,8 +28,6 @@ from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES, Box, Mesh, Prism, surface
 from kilter.shape.solid import Solid
 
-__all__ = ["Geometry", "MassProperties", "build_geometry", "mass_of", "refine"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Geometry:

@@ -11,8 +11,6 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross
 
-__all__ = ["box_moments", "box_orders", "closed_octets"]
-
 PLACES: Index = np.array([1, 2, 4])
 """Weight of each edge direction in the index (0 to 7) of a corner of a box."""
 TURNED: Index = np.array([1, 0, 2])

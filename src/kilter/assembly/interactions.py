@@ -17,8 +17,6 @@ from kilter.validate import finite, frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "ListedJoint", "Load"]
-
 JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
 KINDS: tuple[JointKind, ...] = get_args(JointKind)
 NEEDS_POINT = ("revolute", "cylindrical", "spherical")

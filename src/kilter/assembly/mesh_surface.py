@@ -41,23 +41,6 @@ from kilter.shape.primitives import Box, Cylinder, Mesh, Sphere, hull_surface
 from kilter.shape.solid import Solid
 from kilter.units import metres_per_unit
 
-__all__ = [
-    "DEFAULT_DENSITY",
-    "MeshSurface",
-    "UnknownSurfaces",
-    "box_sizes",
-    "close_holes",
-    "closed_moments",
-    "density_warnings",
-    "mesh_surface",
-    "mesh_surfaces",
-    "part_masses",
-    "part_moments",
-    "polyhedron_moments",
-    "reweighed",
-    "unknown_surfaces",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshSurface:

@@ -20,19 +20,6 @@ from kilter.validate import finite, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = [
-    "BRICK_PLATES",
-    "COLOR_CODES",
-    "GROUND",
-    "Brick",
-    "Part",
-    "inertia_fault",
-    "inertia_matrix",
-    "inertia_numbers",
-    "valid_inertia",
-]
-
-
 # Brick: the studs, height and colour of a part that is a toy brick.
 
 

@@ -31,18 +31,6 @@ from kilter.validate import name_list, number
 from kilter.values.guesses import guarded
 from kilter.work import EFFORT, Work, facts_of, units_of
 
-__all__ = [
-    "SHARED",
-    "AssemblyOrPath",
-    "Question",
-    "holding",
-    "on_floor",
-    "plain_joints",
-    "question",
-    "require_plain_joints",
-]
-
-
 # Joints without friction and springs, for functions whose answers do not count them.
 
 

@@ -11,8 +11,6 @@ from kilter.assembly.part import GROUND
 from kilter.assembly.straps import Strap, some
 from kilter.errors import InputError
 
-__all__ = ["strap_wrenches"]
-
 
 def strap_wrenches(assembly: Assembly) -> Array:
     """Wrenches of all straps on the parts, shape (N, 6).

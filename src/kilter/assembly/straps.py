@@ -30,8 +30,6 @@ from kilter.validate import finite, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["Strap", "StrapEnd"]
-
 StrapEnd = Literal["first", "last"]
 
 

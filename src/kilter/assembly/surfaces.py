@@ -26,21 +26,6 @@ from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
 from kilter.shape.solid import Solid, Surface, same_surface
 
-__all__ = [
-    "CONE",
-    "CYLINDER",
-    "FREE",
-    "KINDS",
-    "SPHERE",
-    "TORUS",
-    "Chords",
-    "PartSurfaces",
-    "Surfaces",
-    "join_surfaces",
-    "surfaces_of",
-]
-
-
 KINDS = ("sphere", "cylinder", "cone", "torus", "free")
 """Kinds of curved surfaces; a "free" surface has no formula here."""
 SPHERE, CYLINDER, CONE, TORUS, FREE = range(5)

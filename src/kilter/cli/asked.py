@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from kilter.files.reading import Reading
     from kilter.tell.tables import Table
 
-__all__ = ["Asked", "check_each", "code_of", "import_scipy_quickly", "tell_cut"]
-
 
 # Import scipy without the submodules of numpy that kilter does not use.
 

@@ -7,8 +7,6 @@ from importlib import import_module
 
 from kilter.cli.overview import GROUPS
 
-__all__ = ["COMMANDS", "Command", "functions_of"]
-
 Command = Callable[..., int]
 """Function of a command: the values of its options become an exit code."""
 COMMANDS = tuple(name for group in GROUPS.values() for name in group)

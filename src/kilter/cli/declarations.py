@@ -12,8 +12,6 @@ from kilter.cli.quantities import READS
 from kilter.errors import InputError
 from kilter.values.declaration import REQUIRED, Declaration
 
-__all__ = ["Declared", "declared_in", "declared_of"]
-
 NUMBERS = {float: "a number", int: "a whole number"}
 """Types of numbers, each in words."""
 

@@ -19,7 +19,6 @@ from kilter.work import stop_after
 if TYPE_CHECKING:
     from kilter.analysis.margins.uncertainty import Ranges
 
-__all__ = ["margin", "orient", "region"]
 
 ASKED = "Which margins"
 UNSURE = "Worst case of tilt and load factor for uncertain data"

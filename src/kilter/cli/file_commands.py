@@ -23,8 +23,6 @@ from kilter.values.declaration import REQUIRED, argument, option
 if TYPE_CHECKING:
     from kilter.files.own.choices import Choices
 
-__all__ = ["batch", "doctor", "mcp", "save"]
-
 
 SHOWN = 20
 """Largest number of listed errors; errors with the same beginning count as a single error."""

@@ -27,19 +27,6 @@ from typing import NoReturn
 from kilter.cli.exit_codes import INTERRUPTED
 from kilter.errors import visible
 
-__all__ = [
-    "begin_facts",
-    "end_interrupted",
-    "interruptible",
-    "interruption_words",
-    "is_full",
-    "known_words",
-    "open_closed_streams",
-    "remember_fact",
-    "remember_step",
-]
-
-
 # Facts that the running command knows so far, for the message of an interruption.
 
 

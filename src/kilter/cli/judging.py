@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["check", "contacts", "example", "verify"]
 
 SMALL = 400
 """Largest number of parts of an example whose verdict is printed when it is written."""

@@ -25,16 +25,6 @@ from kilter.cli.quantities import number_of
 from kilter.errors import InputError, nearest_name
 from kilter.values.guesses import meant_word, remedy_of
 
-__all__ = [
-    "COMPLETION",
-    "completion",
-    "help_text",
-    "is_file",
-    "parser_of",
-    "values_of",
-    "with_values",
-]
-
 COMPLETION = "--print-completion"
 """Option of the program that writes a script for a shell."""
 FLOOR = "--floor"

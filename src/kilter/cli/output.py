@@ -15,22 +15,6 @@ from kilter.cli.interruption import begin_facts, remember_fact, remember_step
 from kilter.errors import InputError, message_line, short_name, visible
 from kilter.tell.palette import VERDICT_ROLE
 
-__all__ = [
-    "OTHER_FILES",
-    "Progress",
-    "as_json",
-    "coloured",
-    "emit",
-    "in_colour",
-    "keep_apart",
-    "require_answer_file",
-    "tell_warnings",
-    "tell_written",
-    "write_whole",
-    "writes_json",
-]
-
-
 # Colour of the verdict on a terminal, equal to its colour on pages and figures.
 
 

@@ -6,8 +6,6 @@ modules of the commands.
 
 from __future__ import annotations
 
-__all__ = ["GROUPS", "PURPOSE", "overview"]
-
 GROUPS: dict[str, dict[str, str]] = {
     "ask": {
         "check": "does it stay together, and which parts move if not?",

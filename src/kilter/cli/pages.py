@@ -15,8 +15,6 @@ from kilter.cli.output import Progress, tell_warnings, tell_written
 from kilter.errors import InputError, visible
 from kilter.values.declaration import argument, option
 
-__all__ = ["draw", "report", "view"]
-
 
 class What(StrEnum):
     """Kinds of figures that the command `draw` makes."""

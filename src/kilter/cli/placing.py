@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kilter.analysis.placing.check_plan import CheckedPlan
     from kilter.assembly import Assembly, Part
 
-__all__ = ["check_plan", "place"]
-
 
 # The command `check-plan`: a packing plan, item by item.
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.plan_rules import PlanRules
     from kilter.contact.supports import Support
 
-__all__ = ["PlanOptions", "as_typed", "hold", "improve", "plan", "written"]
-
 
 # The command `hold`: the fewest supports that hold an assembly.
 

@@ -19,17 +19,6 @@ if TYPE_CHECKING:
     from kilter.contact import Tolerance
     from kilter.files.own.choices import Choices
 
-__all__ = [
-    "READS",
-    "ToleranceOptions",
-    "density_of",
-    "friction_of",
-    "material_of",
-    "named_numbers",
-    "number_of",
-    "straps_of",
-]
-
 
 def number_of(word: str) -> float | None:
     """The number that a word is; None for other words."""

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kilter.analysis.settled_pose.settle import Settled
     from kilter.assembly import Assembly
 
-__all__ = ["require_pose_form", "scene", "settle", "write_pose"]
-
 
 MOVED = "Movement"
 PICTURES = (".svg", ".png", ".pdf")

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from kilter.analysis.transport.transport_answer import Transport
     from kilter.assembly import Assembly
 
-__all__ = ["transport"]
 
 UNSURE = "Worst case for uncertain data"
 

@@ -37,17 +37,6 @@ from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warni
 from kilter.errors import InputError
 from kilter.work import facts_of, stop_after, take_at_least
 
-__all__ = [
-    "contacts",
-    "contacts_of_findings",
-    "contacts_side_by_side",
-    "detected_with_friction",
-    "friction_needs_detection",
-    "touching_words",
-    "unexamined_words",
-]
-
-
 LEAST_TIME = 0.2
 """Time in which contacts are searched for whatever the time limit [s]."""
 

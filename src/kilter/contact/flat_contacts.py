@@ -60,8 +60,6 @@ from kilter.contact.contact_tolerances import (
 )
 from kilter.shape.closed import shared_edges
 
-__all__ = ["GAP_EDGES", "find_flat", "merge", "missing_areas"]
-
 
 def missing_areas(geometry: Geometry, facets: Facets, chosen: Index) -> Array:
     """Exact area of each chosen flat facet minus the area of its polygon, shape (n,).

@@ -17,8 +17,6 @@ from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.distances import surface_distance
 from kilter.contact.common.patches import Patches, PossibleContacts
 
-__all__ = ["certain_friction", "friction_coefficients", "with_piece_friction"]
-
 
 def friction_coefficients(
     assembly: Assembly, parts: Index, given: Array | None = None, *, greatest: bool = False

@@ -25,8 +25,6 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.detect import contacts_of_findings
 from kilter.contact.pair_findings import PairFindings, examine
 
-__all__ = ["KeptContacts", "contacts_among", "without_overlaps"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeptContacts:

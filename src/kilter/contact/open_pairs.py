@@ -33,16 +33,6 @@ from kilter.contact.common.gaps import THIN, RejectedPair
 from kilter.contact.common.patches import Overlap, PairRecord, PossibleContacts, UnsupportedContact
 from kilter.contact.contact_tolerances import LOOSE_ANGLE, LOOSE_GAP
 
-__all__ = [
-    "KINDS",
-    "OpenKind",
-    "OpenPair",
-    "find_open_pairs",
-    "open_forces",
-    "rigid_groups",
-    "still_open",
-]
-
 OpenKind = Literal["overlap", "clearance", "near", "free-form", "degenerate", "unexamined"]
 KINDS: tuple[OpenKind, ...] = get_args(OpenKind)
 """Kinds of open pairs, in order of precedence."""

@@ -45,16 +45,6 @@ from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.solvers.problem import LinearProgram
 from kilter.work import stop_if_late
 
-__all__ = [
-    "SharedBody",
-    "depth_by_winding",
-    "depth_of",
-    "find_overlaps",
-    "inside_part",
-    "shared_body",
-]
-
-
 PROBES = 300
 """Largest number of points of a part that are tested."""
 BATCH = 100_000

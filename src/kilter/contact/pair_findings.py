@@ -33,9 +33,6 @@ from kilter.contact.smooth.smooth_joints import find_smooth
 from kilter.errors import TimeLimitReached
 from kilter.work import is_late, stop_if_late, take_at_least
 
-__all__ = ["PairFindings", "examine", "examine_in_time", "find_families"]
-
-
 FIRST_BATCH = 32
 """Number of pairs in the first batch under a time limit."""
 BATCH_TIME = 0.2

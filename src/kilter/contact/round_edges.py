@@ -25,8 +25,6 @@ from kilter.contact.contact_tolerances import RIM_LEVEL, SAME_CORNER
 from kilter.contact.curved.rims import radius_at
 from kilter.shape.covering import covered
 
-__all__ = ["RoundEdge", "has_round_edges", "round_edges"]
-
 WIDEST = np.pi / 4
 """Largest angle of an arc between two neighbouring corners [rad]; a wider gap is a cut."""
 

@@ -35,8 +35,6 @@ from kilter.validate import finite, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["KINDS", "Support", "with_supports"]
-
 KINDS = ("grip", "finger", "prop", "vacuum", "magnet")
 PULLING = ("vacuum", "magnet")
 """Kinds that also pull, up to their capacity."""

@@ -29,9 +29,6 @@ from kilter.files.reader_guard import reader_guard
 from kilter.shape.primitives import Mesh
 from kilter.units import metres_per_unit
 
-__all__ = ["from_compas", "is_compas", "to_compas"]
-
-
 _HINT = "export the assembly with compas_assembly again"
 
 

@@ -13,8 +13,6 @@ from kilter.files.limits import MOST_VALUES
 if TYPE_CHECKING:
     from pydantic import BaseModel, ValidationError
 
-__all__ = ["complaint", "parse_json"]
-
 
 _TAGS = re.compile(r"as path|inline|named|constrained-\w+|literal\[.*\]|float|list\[float\]")
 """Tags of union types (kinds of mesh, step, number) that pydantic inserts into the place."""

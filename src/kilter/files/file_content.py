@@ -35,9 +35,6 @@ from kilter.files.robots.scene_process import read_scene
 from kilter.files.usd.usd_stage import USD
 from kilter.shape.primitives import Mesh
 
-__all__ = ["ENDINGS", "UP", "FileContent", "load_folder", "note_on_up", "read_json", "read_path"]
-
-
 # Read a folder of mesh and STEP files, one part per file.
 
 

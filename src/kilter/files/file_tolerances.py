@@ -9,31 +9,6 @@ face, have the largest error.
 
 from __future__ import annotations
 
-__all__ = [
-    "ALONG",
-    "COARSE",
-    "COARSE_TURN",
-    "CUT_AREA",
-    "DEFLECTION",
-    "DOUBLED",
-    "FLAT_POLYGON",
-    "HOLLOW",
-    "INTEGRAL",
-    "LEEWAY",
-    "LOWEST_CORNERS",
-    "OTHER_SIDE",
-    "PARALLEL",
-    "RECOGNISED",
-    "RIGID",
-    "SAME_ANGLE",
-    "SAME_FACE",
-    "SAME_UNIT",
-    "SEWN",
-    "STRAIGHT_AXES",
-    "TURN",
-    "VOLUME",
-]
-
 INTEGRAL = 1e-14
 """Relative error given to the Gauss integration of OCCT [-]; a larger value means fewer points.
 The results are right to 1e-10 on rational B-splines (2e-7 with the value 1e-9), and to rounding on

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from kilter.assembly.bricks import StudRules
 
-__all__ = ["BASES", "FormatOptions"]
-
 BASES = ("fixed", "floating")
 """Values of the option `base`."""
 

@@ -29,18 +29,6 @@ from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, move_solid, scale_solid
 from kilter.units import metres_per_unit
 
-__all__ = [
-    "EXACT",
-    "FORMATS",
-    "MESHES",
-    "NamedFiles",
-    "agreed_units",
-    "assembly_of",
-    "load_bodies",
-    "read_bodies",
-]
-
-
 _Objects = list[tuple[str | None, Mesh]]
 
 

@@ -23,8 +23,6 @@ from kilter.errors import InputError
 from kilter.files.file_tolerances import ALONG
 from kilter.shape.primitives import Mesh
 
-__all__ = ["contacts_of", "interfaces_of"]
-
 _HINT = "export the assembly with its interfaces again, or use --contacts geometry"
 
 

@@ -26,35 +26,6 @@ from typing import Any, BinaryIO, NamedTuple
 
 from kilter.errors import InputError, nearest_name, shell_words
 
-__all__ = [
-    "DEEPEST",
-    "MOST_BYTES",
-    "MOST_ENTRIES",
-    "MOST_FOLD",
-    "MOST_LISTED",
-    "MOST_PARTS",
-    "MOST_TABLE_BYTES",
-    "MOST_TRIANGLES",
-    "MOST_VALUES",
-    "SceneCount",
-    "Stamp",
-    "Tally",
-    "fingerprint",
-    "is_file",
-    "is_folder",
-    "is_restricted",
-    "named_path",
-    "only_below",
-    "read_bytes",
-    "require_below",
-    "require_count",
-    "require_few_entries",
-    "require_regular",
-    "require_unfolded",
-    "start_folder",
-]
-
-
 # Detect changes of the files of an assembly by their times and sizes.
 
 

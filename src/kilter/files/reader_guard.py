@@ -21,21 +21,6 @@ from typing import Any
 from kilter.errors import InputError, visible
 from kilter.pipes import end_process, end_with_parent, receive, send, start_process
 
-__all__ = [
-    "DAMAGE",
-    "LIBRARY_DAMAGE",
-    "Answer",
-    "ReaderFault",
-    "ReaderProcess",
-    "Request",
-    "allow_seconds",
-    "bound_memory",
-    "reader_guard",
-    "reason_of",
-    "serve_requests",
-]
-
-
 DAMAGE = (
     ValueError,
     LookupError,

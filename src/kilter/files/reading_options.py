@@ -12,8 +12,6 @@ from typing import Any
 
 from kilter.values.declaration import option
 
-__all__ = ["HELD", "SAVED", "TOUCH", "ReadingOptions"]
-
 HELD = "Held parts, gravity, friction and materials"
 TOUCH = "Contacts and their tolerances"
 SAVED = "Saved choices"

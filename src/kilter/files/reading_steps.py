@@ -11,16 +11,6 @@ from kilter.assembly import Assembly, Load, Part
 from kilter.assembly.mesh_surface import reweighed
 from kilter.errors import InputError
 
-__all__ = [
-    "acceleration_of",
-    "on_carrier",
-    "with_contacts_of",
-    "with_density",
-    "with_friction",
-    "with_loads",
-    "with_masses",
-]
-
 
 def with_contacts_of(assembly: Assembly, source: str | None, *, floor: bool) -> Assembly:
     """Copy with only its given contacts ("file"), or without them ("geometry").

@@ -19,9 +19,6 @@ from kilter.errors import InputError
 from kilter.files.own.kilter_json import to_dict
 from kilter.values.guesses import guarded
 
-__all__ = ["dump", "json_lines", "to_text", "write_bytes", "write_text"]
-
-
 UNDER_WAY: set[str] = set()
 """Paths of temporary files that are being written; an exit without cleanup has to remove them."""
 

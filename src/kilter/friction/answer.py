@@ -45,8 +45,6 @@ from kilter.mechanics.proof import Evidence
 from kilter.tell.record import InPython, Record
 from kilter.work import CONIC_ENTRY, EFFORT, PER_EFFORT, Work
 
-__all__ = ["FrictionAnswer", "Why", "ask_friction", "not_asked"]
-
 SEATING = 2.0
 """Work of the search for a seat, in multiples of the effort, in addition to the motion search."""
 SETTLING = 6.0

@@ -25,8 +25,6 @@ from collections.abc import Callable, Iterable, Iterator
 from enum import IntEnum
 from typing import Generic, TypeVar
 
-__all__ = ["CaseTree", "Mode"]
-
 Question = TypeVar("Question")
 Case = TypeVar("Case")
 

@@ -28,8 +28,6 @@ from kilter.mechanics.mechanics_tolerances import RIGID
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, JOINT
 
-__all__ = ["canonical"]
-
 
 def canonical(program: Program) -> Program:
     """The canonical program of an assembly, with the same answer to whether a motion can start.

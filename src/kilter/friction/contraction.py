@@ -34,13 +34,6 @@ from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import Solution
 from kilter.work import Work
 
-__all__ = [
-    "ProofAttempt",
-    "contract",
-    "power_bound",
-    "shrunk",
-]
-
 SEEN = 0.95
 """A quantity that some solution brings to this fraction of its bound is not maximised again. A
 larger value solves more programs."""

@@ -22,25 +22,6 @@ from kilter.arrays import TINY, Array
 from kilter.friction.friction_tolerances import CONE_ROUNDING, POINT_AT_REST, WIDEST_SECTOR
 from kilter.friction.reduced_law import ReducedLaw
 
-__all__ = [
-    "AT_REST",
-    "Enclosure",
-    "LargestSpeeds",
-    "TwistCone",
-    "cases",
-    "first_enclosure",
-    "halves",
-    "largest_speeds",
-    "open_at",
-    "orthants",
-    "rescaled",
-    "sector",
-    "touching_at",
-    "widened",
-    "width",
-    "with_twist_in",
-]
-
 TwistCone = Array
 """A cone of twists: its generators as columns, shape (d, d); `AT_REST` has none."""
 

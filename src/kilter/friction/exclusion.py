@@ -46,8 +46,6 @@ from kilter.tell.record import InPython, Record
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
-__all__ = ["Exclusion", "prove_no_motion", "start_proof"]
-
 Kind = Literal["moments", "contraction", "modes", "sectors"]
 
 FIRST = 0.05

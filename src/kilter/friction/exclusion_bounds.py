@@ -23,27 +23,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import MalformedProof
 from kilter.solvers.problem import LinearProgram
 
-__all__ = [
-    "ALL",
-    "FORCES",
-    "TOTALS",
-    "CaseStep",
-    "ExclusionStep",
-    "PowerStep",
-    "Quantities",
-    "Quantity",
-    "ShrinkStep",
-    "first_bounds",
-    "largest_forces",
-    "no_power",
-    "power_by",
-    "quantities",
-    "shrunk_by",
-    "with_one",
-    "with_tangent",
-]
-
-
 # Steps of a proof that no motion can start, with all data needed to repeat them.
 
 

@@ -36,8 +36,6 @@ from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
 from kilter.work import Work
 
-__all__ = ["Breach", "CasesLeft", "breach", "divide_cases"]
-
 AGAIN = 0.5
 """A power below this fraction of the scale is bounded again at its own scale, at which the numbers
 are near 1 again.

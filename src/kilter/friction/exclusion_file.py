@@ -55,8 +55,6 @@ from kilter.threads import on_one_thread
 if TYPE_CHECKING:
     from kilter.friction.exclusion import Exclusion
 
-__all__ = ["exclusion_data", "power_not_excluded", "recheck_exclusion"]
-
 
 # Repeat the steps of a proof that no motion can start, without a solver.
 

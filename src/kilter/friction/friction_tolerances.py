@@ -20,39 +20,6 @@ For rounding of numbers near 1: ZERO_ENTRY < CONE_ROUNDING < JOINT_RANK < FLAT.
 
 from __future__ import annotations
 
-__all__ = [
-    "BALANCED",
-    "CLEAR",
-    "COARSEST_NO_POWER",
-    "CONE_ROUNDING",
-    "CREEP",
-    "ELASTIC_GAP",
-    "EXACTLY",
-    "FLAT",
-    "GOAL",
-    "GONE",
-    "JOINT_RANK",
-    "LARGEST_FORCE",
-    "NARROWEST_CONE",
-    "NEAR_ITS_CONE",
-    "NODE_GAP",
-    "NO_POWER",
-    "OBEYED",
-    "POINT_AT_REST",
-    "PRESSES",
-    "SAME_PLACE",
-    "SHARP",
-    "SLACK",
-    "SLOW",
-    "SOFT_MODE",
-    "SOFT_SQUEEZE",
-    "SOLVED",
-    "STEADY",
-    "WIDEST_SECTOR",
-    "ZERO_ENTRY",
-]
-
-
 # the law, its rows and patches -------------------------------------------------------------------
 
 ZERO_ENTRY = 1e-14

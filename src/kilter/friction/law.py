@@ -49,8 +49,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, JOINT
 from kilter.units import metres_per_unit
 
-__all__ = ["CoulombLaw", "breach", "coulomb_law", "may_obey"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoulombLaw:

@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-__all__ = ["search_step_length"]
-
 LEFT, SEARCHED, EDGE = 0.2, 8, 0.1
 """The work of the imbalance falls to the first fraction; largest number of lengths that are tried;
 least distance of a length from the ends of the bracket, as a fraction of the bracket."""

@@ -30,8 +30,6 @@ from kilter.mechanics.mechanics_tolerances import WITNESS_POWER
 from kilter.solvers.problem import ConicProgram
 from kilter.work import Work
 
-__all__ = ["by_modes"]
-
 PLANAR_SECTOR = 0.1
 """Half width of the sector that stands for a sliding direction in the plane [rad]."""
 DEPTH_BONUS = 0.9

@@ -27,20 +27,6 @@ from kilter.friction.reduced_law import ReducedLaw, force_bound
 from kilter.solvers.clarabel import Multipliers, SemidefiniteProgram, solve_semidefinite
 from kilter.work import SEMIDEFINITE_ENTRY, Work
 
-__all__ = [
-    "FORMS_OF_POINT",
-    "MOST_FORMS",
-    "SQUARES",
-    "MomentProof",
-    "MomentStep",
-    "Squares",
-    "moment_program",
-    "moment_proof",
-    "power_left",
-    "squares_of",
-]
-
-
 Squares = Literal["pairs", "pushes", "cliques"]
 """Sets of product matrices that are constrained to be positive semidefinite: those of the motions
 of the bodies of a patch; also those of the motion of a body and the pushes on it; those of all

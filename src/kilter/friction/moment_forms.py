@@ -25,8 +25,6 @@ from scipy.sparse import csr_array, eye_array, hstack, vstack
 from kilter.arrays import Index, Mask, starts
 from kilter.friction.reduced_law import ReducedLaw
 
-__all__ = ["MomentForms", "bodies_of", "moment_forms", "width_of"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MomentForms:

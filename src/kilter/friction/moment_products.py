@@ -24,8 +24,6 @@ from scipy.sparse import csr_array
 from kilter.arrays import Array, Index
 from kilter.friction.moment_forms import MomentForms
 
-__all__ = ["ProductRows", "Products", "law_products", "monomials", "over_monomials"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProductRows:

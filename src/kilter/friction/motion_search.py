@@ -51,8 +51,6 @@ from kilter.tell.record import InPython, Record, key
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
-__all__ = ["CoulombMotion", "DeSaxcePrograms", "de_saxce_programs", "find_coulomb_motion"]
-
 Part = Literal["starts", "modes"]
 
 STARTS = 8

@@ -36,8 +36,6 @@ from kilter.friction.friction_tolerances import (
 from kilter.friction.law import CoulombLaw
 from kilter.work import Work
 
-__all__ = ["TrialMotion", "polished"]
-
 STEPS = 40
 """Maximum number of Newton steps in a mode."""
 MOST_RAYS = 1000

@@ -39,8 +39,6 @@ from kilter.mechanics.rows import CONTACT, POSSIBLE, STICKING
 from kilter.solvers.clarabel import solve_conic
 from kilter.work import Work
 
-__all__ = ["ReducedLaw", "force_bound", "opening_motion", "reduced_law", "refusal"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReducedLaw:

@@ -47,8 +47,6 @@ from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.template import MatrixTemplate
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Relaxation"]
-
 SIDES = 8
 """Number of sides of the polygon circumscribed about the friction circle. A larger value gives
 tighter bounds and larger programs.

@@ -29,8 +29,6 @@ from kilter.friction.line_search import search_step_length
 from kilter.friction.springs import Springs, SpringState
 from kilter.work import Work
 
-__all__ = ["Rest", "relaxed"]
-
 FIRST = 1e3
 """First step h. The tries of 256 random assemblies end alike for first steps from 1 to 1e3, and a
 leaning wall of 300 bricks takes two fifths fewer Newton steps.

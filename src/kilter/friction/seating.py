@@ -41,8 +41,6 @@ from kilter.tell.record import InPython, Record, Shape, key
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
-__all__ = ["Seating", "find_seating"]
-
 NEAR = 1e4
 """First pseudo-time step if the search starts at the forces of least energy, near a seat."""
 SPREAD = 10.0

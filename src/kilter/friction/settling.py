@@ -43,8 +43,6 @@ from kilter.tell.record import InPython, Record
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
-__all__ = ["TRIES", "Settling", "find_settling"]
-
 TRIES = 8
 """Number of tries that must all come to balance."""
 LOOSE = 3.0

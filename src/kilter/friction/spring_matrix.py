@@ -17,8 +17,6 @@ from kilter.arrays import Array, Index
 from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
 from kilter.work import Work
 
-__all__ = ["SpringMatrix", "spring_matrix"]
-
 WIDEST_BAND = 400
 """Half width of a band above which systems are solved as sparse systems."""
 DISSECTED = 250

@@ -40,9 +40,6 @@ from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
 from kilter.solvers.problem import ConicProgram
 from kilter.work import CONIC_ENTRY, Work
 
-__all__ = ["ElasticForces", "SharedFactor", "balanced_springs", "elastic_forces"]
-
-
 ROUGHLY = 0.3
 """Residual of a linear system, over its right-hand side, at which GMRES ends [-]. A smaller value
 costs more iterations, and in soft directions makes steps too long."""

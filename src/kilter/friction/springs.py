@@ -25,8 +25,6 @@ from kilter.friction.law import CoulombLaw
 from kilter.friction.spring_matrix import SpringMatrix, spring_matrix
 from kilter.work import BAND_POINT, Work
 
-__all__ = ["ACROSS", "Slopes", "SpringState", "SpringSystem", "Springs", "spring_system"]
-
 ACROSS = 0.7
 """Stiffness across a contact over that along its normal: about that of two elastic bodies."""
 RUN = 4

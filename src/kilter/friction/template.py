@@ -16,8 +16,6 @@ from scipy.sparse import csc_array, sparray
 
 from kilter.arrays import Array, Index, starts
 
-__all__ = ["MatrixTemplate"]
-
 
 class MatrixTemplate:
     """Structure of a sparse constraint matrix over named columns; its named entries may change.

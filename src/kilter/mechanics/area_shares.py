@@ -12,8 +12,6 @@ import numpy as np
 
 from kilter.arrays import Array, Index, across
 
-__all__ = ["area_shares"]
-
 
 def area_shares(points: Array, patch: Index, normal: Array) -> Array:
     """Area of the patch that each of its corner points represents [length unit^2], shape (K,).

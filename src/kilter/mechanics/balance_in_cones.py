@@ -19,8 +19,6 @@ from kilter.arrays import Array, Index, across, cross
 from kilter.mechanics.program import Program
 from kilter.solvers.linked_cones import LinkedCones
 
-__all__ = ["ConeBalance", "balance_in_cones", "load_share"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeBalance:

@@ -37,8 +37,6 @@ from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_form
 
-__all__ = ["apply_change", "is_bundle", "make_bundle", "split_bundle", "subject_mismatch"]
-
 COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "points")
 """Keys whose values are equal in all proofs of a file."""
 

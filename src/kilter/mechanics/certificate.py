@@ -29,17 +29,6 @@ from kilter.arrays import TINY, Array
 from kilter.mechanics.clusters import balanced_parts, power_limit, pressing_forces
 from kilter.mechanics.program import Program
 
-__all__ = [
-    "ForceProof",
-    "MotionProof",
-    "check_forces",
-    "check_motion",
-    "needed_power",
-    "part_sizes",
-    "row_openings",
-    "violations",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceProof:

@@ -24,19 +24,6 @@ from kilter.mechanics.mechanics_tolerances import (
 )
 from kilter.mechanics.program import Program
 
-__all__ = [
-    "PARTED",
-    "Cluster",
-    "PowerLimit",
-    "balanced_parts",
-    "cluster_groups",
-    "cluster_labels",
-    "clusters",
-    "power_limit",
-    "pressing_forces",
-]
-
-
 PARTED = 1500
 """Programs with more freedoms than this are solved cluster by cluster."""
 GROUP = 300

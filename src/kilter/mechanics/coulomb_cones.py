@@ -29,22 +29,6 @@ from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram, Solution
 
-__all__ = [
-    "ConeProblem",
-    "angles_across",
-    "balanced_forces",
-    "cohesion_slope",
-    "cone_problem",
-    "largest_load",
-    "least_cohesion",
-    "least_forces",
-    "least_strength",
-    "load_factor_in_cones",
-    "nearest_load",
-    "pyramid",
-    "pyramid_forces",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConeProblem:

@@ -26,9 +26,6 @@ from kilter.mechanics.mechanics_tolerances import NORMAL_ANGLE
 from kilter.mechanics.program import Program, bounding_program
 from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows
 
-__all__ = ["MOST", "allowed_program", "between", "openings", "with_pushes", "without_degenerate"]
-
-
 MOST = 64
 """Largest number of degenerate points for which a normal is chosen at each point; with more points,
 all normals count. A larger value admits more motions at more cost.

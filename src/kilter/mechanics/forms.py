@@ -30,22 +30,6 @@ from kilter.mechanics.program import Program
 from kilter.rigid import common_frame
 from kilter.solvers.problem import ConicProgram, LinearProgram, quadratic_program
 
-__all__ = [
-    "ScaledProblem",
-    "UncertainLoad",
-    "affine_forces",
-    "affine_imbalance",
-    "displacement",
-    "equilibrium",
-    "impending_motion",
-    "largest_share",
-    "least_forces",
-    "least_imbalance",
-    "load_factor",
-    "scaled_problem",
-    "total_imbalance",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScaledProblem:

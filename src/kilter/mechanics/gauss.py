@@ -24,9 +24,6 @@ from kilter.mechanics.forms import ScaledProblem, impending_motion
 from kilter.mechanics.mechanics_tolerances import MIRROR, MIRROR_CELL, MIRROR_ROWS, ZERO_ENTRY
 from kilter.solvers.problem import ConeProjection, ConicProgram
 
-__all__ = ["LeastConstraint", "least_constraint", "mirror_half"]
-
-
 OFFSET = 0.31830988618
 """Shift of the grid cells by an irrational fraction, so that round coordinates do not lie on
 borders."""

@@ -29,15 +29,6 @@ from kilter.arrays import Array, Mask, across, cross
 from kilter.assembly import GROUND, Assembly, Joint
 from kilter.assembly.geometry import Geometry
 
-__all__ = [
-    "constraints",
-    "joint_constraints",
-    "joint_forces",
-    "joint_wrench",
-    "reference_point",
-    "spring_wrenches",
-]
-
 
 def joint_constraints(
     assembly: Assembly, number: int

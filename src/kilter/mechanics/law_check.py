@@ -42,15 +42,6 @@ from kilter.mechanics.mechanics_tolerances import (
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
-__all__ = [
-    "LawProof",
-    "check_balance",
-    "check_law",
-    "mobilities",
-    "point_speeds",
-    "point_wrenches",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LawProof:

@@ -13,8 +13,6 @@ from kilter.mechanics.certificate import ForceProof, check_forces, part_sizes
 from kilter.mechanics.clusters import balanced_parts
 from kilter.mechanics.program import Program
 
-__all__ = ["check_load_forces", "shifted_weights"]
-
 
 def shifted_weights(program: Program, more: Array) -> Array:
     """Weight of each part (`Program.weight`) with more load on the parts [N], shape (n, N).

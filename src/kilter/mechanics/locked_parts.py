@@ -31,9 +31,6 @@ from kilter.mechanics.mechanics_tolerances import LOCKED, RIGID
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["LockedParts", "find_locked_parts", "merge_parts"]
-
-
 # Merge rigidly joined parts of a program to single bodies, so that it has fewer freedoms.
 
 

@@ -18,36 +18,6 @@ blocks for which only rest is possible come as near. For rounding of numbers nea
 
 from __future__ import annotations
 
-__all__ = [
-    "AGREES",
-    "BLUR",
-    "COARSE_EXCESS",
-    "COARSE_EXCUSED",
-    "CONE_ROUNDING",
-    "EXCESS",
-    "EXCUSED",
-    "FOLLOWS",
-    "LOCKED",
-    "MIRROR",
-    "MIRROR_CELL",
-    "MIRROR_ROWS",
-    "NORMAL_ANGLE",
-    "OPENS_FAR",
-    "OPENS_MORE",
-    "POWER_ROUNDING",
-    "RIGID",
-    "ROUNDED_ENTRY",
-    "RULED_OUT",
-    "SAME_AREA",
-    "STILL",
-    "TOLERANCE",
-    "UNITS_IN_LAST_PLACE",
-    "WITNESS_EXACT",
-    "WITNESS_POWER",
-    "WITNESS_SLIVER",
-    "ZERO_ENTRY",
-]
-
 # verdicts ----------------------------------------------------------------------------------
 
 TOLERANCE = 1e-9

@@ -10,8 +10,6 @@ import numpy as np
 
 from kilter.arrays import Array
 
-__all__ = ["nonnegative"]
-
 AGREES = 1e-9
 """Largest difference between the stated and the true residual, over the size of the target [-]."""
 

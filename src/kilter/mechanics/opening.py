@@ -26,8 +26,6 @@ from kilter.mechanics.mechanics_tolerances import OPENS_FAR, OPENS_MORE
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["Opening", "opening_program"]
-
 
 @dataclass(frozen=True, eq=False)
 class Opening:

@@ -51,9 +51,6 @@ from kilter.mechanics.rows import (
 from kilter.rigid import unit
 from kilter.validate import frozen
 
-__all__ = ["Program", "bounding_program", "build_program"]
-
-
 ROW_FIELDS = tuple(field.name for field in fields(ForceRows))
 """Names of the members of a program that have an entry for each row."""
 

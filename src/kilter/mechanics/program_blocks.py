@@ -26,8 +26,6 @@ from kilter.mechanics.stacked_parts import stack_answers
 from kilter.rigid import common_frames
 from kilter.solvers.highs import BlockAnswers, Blocks
 
-__all__ = ["BlockProofs", "ProgramBlocks", "program_blocks"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockProofs:

@@ -26,17 +26,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import FORMAT
 from kilter.mechanics.rows import BONDED, CONTACT, OF_JOINTS
 
-__all__ = [
-    "Evidence",
-    "coefficients",
-    "digest_of",
-    "frame_of",
-    "joints_of",
-    "make_proof",
-    "open_pairs_of",
-    "rows_of",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:

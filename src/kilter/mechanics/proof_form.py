@@ -13,32 +13,6 @@ from typing import Any
 from kilter.errors import InputError
 from kilter.validate import LARGEST
 
-__all__ = [
-    "COUNT",
-    "FLAG",
-    "FORMAT",
-    "LOADS",
-    "NUMBER",
-    "PAIR",
-    "SIX",
-    "STRAPS",
-    "VECTOR",
-    "WORD",
-    "Form",
-    "MalformedProof",
-    "count_up_to",
-    "every",
-    "keys",
-    "list_of",
-    "named",
-    "nullable",
-    "one_of",
-    "optional_keys",
-    "require_bundle_form",
-    "require_form",
-    "row_of",
-]
-
 FORMAT = 1
 
 

@@ -35,8 +35,6 @@ from kilter.mechanics.proof import (
 )
 from kilter.mechanics.rows import BONDED, CONTACT, JOINT, OF_JOINTS
 
-__all__ = ["RecheckResult", "proof_forces", "recheck"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecheckResult:

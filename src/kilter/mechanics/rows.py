@@ -33,31 +33,6 @@ from kilter.mechanics.joints import joint_constraints
 from kilter.mechanics.mechanics_tolerances import SAME_AREA
 from kilter.rigid import unit
 
-__all__ = [
-    "BONDED",
-    "CONTACT",
-    "DRAG",
-    "JOINT",
-    "OF_JOINTS",
-    "POSSIBLE",
-    "STICKING",
-    "STOP",
-    "STRAP",
-    "BondedPoints",
-    "ForceRows",
-    "RowArrays",
-    "bonded_points",
-    "bonded_rows",
-    "clamp_of",
-    "contact_rows",
-    "joint_rows",
-    "possible_rows",
-    "pushing_rows",
-    "sticking_rows",
-    "strap_rows",
-]
-
-
 # Bonds as parts of a program: loads that press the parts together, and rows for shear forces.
 
 

@@ -25,8 +25,6 @@ from kilter.arrays import TINY, Array, Index, Mask, cross, ragged, starts
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 
-__all__ = ["StackAnswers", "stack_answers"]
-
 LEVEL = 1e-9
 """Largest sine of the angle between a normal and the vertical for a level contact [rad]."""
 MOST_DEPTH = 101

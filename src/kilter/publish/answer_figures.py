@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from kilter.assembly.question import AssemblyOrPath
     from kilter.contact import ContactSet
 
-__all__ = ["answer_to_draw", "draw"]
 
 DRAWING = 1.0
 """Time of a time limit that is kept for drawing the figure, at most half of it [s]."""

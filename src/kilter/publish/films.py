@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from kilter.assembly.question import Question
     from kilter.second_order.answer.path_places import PathPlaces
 
-__all__ = [
-    "FILMS",
-    "PAGES",
-    "animate",
-    "changed_subject",
-    "path_of",
-    "require_ending",
-    "require_figure",
-    "require_film",
-    "require_steps",
-    "title_of",
-]
-
 
 # Names of pages, figures and films: their endings, and the titles of pages.
 

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
     from kilter.assembly.question import AssemblyOrPath
 
-__all__ = ["Report", "report"]
 
 MOST = 50_000
 """Maximum number of parts on a page. A part takes a kilobyte; larger pages open too slowly."""

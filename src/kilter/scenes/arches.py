@@ -20,9 +20,6 @@ from kilter.errors import InputError
 from kilter.scenes.pieces import prism
 from kilter.scenes.registry import listed
 
-__all__ = ["arch", "arch_with_held_ends", "oppenheim_arch", "voussoirs"]
-
-
 DENSITY = 1000.0
 """Density of the voussoirs [kg/m^3]."""
 

@@ -13,19 +13,6 @@ from kilter.errors import InputError
 from kilter.scenes.pieces import block, cells, floor, prism
 from kilter.scenes.registry import listed
 
-__all__ = [
-    "a_block",
-    "books",
-    "bracket",
-    "h_block",
-    "ladder",
-    "squeezed_row",
-    "trough",
-    "v_block",
-    "wedge_on_wedge",
-]
-
-
 # Scenes without friction whose first accelerations are known in closed form.
 
 

@@ -20,8 +20,6 @@ from kilter.scenes.pieces import floor
 from kilter.scenes.registry import listed
 from kilter.shape.primitives import Box
 
-__all__ = ["corbel", "eccentric_pier", "pier_in_wind"]
-
 BLOCK = (0.4, 0.2, 0.2)
 """Length, depth and height of a block [m]."""
 DENSITY = 2000.0

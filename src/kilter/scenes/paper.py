@@ -29,21 +29,6 @@ from kilter.scenes.pieces import block, moved, prism, ring
 from kilter.scenes.registry import listed
 from kilter.shape.primitives import Mesh, Prism
 
-__all__ = [
-    "figure_1",
-    "figure_2",
-    "figure_3",
-    "figure_4",
-    "figure_8",
-    "figure_9",
-    "figure_10",
-    "figure_11",
-    "figure_12",
-    "trapped_wedge",
-    "two_blocks_in_an_l",
-]
-
-
 G = 9.81
 """Gravity [m/s^2]."""
 DEPTH = 1.0

@@ -16,21 +16,6 @@ from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box, Mesh, Prism
 from kilter.shape.solid import Solid, Surface
 
-__all__ = [
-    "block",
-    "cells",
-    "compose",
-    "floor",
-    "moved",
-    "moved_features",
-    "prism",
-    "require_about_y",
-    "ring",
-    "tube",
-    "turn",
-    "turned_parts",
-]
-
 
 def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part:
     """Build a box-shaped part from two opposite corners in the world frame [length unit].

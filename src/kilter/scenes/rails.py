@@ -20,9 +20,6 @@ from kilter.scenes.registry import listed
 from kilter.scenes.wedges import behind, solid_mesh, solid_volume
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
-__all__ = ["SIDES", "groove", "pit_wedges", "railed", "seats"]
-
-
 SIDES = {
     "-x": (-1.0, 0.0, 0.0),
     "+x": (1.0, 0.0, 0.0),

@@ -11,9 +11,6 @@ from kilter.assembly.part import BRICK_PLATES
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.registry import listed
 
-__all__ = ["box_pile", "random_bricks"]
-
-
 # Random piles of boxes on a grid; each box is lowered onto the highest box below it.
 
 

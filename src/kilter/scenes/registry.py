@@ -14,8 +14,6 @@ from typing import Any, Literal, TypeVar
 from kilter.assembly import Assembly
 from kilter.errors import InputError, nearest_name
 
-__all__ = ["SCENES", "Answer", "Example", "listed", "scene"]
-
 Answer = Literal["stable", "settles", "balanced", "potentially-stable", "unstable"]
 Builder = TypeVar("Builder", bound=Callable[..., Assembly])
 

@@ -12,8 +12,6 @@ from kilter.scenes.pieces import floor, turn
 from kilter.scenes.registry import listed
 from kilter.shape.primitives import Cylinder, Shape, Sphere
 
-__all__ = ["four_spheres", "three_cylinders"]
-
 
 @listed("three-cylinders", "a cylinder on two cylinders", source="R1", answer="settles")
 def three_cylinders(*, friction_between: float = 0.3, friction_ground: float = 0.1) -> Assembly:

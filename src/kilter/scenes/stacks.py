@@ -14,19 +14,6 @@ from kilter.assembly import Assembly
 from kilter.scenes.pieces import block, compose, floor, turn, turned_parts
 from kilter.scenes.registry import listed
 
-__all__ = [
-    "block_on_incline",
-    "block_on_slope",
-    "diamond",
-    "harmonic_stack",
-    "inverted_triangle",
-    "overhang",
-    "overhanging_cubes",
-    "staircase",
-    "three_block_overhang",
-    "tower",
-]
-
 
 @listed("tower", "five cubes on a held cube", source="S2", answer="stable")
 def tower(

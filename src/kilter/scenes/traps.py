@@ -11,17 +11,6 @@ from kilter.scenes.pieces import block, cells, floor, prism, tube
 from kilter.scenes.registry import listed
 from kilter.shape.primitives import Cylinder, Mesh, surface
 
-__all__ = [
-    "bridge_on_slab",
-    "cad_export",
-    "floating_block",
-    "inward_base",
-    "laden_slab",
-    "penetrating_cube",
-    "ring_on_slab",
-]
-
-
 # Scene of a typical CAD export: threads as cylinders, intended gaps, a misplaced part.
 
 

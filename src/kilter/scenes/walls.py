@@ -20,20 +20,6 @@ from kilter.scenes.pieces import block
 from kilter.scenes.registry import listed
 from kilter.shape.primitives import Box
 
-__all__ = [
-    "bond",
-    "ferris_tin_loi",
-    "hanging_brick",
-    "short_base",
-    "stack_bond",
-    "tilted_wall",
-    "wall",
-    "wall_from_courses",
-    "wall_of",
-    "wall_with_lintel",
-    "wall_with_opening",
-]
-
 Courses = Sequence[Sequence[float]]
 
 BRICK = (0.2, 0.1, 0.06)

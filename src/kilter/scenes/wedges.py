@@ -16,9 +16,6 @@ from kilter.scenes.pieces import block, floor, prism
 from kilter.scenes.registry import listed
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
-__all__ = ["corner_boxes", "corner_wedges", "keystone"]
-
-
 WALL = 0.5
 """Thickness of the held walls [m]."""
 

@@ -6,29 +6,6 @@ ACROSS > BALANCED,   CARRIES = BALANCED
 
 from __future__ import annotations
 
-__all__ = [
-    "ACROSS",
-    "AGREE",
-    "APART",
-    "BALANCED",
-    "BEARS",
-    "BENDS",
-    "CARRIES",
-    "CROSSING",
-    "CURVED",
-    "DROPS",
-    "FLAT",
-    "KEEPS",
-    "LASTS",
-    "LEVEL",
-    "REACHES",
-    "ROUND",
-    "ROUNDED",
-    "SLIPS",
-    "SPLITS",
-    "SPREAD",
-]
-
 # gaps ---------------------------------------------------------------------------------------
 
 AGREE = 1e-6

@@ -15,18 +15,6 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, connected, cross, distinct_rows, squares, starts
 from kilter.shape.shape_tolerances import EDGE_END, NO_AREA, WELD
 
-__all__ = [
-    "contains",
-    "flat_faces",
-    "is_evenly_paired",
-    "open_edges",
-    "orient_faces",
-    "shared_edges",
-    "signed_volume",
-    "weld",
-    "weld_valid_meshes",
-]
-
 
 def weld(
     vertices: Array, triangles: Index, *, accuracy: float = 0.0

@@ -13,9 +13,6 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, unit_rows
 from kilter.shape.shape_tolerances import GRAZING
 
-__all__ = ["FaceCover", "covered"]
-
-
 BATCH = 500_000
 """Number of pairs of point and triangle that are compared at once; more need more memory."""
 

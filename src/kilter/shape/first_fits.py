@@ -45,8 +45,6 @@ from kilter.shape.shape_tolerances import (
     WIDEST_CONE,
 )
 
-__all__ = ["FirstFits"]
-
 MOST_NEIGHBOURS = 12
 """Largest number of neighbours of a seed that are tried."""
 TRIED = 2

@@ -33,9 +33,6 @@ from kilter.shape.shape_tolerances import (
 )
 from kilter.shape.solid import Surface
 
-__all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere"]
-
-
 STEPS = 30
 """Largest number of Gauss-Newton steps."""
 

@@ -22,8 +22,6 @@ from kilter.errors import InputError
 from kilter.shape.closed import contains, signed_volume
 from kilter.shape.shape_tolerances import COMMON_VOLUME
 
-__all__ = ["body_of_shells", "count_shells"]
-
 MOST_PAIRS = 20_000
 """Most pairs of shells of a mesh whose boxes may overlap; each takes about a millisecond."""
 

@@ -24,19 +24,6 @@ from kilter.validate import finite, frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = [
-    "Box",
-    "Cylinder",
-    "Mesh",
-    "Prism",
-    "Shape",
-    "Sphere",
-    "hull_surface",
-    "piece_count",
-    "surface",
-]
-
-
 # The surface of the convex hull of points, as a closed mesh.
 
 

@@ -49,9 +49,6 @@ from kilter.shape.round_region import (
 from kilter.shape.shape_tolerances import GROWING
 from kilter.shape.solid import Surface, facing
 
-__all__ = ["recognise"]
-
-
 PATIENCE = 60
 """Number of failed seeds after which the rest of a region counts as flat; more take longer."""
 SAMPLE = 1000

@@ -41,21 +41,6 @@ from kilter.shape.shape_tolerances import (
 )
 from kilter.shape.solid import Surface, height, outward
 
-__all__ = [
-    "FEWEST_FACETS",
-    "FacetMesh",
-    "deviation",
-    "facet_graph",
-    "facet_sagitta",
-    "fit_surface",
-    "gather_rows",
-    "is_round",
-    "sagitta_limit",
-    "tolerance_of",
-    "triangle_sagitta",
-]
-
-
 FEWEST_FACETS = 5
 """Least number of facets of a round region."""
 PARAMETERS = {"sphere": 4, "cylinder": 5, "cone": 6, "torus": 7}

@@ -17,19 +17,6 @@ from kilter.rigid import Pose, quaternion_to_matrix, unit
 from kilter.validate import frozen, number
 from kilter.values.value import Value
 
-__all__ = [
-    "Solid",
-    "Surface",
-    "SurfaceKind",
-    "facing",
-    "height",
-    "move_solid",
-    "outward",
-    "same_surface",
-    "scale_solid",
-]
-
-
 SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus"]
 
 

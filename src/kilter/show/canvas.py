@@ -19,7 +19,6 @@ from kilter.tell.palette import ROLES, ink_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SUFFIXES", "encode_figure", "label", "legend", "new_figure", "require", "title"]
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """File endings of the supported figure formats."""

@@ -13,7 +13,6 @@ from kilter.tell.palette import GROUND, PALETTE, rgb
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
 
-__all__ = ["assembly_colours", "part_colours"]
 
 SHADES = (0.0, 0.10, -0.08, 0.05, -0.04, 0.13, -0.11)
 """Shares of white (positive) or black (negative) mixed into the colours of successive copies."""

@@ -27,8 +27,6 @@ from kilter.units import metres_per_unit
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
 
-__all__ = ["Film", "film_of_fall", "film_of_motion", "xyzw"]
-
 
 HELD = rgb(ROLES["grip"].light)
 """Colour of the mark of a held part, sRGB from 0 to 255."""

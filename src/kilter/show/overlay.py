@@ -26,17 +26,6 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = [
-    "GHOSTS",
-    "draw_fall",
-    "draw_forces",
-    "draw_gravity",
-    "draw_motion",
-    "draw_names",
-    "draw_patches",
-    "draw_straps",
-]
-
 
 MOTION, FORCE, PATCH = (ROLES[name].light for name in ("unstable", "force", "patch"))
 PATCH_FILL, PATCH_EDGE = (PATCH, 0.15), (PATCH, 0.7)

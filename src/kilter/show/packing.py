@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from kilter.arrays import Array
 
-__all__ = ["as_json", "pack", "readable", "unpack"]
-
 CODES = {"f4": "<f4", "f8": "<f8", "u1": "|u1", "u2": "<u2", "u4": "<u4"}
 """Types of packed arrays, as little-endian NumPy types."""
 COMPRESSED = 512

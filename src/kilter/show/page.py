@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.explained import Explained
     from kilter.analysis.planning.order.order import Order
 
-__all__ = ["fill_template", "render", "render_plan", "workbench_page"]
-
 
 SLOTS = ("bar", "above", "panels", "side", "actions", "later", "motion", "player", "body")
 """Slots of the template that hold asset files of one kind of page."""

@@ -19,9 +19,6 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask
 
-__all__ = ["Camera", "Polygon", "back_to_front", "visible_triangles"]
-
-
 WORK = 400_000
 """Number of tests of a polygon against a plane up to which the order is exact."""
 MANY = 200

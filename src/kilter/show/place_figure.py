@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from kilter.arrays import Array
     from kilter.assembly import Assembly
 
-__all__ = ["draw_places"]
 
 STANDS, FALLS, OPEN = (
     ROLES[name].light for name in ("stable-fill", "unstable-fill", "undecided-fill")

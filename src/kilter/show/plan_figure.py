@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_movement", "draw_plan", "largest_movements", "magnification"]
-
 
 # Figure of small movements: the drawn assembly, and dashed outlines at magnified movements.
 

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
     from kilter.assembly import Assembly
 
-__all__ = ["build_plan_scene", "film_of_plan", "plan_sections", "pulled_apart"]
-
 
 # A plan as an animated GLB film: each part is inserted along its path.
 

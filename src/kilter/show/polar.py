@@ -14,8 +14,6 @@ from kilter.tell.transport_facts import least_limit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["draw_path_profile", "draw_polar"]
-
 
 # Figure of the speed factor along a path of the carrier, over time.
 

@@ -21,7 +21,6 @@ from kilter.arrays import Array, Index
 if TYPE_CHECKING:
     from kilter.contact import ContactSet
 
-__all__ = ["RoundPatches", "round_patches"]
 
 OPEN = np.radians(125.0)
 """Angle between neighbouring points on a circle above which no contact is drawn between them [rad].

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["build_orientation", "build_scene", "build_things", "coincide", "view_box"]
-
 
 SAME = 1e-12
 """Distance below which two points count as equal [size of the largest part]."""

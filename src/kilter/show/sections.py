@@ -32,25 +32,6 @@ if TYPE_CHECKING:
     from kilter.analysis.placing.place import Places
     from kilter.analysis.placing.upright_prisms import PlacedPrism
 
-__all__ = [
-    "LISTED",
-    "answer_html",
-    "build_place_layer",
-    "change_card",
-    "facts_html",
-    "graph_svg",
-    "made_section",
-    "margin_card",
-    "name_html",
-    "place_card",
-    "placed_part",
-    "rows_html",
-    "section",
-    "sections",
-    "text",
-    "warnings_section",
-]
-
 
 LISTED = 1000
 """Maximum rows of a table. A note counts the remaining rows, and `--json` lists all."""

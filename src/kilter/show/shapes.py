@@ -20,16 +20,6 @@ from kilter.shape.primitives import Box, surface
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
 
-__all__ = [
-    "PlacedShapes",
-    "ShapeMesh",
-    "brick_rgb",
-    "feature_edges",
-    "place_shapes",
-    "shape_mesh",
-    "studded_surface",
-]
-
 
 # Appearance of toy bricks: studs on top of their boxes, and their LDraw colours.
 

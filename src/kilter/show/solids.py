@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from kilter.assembly import Assembly
 
-__all__ = ["GRIP", "draw_parts"]
 
 Colour = str | tuple[str, float] | tuple[float, float, float, float]
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from kilter.analysis.regions.region import Region
 
-__all__ = ["draw_region"]
-
 
 FILL, BORDER = ROLES["stable-fill"].light, ROLES["stable"].light
 BALL, GRID, GIVEN = (ROLES[name].light for name in ("page", "line", "ink"))

@@ -25,9 +25,6 @@ from scipy.sparse import csr_array
 
 from kilter.arrays import Array, Index, Mask, ragged
 
-__all__ = ["BlockCholesky", "Front", "LinkedRows", "NotPositive", "fronts"]
-
-
 # Nested dissection: an order of elimination for the blocks of a sparse matrix.
 
 

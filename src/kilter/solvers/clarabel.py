@@ -38,20 +38,6 @@ from kilter.solvers.problem import ConicProgram, Outcome, Solution
 from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
 from kilter.work import Work, seconds_left
 
-__all__ = [
-    "DEAF",
-    "LONG",
-    "Multipliers",
-    "SemidefiniteProgram",
-    "call_apart",
-    "run_aside",
-    "serve",
-    "solve_conic",
-    "solve_quadratic",
-    "solve_semidefinite",
-]
-
-
 # Run solver calls outside the main thread, so that Ctrl-C ends them at once.
 
 

@@ -28,8 +28,6 @@ from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.linked_cones import LinkedCones
 from kilter.solvers.lorentz import Scaling, depth, divided, product, reach
 
-__all__ = ["Iterate", "Start", "common_start", "iterates"]
-
 STEPS = 60
 """Maximum number of steps."""
 INSIDE = 1e-10

@@ -49,22 +49,6 @@ from kilter.solvers.solver_tolerances import (
 )
 from kilter.work import Work, seconds_left
 
-__all__ = [
-    "BlockAnswers",
-    "Blocks",
-    "KeptProgram",
-    "Method",
-    "bounding",
-    "find_optimum",
-    "hipo_available",
-    "longer_basis",
-    "near_its_bound",
-    "new_highs",
-    "solve_blocks",
-    "solve_linear",
-]
-
-
 Method = Literal["simplex", "interior"]
 Warm = Literal["primal", "dual"]
 

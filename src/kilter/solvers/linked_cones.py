@@ -21,8 +21,6 @@ from kilter.arrays import Array, Index, Mask
 from kilter.solvers.block_cholesky import BlockCholesky
 from kilter.solvers.lorentz import Scaling
 
-__all__ = ["LinkedCones"]
-
 
 @dataclass(frozen=True, eq=False)
 class LinkedCones:

@@ -19,8 +19,6 @@ import numpy as np
 
 from kilter.arrays import TINY, Array
 
-__all__ = ["Scaling", "depth", "divided", "product", "reach", "reaches"]
-
 
 def depth(x: Array) -> Array:
     """Distance measure x_0 - |x_1..| of each point in its cone, shape (K,); negative outside."""

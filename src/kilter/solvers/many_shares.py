@@ -24,8 +24,6 @@ from kilter.solvers.linked_cones import LinkedCones
 from kilter.solvers.lorentz import Scaling, depth, divided, product, reaches
 from kilter.work import seconds_left
 
-__all__ = ["Share", "SharePoint", "first_point", "many_shares"]
-
 STEPS = 60
 """Maximum number of steps."""
 SHORT_OF = 0.99

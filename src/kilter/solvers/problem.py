@@ -36,16 +36,6 @@ from kilter.arrays import TINY, Array, Index
 from kilter.errors import SolverError
 from kilter.solvers.solver_tolerances import BELIEVED, EPSILON, LARGEST_POINT
 
-__all__ = [
-    "ConeProjection",
-    "ConicProgram",
-    "LinearProgram",
-    "Outcome",
-    "Solution",
-    "quadratic_program",
-    "with_columns",
-]
-
 
 def with_columns(matrix: csc_array, columns: Sequence[Array]) -> csc_array:
     """A sparse matrix with further columns on its right, which store their nonzero entries.

@@ -48,9 +48,6 @@ from kilter.arrays import Array, Mask
 from kilter.solvers.block_cholesky import LinkedRows, NotPositive
 from kilter.solvers.problem import ConeProjection
 
-__all__ = ["ProjectionSolution", "solve_projection"]
-
-
 STEPS = 120
 """Maximum number of interior-point steps."""
 CORRECTORS = 4

@@ -11,21 +11,6 @@ from kilter.tell.numbers import counts, force, mass, number, percent, plain, sho
 from kilter.tell.open_words import open_facts, remedy_facts
 from kilter.tell.second_order_words import is_shown, second_order_words
 
-__all__ = [
-    "Answer",
-    "Fact",
-    "balance_phrase",
-    "bond_words",
-    "check_facts",
-    "forces_phrase",
-    "gravity_phrase",
-    "instability_phrase",
-    "joint_facts",
-    "parts_phrase",
-    "touching_phrase",
-]
-
-
 # Facts that several kinds of answers share: parts, joints, gravity, tolerances, equilibrium.
 
 

@@ -11,8 +11,6 @@ from typing import Any
 from kilter.errors import some, some_names
 from kilter.tell.numbers import number
 
-__all__ = ["copy_warnings", "gap_words", "group_warnings", "lone_warnings", "overlap_warnings"]
-
 Entry = Mapping[str, Any]
 FEW = 3
 """Largest number of misplaced copies, and of overlaps in one line, that a warning names."""

@@ -18,8 +18,6 @@ from typing import Any
 
 from kilter.errors import visible
 
-__all__ = ["csv_text", "is_numeric", "name_of_cell", "safe_cell"]
-
 RUNS = re.compile(r"'*[=+\-@\t\r\n]")
 """Beginning of a cell that a spreadsheet program may run, with the apostrophes in front of it."""
 NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?", re.IGNORECASE | re.ASCII)

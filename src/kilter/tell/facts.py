@@ -29,8 +29,6 @@ from kilter.tell.region_facts import orient_facts, region_facts
 from kilter.tell.scene_words import scene_facts, settle_facts
 from kilter.tell.transport_facts import transport_facts
 
-__all__ = ["facts", "kind_of"]
-
 KIND_OF_KEY = {
     "held_steps": "plan",
     "candidates": "hold",

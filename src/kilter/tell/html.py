@@ -11,9 +11,6 @@ from kilter.tell.facts import facts
 from kilter.tell.palette import ink_of
 from kilter.tell.tables import moving_table, sentences
 
-__all__ = ["InCells", "html_of"]
-
-
 # Base class of the answers that a notebook can show as a page.
 
 

@@ -13,16 +13,6 @@ from enum import StrEnum
 
 from kilter.errors import InputError
 
-__all__ = [
-    "LEVELS",
-    "REQUIRE",
-    "VerdictWord",
-    "holds",
-    "level_of",
-    "level_rank",
-    "require_level",
-]
-
 
 class VerdictWord(StrEnum):
     """The word of a verdict, such as "stable"; it compares equal to its text.

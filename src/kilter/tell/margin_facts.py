@@ -8,8 +8,6 @@ from kilter.errors import some
 from kilter.tell.check_facts import Answer, Fact, bond_words, joint_facts
 from kilter.tell.numbers import angle, force, number, plain, rounded_up, vector
 
-__all__ = ["level_words", "margin_facts", "moved_by_least", "part_level_words"]
-
 LEVEL_WORDS = {
     "settles": ("it settles", "it does not settle"),
     "proved": ("no motion can start", "no proof that excludes every motion was found"),

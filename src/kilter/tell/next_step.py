@@ -11,8 +11,6 @@ from kilter.tell.facts import kind_of
 from kilter.tell.margin_facts import moved_by_least
 from kilter.tell.numbers import near_zero, number
 
-__all__ = ["NextStep", "next_step"]
-
 
 @dataclass(frozen=True, slots=True)
 class NextStep:

@@ -8,24 +8,6 @@ from collections.abc import Iterable
 
 from kilter.errors import short_name
 
-__all__ = [
-    "COMPUTED",
-    "NO_ANGLE",
-    "Name",
-    "angle",
-    "count",
-    "counts",
-    "force",
-    "mass",
-    "near_zero",
-    "number",
-    "percent",
-    "plain",
-    "rounded_up",
-    "shortened",
-    "vector",
-]
-
 COMPUTED = "computed, not proved"
 """Words beside a number that no proof file contains."""
 NO_ANGLE = 1e-9

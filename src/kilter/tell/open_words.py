@@ -14,19 +14,6 @@ from kilter.errors import shell_words, some
 from kilter.tell.numbers import number
 from kilter.tell.words import VERDICTS
 
-__all__ = [
-    "OpenOption",
-    "lie_words",
-    "open_facts",
-    "open_options",
-    "pair_words",
-    "remedy_facts",
-    "remedy_words",
-    "rounded_up",
-    "settling_options",
-    "undecided_sentence",
-]
-
 Pair = Mapping[str, Any]
 FEW = 4
 """Up to this number of overlapping pairs, each pair gets an option of its own."""

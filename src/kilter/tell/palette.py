@@ -14,8 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["GROUND", "PALETTE", "RAMP", "ROLES", "VERDICT_ROLE", "Role", "as_css", "ink_of", "rgb"]
-
 
 @dataclass(frozen=True, slots=True)
 class Role:

@@ -6,16 +6,6 @@ from kilter.tell.check_facts import Answer, Fact
 from kilter.tell.levels import holds
 from kilter.tell.numbers import COMPUTED, Name, count, near_zero, number, plain
 
-__all__ = [
-    "PACKING_HEAD",
-    "item_cells",
-    "packing_facts",
-    "packing_sentence",
-    "place_facts",
-    "place_sentence",
-]
-
-
 # The answer of `kilter check-plan` in words: its sentence, facts and table of items.
 
 

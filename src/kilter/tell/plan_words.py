@@ -9,22 +9,6 @@ from typing import Any
 from kilter.errors import some_names
 from kilter.tell.numbers import count, force, number, plain, vector
 
-__all__ = [
-    "HEAD",
-    "change_cells",
-    "hand_phrase",
-    "hold_facts",
-    "hold_sentence",
-    "improve_facts",
-    "improve_sentence",
-    "order_facts",
-    "order_sentence",
-    "step_cells",
-    "step_facts",
-    "support_cells",
-]
-
-
 # The answer of `kilter hold` (a fixture) in words: its sentence, its facts, its supports.
 
 

@@ -33,33 +33,6 @@ from kilter.tell.levels import LEVELS, VerdictWord
 from kilter.units import METRES
 from kilter.values.guesses import Guessable
 
-__all__ = [
-    "SCHEMA_VERSION",
-    "Answer",
-    "AnswerInWords",
-    "Ends",
-    "Guarantee",
-    "InPython",
-    "Incomplete",
-    "LevelWord",
-    "Lines",
-    "OneOf",
-    "OrAbsent",
-    "OrNull",
-    "PairNames",
-    "Record",
-    "Rows",
-    "Seconds",
-    "Shape",
-    "Twist",
-    "UnitWord",
-    "Vector",
-    "Word",
-    "json_value",
-    "key",
-    "keys_of",
-]
-
 SCHEMA_VERSION = 1
 """Version of the data of all answers; a key that is removed or changes its meaning raises it."""
 

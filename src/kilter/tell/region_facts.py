@@ -6,9 +6,6 @@ from kilter.tell.check_facts import Answer, Fact, balance_phrase, instability_ph
 from kilter.tell.numbers import angle, number, vector
 from kilter.tell.second_order_words import second_order_words
 
-__all__ = ["orient_facts", "region_facts", "region_phrase", "region_words", "rest_words"]
-
-
 ROWS = 20
 """Largest number of vectors of each kind that are listed."""
 DIRECTIONS = {

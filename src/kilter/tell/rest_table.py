@@ -8,8 +8,6 @@ from kilter.tell.check_facts import Answer
 from kilter.tell.numbers import angle, number, plain, vector
 from kilter.tell.tables import Table
 
-__all__ = ["REST_SIGNS", "rest_table"]
-
 REST_SIGNS = {
     "minimum": "strict minimum",
     "free": "slides or rolls freely",

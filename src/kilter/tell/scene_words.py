@@ -7,22 +7,6 @@ from kilter.tell.check_facts import Answer, Fact, gravity_phrase
 from kilter.tell.levels import holds
 from kilter.tell.numbers import NO_ANGLE, Name, count, number, plain
 
-__all__ = [
-    "SCENE_HEAD",
-    "moved_cells",
-    "moved_head",
-    "moved_words",
-    "object_cells",
-    "object_words",
-    "scene_facts",
-    "scene_order",
-    "settle_facts",
-    "settle_sentence",
-]
-
-
-__all__ += ["scene_sentence"]
-
 SCENE_HEAD = ("object", "state")
 """Heads of the table of objects."""
 ORDER = ("falls", "floats", "overlaps", "open", "at-rest", "held")

@@ -7,8 +7,6 @@ from typing import Any
 
 from kilter.tell.numbers import COMPUTED, number, plain
 
-__all__ = ["balanced_sentence", "is_shown", "push_open_sentence", "second_order_words"]
-
 FRICTION = {
     None: "unless friction holds {them}",
     "open": "unless friction holds {them}",

@@ -20,19 +20,6 @@ from kilter.tell.scene_words import SCENE_HEAD, moved_cells, moved_head, object_
 from kilter.tell.verify_words import verify_sentence
 from kilter.tell.words import NAMED
 
-__all__ = [
-    "NO_ACCELERATION",
-    "Table",
-    "forces_table",
-    "load_table",
-    "moving_table",
-    "open_table",
-    "push_table",
-    "region_sentence",
-    "sentences",
-    "tables",
-]
-
 INTERFERENCE = "an interference fit: a press fit or a thread"
 NO_FORCE = 1e-9
 """A force below this share of the greatest force is left out, since it comes from rounding [-]."""

@@ -11,18 +11,6 @@ from kilter.tell.facts import facts
 from kilter.tell.numbers import Name, count, plain, shortened
 from kilter.tell.tables import Table, moving_table, sentences, tables
 
-__all__ = [
-    "LISTED",
-    "aligned",
-    "health_text",
-    "listed",
-    "solids_hint",
-    "suggestions_hint",
-    "suggestions_text",
-    "text_of",
-]
-
-
 LISTED = 20
 """Largest number of rows of a list in a terminal; --json gives all rows."""
 WIDE = 400

@@ -8,8 +8,6 @@ from kilter.errors import some
 from kilter.tell.check_facts import Answer, Fact, joint_facts
 from kilter.tell.numbers import COMPUTED, number, plain, vector
 
-__all__ = ["transport_facts", "transport_sentence"]
-
 UNKNOWN = {
     "failed": "not known: the solver failed",
     "time": "not known: the time limit was reached",

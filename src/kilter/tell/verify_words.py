@@ -5,8 +5,6 @@ from __future__ import annotations
 from kilter.tell.check_facts import Answer
 from kilter.tell.levels import level_rank
 
-__all__ = ["verify_sentence"]
-
 
 def verify_sentence(answer: Answer) -> str:
     """Return the result of a verification: the recomputed level, and the claimed level.

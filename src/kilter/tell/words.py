@@ -12,19 +12,6 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.tell.numbers import NO_ANGLE, number, vector
 
-__all__ = [
-    "GAINS",
-    "NAMED",
-    "VERDICTS",
-    "RoundMantle",
-    "found_sentence",
-    "live_words",
-    "motion_summary",
-    "motion_words",
-    "verdict_sentence",
-]
-
-
 VERDICTS = {
     "stable": "Stable",
     "settles": "Settles",

@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import MISSING, dataclass, field
 from typing import Any
 
-__all__ = ["REQUIRED", "Declaration", "argument", "option"]
-
 REQUIRED = MISSING
 """Default of an option, or of an argument, that must be given."""
 

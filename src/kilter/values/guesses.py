@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from kilter.errors import InputError, nearest_name
 
-__all__ = ["Guessable", "GuessedAttribute", "GuessedKeyword", "guarded", "meant_word", "remedy_of"]
-
 Target = TypeVar("Target", bound=Callable[..., Any])
 
 

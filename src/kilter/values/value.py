@@ -14,8 +14,6 @@ import numpy as np
 
 from kilter.values.guesses import Guessable
 
-__all__ = ["Value"]
-
 
 class Value(Guessable):
     """A frozen value that is compared by content; the hash is computed once and kept.

@@ -17,8 +17,6 @@ from kilter.files.own.choices import Choices
 from kilter.workbench.connections import index_of
 from kilter.workbench.live_assembly import OpenedParts
 
-__all__ = ["ACTIONS", "apply", "drag_of"]
-
 Keys = dict[str, Any]
 Action = Mapping[str, Any]
 LONGEST_LABEL = 240

@@ -33,21 +33,6 @@ from kilter.tell.open_words import lie_words
 from kilter.tell.scene_words import moved_words
 from kilter.workbench.live_assembly import OpenedParts, Prepared
 
-__all__ = [
-    "PHASES",
-    "TABS",
-    "answer_data",
-    "command",
-    "needs_file",
-    "prepared_check",
-    "saved_name",
-    "scene_data",
-    "settle_offer",
-    "settling_action",
-    "tab_data",
-]
-
-
 # The command line that reproduces what the workbench shows.
 
 

@@ -18,18 +18,6 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from kilter.errors import InputError
 
-__all__ = [
-    "EVERY_ADDRESS",
-    "LOOPBACK",
-    "PromptProtocol",
-    "index_of",
-    "listen",
-    "message_id",
-    "parse_message",
-    "to_json",
-]
-
-
 LOOPBACK = "127.0.0.1"
 EVERY_ADDRESS = ("0.0.0.0", "::", "[::]")
 """Words for all addresses of a machine, in place of a host name."""

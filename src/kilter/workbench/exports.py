@@ -18,9 +18,6 @@ from kilter.tell.csv_cells import csv_text
 from kilter.tell.facts import facts
 from kilter.workbench.live_assembly import LiveAssembly, Prepared
 
-__all__ = ["EXPORTS", "comparison_data", "export"]
-
-
 # Comparison of the answers of two states of a session.
 
 

@@ -19,8 +19,6 @@ from kilter.workbench.actions import apply, drag_of
 from kilter.workbench.connections import parse_message
 from kilter.workbench.live_assembly import OpenedParts
 
-__all__ = ["Change", "History", "autosave_path", "upload_autosave_path"]
-
 FORM = 1
 """Version of the form of the autosave file."""
 MOST_CHANGES = 5000

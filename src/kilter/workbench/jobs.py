@@ -31,9 +31,6 @@ from kilter.workbench.exports import comparison_data, export
 from kilter.workbench.live_assembly import LiveAssembly, OpenedParts, Prepared
 from kilter.workbench.worker_process import ENDED, LAST, WorkerProcess
 
-__all__ = ["JobQueue", "Jobs", "QueuedJob"]
-
-
 # The jobs of a session: a single job runs, the others wait.
 
 

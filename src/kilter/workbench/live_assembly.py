@@ -26,9 +26,6 @@ from kilter.files.reading import Chosen, Reading, chosen
 from kilter.loading import tolerance_of
 from kilter.units import metres_per_unit
 
-__all__ = ["MATERIALS", "LiveAssembly", "Material", "OpenedParts", "Prepared"]
-
-
 # The parts of an opened file, as far as the actions of a user need them.
 
 

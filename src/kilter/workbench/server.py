@@ -46,9 +46,6 @@ from kilter.workbench.jobs import FAULT
 from kilter.workbench.session import Session
 from kilter.workbench.uploads import receive_upload
 
-__all__ = ["Workbench", "folder_of", "view"]
-
-
 LOCAL = ("127.0.0.1", "localhost", "[::1]")
 """Host names of this machine; the port may differ, for a port that SSH forwards."""
 HEADERS = {

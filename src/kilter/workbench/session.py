@@ -31,8 +31,6 @@ from kilter.workbench.history import History, autosave_path, upload_autosave_pat
 from kilter.workbench.jobs import JobQueue, QueuedJob
 from kilter.workbench.live_assembly import MATERIALS, OpenedParts
 
-__all__ = ["Session"]
-
 Send = Callable[[str], None]
 WATCH = 1.0
 """Interval at which the session looks for changes of the file [s]."""

@@ -14,8 +14,6 @@ from starlette.requests import ClientDisconnect, Request
 from kilter.errors import InputError
 from kilter.files.limits import MOST_BYTES
 
-__all__ = ["receive_upload"]
-
 PATIENCE = 20.0
 """Time without data after which an upload is ended [s]."""
 SLOWEST = 10_000.0

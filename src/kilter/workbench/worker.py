@@ -19,8 +19,6 @@ from typing import Any
 from kilter.errors import InputError, KilterError
 from kilter.pipes import end_with_parent, receive, send
 
-__all__ = ["serve"]
-
 
 class _Interruption:
     """Turns SIGINT into KeyboardInterrupt while a job runs; between jobs it is ignored.

@@ -16,8 +16,6 @@ from typing import Any
 
 from kilter.pipes import end_process, receive, send, start_process
 
-__all__ = ["ENDED", "LAST", "WorkerProcess"]
-
 LAST = ("done", "stopped", "error", "fault")
 """Kinds of the last message about a job."""
 ENDED = ("killed", "lost")

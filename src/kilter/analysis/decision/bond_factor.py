@@ -26,8 +26,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows, bonded_rows
 from kilter.tell.record import InPython, OrNull, PairNames, Record, key
 
-__all__ = ["BondFactor", "find_bond_factor"]
-
 NEEDLESS = 1e-9
 """Bonds count as unneeded up to this sum of their pulls, divided by the weight [-]. A certificate
 cannot resolve less."""

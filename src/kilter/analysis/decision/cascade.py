@@ -53,16 +53,6 @@ if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
     from kilter.second_order.answer.second_order_answer import SecondOrder
 
-__all__ = [
-    "Decision",
-    "Word",
-    "decide",
-    "fits_left_out",
-    "rests_on_fits",
-    "why_fits_leave_it_open",
-    "with_second_order",
-]
-
 
 # Decision on an assembly: verdict, verdict level and evidence, as every command reports them.
 

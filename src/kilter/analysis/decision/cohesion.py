@@ -20,8 +20,6 @@ from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import ConeProblem, cohesion_slope, least_cohesion
 from kilter.work import Work
 
-__all__ = ["Cohesion", "find_cohesion"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cohesion:

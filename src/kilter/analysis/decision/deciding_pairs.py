@@ -35,9 +35,6 @@ from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 from kilter.work import Work
 
-__all__ = ["MOST", "DecidingPairs", "find_deciding", "joining_wrenches"]
-
-
 # Least wrenches between the parts of open pairs that, with the contact forces, balance the parts.
 
 

@@ -47,9 +47,6 @@ from kilter.mechanics.degenerate import (
 )
 from kilter.mechanics.program import Program, build_program
 
-__all__ = ["Degenerates", "decide_degenerate"]
-
-
 PROGRAMS = 200
 """Largest number of programs that the search solves; after that it returns no decision."""
 LARGE = 4000

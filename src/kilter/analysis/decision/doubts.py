@@ -22,8 +22,6 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 
-__all__ = ["Doubts", "doubts_of", "fitted_pairs", "has_possible_contacts"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Doubts:

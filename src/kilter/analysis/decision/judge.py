@@ -77,8 +77,6 @@ if TYPE_CHECKING:
     from kilter.solvers.highs import Method
     from kilter.solvers.problem import Solution
 
-__all__ = ["SIMPLEX_ROWS", "SOLVERS", "Judgement", "Solver", "Strength", "find_strength", "judge"]
-
 
 # Least fraction of the strength of bonds and straps with which contact forces balance the parts.
 

@@ -48,25 +48,6 @@ from kilter.tell.words import RoundMantle
 from kilter.units import metres_per_unit
 from kilter.work import Work, units_of
 
-__all__ = [
-    "NO_MOTION",
-    "NO_MOTION_BY_LAW",
-    "NO_MOTION_OF_LIMITS",
-    "UNKNOWN_MOTION",
-    "ImpendingMotion",
-    "explained_by_accuracy",
-    "find_motion",
-    "find_motion_with_friction",
-    "motion_of",
-    "optimality",
-    "round_mantle",
-    "stated_accuracy",
-    "still",
-    "unknown",
-    "without_opening",
-]
-
-
 SMALL = 400
 """Largest number of unknowns for which Clarabel is tried first."""
 MORE_WORK = 3.0

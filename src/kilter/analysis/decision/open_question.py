@@ -21,14 +21,6 @@ from kilter.work import Work
 if TYPE_CHECKING:
     from kilter.analysis.decision.deciding_pairs import DecidingPairs
 
-__all__ = [
-    "AnsweredPair",
-    "OpenQuestion",
-    "answered_pairs",
-    "ask_open",
-    "open_pair_names",
-]
-
 
 class OpenQuestion(Record, kw_only=False):
     """The open pairs that decide, and the verdict if the parts of these pairs are joined."""

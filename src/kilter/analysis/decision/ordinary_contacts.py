@@ -29,18 +29,6 @@ from kilter.contact.open_pairs import OpenPair, still_open
 from kilter.errors import some
 from kilter.mechanics.program import Program, build_program
 
-__all__ = [
-    "EQUILIBRIUM",
-    "MOST_TRIED",
-    "PROVED",
-    "SETTLES",
-    "OpenTrial",
-    "can_be_tried",
-    "trial_words",
-    "try_ordinary",
-    "with_ordinary_contacts",
-]
-
 EQUILIBRIUM, SETTLES, PROVED = range(3)
 """Levels of the guarantee of friction: forces of equilibrium exist; the parts also settle; no
 motion obeys the contact law."""

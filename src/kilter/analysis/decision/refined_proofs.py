@@ -24,8 +24,6 @@ from kilter.mechanics.coulomb_cones import balanced_forces, cone_problem
 from kilter.mechanics.mechanics_tolerances import STILL
 from kilter.mechanics.program import Program
 
-__all__ = ["balanced_proof", "opened_proof"]
-
 NEARLY_BALANCED = 1e-2
 """Imbalance over the largest force on any part up to which forces are corrected [-]."""
 SHARES = (1e-3, 0.1, 0.5)

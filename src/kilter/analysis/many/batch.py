@@ -35,9 +35,6 @@ from kilter.loading import reading_for
 from kilter.tell.levels import require_level
 from kilter.tell.record import Answer, Record
 
-__all__ = ["CHUNK", "Batch", "batch", "listed_files", "run_batch"]
-
-
 # Input files of a batch, which a list file names or a folder contains.
 
 

@@ -25,8 +25,6 @@ from kilter.files.limits import MOST_TABLE_BYTES, read_bytes
 from kilter.files.writing import write_bytes, write_text
 from kilter.tell.csv_cells import csv_text, name_of_cell
 
-__all__ = ["BatchFolder", "open_folder"]
-
 FORMAT = 1
 MANIFEST, LOCK = "batch.json", ".batch.lock"
 FORMS = ("parquet", "csv")

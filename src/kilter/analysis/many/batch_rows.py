@@ -27,19 +27,6 @@ from kilter.pipes import end_process, end_with_parent, receive, send, start_proc
 from kilter.tell.levels import REQUIRE
 from kilter.work import EFFORT
 
-__all__ = [
-    "COLUMNS",
-    "BatchQuestion",
-    "ClusterWorkers",
-    "LocalWorkers",
-    "Task",
-    "Workers",
-    "error_row",
-    "judged_rows",
-    "serve",
-]
-
-
 COLUMNS: dict[str, type] = {
     "index": int,
     "file": str,

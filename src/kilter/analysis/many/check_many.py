@@ -27,8 +27,6 @@ from kilter.errors import InputError, KilterError
 from kilter.shape.primitives import Box, Mesh, Prism
 from kilter.tell.levels import require_level
 
-__all__ = ["check_many"]
-
 AT_ONCE = 300
 """Number of assemblies that are processed together."""
 SMALL = 100

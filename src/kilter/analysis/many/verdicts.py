@@ -31,9 +31,6 @@ from kilter.second_order.searches.level_rest_search import rests_level
 from kilter.solvers.highs import solve_blocks
 from kilter.tell.levels import holds, level_of
 
-__all__ = ["DeferredVerdict", "Row", "Together", "Verdicts", "decide_together"]
-
-
 # Joint verdicts of many assemblies by frictionless forces or motions.
 
 

@@ -32,8 +32,6 @@ from kilter.tell.plan_words import improve_sentence
 from kilter.tell.record import Answer, InPython, OrNull, PairNames, Record, Word
 from kilter.work import facts_of, stop_after
 
-__all__ = ["BrickChange", "Improvement", "improve"]
-
 TRIED = 8
 """Maximum number of bricks to try for addition, and as many for removal."""
 WEAKEST = 3

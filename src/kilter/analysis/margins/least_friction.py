@@ -45,9 +45,6 @@ from kilter.solvers.problem import LinearProgram
 from kilter.tell.numbers import rounded_up
 from kilter.tell.record import InPython, Record, key
 
-__all__ = ["Failing", "LeastFriction", "find_least_friction", "held_by_squeeze", "squeeze"]
-
-
 # Decide whether arbitrarily little friction suffices, as between parts squeezed very hard.
 
 

@@ -33,18 +33,6 @@ from kilter.mechanics.program import Program
 from kilter.tell.record import InPython, LevelWord, OrNull, Record, Vector, key
 from kilter.work import Work
 
-__all__ = [
-    "LevelLimits",
-    "Limits",
-    "PartLoad",
-    "Push",
-    "find_level_limits",
-    "find_part_load",
-    "find_push",
-    "find_weakest_push",
-]
-
-
 # The largest further load straight down on a part that contact forces can balance.
 
 

@@ -23,8 +23,6 @@ from kilter.tell.levels import holds
 from kilter.tell.record import OrNull, Record
 from kilter.work import Work
 
-__all__ = ["LevelDecisions", "LevelLimit", "find_level_end", "turned_toward", "verdict_outside"]
-
 OUTSIDE = 1e-4
 """Turn beyond a tilt limit at which the verdict is decided [rad]; a larger turn may miss a thin
 sector of another verdict."""

@@ -34,8 +34,6 @@ from kilter.tell.record import (
 )
 from kilter.work import Work
 
-__all__ = ["margin"]
-
 
 def _interval(factor: tuple[Limit | None, Limit | None] | None) -> Ends | None:
     """Least and greatest load factor as numbers; None if no factor holds the assembly."""

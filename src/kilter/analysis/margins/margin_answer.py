@@ -44,8 +44,6 @@ from kilter.tell.record import (
     key,
 )
 
-__all__ = ["Bracket", "Margin", "changed_proof", "margin_proofs"]
-
 Change = Callable[[float], dict[str, Any]]
 About = tuple[dict[str, Any], dict[str, Any]]
 

@@ -47,9 +47,6 @@ from kilter.rigid import unit
 from kilter.tell.levels import require_level
 from kilter.work import PER_EFFORT
 
-__all__ = ["PUSHED", "Ends", "MarginQuestion", "MarginSteps", "margin_question"]
-
-
 # The limits that the user requested of `kilter.margin`, validated.
 
 

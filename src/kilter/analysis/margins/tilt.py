@@ -49,22 +49,6 @@ from kilter.tell.record import OrNull, Record, Vector
 if TYPE_CHECKING:
     from kilter.solvers.highs import Method
 
-__all__ = [
-    "FollowingForces",
-    "NearestHeld",
-    "TiltAbout",
-    "TiltMargin",
-    "Unknowns",
-    "across_gravity",
-    "find_nearest_held",
-    "find_tilt_margin",
-    "first_directions",
-    "held_limit",
-    "limit_on_circles",
-    "tilt_about",
-    "with_edge_points",
-]
-
 
 # Load limits of parts that tip over round edges, with contact points of the circle as needed.
 

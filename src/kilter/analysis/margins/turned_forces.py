@@ -31,8 +31,6 @@ from kilter.contact.round_edges import RoundEdge
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 
-__all__ = ["held_distance"]
-
 NODES = 5
 """Number of directions whose forces are combined."""
 SAMPLES = 33

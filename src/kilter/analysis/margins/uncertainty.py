@@ -48,8 +48,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.tell.record import Ends, Record, Vector
 
-__all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
-
 Kind = Literal["exact", "inner"]
 
 CORNERS = 32

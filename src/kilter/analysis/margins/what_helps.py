@@ -37,9 +37,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.tell.record import OrNull, Record
 
-__all__ = ["Help", "what_helps"]
-
-
 HELD = 4
 """Largest number of parts for which the effect of holding the part is computed."""
 MORE_FRICTION = 0.1

@@ -39,19 +39,6 @@ from kilter.tell.record import Answer, InPython, Record, UnitWord, key
 from kilter.validate import finite
 from kilter.work import stop_after
 
-__all__ = [
-    "THICK",
-    "CheckedItem",
-    "CheckedPlan",
-    "check_plan",
-    "fall_reason",
-    "given_walls",
-    "item_support",
-    "least_top_load",
-    "walls_around",
-]
-
-
 # The support of an item of a packing plan, and the reason why the pile falls under the item.
 
 

@@ -37,7 +37,6 @@ from kilter.solvers.problem import LinearProgram
 if TYPE_CHECKING:
     from kilter.solvers.highs import KeptProgram
 
-__all__ = ["ContactRoom", "MovingLoad"]
 
 ROUNDING = 1e-9
 """Moment by which resultants may lie beyond the contact [weight x size of the part]; as large as

@@ -29,9 +29,6 @@ from kilter.tell.levels import level_rank
 from kilter.tell.record import InPython, Record, key
 from kilter.validate import finite, number
 
-__all__ = ["AtPlace", "decide_at", "density_matters", "mass_limits", "part_cases"]
-
-
 # Whether a verdict depends on the density of parts that state neither a density nor a mass.
 
 

@@ -52,8 +52,6 @@ from kilter.mechanics.proof_form import (
     optional_keys,
 )
 
-__all__ = ["require_place_form", "wrong_places"]
-
 PLANE = list_of(NUMBER, 2)
 POLYGONS = list_of(list_of(list_of(PLANE)))
 PLACE = every(keys(at=PLANE, forces=list_of(NUMBER)), optional_keys(friction=list_of(VECTOR)))

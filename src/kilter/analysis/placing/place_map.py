@@ -45,9 +45,6 @@ from kilter.contact import ContactSet
 from kilter.errors import some, some_names
 from kilter.mechanics.program import Program
 
-__all__ = ["Finding", "LevelMap", "PlaceMap", "map_warnings"]
-
-
 MOST_PROGRAMS = 20_000
 """Largest number of programs of a map; places that are not decided then stay open."""
 SAME_CUT = 1e-9

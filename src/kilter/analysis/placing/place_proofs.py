@@ -47,20 +47,6 @@ from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import Program, build_program
 
-__all__ = [
-    "CaseMap",
-    "MapQuestion",
-    "at_proof",
-    "bounding_loads",
-    "case_prism",
-    "combined_levels",
-    "map_cases",
-    "map_domain",
-    "map_proof",
-    "part_data",
-]
-
-
 # Maps of places of a part, for each corner of its masses and centres, and their combination.
 
 

@@ -37,8 +37,6 @@ from kilter.second_order.proofs.level_rest import level_rows
 from kilter.second_order.searches.level_rest_search import resting_forces
 from kilter.tell.levels import level_of
 
-__all__ = ["PlanState", "plan_states"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanState:

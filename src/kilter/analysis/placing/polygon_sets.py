@@ -13,21 +13,6 @@ import shapely
 
 from kilter.arrays import Array
 
-__all__ = [
-    "GRID",
-    "NOTHING",
-    "across",
-    "areal",
-    "both",
-    "cleaned",
-    "is_within",
-    "moved",
-    "polygons_of",
-    "rings_of",
-    "union",
-    "without",
-]
-
 NOTHING = 1e-9
 """Share of an area below which it counts as nothing [-]."""
 GRID = 1e-12

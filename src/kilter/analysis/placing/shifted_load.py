@@ -31,8 +31,6 @@ from kilter.solvers.problem import ConicProgram, LinearProgram, with_columns
 if TYPE_CHECKING:
     from kilter.solvers.highs import KeptProgram
 
-__all__ = ["CarriedPlaces", "ShiftedLoad", "excluded_side", "remaining"]
-
 
 # The places of a load that a motion excludes: a half plane.
 

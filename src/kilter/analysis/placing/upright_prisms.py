@@ -22,22 +22,6 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows, pushing_rows
 
-__all__ = [
-    "Landing",
-    "Landings",
-    "PlacedLoads",
-    "PlacedPrism",
-    "Top",
-    "edges_of",
-    "find_tops",
-    "least_rates",
-    "placed_prism",
-    "places_left",
-    "shifted",
-    "swept",
-]
-
-
 UPRIGHT = 1e-6
 """Largest relative difference of volume between an upright prism and a part [-]; a larger value
 accepts parts whose sides lean."""

@@ -32,8 +32,6 @@ from kilter.mechanics.proof_form import (
     row_of,
 )
 
-__all__ = ["require_hold_form", "require_lashing_form", "require_plan_form"]
-
 PLAN_RULES = every(
     keys(
         hold=COUNT,

@@ -56,9 +56,6 @@ from kilter.mechanics.program import Program
 from kilter.solvers.many_shares import SharePoint, first_point, many_shares
 from kilter.validate import frozen
 
-__all__ = ["BoundaryRay", "BoundaryRays", "ConeCutting", "friction_cone"]
-
-
 # Boundary points of the cone of held directions along arcs from a direction inside, with facets.
 
 

@@ -19,16 +19,6 @@ from kilter.analysis.analysis_tolerances import NARROW, ON_PLANE, PARALLEL_PLANE
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
 from kilter.arrays import Array, Index, Mask, across, cross, unit_rows
 
-__all__ = [
-    "InnerHull",
-    "cone_around",
-    "distinct",
-    "edges_of",
-    "extreme_rays",
-    "facets_of",
-    "inner_hull",
-]
-
 
 def distinct(vectors: Array, apart: float = SAME_RAY) -> Array:
     """The first of each group of vectors that are equal within `apart`, shape (n, 3)."""

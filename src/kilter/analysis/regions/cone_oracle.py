@@ -34,8 +34,6 @@ from kilter.solvers.problem import LinearProgram
 if TYPE_CHECKING:
     from kilter.solvers.problem import Solution
 
-__all__ = ["ConeOracle", "intersection"]
-
 
 FORCE_PRICES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 """Prices of a force of one weight if forces jam, over the tolerance; the search takes the

@@ -35,9 +35,6 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import HULL_FINER, HULL_ROUNDING
 from kilter.arrays import Array, Index, Mask
 
-__all__ = ["Face", "GrowingHull", "KnownSet", "SupportPoint", "nearest_face"]
-
-
 # Convex hulls to which points are added one by one, in up to three dimensions.
 
 

@@ -19,9 +19,6 @@ import numpy as np
 from kilter.analysis.regions.cone_hull import facets_of
 from kilter.arrays import Array, unit_rows
 
-__all__ = ["Grown", "Oracle", "Reach", "grow"]
-
-
 WIDE = 0.1
 """A cone is truncated across the mean of its points if all their cosines to it exceed this [-]."""
 

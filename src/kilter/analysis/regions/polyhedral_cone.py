@@ -21,9 +21,6 @@ from kilter.analysis.analysis_tolerances import NO_LENGTH
 from kilter.arrays import Array, Mask
 from kilter.validate import frozen
 
-__all__ = ["KINDS", "Cone", "make_cone", "widest_axis"]
-
-
 KINDS = {
     (0, 0): "none",
     (1, 0): "ray",

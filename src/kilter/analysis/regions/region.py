@@ -63,8 +63,6 @@ from kilter.threads import on_one_thread
 from kilter.values.guesses import guarded
 from kilter.work import stop_after
 
-__all__ = ["Region", "RegionShape", "common_region", "region"]
-
 Tell = Callable[[str], None]
 SAME_REGION = 1e-6
 """Angle up to which two regions are the same [rad]; a larger one hides pairs that decide."""

@@ -32,8 +32,6 @@ from kilter.mechanics.proof_form import (
 )
 from kilter.tell.numbers import number
 
-__all__ = ["region_notes", "require_region_form", "wrong_region"]
-
 Entry = Mapping[str, Any]
 STAYS = {"ray": True, "line": True, "facet": False, "equation": False}
 """Subjects of the proofs of a region, and whether the assembly stays in such a direction."""

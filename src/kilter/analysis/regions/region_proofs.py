@@ -37,8 +37,6 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 
-__all__ = ["RegionProof", "common_proofs", "further_forces", "region_proof", "warnings_of"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RegionProof:

@@ -43,9 +43,6 @@ from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 
-__all__ = ["DirectionProof", "StableCone", "stable_cone"]
-
-
 PRICES = (1e2, 1e3, 1e4, 1e5)
 """Prices of an imbalance of one weight, for rounded data; a higher price gives less imbalance."""
 

@@ -37,8 +37,6 @@ from kilter.assembly.surfaces import FREE, SPHERE, TORUS
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull
 
-__all__ = ["Tipping", "find_tipping"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tipping:

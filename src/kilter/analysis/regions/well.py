@@ -39,8 +39,6 @@ from kilter.second_order.parts.cluster_states import State
 from kilter.tell.record import Record, Vector
 from kilter.units import metres_per_unit
 
-__all__ = ["MOST_RESTS", "PlaceOfRest", "Well", "find_rests", "find_well"]
-
 
 class Well(Record, kw_only=False):
     """Width, depth and stiffness of the energy minimum of a body on a level table.

@@ -43,9 +43,6 @@ from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.tell.levels import require_level
 
-__all__ = ["StraightFall", "falling_distance", "scene"]
-
-
 # Distance that objects fall straight down until they meet another part.
 
 

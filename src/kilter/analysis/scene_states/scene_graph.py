@@ -25,8 +25,6 @@ from kilter.contact.detect import touching
 from kilter.errors import InputError
 from kilter.rigid import Pose
 
-__all__ = ["SceneGraph", "chosen_parts", "settled_clusters"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneGraph:

@@ -19,8 +19,6 @@ from kilter.tell.levels import holds, level_rank
 from kilter.tell.record import Answer, InPython, Record, Shape, UnitWord, Vector, key
 from kilter.tell.scene_words import object_words, scene_sentence
 
-__all__ = ["FAULTS", "STATES", "ObjectState", "SceneObject", "SceneReport"]
-
 ObjectState = Literal["at-rest", "held", "floats", "overlaps", "falls", "open"]
 STATES: tuple[ObjectState, ...] = get_args(ObjectState)
 """States of an object of a scene."""

@@ -49,9 +49,6 @@ from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.overlap import inside_part
 from kilter.contact.pair_findings import find_families
 
-__all__ = ["NearPoints", "find_near_points", "separating_points", "surface_gaps"]
-
-
 # Points of convex parts without opposed faces: the plane that separates two parts best.
 
 

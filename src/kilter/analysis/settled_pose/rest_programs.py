@@ -28,8 +28,6 @@ from kilter.solvers.clarabel import solve_conic
 from kilter.solvers.problem import ConicProgram
 from kilter.work import stop_if_late
 
-__all__ = ["RestPrograms"]
-
 PRICE = 1e3
 """Price of an unbalanced force, per force times gap of the widest gap [-]. A larger value is less
 accurate, a smaller value prefers falling to closing."""

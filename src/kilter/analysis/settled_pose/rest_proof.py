@@ -33,18 +33,6 @@ from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.proof_form import NUMBER
 
-__all__ = [
-    "ClosedContacts",
-    "at_closed_points",
-    "closed_contacts",
-    "closed_gap",
-    "closed_points",
-    "deepest_overlap",
-    "is_proof_of_rest",
-    "open_point_objections",
-]
-
-
 WARPS = 2.0
 """Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
 be warped [-]."""

@@ -36,8 +36,6 @@ from kilter.arrays import Array
 from kilter.tell.numbers import number
 from kilter.work import stop_if_late
 
-__all__ = ["RestState", "SearchResult", "search_rest"]
-
 RestState = Literal["at-rest", "does-not-fit", "falls", "not-found"]
 
 ROUNDS = 20

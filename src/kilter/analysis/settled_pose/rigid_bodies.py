@@ -15,8 +15,6 @@ from kilter.arrays import Array, Index, Mask, connected
 from kilter.assembly import GROUND, Assembly
 from kilter.rigid import Pose, matrix_to_quaternion
 
-__all__ = ["RigidBodies", "rigid_bodies"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidBodies:

@@ -36,8 +36,6 @@ from kilter.tell.scene_words import settle_sentence
 from kilter.validate import number
 from kilter.work import stop_after
 
-__all__ = ["Settled", "settle"]
-
 MARGIN = 3.0
 """Default reach, in multiples of the widest gap or overlap that was found."""
 WIDER = 10.0

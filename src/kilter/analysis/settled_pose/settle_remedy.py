@@ -11,8 +11,6 @@ from kilter.analysis.verdict.remedies import Remedy
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.errors import KilterError
 
-__all__ = ["settle_remedy"]
-
 MOST_PARTS, MOST_POINTS = 40, 400
 """Largest numbers of parts and contact points for which the pose at rest is searched for."""
 DEEPEST = 0.02

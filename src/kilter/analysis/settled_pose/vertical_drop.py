@@ -15,8 +15,6 @@ from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Index, connected
 from kilter.contact import ContactSet, detect
 
-__all__ = ["drop_hanging"]
-
 HALVINGS = 40
 """Number of bisections of the distance of a fall."""
 

@@ -37,8 +37,6 @@ from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.tell.record import Lines, OrNull, Record, Rows
 
-__all__ = ["MOST", "CarriedSet", "LeastAcceleration", "Slice"]
-
 MOST = 100.0
 """An acceleration of at least this counts as unlimited [g]."""
 PROGRAMS = 64

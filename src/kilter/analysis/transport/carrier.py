@@ -37,18 +37,6 @@ from kilter.tell.words import motion_words
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range
 
-__all__ = [
-    "PAIRS",
-    "CarrierMotion",
-    "FirstMotion",
-    "carried_assembly",
-    "carrier_wrench",
-    "first_motions",
-    "kind_of_motion",
-    "load_matrix",
-]
-
-
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Entries (row, column) of the symmetric matrix O = o o' in the order of the load vector."""
 

@@ -33,14 +33,6 @@ from kilter.rigid import quaternion_to_matrix
 from kilter.units import metres_per_unit
 from kilter.validate import finite
 
-__all__ = [
-    "CarrierPath",
-    "path_from_poses",
-    "read_path",
-    "require_samples",
-    "spline_derivatives",
-]
-
 POSITION, ORIENTATION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 ACCELERATION, SPIN, TURN = ("ax", "ay", "az"), ("ox", "oy", "oz"), ("alx", "aly", "alz")
 VELOCITY = ("vx", "vy", "vz")

@@ -42,8 +42,6 @@ from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 from kilter.tell.record import InPython, OrNull, Record, Vector, key
 
-__all__ = ["CONFIDENCE_FACTOR", "CollapseMultiplier", "find_collapse"]
-
 CONFIDENCE_FACTOR = 1.35
 """Confidence factor FC of the lowest level of knowledge, LC1 [-]. A larger factor lowers a0*."""
 SELECTION = 1e-4

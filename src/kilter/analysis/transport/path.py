@@ -51,8 +51,6 @@ from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.tell.record import InPython, OrNull, Record, Shape, key
 
-__all__ = ["PathLimit", "find_path_limit"]
-
 FASTEST = 1e4
 """Largest squared speed factor of the search [-]."""
 AGREES = 1e-7

@@ -37,9 +37,6 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
-__all__ = ["inner_rows", "outer_rows", "path_rows"]
-
-
 # Linear constraints A a <= b on the acceleration of a carrier, for path planners.
 
 

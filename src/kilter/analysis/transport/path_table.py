@@ -14,8 +14,6 @@ from kilter.files.limits import MOST_TABLE_BYTES, read_bytes
 from kilter.files.packing.packing_lists import decoded_table, table_rows
 from kilter.files.reader_guard import reader_guard
 
-__all__ = ["columns_of", "read_table"]
-
 T = TypeVar("T")
 
 

@@ -19,8 +19,6 @@ from kilter.analysis.analysis_tolerances import PARALLEL_PLANES
 from kilter.analysis.load_limit import NoLimit
 from kilter.arrays import TINY, Array
 
-__all__ = ["SupportLine", "corner_gaps", "enclose_section"]
-
 PROGRAMS = 160
 """Largest number of limits for a section; the gap that remains is reported."""
 FIRST = 8

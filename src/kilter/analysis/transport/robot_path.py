@@ -40,8 +40,6 @@ from kilter.errors import InputError
 from kilter.files.robots.urdf_chain import ChainJoint, JointChain, read_joint_chain
 from kilter.rigid import skew
 
-__all__ = ["FlangeMotion", "flange_motion", "path_from_joints", "read_robot_path"]
-
 ROUNDED = 1e-6
 """Distance by which a joint value may exceed its range, because tables are rounded [rad or m]."""
 

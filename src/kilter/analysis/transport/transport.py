@@ -48,9 +48,6 @@ from kilter.rigid import unit
 from kilter.tell.levels import level_rank, require_level
 from kilter.validate import number
 
-__all__ = ["CODES", "CodeCase", "code_accelerations", "code_cases", "transport"]
-
-
 # Accelerations that codes of load securing (such as EN 12195) require, with their sources.
 
 

@@ -46,18 +46,6 @@ from kilter.tell.record import (
 )
 from kilter.tell.transport_facts import transport_sentence
 
-__all__ = [
-    "ALPHA",
-    "CARRIER",
-    "CarriedCase",
-    "DirectionLimit",
-    "Transport",
-    "carried_change",
-    "participating_mass",
-    "transport_proofs",
-]
-
-
 # Proofs of acceleration limits, as data that anyone can verify.
 
 

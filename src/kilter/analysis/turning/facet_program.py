@@ -39,16 +39,6 @@ from kilter.solvers.problem import LinearProgram
 from kilter.tell.record import Record, Shape, Vector
 from kilter.validate import frozen
 
-__all__ = [
-    "DiamondOptimum",
-    "FacetOptimum",
-    "Method",
-    "Nearest",
-    "NearestDirection",
-    "joint",
-    "nearest",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetOptimum:

@@ -42,9 +42,6 @@ from kilter.mechanics.program import Program
 from kilter.solvers.clarabel import solve_quadratic
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["LeastInstability", "least_instability"]
-
-
 LIMIT = 500
 """Largest number of quadratic programs of the search."""
 

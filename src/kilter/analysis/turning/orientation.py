@@ -52,8 +52,6 @@ from kilter.tell.words import found_sentence
 from kilter.validate import frozen
 from kilter.work import seconds_left
 
-__all__ = ["Orientation", "orient"]
-
 OF_REGION = 0.7
 """Fraction of a time limit for the region; the rest is for the verdict of its direction."""
 

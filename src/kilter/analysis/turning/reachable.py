@@ -28,9 +28,6 @@ from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 
-__all__ = ["PROGRAMS", "Reachable", "SphereDirection", "nearest_on_sphere"]
-
-
 PROGRAMS = 20_000
 """Largest number of programs for the stability map or the nearest direction."""
 

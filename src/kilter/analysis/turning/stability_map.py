@@ -28,8 +28,6 @@ from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
 
-__all__ = ["StabilityMap", "stability_map"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StabilityMap:

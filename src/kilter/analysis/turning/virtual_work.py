@@ -27,8 +27,6 @@ from kilter.mechanics.program import Program
 from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Optimum", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimum:

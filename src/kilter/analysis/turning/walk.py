@@ -52,9 +52,6 @@ from kilter.mechanics.program import Program
 from kilter.solvers.highs import solve_linear
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Optimality", "Walk", "WalkFacet", "is_best", "walk"]
-
-
 START = np.array([0.37, 0.34, 0.29])
 """Start of a walk, up to signs and length: near the middle of a facet, on no line of symmetry."""
 PARTITIONS = 1000

@@ -7,8 +7,6 @@ from kilter.assembly import Assembly, ListedJoint
 from kilter.contact import ContactSet
 from kilter.tell.record import Answer, InPython, UnitWord, Vector, key
 
-__all__ = ["OfAssembly"]
-
 
 class OfAssembly(Answer):
     """Base class of answers about an assembly and its contacts."""

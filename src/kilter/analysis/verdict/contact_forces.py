@@ -25,9 +25,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, DRAG, STOP
 from kilter.tell.record import InPython, Lines, OrAbsent, Record, Vector
 
-__all__ = ["LIMIT", "ContactForces", "JointForces", "PatchForces", "find_contact_forces"]
-
-
 LIMIT = 3_000
 """Programs with more force rows than this keep the forces of the verdict's proof."""
 

@@ -22,9 +22,6 @@ from kilter.mechanics.forms import displacement
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram, quadratic_program
 
-__all__ = ["LIMIT", "Displacement", "find_displacement"]
-
-
 LIMIT = 300
 """Largest number of free parts for which displacements are computed; z has no limit of size."""
 

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = ["free_travel", "travel_along"]
 
 REACH = 0.35
 """Largest travel of the fastest part over the extent of the assembly [-]."""

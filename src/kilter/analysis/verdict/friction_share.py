@@ -30,8 +30,6 @@ from scipy.sparse import block_diag, coo_array, csc_array, hstack, vstack
 from kilter.arrays import Array, Index, across, cross
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["PressedPatch", "friction_shares"]
-
 PROGRAMS = 20
 """Largest number of conic programs."""
 AGREES = 1e-7

@@ -29,9 +29,6 @@ from kilter.solvers.solver_tolerances import CONIC
 from kilter.tell.record import Record
 from kilter.units import metres_per_unit
 
-__all__ = ["LIMIT", "Neutral", "find_neutral", "find_slipping_motion"]
-
-
 LIMIT = 100
 """Largest number of free parts for which neutral motions are counted."""
 

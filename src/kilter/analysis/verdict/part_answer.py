@@ -11,8 +11,6 @@ from kilter.arrays import Array
 from kilter.tell.record import Lines, Record, Shape, Twist
 from kilter.validate import frozen
 
-__all__ = ["PartAnswer", "PointForces"]
-
 
 class PartAnswer(Record):
     """The answer of `kilter.check` about a single part: ``verdict["upper"]``."""

@@ -14,8 +14,6 @@ from kilter.contact.fits.suggestions import coincident_remarks
 from kilter.tell.contact_words import group_warnings, lone_warnings
 from kilter.tell.numbers import rounded_up
 
-__all__ = ["floating_groups", "gaps_under_straps", "loose_parts", "remarks", "touching_nothing"]
-
 
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
     """Warnings about file, geometry and contacts; a further warning if no part is free."""

@@ -31,8 +31,6 @@ from kilter.tell.open_words import OpenOption, open_options, remedy_words, round
 from kilter.tell.record import InPython, LevelWord, Record, Word, key
 from kilter.work import Work
 
-__all__ = ["Remedy", "find_remedies"]
-
 MOST = 3
 """Largest number of remedies in an answer."""
 LEAST_WORK = 100_000.0

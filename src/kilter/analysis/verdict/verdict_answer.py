@@ -9,16 +9,6 @@ from kilter.assembly.mesh_surface import DEFAULT_DENSITY
 from kilter.contact.contact_set import AppliedTolerance
 from kilter.tell.record import Record
 
-__all__ = [
-    "BondsNeeded",
-    "ContactCounts",
-    "Density",
-    "ProofErrors",
-    "Tries",
-    "VerdictTolerance",
-    "density_of",
-]
-
 
 class Tries(Record):
     """Number of tries (parts put down loosely) that came to rest, and number of all tries."""

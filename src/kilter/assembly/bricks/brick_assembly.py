@@ -33,8 +33,6 @@ from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 
-__all__ = ["BASEPLATE", "assembly_of_bricks", "bricks_of"]
-
 BASEPLATE = "baseplate"
 """Name of the held plate under the lowest layer."""
 MARGIN = 1

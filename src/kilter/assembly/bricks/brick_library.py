@@ -24,31 +24,6 @@ from kilter.assembly.part import BRICK_PLATES
 from kilter.errors import InputError
 from kilter.validate import number
 
-__all__ = [
-    "GRAVITY",
-    "LAYER",
-    "LDRAW",
-    "NARROW",
-    "NO_COLOR",
-    "SIDES",
-    "STABLE_LEGO",
-    "STATED",
-    "UNIT",
-    "UNLIMITED",
-    "WIDE",
-    "BrickModel",
-    "Cells",
-    "Sides",
-    "StudRules",
-    "Studs",
-    "brick_mass",
-    "cells_of",
-    "is_stated",
-    "sides_of",
-    "studs_of",
-]
-
-
 STABLE_LEGO: dict[int, tuple[int, int, float]] = {
     1: (2, 2, 0.2),
     2: (2, 4, 0.00216),

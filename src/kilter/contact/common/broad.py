@@ -22,9 +22,6 @@ from kilter.errors import InputError
 from kilter.rigid import common_frame, common_frames
 from kilter.work import stop_if_late
 
-__all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "pairs_apart", "part_pairs"]
-
-
 FEW = 64
 """Largest number of parts whose boxes are compared pair by pair, without a tree."""
 MOST_LOOPED = 16

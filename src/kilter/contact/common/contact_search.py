@@ -27,18 +27,6 @@ from kilter.contact.common.gaps import GapLimits, Tolerance, gap_limits, reach_o
 from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.shape.primitives import Mesh
 
-__all__ = [
-    "ContactSearch",
-    "RecentSearches",
-    "begin_search",
-    "coincide",
-    "deep_boxes",
-    "given_pairs",
-    "recent_searches",
-    "same_bodies",
-]
-
-
 MOST_TRIANGLES = 300_000
 """Largest number of triangles of a geometry whose searches are kept; more need more memory."""
 MOST_FINDINGS = 4

@@ -50,20 +50,6 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 
-__all__ = [
-    "MOST_PARTS",
-    "LonePart",
-    "Neighbour",
-    "PartSolids",
-    "TriangleTrees",
-    "at_most",
-    "near_triangles",
-    "nearest_parts",
-    "segment_distance",
-    "surface_distance",
-]
-
-
 NEAR = 2
 """Number of nearby triangles whose distance bounds that of the nearest triangle."""
 CLASS_RATIO = 4.0

@@ -43,16 +43,6 @@ from kilter.contact.contact_tolerances import (
 )
 from kilter.shape.covering import covered
 
-__all__ = [
-    "CurvePoints",
-    "EdgeCurves",
-    "Edges",
-    "Rays",
-    "face_distance",
-    "find_edges",
-    "part_curves",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:

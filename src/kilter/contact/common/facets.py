@@ -40,9 +40,6 @@ from kilter.contact.contact_tolerances import (
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import BOX_QUADS
 
-__all__ = ["Facets", "facet_triangles", "find_facets"]
-
-
 Block = dict[str, NDArray[Any]]
 
 CHUNK = 60_000

@@ -27,21 +27,6 @@ from kilter.contact.common.patches import (
 )
 from kilter.contact.contact_tolerances import BESIDE, BESIDE_CIRCLE, NORMAL_SNAP
 
-__all__ = [
-    "CurvedFindings",
-    "FacePatches",
-    "Findings",
-    "Matches",
-    "SmoothFindings",
-    "SmoothJoint",
-    "explained",
-    "in_patch",
-    "is_settled",
-    "may_be_smooth",
-    "on_flat",
-    "on_patches",
-]
-
 
 def _no_rows(width: int) -> Callable[[], Index]:
     """Factory of an array without rows, shape (0, width)."""

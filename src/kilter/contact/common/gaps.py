@@ -50,26 +50,6 @@ from kilter.tell.numbers import rounded_up
 from kilter.tell.record import InPython, key
 from kilter.values.guesses import guarded
 
-__all__ = [
-    "APART",
-    "PENETRATES",
-    "THIN",
-    "TILTED",
-    "UNKNOWN",
-    "GapLimits",
-    "RejectedPair",
-    "Tolerance",
-    "closed_by_clearance",
-    "gap_limits",
-    "gap_warnings",
-    "joints_beyond",
-    "nearest_gap",
-    "reach_of",
-    "reached_limits",
-    "touches",
-    "unknown_pairs",
-]
-
 
 @guarded
 @dataclass(frozen=True, slots=True)

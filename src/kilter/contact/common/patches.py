@@ -37,20 +37,6 @@ from kilter.arrays import (
 from kilter.contact.contact_tolerances import MEAN_NORMAL
 from kilter.tell.record import InPython, Lines, Record, Vector, key
 
-__all__ = [
-    "INTERFERE",
-    "SAME_BODY",
-    "DegeneratePoints",
-    "KeptPairs",
-    "Overlap",
-    "PairRecord",
-    "Patch",
-    "Patches",
-    "PossibleContacts",
-    "UnsupportedContact",
-]
-
-
 INTERFERE = "interfere"
 """Reason of an overlap between a shaft and a thinner hole: a thread or a press fit."""
 SAME_BODY = "are the same body twice"

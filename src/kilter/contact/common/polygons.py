@@ -30,21 +30,6 @@ from kilter.contact.contact_tolerances import OUTLINE_AREA, OUTLINE_GRID
 if TYPE_CHECKING:
     import shapely
 
-__all__ = [
-    "FacetFrame",
-    "Pieces",
-    "clip_convex",
-    "convex_hull",
-    "cut_convex",
-    "facet_frames",
-    "overlaps_of",
-    "overlay",
-    "padded",
-    "polygon_area",
-    "tidy",
-    "width_of",
-]
-
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 

@@ -43,25 +43,6 @@ from kilter.contact.contact_tolerances import (
     WIDEST_OPENING,
 )
 
-__all__ = [
-    "CIRCLE",
-    "LINE",
-    "POINT",
-    "SAME",
-    "Candidates",
-    "FormLimits",
-    "Planes",
-    "Side",
-    "body_in_torus",
-    "dot",
-    "lines_on_cone",
-    "make_candidates",
-    "on_planes",
-    "torus_on_face",
-    "without_along",
-]
-
-
 POINT, LINE, CIRCLE, SAME = range(4)
 """Forms of contact; SAME means that both surfaces lie on each other, as a shaft and its hole."""
 

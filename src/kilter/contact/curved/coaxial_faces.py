@@ -37,9 +37,6 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.curved.contact_points import TURN, Bands, bands_of, unrolled, unrolled_overlap
 from kilter.tell.record import InPython, Vector, key
 
-__all__ = ["Fit", "SharedRegion", "coaxial_fits", "is_tube", "odd_copies", "shared_region"]
-
-
 SHARES = (0.19, 0.5, 0.83)
 """Fractions of arcs and heights at which a region is sampled [-]; chosen off the usual borders of
 triangles."""

@@ -51,24 +51,6 @@ from kilter.contact.contact_tolerances import (
     THROUGH_CENTER,
 )
 
-__all__ = [
-    "AROUND",
-    "STEP",
-    "Bands",
-    "PatchPoints",
-    "angles_between",
-    "arcs_of",
-    "bands_of",
-    "common_spans",
-    "ring",
-    "shell",
-    "slices",
-    "socket",
-    "unrolled",
-    "unrolled_overlap",
-]
-
-
 TURN = 2 * np.pi
 
 

@@ -69,8 +69,6 @@ from kilter.rigid import quaternion_to_matrix, rotation_between
 from kilter.shape.covering import FaceCover, covered
 from kilter.work import stop_if_late
 
-__all__ = ["find_curved", "gaps_between", "touching_shells"]
-
 
 def touching_shells(
     search: ContactSearch,

@@ -30,18 +30,6 @@ from kilter.contact.common.patches import INTERFERE, Overlap, Patches, PossibleC
 from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL, WALL_RIM
 from kilter.contact.curved.contact_points import PatchPoints
 
-__all__ = [
-    "CandidateLimits",
-    "CurvedPatch",
-    "PatchBuilder",
-    "SurfacePairs",
-    "classify",
-    "pack",
-    "raised_warning",
-    "shared_depth",
-    "without_repeats",
-]
-
 
 def shared_depth(
     geometry: Geometry, parts: tuple[int, int], points: Array, normals: Array, depth: Array

@@ -40,20 +40,6 @@ from kilter.contact.curved.candidates import (
 )
 from kilter.contact.curved.contact_points import bands_of
 
-__all__ = [
-    "Force",
-    "balls_on_rims",
-    "coaxial_clear",
-    "cone_tips",
-    "possible_forces",
-    "radius_at",
-    "rim_contacts",
-    "rims_clear",
-    "rims_on_planes",
-    "tips_on_faces",
-]
-
-
 Force = tuple[int, int, Array, Array]
 """Parts a and b, point, and unit direction of a force."""
 

@@ -39,8 +39,6 @@ from kilter.contact.curved.candidates import (
     without_along,
 )  # fmt: skip
 
-__all__ = ["find_candidates"]
-
 
 def _opening_radius(first: Array, second: Array, sign: float) -> Array:
     """Radius of curvature of the gap between two curves: 1 / (1/first + sign/second)."""

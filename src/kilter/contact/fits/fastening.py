@@ -23,9 +23,6 @@ from kilter.errors import InputError, some_names
 from kilter.files.reading import Reading
 from kilter.values.guesses import guarded
 
-__all__ = ["fasten_as_read", "fastened", "with_decided_pairs"]
-
-
 # Decisions of a user about pairs of parts: joined, touching or apart.
 
 

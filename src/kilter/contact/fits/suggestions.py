@@ -58,19 +58,6 @@ from kilter.errors import InputError, shell_words
 from kilter.shape.solid import Solid
 from kilter.tell.record import Record
 
-__all__ = [
-    "Kind",
-    "Suggestion",
-    "coincident",
-    "coincident_remarks",
-    "merely_sunk",
-    "parts_to_leave_out",
-    "require_apart",
-    "suggest_joints",
-    "touching_pairs",
-]
-
-
 MANY = 3
 """Number of such pairs from which the parts of a folder seem to have separate frames."""
 

@@ -28,15 +28,6 @@ from kilter.contact.contact_tolerances import FACETED_ANGLE, SMOOTH_ANGLE
 from kilter.contact.curved.rims import Force, possible_forces
 from kilter.shape.covering import covered
 
-__all__ = [
-    "RoundContacts",
-    "beside_curved",
-    "edges_near_faces",
-    "edges_on_faces",
-    "explained_points",
-    "round_contacts",
-]
-
 
 def edges_near_faces(
     face_patches: FacePatches, edges: Edges, rows: Index, reach: Array, *, turn: bool

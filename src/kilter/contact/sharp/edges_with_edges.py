@@ -31,17 +31,6 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.curved.rims import cone_tips, possible_forces
 from kilter.contact.sharp.edges_on_curves import explained_points
 
-__all__ = [
-    "EdgeContact",
-    "EdgeSearch",
-    "EdgeTouching",
-    "corner_rays",
-    "edges_on_edges",
-    "is_corner",
-    "near_edge_pairs",
-    "tips_on_edges",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeContact:

@@ -45,9 +45,6 @@ from kilter.contact.sharp.edges_with_edges import (
     is_corner,
 )
 
-__all__ = ["EdgeFacePairs", "edge_contacts_on_faces"]
-
-
 _CircleKey = tuple[int, int, int, int, int, int]
 """Circle of contact: row of the pair, whether its edges belong to part a, surface and flat facet of
 the face, and height and radius as multiples of a length."""

@@ -30,9 +30,6 @@ from kilter.contact.common.facets import Facets, facet_triangles
 from kilter.contact.common.gaps import APART, RejectedPair
 from kilter.contact.contact_tolerances import EDGE_NEARLY_PARALLEL, EDGE_PARALLEL, LOOSE_GAP
 
-__all__ = ["CORNER", "EDGE", "FACE", "Meetings", "PairBlock", "meetings", "near_edges"]
-
-
 _Side = tuple[Index, Index]
 """Features near one side of the pairs: rows of the pair block, and indices of the features."""
 

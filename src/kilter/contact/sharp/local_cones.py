@@ -34,9 +34,6 @@ from kilter.contact.contact_tolerances import CONE_ANGLE, EXACT_ANGLE
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE
 from kilter.work import stop_if_late
 
-__all__ = ["Cones", "Sectors", "convex_pieces", "find_cones", "inside", "spanned"]
-
-
 WIDE = -0.8
 """If the edges of a facet at a corner make an angle with a lesser cosine, a direction between them
 is added [-]."""

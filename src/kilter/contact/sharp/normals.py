@@ -43,18 +43,6 @@ from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings
 from kilter.contact.sharp.local_cones import Cones, find_cones, spanned
 from kilter.work import stop_if_late
 
-__all__ = [
-    "Clauses",
-    "PointConstraints",
-    "Pushes",
-    "distinct",
-    "normals_of",
-    "resolve",
-    "separating",
-    "spans",
-]
-
-
 BATCH = 2_000_000
 """Candidates compared at once; a larger value needs more memory."""
 

@@ -63,8 +63,6 @@ from kilter.contact.sharp.edges_with_faces import EdgeFacePairs, edge_contacts_o
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings, PairBlock, meetings
 from kilter.contact.sharp.normals import Clauses, Pushes, normals_of
 
-__all__ = ["edge_contacts", "find_sharp"]
-
 
 def edge_contacts(
     search: ContactSearch, edges: Edges, meetings: Meetings, pushes: Pushes

@@ -63,9 +63,6 @@ from kilter.contact.contact_tolerances import (
 )
 from kilter.shape.closed import shared_edges
 
-__all__ = ["SmoothFace", "matches", "smooth_faces"]
-
-
 FEWEST = 16
 """Least number of triangles of a smooth face."""
 AROUND = 24

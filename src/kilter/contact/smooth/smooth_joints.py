@@ -48,9 +48,6 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.smooth.smooth_faces import SmoothFace, matches, smooth_faces
 from kilter.work import stop_if_late
 
-__all__ = ["find_smooth", "possible_forces_of", "smooth_warning"]
-
-
 MOST = 96
 """Largest number of contact points of a smooth contact; those farthest apart are kept."""
 DIRECTIONS = 4

@@ -32,9 +32,6 @@ from kilter.errors import InputError
 from kilter.files.limits import MOST_LISTED, MOST_TABLE_BYTES, read_bytes, require_count
 from kilter.files.reader_guard import reader_guard
 
-__all__ = ["BRICK_TEXT", "from_stable_lego", "is_stable_lego", "load_brick_text"]
-
-
 # Read BrickGPT text: one brick ``hxw (x,y,z)`` per line.
 
 

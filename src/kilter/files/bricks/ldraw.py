@@ -31,9 +31,6 @@ from kilter.files.file_tolerances import OFF_GRID
 from kilter.files.limits import DEEPEST, MOST_LISTED, MOST_TABLE_BYTES, read_bytes, require_count
 from kilter.files.reader_guard import reader_guard
 
-__all__ = ["LDRAW_FILES", "load_ldraw"]
-
-
 LDRAW_FILES = (".ldr", ".mpd")
 """Endings of LDraw files."""
 CELL, PLATE = 20.0, 8.0

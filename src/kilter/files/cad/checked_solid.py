@@ -13,9 +13,6 @@ from kilter.files.file_tolerances import DOUBLED, LEEWAY, SAME_FACE, VOLUME
 from kilter.shape.closed import open_edges
 from kilter.shape.solid import Solid, same_surface
 
-__all__ = ["checked_solid", "has_doubled_faces"]
-
-
 # Find faces of a solid that lie on each other, so that the solid has no thickness there.
 
 

@@ -18,9 +18,6 @@ from kilter.files.cad.step_process import read_apart
 from kilter.files.limits import read_bytes
 from kilter.files.meshes.placed import FileBodies
 
-__all__ = ["read_step"]
-
-
 _TEXTS = re.compile(rb"'[^']*(?:'|\Z)|/\*(?:.*?\*/|.*)", re.DOTALL)
 """Texts and comments; without a closing mark they extend to the end of the file."""
 

@@ -20,9 +20,6 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import NamedTuple
 
-__all__ = ["StepEntities", "stated_densities"]
-
-
 # The entities of a STEP file as text, by number.
 
 

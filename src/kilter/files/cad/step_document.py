@@ -31,19 +31,6 @@ from kilter.files.meshes.placed import FileBodies, distinct, tails
 from kilter.rigid import Pose
 from kilter.units import METRES
 
-__all__ = [
-    "Occurrence",
-    "StepDocument",
-    "TreeSolid",
-    "bodies_of",
-    "number_repeats",
-    "occurrences",
-    "read_document",
-    "split",
-    "step_bodies",
-]
-
-
 _DAMAGED = "export it again as STEP (AP214 or AP242)"
 _UNITS = {
     "metre": "m",

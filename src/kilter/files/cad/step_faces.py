@@ -17,17 +17,6 @@ from kilter.errors import InputError
 from kilter.files.cad.step_surfaces import failures, inside, is_plain
 from kilter.files.file_tolerances import CUT_AREA, OTHER_SIDE, SEWN
 
-__all__ = [
-    "CutFace",
-    "StepFace",
-    "cut_face",
-    "cut_faces",
-    "sewn_shape",
-    "size_of",
-    "with_other_sides",
-]
-
-
 STEPS = 10
 """Number of grid steps inside a free-form face, along each parameter; more give finer triangles."""
 LOOKS = 33

@@ -18,8 +18,6 @@ from kilter.pipes import can_start
 if TYPE_CHECKING:
     from kilter.files.meshes.placed import FileBodies
 
-__all__ = ["begin_early", "read_apart", "serve"]
-
 
 MEMORY = 16 << 30
 """Largest address space of the process [bytes]; a damaged file may demand more."""

@@ -43,9 +43,6 @@ from kilter.shape.closed import open_edges
 from kilter.shape.primitives import hull_surface
 from kilter.shape.solid import Solid, Surface, facing, height, same_surface
 
-__all__ = ["ReadSolid", "read_solid", "stand_in"]
-
-
 GRID: Array = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4
 """Barycentric coordinates at which the distance of a triangle from its face is measured."""
 

@@ -18,18 +18,6 @@ from kilter.files.cad.step_surfaces import inside
 from kilter.files.limits import read_bytes
 from kilter.units import METRES
 
-__all__ = [
-    "UNSTATED",
-    "Stated",
-    "StepStatements",
-    "hidden_solids",
-    "stated_accuracy",
-    "stated_layers",
-    "stated_materials",
-    "text_statements",
-]
-
-
 # Read the coordinate accuracy that a STEP file states.
 
 

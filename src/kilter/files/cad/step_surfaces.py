@@ -17,19 +17,6 @@ from kilter.arrays import Array
 from kilter.files.file_tolerances import RECOGNISED
 from kilter.shape.solid import Surface, height
 
-__all__ = [
-    "asciis",
-    "face_surface",
-    "failures",
-    "inside",
-    "is_plain",
-    "labels",
-    "points_of_face",
-    "quiet",
-    "shape_map",
-]
-
-
 # Helpers for OCCT: containers, exception types, silenced output, subshapes of a shape.
 
 

@@ -15,8 +15,6 @@ from kilter.files.file_tolerances import SAME_ANGLE
 from kilter.shape.closed import contains, signed_volume
 from kilter.shape.primitives import Mesh
 
-__all__ = ["split_bodies"]
-
 
 def split_bodies(mesh: Mesh) -> list[Mesh]:
     """Split a mesh into its separate bodies, in the order of their first face.

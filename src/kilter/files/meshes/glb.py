@@ -29,7 +29,6 @@ from kilter.shape.primitives import Mesh
 if TYPE_CHECKING:
     from kilter.files.meshes.gltf_models import Gltf, Node, Primitive, Sparse
 
-__all__ = ["read_glb"]
 
 _Row = TypeVar("_Row")
 

@@ -9,8 +9,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
-__all__ = ["Accessor", "Gltf", "Node", "Primitive", "Sparse"]
-
 Count = Annotated[int, Field(strict=True, ge=0)]
 Number = Annotated[float, Field(strict=True)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]

@@ -18,8 +18,6 @@ from kilter.errors import InputError
 from kilter.files.meshes.placed import text_accuracy
 from kilter.shape.primitives import Mesh
 
-__all__ = ["read_obj"]
-
 
 @dataclass(slots=True)
 class _Content:

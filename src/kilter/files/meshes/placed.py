@@ -18,20 +18,6 @@ from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, scale_solid
 from kilter.units import metres_per_unit
 
-__all__ = [
-    "SINGLE",
-    "FileBodies",
-    "distinct",
-    "fill_names",
-    "join_meshes",
-    "natural_key",
-    "scale_mesh",
-    "tails",
-    "text_accuracy",
-    "transform_mesh",
-]
-
-
 # Estimate the error of the coordinates in a text file [length unit].
 
 

@@ -16,9 +16,6 @@ from kilter.errors import InputError
 from kilter.files.meshes.placed import text_accuracy
 from kilter.shape.primitives import Mesh
 
-__all__ = ["read_stl"]
-
-
 HEADER = 84
 """Length of the header of a binary file, with the number of triangles [bytes]."""
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])

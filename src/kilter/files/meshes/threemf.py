@@ -25,9 +25,6 @@ from kilter.files.limits import DEEPEST, Tally, require_few_entries, require_unf
 from kilter.files.meshes.placed import scale_mesh, text_accuracy, transform_mesh
 from kilter.shape.primitives import Mesh
 
-__all__ = ["read_3mf"]
-
-
 UNITS = {
     "micron": ("mm", 0.001),
     "millimeter": ("mm", 1.0),

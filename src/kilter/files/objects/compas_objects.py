@@ -13,8 +13,6 @@ from kilter.files.compas import from_compas
 from kilter.files.complaints import parse_json
 from kilter.files.format_options import FormatOptions
 
-__all__ = ["read"]
-
 
 def read(value: Any, choices: FormatOptions) -> Assembly:
     """Convert a compas_assembly Assembly or Block, or a compas Mesh, to a kilter assembly.

@@ -22,8 +22,6 @@ from kilter.files.meshes.placed import FileBodies, distinct
 from kilter.files.objects import compas_objects, mujoco_objects, occt_objects, trimesh_objects
 from kilter.shape.primitives import Mesh
 
-__all__ = ["READERS", "TAKEN", "assembly_of_object", "read_object"]
-
 Reader = Callable[[Any, FormatOptions], Assembly]
 
 READERS: dict[str, Reader] = {

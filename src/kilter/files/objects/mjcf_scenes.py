@@ -10,8 +10,6 @@ from kilter.errors import InputError
 from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
 from kilter.files.robots.mjcf_survey import survey_mjcf
 
-__all__ = ["read_mjcf"]
-
 WORKSPACE, WORKSPACE_OF_ELEMENT = 100_000_000, 20_000
 """Memory that MuJoCo reserves for its computations, and in addition for each element [bytes]."""
 

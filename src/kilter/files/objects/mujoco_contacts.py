@@ -25,8 +25,6 @@ from kilter.assembly import Part
 from kilter.assembly.interactions import FrictionPair, GivenContact
 from kilter.files.objects.mujoco_snapshot import Snapshot
 
-__all__ = ["GeomRules", "contact_entries"]
-
 
 class GeomRules:
     """Rules of a model for the contacts of its geoms.

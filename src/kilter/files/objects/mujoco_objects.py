@@ -31,9 +31,6 @@ from kilter.files.robots.one_body import capsule, compose, near_pairs, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
-__all__ = ["ModelScene", "held_bodies", "mass_fields", "owners", "read", "relieving_loads"]
-
-
 # Bodies of a MuJoCo model that move together, the parts that they form, and their masses.
 
 

@@ -13,8 +13,6 @@ import numpy as np
 
 from kilter.errors import InputError, nearest_name, some_names
 
-__all__ = ["Snapshot", "take_snapshot"]
-
 COUNTS = ("nbody", "nflex", "nu", "ntendon")
 ARRAYS = (
     "body_geomnum", "body_gravcomp", "body_inertia", "body_jntadr", "body_jntnum", "body_mass",

@@ -25,8 +25,6 @@ from kilter.files.cad.step_surfaces import failures, quiet, shape_map
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import assembly_of
 
-__all__ = ["read"]
-
 _NAMELESS = "part"
 _UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 """The name that CadQuery gives to an assembly without a name."""

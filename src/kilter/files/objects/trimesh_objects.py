@@ -20,8 +20,6 @@ from kilter.files.meshes.placed import FileBodies, distinct, fill_names, transfo
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
-__all__ = ["read", "scene_of"]
-
 _UNITS = {
     **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), "m"),
     **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetre"), "cm"),

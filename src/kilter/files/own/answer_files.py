@@ -12,8 +12,6 @@ from kilter.errors import InputError, nearest_name, some_names
 from kilter.tell.record import SCHEMA_VERSION
 from kilter.values.guesses import guarded
 
-__all__ = ["LoadedAnswer", "load_answer"]
-
 
 class _Piece(dict[str, Any]):
     """A piece of an answer, such as a part; keys are attributes."""

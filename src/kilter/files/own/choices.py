@@ -24,9 +24,6 @@ from kilter.files.file_content import UP
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.limits import is_file, read_bytes
 
-__all__ = ["LOWEST", "OPTIONS", "Choices", "digest", "find_choices", "option_words", "plain"]
-
-
 LOWEST = "lowest"
 """Value of the option `floor` that puts the floor under the lowest point of the assembly."""
 SIGNS = ("file", "sha256", "held", "left_out", "joined", "open_pairs", "materials", "tolerance")

@@ -13,18 +13,6 @@ from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.own.choices import LOWEST, OPTIONS, STUDS, Choices, digest, find_choices
 from kilter.files.writing import json_lines, write_text
 
-__all__ = [
-    "OFF",
-    "choices_about",
-    "released_in_part",
-    "require_off",
-    "require_place",
-    "require_saved",
-    "switched_off",
-    "write_choices",
-]
-
-
 OFF: dict[str, tuple[str, str | None]] = {
     **{option: (key, None) for key, option in OPTIONS.items()},
     **{option: ("studs", key) for key, option in STUDS.items()},

@@ -40,8 +40,6 @@ from kilter.validate import frozen
 if TYPE_CHECKING:
     from kilter.files.own.models import AssemblyFile, BrickEntry, PartEntry, SolidEntry
 
-__all__ = ["from_dict", "schema", "to_dict"]
-
 
 VERSION = 1
 """Version of the file format."""

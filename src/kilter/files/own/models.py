@@ -13,15 +13,6 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from kilter.files.own.plain_entries import SHAPES
 
-__all__ = [
-    "AssemblyFile",
-    "ChoicesFile",
-    "PartEntry",
-    "build_choices_schema",
-    "build_schema",
-]
-
-
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]

@@ -14,8 +14,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-__all__ = ["SHAPES", "plain_entries"]
-
 SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon", "step", "solid")
 """Keys for the shape of a part; a part has exactly one of them."""
 SCHEMA = Path(__file__).parents[1] / "schemas" / "assembly.schema.json"

@@ -19,18 +19,6 @@ from kilter.errors import InputError
 from kilter.files.own.choices import OPTIONS, Choices
 from kilter.rigid import Pose
 
-__all__ = [
-    "entries_for",
-    "known",
-    "lists",
-    "patterns_of",
-    "replacement",
-    "valid_entries",
-    "with_bodies",
-    "with_interactions",
-]
-
-
 Entries = Mapping[str, Any]
 
 

@@ -40,19 +40,6 @@ from kilter.tell.csv_cells import name_of_cell
 from kilter.units import metres_per_unit
 from kilter.validate import number as require_number
 
-__all__ = [
-    "CSV",
-    "PackedBox",
-    "PackingPlan",
-    "decoded_table",
-    "is_packing_plan",
-    "load_plan",
-    "plan_of_json",
-    "read_sequence",
-    "table_rows",
-]
-
-
 # Rows of a table of comma-separated values, with each fault of the text as an `InputError`.
 
 

@@ -25,9 +25,6 @@ from kilter.rigid import matrix_to_quaternion
 from kilter.shape.primitives import Box, Cylinder, Sphere, surface
 from kilter.units import metres_per_unit
 
-__all__ = ["to_mjcf"]
-
-
 LEAST = 1e-5
 """Least friction coefficient that MuJoCo accepts [-]."""
 SMALL = 1e-9

@@ -27,9 +27,6 @@ from kilter.files.limits import (
 )
 from kilter.files.robots.xml_text import xml_root
 
-__all__ = ["Survey", "survey_mjcf"]
-
-
 MOST_KEYS = 50_000
 """Largest number of keyframes."""
 MOST_ELEMENTS = 500_000

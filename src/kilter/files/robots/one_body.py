@@ -19,9 +19,6 @@ from kilter.files.limits import Tally
 from kilter.rigid import Pose, matrix_to_quaternion
 from kilter.shape.primitives import Cylinder, Mesh, Shape, Sphere, hull_surface, surface
 
-__all__ = ["capsule", "compose", "near_pairs", "one_body"]
-
-
 # Pairs of parts that are near each other, whose friction and filters a scene states.
 
 

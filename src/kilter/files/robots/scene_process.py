@@ -33,8 +33,6 @@ from kilter.threads import make_no_threads
 if TYPE_CHECKING:
     from kilter.files.format_options import FormatOptions
 
-__all__ = ["LIBRARIES", "begin_early", "is_mjcf", "read_scene", "serve"]
-
 
 LIBRARIES = {"mjcf": "MuJoCo", "usd": "USD"}
 """Name of the library for each kind of scene."""

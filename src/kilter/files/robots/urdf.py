@@ -38,19 +38,6 @@ from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 from kilter.validate import number
 
-__all__ = [
-    "Element",
-    "Inertial",
-    "has_size",
-    "joints_by_child",
-    "numbers_of",
-    "origin_of",
-    "read_inertial",
-    "read_urdf",
-    "text_of",
-]
-
-
 # Attributes of the XML elements of a URDF robot: text, numbers and poses.
 
 

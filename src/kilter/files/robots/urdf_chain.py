@@ -23,9 +23,6 @@ from kilter.files.robots.urdf import Element, joints_by_child, numbers_of, origi
 from kilter.files.robots.xml_text import xml_root
 from kilter.rigid import Pose, unit
 
-__all__ = ["ChainJoint", "JointChain", "read_joint_chain"]
-
-
 TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)
 """Types of joints that turn, and that shift."""
 

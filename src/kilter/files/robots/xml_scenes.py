@@ -13,8 +13,6 @@ from kilter.files.robots.scene_process import read_scene
 from kilter.files.robots.urdf import read_urdf
 from kilter.files.robots.xml_text import xml_root
 
-__all__ = ["load_xml"]
-
 
 def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
     """Read an MJCF or URDF file; also return whether it fixes the direction of gravity.

@@ -8,8 +8,6 @@ from xml.etree import ElementTree
 from kilter.errors import InputError
 from kilter.files.limits import read_bytes, require_few_entries
 
-__all__ = ["xml_root"]
-
 
 def xml_root(path: Path) -> ElementTree.Element:
     """Root element of an XML file.

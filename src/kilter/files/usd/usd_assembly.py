@@ -37,9 +37,6 @@ from kilter.files.writing import write_bytes
 from kilter.rigid import Pose, matrix_to_quaternion
 from kilter.shape.primitives import Box, Mesh, Shape, surface
 
-__all__ = ["LAYERS", "read_usd", "write_usd_poses"]
-
-
 SPACIOUS = 4.0
 """Margin of the table for an infinite plane around the parts [sizes of all parts]."""
 

@@ -35,15 +35,6 @@ from kilter.rigid import Pose
 from kilter.shape.primitives import Shape, surface
 from kilter.validate import finite
 
-__all__ = [
-    "FrictionMaterial",
-    "bound_material",
-    "collider_pieces",
-    "friction_of_parts",
-    "mass_of_object",
-]
-
-
 NOT_STATED = (-np.inf, -np.inf, -np.inf)
 """Centre of mass in USD for "not stated"."""
 

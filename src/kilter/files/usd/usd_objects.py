@@ -23,8 +23,6 @@ from kilter.files.limits import MOST_PARTS, Tally
 from kilter.files.meshes.placed import distinct, tails
 from kilter.files.usd.usd_values import array_of, place_of, require_finite_transform
 
-__all__ = ["UsdObject", "UsdShape", "find_objects", "matrix_of"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsdShape:

@@ -19,8 +19,6 @@ from kilter.files.usd.usd_stage import UsdScene
 from kilter.files.usd.usd_values import paths_above, place_of, quaternion_of, token_of, vector_of
 from kilter.rigid import Pose
 
-__all__ = ["filtered_ends", "filtered_pairs", "find_joints"]
-
 KINDS = {
     "PhysicsFixedJoint": "fixed",
     "PhysicsRevoluteJoint": "revolute",

@@ -24,7 +24,6 @@ from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
 Single = NDArray[np.float32]
 
-__all__ = ["rigid_part", "shape_of_prim"]
 
 CONE_SIDES = 64
 """Number of sides of the pyramid that represents a cone."""

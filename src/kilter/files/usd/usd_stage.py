@@ -27,17 +27,6 @@ from kilter.files.limits import (
 from kilter.files.usd.usd_values import number_of, vector_of
 from kilter.units import METRES
 
-__all__ = [
-    "USD",
-    "UsdScene",
-    "caught_messages",
-    "count_prims",
-    "note_on_messages",
-    "open_stage",
-    "require_usd",
-]
-
-
 # Number of parts that a USD file would make, counted in its layers before they are composed.
 
 

@@ -13,18 +13,6 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import InputError, visible
 
-__all__ = [
-    "array_of",
-    "number_of",
-    "paths_above",
-    "place_of",
-    "quaternion_of",
-    "require_finite_transform",
-    "size_of",
-    "token_of",
-    "vector_of",
-]
-
 
 def paths_above(path: str) -> list[str]:
     """A path of a prim, and the paths above it.

@@ -51,8 +51,6 @@ from kilter.second_order.searches.path_search import decided_for_all, parted_pat
 from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
 from kilter.work import Work
 
-__all__ = ["answer_alone"]
-
 
 def answer_alone(
     facts: ClusterFacts,

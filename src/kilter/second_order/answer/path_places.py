@@ -33,8 +33,6 @@ from kilter.solvers.problem import ConicProgram
 from kilter.threads import on_one_thread
 from kilter.work import PER_EFFORT, Work
 
-__all__ = ["PathPlaces", "find_path_places"]
-
 STEP = 0.05
 """Largest displacement of a part in one step, over its size [-]."""
 FAR, TURNED = 2.0, np.pi / 3

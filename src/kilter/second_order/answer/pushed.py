@@ -11,8 +11,6 @@ from kilter.second_order.answer.second_order_answer import SecondOrder, open_ans
 from kilter.second_order.answer.whole import NEEDS_FRICTION
 from kilter.second_order.motions.small_push import ABOVE_EDGE, SmallPush
 
-__all__ = ["pushed_answer"]
-
 
 def pushed_answer(program: Program, push: SmallPush, known: SecondOrder | None) -> SecondOrder:
     """Answer with the result of a small push that makes parts fall, or may make them fall.

@@ -35,17 +35,6 @@ if TYPE_CHECKING:
     from kilter.second_order.proofs.proof_kinds import SecondOrderProof
     from kilter.second_order.searches.energy_decision import EnergyDecision
 
-__all__ = [
-    "LATE",
-    "SPENT",
-    "SecondOrder",
-    "SecondOrderSummary",
-    "answer_of",
-    "growth_rate",
-    "least_frequency",
-    "open_answer",
-]
-
 
 # Oscillation rate about an energy minimum, and growth rate of a push on a balanced assembly.
 

@@ -14,8 +14,6 @@ from kilter.second_order.proofs.minimum_proof import by_part, counts
 if TYPE_CHECKING:
     from kilter.second_order.answer.second_order_answer import SecondOrder
 
-__all__ = ["second_order_data"]
-
 
 def second_order_data(answer: SecondOrder) -> dict[str, Any] | None:
     """Data for a proof file from a second-order answer; None without a proof of any cluster."""

@@ -48,8 +48,6 @@ from kilter.second_order.searches.energy_decision import EnergyDecision
 from kilter.second_order.searches.level_rest_search import find_held, find_level_rest
 from kilter.work import PER_EFFORT, Work
 
-__all__ = ["MOST_IN_ALL", "MOST_PARTS", "NEEDS_FRICTION", "find_second_order", "with_rolling"]
-
 NEEDS_FRICTION = "the curvature of the energy was not examined, because the proof needs friction"
 """Reason of an open answer for a cluster that forces without friction do not balance."""
 MOST_PARTS = 20

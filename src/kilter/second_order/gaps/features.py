@@ -14,8 +14,6 @@ from dataclasses import dataclass
 
 from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
 
-__all__ = ["EDGE", "FACE", "FEATURES", "OPEN", "VERTEX", "Features"]
-
 OPEN, VERTEX, EDGE, FACE = -1, 0, 1, 2
 """Kinds of features; a known kind is the number of its tangent directions."""
 FEATURES = {"open": OPEN, "vertex": VERTEX, "edge": EDGE, "face": FACE}

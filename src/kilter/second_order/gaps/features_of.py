@@ -17,8 +17,6 @@ from kilter.second_order.gaps.gap_form import formed
 from kilter.second_order.gaps.part_features import part_features
 from kilter.second_order.second_order_tolerances import CROSSING, ROUND
 
-__all__ = ["FLAT", "detected_rows", "features_of"]
-
 
 def features_of(program: Program, contacts: ContactSet, *, recognised: bool = False) -> Features:
     """Features (face, edge, vertex) of both parts at each row of a program.

@@ -25,8 +25,6 @@ from kilter.second_order.gaps.touched_surfaces import LINE, POINT, UNKNOWN, Touc
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.second_order_tolerances import BENDS
 
-__all__ = ["Fits", "body_pairs", "find_fits", "stressed", "wrenches"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fits:

@@ -31,8 +31,6 @@ from kilter.rigid import skew
 from kilter.second_order.gaps.features import EDGE, FACE, Features
 from kilter.second_order.second_order_tolerances import CROSSING, ROUND
 
-__all__ = ["arms_of", "corner_slips", "formed", "gap_forms", "relative_motion", "swing"]
-
 
 def gap_forms(program: Program, features: Features) -> Array:
     """Second derivatives of the gap of each row, as symmetric matrices, shape (K, 12, 12).

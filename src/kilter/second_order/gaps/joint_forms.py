@@ -37,22 +37,6 @@ from kilter.second_order.gaps.gap_form import arms_of, relative_motion, swing
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import KEEPS
 
-__all__ = [
-    "Swings",
-    "close_joints",
-    "joint_errors",
-    "joint_forms",
-    "joints_closed",
-    "of_joints",
-    "on_joints",
-    "slipping",
-    "spring_excess",
-    "spring_form",
-    "sprung_rows",
-    "swings_of",
-]
-
-
 ROUNDS = 60
 """Largest number of corrections that close the joints of a configuration."""
 CLOSED = 1e-12

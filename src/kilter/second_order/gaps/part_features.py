@@ -29,8 +29,6 @@ from kilter.contact.curved.contact_points import bands_of
 from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX
 from kilter.second_order.second_order_tolerances import AGREE, CROSSING
 
-__all__ = ["PartFeatures", "part_features"]
-
 OFF = 4.0
 """Factor from the doubt of a surface recognised in a mesh to the error of its radius of curvature
 [-]."""

@@ -26,8 +26,6 @@ from kilter.second_order.gaps.gap_form import corner_slips, formed, gap_forms
 from kilter.second_order.gaps.joint_forms import joint_forms, of_joints, on_joints, spring_form
 from kilter.second_order.second_order_tolerances import ACROSS
 
-__all__ = ["Stationary", "bounded", "formed_for_all", "problem_of", "stationary"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stationary:

@@ -38,18 +38,6 @@ from kilter.rigid import skew
 from kilter.second_order.gaps.features import EDGE, FACE, VERTEX, Features
 from kilter.second_order.gaps.joint_forms import of_joints
 
-__all__ = [
-    "AXIS",
-    "LINE",
-    "PLANE",
-    "POINT",
-    "RAIL",
-    "UNKNOWN",
-    "Touched",
-    "planes_of",
-    "touched_surfaces",
-]
-
 UNKNOWN, PLANE, POINT, LINE, AXIS, RAIL = range(-1, 5)
 OF_JOINT = {"spherical": POINT, "revolute": AXIS, "cylindrical": LINE, "prismatic": RAIL}
 """Surface of each kind of joint that moves."""

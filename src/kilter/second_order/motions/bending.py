@@ -48,18 +48,6 @@ from kilter.second_order.motions.harmless import Harmless, level_screws
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.second_order_tolerances import BEARS, BENDS, SLIPS, SPREAD
 
-__all__ = [
-    "Bending",
-    "Bends",
-    "bending_bodies",
-    "round_rows",
-    "spread_over",
-    "spread_wrench",
-    "steady_parts",
-    "tipping_parts",
-]
-
-
 # Parts that level faces below allow to move level only, by rule, at any number of parts.
 
 

@@ -49,16 +49,6 @@ from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.shape.primitives import Cylinder, Sphere
 
-__all__ = [
-    "FreeMotions",
-    "find_free_motions",
-    "free_span",
-    "moving_free",
-    "scaled_columns",
-    "spins_unseen",
-]
-
-
 EXACT = 1e-9
 """Singular values below this fraction of the largest count as zero [-]."""
 ALL_SETS = 6

@@ -33,8 +33,6 @@ from kilter.second_order.motions.free_motions import spins_unseen
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.second_order_tolerances import BENDS
 
-__all__ = ["Harmless", "level_screws"]
-
 ROUNDING = 1e-12
 """Size of a condition that is 0 up to rounding, over the largest [-]."""
 

@@ -6,8 +6,6 @@ import numpy as np
 
 from kilter.arrays import TINY, Array
 
-__all__ = ["null_space"]
-
 
 def null_space(rows: Array, blur: float) -> Array:
     """Orthonormal basis, (n, d), of the vectors that a matrix (K, n) maps to 0 up to rounding.

@@ -60,21 +60,6 @@ from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.parts.cluster_states import falling_alone
 from kilter.second_order.second_order_tolerances import BALANCED, CURVED, SLIPS
 
-__all__ = [
-    "Rolling",
-    "Rolls",
-    "contact_shifts",
-    "contact_slips",
-    "find_rolling",
-    "rolling_of",
-    "rolling_shifts",
-    "slip_axes",
-    "slip_changes",
-    "slip_rows",
-    "worst_rolling",
-]
-
-
 # Velocities of contact points past each other, and how they change along a rolling motion.
 
 

@@ -24,14 +24,6 @@ from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.second_order_tolerances import DROPS
 
-__all__ = [
-    "SharpPoints",
-    "opens_points",
-    "sharp_points",
-    "sharp_pushes",
-    "with_sharp",
-]
-
 SAME_NORMAL = 9
 """Unit normals are equal if they agree to this number of decimals."""
 

@@ -36,8 +36,6 @@ from kilter.second_order.motions.rolling import (
 from kilter.second_order.parts.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import ROUNDED
 
-__all__ = ["ABOVE_EDGE", "SmallPush", "small_push"]
-
 ABOVE_EDGE = "the weight acts exactly above an edge, or a single point, of contact"
 
 

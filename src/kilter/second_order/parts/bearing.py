@@ -9,8 +9,6 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, across
 from kilter.mechanics.program import Program
 
-__all__ = ["Bearing", "bearing_of", "by_depth", "in_footing", "level_axes", "sums_by_part"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bearing:

@@ -15,8 +15,6 @@ import numpy as np
 from kilter.mechanics.clusters import Cluster, clusters
 from kilter.mechanics.program import Program
 
-__all__ = ["State", "falling_alone", "joined_state"]
-
 State = Literal["minimum", "free", "balanced", "open"]
 ORDER: tuple[State, ...] = ("balanced", "open", "free", "minimum")
 """States in order of precedence: an assembly has the first state that any of its clusters has."""

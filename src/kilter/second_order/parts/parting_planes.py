@@ -24,8 +24,6 @@ from kilter.mechanics.program import Program
 from kilter.rigid import matrix_to_quaternion, turn_of
 from kilter.second_order.parts.separation import Body, bodies_of, parting, parting_point
 
-__all__ = ["PartPlaces", "PartingPlanes"]
-
 FAN = 2e-4 * 4.0 ** np.arange(7)
 RIM = np.concatenate([[0.0], FAN, -FAN, np.pi / 4 * np.arange(1, 8)])
 """Angles of points of a rim from the point nearest to a plane [rad].

@@ -20,8 +20,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import JOINT
 from kilter.rigid import turn_of
 
-__all__ = ["RigidGroups"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidGroups:

@@ -30,15 +30,6 @@ from kilter.rigid import turn_of
 from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
 from kilter.shape.primitives import Cylinder, Sphere
 
-__all__ = [
-    "Body",
-    "bodies_of",
-    "least_separation",
-    "parting",
-    "parting_point",
-    "separation",
-]
-
 CONVEX = 1e-9
 """A polyhedron is convex if no corner is farther outside a face than this, over its size [-]."""
 

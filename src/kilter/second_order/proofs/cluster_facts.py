@@ -22,8 +22,6 @@ from kilter.second_order.gaps.stationary import Stationary, bounded, formed_for_
 from kilter.second_order.gaps.touched_surfaces import Touched, planes_of, touched_surfaces
 from kilter.second_order.motions.free_motions import FreeMotions, find_free_motions
 
-__all__ = ["ClusterFacts", "Judged"]
-
 Judged = str | tuple[str, int | None, int | None]
 """Result of a verification: the reason of failure, or the proved state, number of neutral motions
 and number of free motions.

@@ -42,16 +42,6 @@ from kilter.second_order.second_order_tolerances import (
     KEEPS,
 )
 
-__all__ = [
-    "Configuration",
-    "Fall",
-    "by_path_alone",
-    "find_configuration",
-    "is_on",
-    "separation_at",
-]
-
-
 # Falling paths z(t) = t dp + t^2 d2 / 2 along which no gap closes and energy decreases.
 
 

@@ -54,19 +54,6 @@ from kilter.second_order.second_order_tolerances import (
     SPREAD,
 )
 
-__all__ = [
-    "Held",
-    "LevelRest",
-    "judge_held",
-    "judge_level_rest",
-    "level_rows",
-    "scaled_rows",
-    "unbalanced",
-    "wrong_forces",
-    "wrong_motion",
-]
-
-
 # Proof that parts are held to first order: equilibrium forces leave no motion neutral.
 
 

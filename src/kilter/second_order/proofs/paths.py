@@ -35,8 +35,6 @@ from kilter.second_order.second_order_tolerances import (
     SLIPS,
 )
 
-__all__ = ["Path", "judge_path"]
-
 FARTHEST = REACHES[-1] * (1 + ACROSS)
 """Largest component of a second derivative d2, with an allowance for rounding [-]."""
 

@@ -16,8 +16,6 @@ from kilter.second_order.proofs.level_rest import Held, LevelRest
 from kilter.second_order.proofs.minimum_proof import LockedTurns, MinimumProof
 from kilter.second_order.proofs.stopped import Stopped
 
-__all__ = ["KINDS", "SecondOrderProof"]
-
 
 class SecondOrderProof(Protocol):
     """Common methods of the second-order proofs: write, read and verify."""

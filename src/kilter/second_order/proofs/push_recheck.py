@@ -22,8 +22,6 @@ from kilter.second_order.motions.sharp_points import with_sharp
 from kilter.second_order.motions.small_push import small_push
 from kilter.second_order.parts.rigid_groups import RigidGroups
 
-__all__ = ["rests_without_friction", "wrong_about_push"]
-
 
 def wrong_about_push(
     assembly: Assembly,

@@ -51,16 +51,6 @@ from kilter.second_order.proofs.proof_kinds import KINDS, SecondOrderProof
 from kilter.second_order.proofs.stopped import Stopped
 from kilter.second_order.second_order_tolerances import ACROSS, AGREE, DROPS, KEEPS
 
-__all__ = [
-    "OFF_CENTRE",
-    "loads_off_centre",
-    "recheck_second_order",
-    "unmodelled_pairs",
-    "why_beyond",
-    "why_unmodelled",
-]
-
-
 # Contacts, bonds and loads that second order cannot model.
 
 

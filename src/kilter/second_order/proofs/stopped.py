@@ -53,16 +53,6 @@ from kilter.second_order.proofs.minimum_proof import (
 )
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS, LEVEL
 
-__all__ = [
-    "StopForms",
-    "Stopped",
-    "judge_stopped",
-    "level_contacts",
-    "level_motions",
-    "stop_forms",
-    "stop_question",
-]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stopped:

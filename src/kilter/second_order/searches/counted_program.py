@@ -7,8 +7,6 @@ from kilter.solvers.highs import find_optimum
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
-__all__ = ["optimum"]
-
 
 def optimum(program: LinearProgram, work: Work | None) -> Array | None:
     """Optimal point of a linear program, shape (n,); None without one, or without work left."""

@@ -22,9 +22,6 @@ from kilter.second_order.searches.counted_program import optimum
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
-__all__ = ["Critical", "carrying_forces", "find_critical"]
-
-
 WITHIN = 0.999
 """Largest friction of a joint that is sought, over its limit [-]."""
 

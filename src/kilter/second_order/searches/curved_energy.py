@@ -28,9 +28,6 @@ from kilter.solvers.clarabel import SemidefiniteProgram, solve_semidefinite
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
-__all__ = ["CurvedEnergy", "best_curvature", "blocking_stress", "find_locked"]
-
-
 MOST_FORCE = 1e4
 """Largest sum of the forces in a search, over the weight [-]."""
 

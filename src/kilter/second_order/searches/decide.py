@@ -40,8 +40,6 @@ from kilter.second_order.searches.path_search import find_path
 from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
 from kilter.work import Work
 
-__all__ = ["EXACT_DIMENSION", "decide"]
-
 EXACT_DIMENSION = 4
 """Largest dimension in which motions are split into cones."""
 NARROW = 1e-3

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kilter.second_order.proofs.paths import Path
     from kilter.second_order.proofs.stopped import Stopped
 
-__all__ = ["EnergyDecision"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EnergyDecision:

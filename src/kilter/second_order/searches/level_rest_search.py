@@ -41,18 +41,6 @@ from kilter.second_order.second_order_tolerances import DROPS, SPREAD
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
-__all__ = [
-    "enough_to_open",
-    "find_held",
-    "find_level_rest",
-    "find_parting",
-    "find_stopped",
-    "opening_motion",
-    "resting_forces",
-    "rests_level",
-]
-
-
 # Search for equilibrium forces that exclude every neutral motion.
 
 

@@ -36,9 +36,6 @@ from kilter.second_order.second_order_tolerances import ACROSS, DROPS, REACHES
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
 
-__all__ = ["decided_for_all", "find_path", "parted_paths"]
-
-
 TURNS = [3, 4, 5, 9, 10, 11]
 """Indices of the turns among the 12 unknowns of a contact."""
 

@@ -41,8 +41,6 @@ from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.validate import finite, in_range, number
 
-__all__ = ["Pile", "PileFit"]
-
 BASE = "base"
 """Name of the held part under the pile."""
 THICK = 0.1

@@ -25,8 +25,6 @@ from kilter.analysis.placing.piles.pile_statics import rectangle_corners
 from kilter.arrays import Array, Index, Mask
 from kilter.contact.common.polygons import clip_convex
 
-__all__ = ["carry"]
-
 IN_CONTACT = 1e-12
 """Rounding of a point in a contact rectangle, over the size of the box [-]."""
 

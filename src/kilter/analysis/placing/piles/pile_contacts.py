@@ -20,8 +20,6 @@ import numpy as np
 from kilter.arrays import Array, Mask
 from kilter.contact.contact_tolerances import GAP, LOOSE_GAP, MEETS_EXACTLY, THICKNESS
 
-__all__ = ["BoxRows", "Touching", "joined_boxes", "touching"]
-
 THIN = 2.0
 """A contact narrower than this many gap tolerances is no area of contact [-]."""
 ACCURACY = 2.0**-52

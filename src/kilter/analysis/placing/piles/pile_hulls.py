@@ -12,16 +12,6 @@ import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask
 
-__all__ = [
-    "Surround",
-    "absolute_plane",
-    "fan_weights",
-    "lowest_planes",
-    "plane_through",
-    "surround",
-    "surrounding_triangles",
-]
-
 ON_EDGE = 1e-9
 """Largest angle by which a place may lie beside an edge of its hull [rad]; a proof decides."""
 AT_POINT = 1e-12

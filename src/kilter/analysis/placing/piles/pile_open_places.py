@@ -32,9 +32,6 @@ from kilter.analysis.placing.piles.pile_statics import heights_of
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 
-__all__ = ["decide_places", "fall_with_pile", "solve_open_places", "tip_alone"]
-
-
 # Places at which a box falls: it tips off alone, or a known motion of the pile has power.
 
 

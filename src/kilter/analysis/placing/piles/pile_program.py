@@ -21,8 +21,6 @@ from kilter.arrays import Array, Index
 from kilter.solvers.highs import KeptProgram, longer_basis
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["PlaceAnswer", "PlaceProgram"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceAnswer:

@@ -21,20 +21,6 @@ from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import CONTACT, ForceRows
 
-__all__ = [
-    "FALLS",
-    "OPEN",
-    "STANDS",
-    "PlaceDecision",
-    "PlaceQuestion",
-    "ask_places",
-    "check_carried",
-    "check_falls",
-    "decide_rough",
-    "rough_program",
-]
-
-
 OPEN, STANDS, FALLS = 0, 1, 2
 """States of a place."""
 

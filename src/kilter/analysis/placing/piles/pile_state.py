@@ -38,8 +38,6 @@ from kilter.contact.common.polygons import clip_convex, convex_hull, polygon_are
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.mechanics.program import Program
 
-__all__ = ["Carried", "Motions", "Pattern", "PileState", "corner_shares"]
-
 FLAT_POLYGON = 1e-9
 """A polygon of loads with less area over the area of the top is not used [-]."""
 

@@ -23,8 +23,6 @@ from kilter.analysis.placing.piles.pile_contacts import BoxRows, joined_boxes
 from kilter.arrays import Array, Index, Mask
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE, UNITS_IN_LAST_PLACE
 
-__all__ = ["PileContacts", "PileStatics", "heights_of", "rectangle_corners"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PileContacts:

@@ -18,8 +18,6 @@ from kilter.tell.levels import holds
 from kilter.tell.plan_words import hold_sentence
 from kilter.tell.record import Answer, InPython, LevelWord, Record, UnitWord, Vector, key, keys_of
 
-__all__ = ["ChosenStrap", "Fixture", "HeldSupport", "Stated", "StoppedMotion", "StrapCase"]
-
 
 class HeldSupport(Record):
     """A support of a fixture, and its force on the part."""

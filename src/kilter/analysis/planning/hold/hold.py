@@ -29,9 +29,6 @@ from kilter.errors import InputError
 from kilter.tell.levels import require_level
 from kilter.work import Work
 
-__all__ = ["WORDS", "candidates_of", "hold"]
-
-
 # Candidate supports by keyword: grips of every part, props under parts, fingers on faces.
 
 

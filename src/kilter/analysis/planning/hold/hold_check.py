@@ -30,8 +30,6 @@ from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.program import build_program
 
-__all__ = ["wrong_hold", "wrong_lashing"]
-
 About = Mapping[str, Any]
 
 

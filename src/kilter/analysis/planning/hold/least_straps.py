@@ -40,8 +40,6 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import STRAP
 from kilter.tell.levels import level_rank
 
-__all__ = ["LoadCase", "find_least_straps", "load_cases", "smallest_set", "strap_powers"]
-
 MOST_SETS = 50_000
 """Largest number of sets that one search tries. More sets leave the answer undecided."""
 MOTIONS = 1000

@@ -15,8 +15,6 @@ from kilter.analysis.smallest_set import Shares, least_cover, reduced_by_halves
 from kilter.tell.levels import holds
 from kilter.work import EFFORT, Work, units_of
 
-__all__ = ["LeastSupports", "Stopping", "find_least_supports"]
-
 JUDGED, FEW, JUDGED_ROW = 2000.0, 4, 200.0
 """Units of work to judge a set of supports: for each part, for `FEW` further parts, and for each
 row of the program above `LARGE`.

@@ -25,9 +25,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.work import Work
 
-__all__ = ["Supported", "SupportedState", "grips_that_hold", "shares_of"]
-
-
 LEFT = 1e-3
 """Least share of its power that a motion must keep for a set of supports to be ruled out."""
 

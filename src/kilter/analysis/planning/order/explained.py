@@ -26,8 +26,6 @@ from kilter.mechanics.certificate import ForceProof, check_motion
 from kilter.mechanics.program import Program
 from kilter.threads import on_one_thread
 
-__all__ = ["Explained", "Hand", "Need", "StepForces", "explain"]
-
 PAIRS = 6000
 """Largest number of pairs of steps whose paths are tested for collision."""
 

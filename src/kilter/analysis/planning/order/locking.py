@@ -38,8 +38,6 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Locked", "find_locked", "holding_rows", "multipliers_of", "opening", "shuts"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Locked:

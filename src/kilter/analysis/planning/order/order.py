@@ -30,9 +30,6 @@ from kilter.tell.numbers import count
 from kilter.tell.plan_words import order_sentence
 from kilter.tell.record import Answer, InPython, LevelWord, Record, Twist, UnitWord, Vector, key
 
-__all__ = ["Assumes", "Fewest", "Order", "Search", "order_proof"]
-
-
 # Proof of a plan as JSON data: its steps, the need for held parts, or that no order exists.
 
 

@@ -40,9 +40,6 @@ from kilter.contact import ContactSet
 from kilter.errors import some_names
 from kilter.rigid import unit
 
-__all__ = ["Rules", "wrong_order"]
-
-
 # Rules of an order of assembly, read from its proof file: holds, precedence, groups, threads.
 
 

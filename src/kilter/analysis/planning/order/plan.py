@@ -41,19 +41,6 @@ from kilter.tell.levels import require_level
 from kilter.validate import finite
 from kilter.work import Work
 
-__all__ = [
-    "MOST_SETS",
-    "SIDES",
-    "extreme_accelerations",
-    "find_refused",
-    "find_unreachable",
-    "later_parts",
-    "leads_nowhere",
-    "plan",
-    "precedence_pairs",
-]
-
-
 # Accelerations of a carrier that every state of a plan must carry between two steps.
 
 

@@ -14,8 +14,6 @@ from kilter.validate import frozen, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-__all__ = ["FEWEST", "PlanRules", "turns_alone"]
-
 MOST_HELD = 2
 """Default of the largest number of parts held at once."""
 FEWEST = ("holds", "held-steps", "turns")

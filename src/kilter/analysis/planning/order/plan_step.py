@@ -23,19 +23,6 @@ from kilter.errors import InputError, some_names
 from kilter.tell.numbers import count
 from kilter.tell.record import InPython, LevelWord, Lines, Record, Vector, key
 
-__all__ = [
-    "FAR",
-    "NO_WAY",
-    "UNDECIDED",
-    "VERDICTS",
-    "Step",
-    "judge_order",
-    "lower_level",
-    "sets_of_order",
-    "steps_of",
-]
-
-
 FAR = 2.0
 """Distance at which a part starts, relative to the size of the whole assembly [-]."""
 VERDICTS: dict[str, Word] = {

@@ -41,17 +41,6 @@ from kilter.assembly import Assembly
 from kilter.errors import InputError, some_names
 from kilter.work import Work
 
-__all__ = [
-    "FEW",
-    "PROGRAM",
-    "OrderSearch",
-    "Removed",
-    "blocked_together",
-    "neighbours_of",
-    "units_of_groups",
-]
-
-
 # Units of parts that block each other along a direction, so that they can only move together.
 
 

@@ -28,8 +28,6 @@ from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
 from kilter.contact.common.polygons import cut_convex
 
-__all__ = ["Sweeps"]
-
 SLACKS = 4.0
 """Overlap on a path that counts as no collision [slacks of both parts]; larger: fewer collisions.
 """

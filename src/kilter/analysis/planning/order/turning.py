@@ -41,18 +41,6 @@ from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
-__all__ = [
-    "OPPOSITE",
-    "Searched",
-    "TurningSearch",
-    "common_down",
-    "find_fewest_held_steps",
-    "find_order",
-    "find_with_turns",
-    "held_steps_of",
-]
-
-
 # Search for the order of assembly with the fewest parts held at once, or the fewest held steps.
 
 

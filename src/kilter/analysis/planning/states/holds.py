@@ -15,9 +15,6 @@ import numpy as np
 from kilter.analysis.smallest_set import least_hitting_set, reduced_by_halves
 from kilter.arrays import Index, Mask
 
-__all__ = ["Cut", "Holds", "bits_of", "find_fewest_holds", "mask_of", "members"]
-
-
 # Sets of parts as integers, with bit k for part k, for fast comparison of many sets.
 
 

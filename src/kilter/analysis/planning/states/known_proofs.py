@@ -40,20 +40,6 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import CONTACT
 from kilter.work import Work
 
-__all__ = [
-    "KnownForces",
-    "KnownMotion",
-    "PyramidProgram",
-    "State",
-    "StatePrograms",
-    "build_state_programs",
-    "forces_for_others",
-    "motions_for_others",
-    "parts_of",
-    "rows_of_state",
-]
-
-
 # Programs of the states of a half-built assembly, taken from the program of all parts.
 
 

@@ -69,8 +69,6 @@ from kilter.threads import on_one_thread
 from kilter.validate import finite, number
 from kilter.work import Work, units_of
 
-__all__ = ["States", "states"]
-
 SMALL, NEAR = 20, 4
 """Numbers of free parts, and of parts that differ from the last state, up to which a state is
 solved by the linear program before the exact cones."""
