@@ -334,3 +334,23 @@ def test_only_the_decision_reads_doubts():
     # Doubts offers its own columns under the name of the mark
     readers["kilter.analysis.planning.states.states"] -= {"degenerate"}
     assert {module: found for module, found in readers.items() if found} == {}
+
+
+LONGEST, MOST_ARGUMENTS = 60, 10
+"""Lines of a function without its docstring, and arguments of a function that is written by hand."""
+
+
+@pytest.mark.slow
+def test_no_function_is_long_or_has_many_arguments():
+    """But for `Part`, whose keywords are the keys of a part in a file."""
+    found = set()
+    for module in FILES:
+        for node in ast.walk(tree_of(module)):
+            if isinstance(node, ast.FunctionDef):
+                text = node.body[0].end_lineno - node.body[0].lineno + 1
+                lines = node.end_lineno - node.lineno + 1
+                lines -= text if ast.get_docstring(node) else 0
+                given = len(node.args.posonlyargs + node.args.args + node.args.kwonlyargs)
+                if lines > LONGEST or given > MOST_ARGUMENTS + 1:
+                    found.add(f"{module}.{node.name}")
+    assert found == {"kilter.assembly.part.__init__"}

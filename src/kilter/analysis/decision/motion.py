@@ -72,19 +72,6 @@ UNKNOWN_MOTION = {True: "moves in an unknown way", False: "is not known to move"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PartMotion:
-    """Accelerations with which a part starts to move from rest; arrays are read-only."""
-
-    acceleration: Array
-    """Linear [m/s^2] and angular [rad/s^2] acceleration, world frame, shape (6,)."""
-    relative: Array
-    """Sizes of the linear, and of radius x angular, acceleration over that of gravity [-], shape
-    (2,)."""
-    moves: bool
-    """Whether the part starts to move."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class ImpendingMotion:
     """Accelerations with which all parts start to move from rest.
 
