@@ -337,7 +337,7 @@ def test_only_the_decision_reads_doubts():
 
 
 LONGEST, MOST_ARGUMENTS = 60, 10
-"""Lines of a function without its docstring, and arguments of a function that is written by hand."""
+"""Lines of a function without its docstring, and arguments of a function."""
 
 
 @pytest.mark.slow
