@@ -260,7 +260,7 @@ def test_friction_is_the_contacts_own_else_the_pairs_else_the_assemblys():
     smooth = dataclasses.replace(slope, friction=0.0)
     assert judged(smooth).verdict == "unstable"
     assert judged(dataclasses.replace(smooth, friction_pairs=[rough])).verdict == "stable"
-    points = judged(slope).contacts.points
+    points = judged(slope).contact_set.points
     normal = judged(slope).contact_set.patch_normal[0]
     parts = [slope.names[k] for k in judged(slope).contact_set.patch_parts[0]]
     for mu, answer in ((0.0, "unstable"), (0.36, "unstable"), (0.37, "stable")):

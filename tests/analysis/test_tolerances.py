@@ -87,11 +87,6 @@ def test_nothing_is_told_finer_than_it_is_judged():
     )
 
 
-@pytest.mark.parametrize("module", [mechanics_tolerances, told])
-def test_every_tolerance_is_listed(module):
-    assert {name for name in vars(module) if name.isupper()} == set(module.__all__)
-
-
 ORDERED = [
     # rounding of a hull, optimal displacements, same optimum, beyond a facet, on the boundary
     ("HULL_ROUNDING", "OPTIMAL_FACE", "OPTIMAL", "OUTSIDE_HULL"),

@@ -229,8 +229,3 @@ def test_a_witness_has_a_thousand_times_the_power_that_counts_as_none():
 
 def test_a_seat_is_a_proof_of_equilibrium():
     assert t.BALANCED <= judged.TOLERANCE
-
-
-def test_every_tolerance_is_listed_and_says_what_it_is():
-    names = {name for name in vars(t) if name.isupper()}
-    assert names == set(t.__all__)
