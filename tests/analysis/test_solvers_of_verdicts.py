@@ -17,8 +17,7 @@ from kilter.analysis import load_limit
 from kilter.analysis.analysis_tolerances import LIMIT_AGREES
 from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import SIMPLEX_ROWS, SOLVERS, judge
-from kilter.analysis.limit_sides import LimitSides
-from kilter.analysis.load_limit import find_limit, gravity_wrench
+from kilter.analysis.load_limit import LimitSides, find_limit, gravity_wrench
 from kilter.contact import detect
 from kilter.mechanics.balance_in_cones import load_share
 from kilter.mechanics.forms import equilibrium, load_factor, scaled_problem

@@ -21,7 +21,7 @@ from kilter.contact import detect
 from kilter.contact.curved.contact_points import AROUND
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import floor, turn
-from kilter.scenes.rounds import four_spheres, three_cylinders
+from kilter.scenes.traps import four_spheres, three_cylinders
 from sampled import sampled
 
 FLOOR = floor([-5, -5], [5, 5])

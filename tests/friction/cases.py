@@ -7,7 +7,8 @@ import numpy as np
 from kilter.assembly import Assembly, GivenContact, Part
 from kilter.contact import detect
 from kilter.mechanics.program import build_program
-from kilter.scenes import rounds, stacks
+from kilter.scenes import stacks
+from kilter.scenes import traps as rounds
 from kilter.scenes.pieces import block
 from kilter.shape.primitives import Box
 

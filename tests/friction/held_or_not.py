@@ -4,7 +4,8 @@ import numpy as np
 
 from kilter.assembly import GivenContact
 from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
-from kilter.scenes import friction, rounds, stacks
+from kilter.scenes import friction, stacks
+from kilter.scenes import traps as rounds
 from kilter.solvers.clarabel import solve_conic
 
 

@@ -16,11 +16,14 @@ from kilter.friction.contraction import contract, power_bound, shrunk
 from kilter.friction.enclosure import cases, rescaled
 from kilter.friction.exclusion import prove_no_motion, start_proof
 from kilter.friction.exclusion_cases import breach
+from kilter.friction.force_bound import force_bound
 from kilter.friction.friction_tolerances import NO_POWER
-from kilter.friction.moment_bound import MomentStep, moment_program, moment_proof, power_left
+from kilter.friction.moment_bound import MomentStep, power_left
 from kilter.friction.moment_forms import moment_forms
 from kilter.friction.moment_products import law_products, monomials
-from kilter.friction.reduced_law import force_bound, opening_motion, reduced_law
+from kilter.friction.moments import moment_program, moment_proof
+from kilter.friction.opening_motion import opening_motion
+from kilter.friction.reduced_law import reduced_law
 from kilter.mechanics.rows import POSSIBLE
 from kilter.scenes import arches, friction, stacks
 from kilter.solvers.clarabel import solve_semidefinite

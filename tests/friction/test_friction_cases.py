@@ -19,7 +19,8 @@ from kilter.friction.motion_search import MOST_POINTS
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law
 from kilter.mechanics.program import build_program
-from kilter.scenes import arches, friction, rounds, stacks, walls
+from kilter.scenes import arches, friction, stacks, walls
+from kilter.scenes import traps as rounds
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor
 from sampled import sampled

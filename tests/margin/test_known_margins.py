@@ -13,15 +13,22 @@ import kilter
 from kilter import Assembly, Box, Load, Part, Pose, Prism
 from kilter.analysis import load_limit
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.limit_sides import LimitSides
-from kilter.analysis.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
+from kilter.analysis.load_limit import (
+    Limit,
+    LimitSides,
+    NoLimit,
+    find_limit,
+    gravity_wrench,
+    with_more,
+)
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.level_limits import find_push, find_weakest_push
 from kilter.analysis.margins.margin_steps import PUSHED
 from kilter.analysis.margins.tilt import find_nearest_held, find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.scenes import arches, friction, rounds, scene, stacks, walls
+from kilter.scenes import arches, friction, scene, stacks, walls
+from kilter.scenes import traps as rounds
 from kilter.scenes.pieces import block
 from kilter.tell.facts import facts
 from sampled import sampled

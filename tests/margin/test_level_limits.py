@@ -18,8 +18,7 @@ from kilter import Assembly, GivenContact, contacts
 from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.limit_sides import limit_sides
-from kilter.analysis.load_limit import Limit, find_limit, gravity_wrench, with_more
+from kilter.analysis.load_limit import Limit, find_limit, gravity_wrench, limit_sides, with_more
 from kilter.analysis.margins.least_friction import find_least_friction, held_by_squeeze, squeeze
 from kilter.analysis.margins.level_limits import SHARE
 from kilter.analysis.margins.limit_level import DECISION, NEAR, LevelDecisions, find_level_end

@@ -27,7 +27,8 @@ from kilter.arrays import cross
 from kilter.assembly.bricks.brick_assembly import bricks_of
 from kilter.mechanics.program import build_program
 from kilter.mechanics.rows import CONTACT
-from kilter.scenes import arches, rounds, stacks, walls
+from kilter.scenes import arches, stacks, walls
+from kilter.scenes import traps as rounds
 from kilter.scenes.pieces import block, floor
 from kilter.tell.facts import facts
 from kilter.tell.tables import load_table

@@ -14,7 +14,8 @@ from kilter.contact import detect
 from kilter.errors import InputError
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
-from kilter.scenes import rails, rounds, stacks
+from kilter.scenes import rails, stacks
+from kilter.scenes import traps as rounds
 from kilter.scenes.pieces import block
 from kilter.shape.primitives import Box
 

@@ -19,7 +19,6 @@ from kilter.scenes import (
     example,
     friction,
     paper,
-    rounds,
     scene,
     stacks,
     traps,
@@ -27,10 +26,11 @@ from kilter.scenes import (
     wedges,
 )
 from kilter.scenes import random_bricks as packings
+from kilter.scenes import traps as rounds
 from kilter.scenes.friction import bracket, ladder
 from kilter.scenes.paper import figure_2, figure_3
 from kilter.scenes.pieces import cells, compose, moved, turn
-from kilter.scenes.rounds import three_cylinders
+from kilter.scenes.traps import three_cylinders
 from kilter.shape.primitives import Box, Mesh
 
 

@@ -21,9 +21,9 @@ from kilter.show.page import render
 from kilter.show.round_patches import _rings, round_patches
 from kilter.show.shapes import feature_edges, place_shapes, shape_mesh
 from kilter.show.sphere import draw_region
+from kilter.tell.csv_cells import REST_SIGNS, rest_table
 from kilter.tell.palette import GROUND, PALETTE, RAMP, ROLES, as_css, rgb
 from kilter.tell.region_facts import rest_words
-from kilter.tell.rest_table import REST_SIGNS, rest_table
 
 CUBE = surface(Box([1, 1, 1]))
 

@@ -36,8 +36,9 @@ from kilter.friction.exclusion_bounds import (
 )
 from kilter.friction.exclusion_cases import CasesLeft, divide_cases
 from kilter.friction.friction_tolerances import LARGEST_FORCE
-from kilter.friction.moment_bound import FORMS_OF_POINT, MOST_FORMS, moment_proof
-from kilter.friction.reduced_law import ReducedLaw, opening_motion, reduced_law, refusal
+from kilter.friction.moments import FORMS_OF_POINT, MOST_FORMS, moment_proof
+from kilter.friction.opening_motion import opening_motion
+from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
 from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT

@@ -15,9 +15,10 @@ from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from kilter.arrays import Array, Index
 from kilter.friction.enclosure import Enclosure, first_enclosure
+from kilter.friction.force_bound import force_bound
 from kilter.friction.friction_tolerances import COARSEST_NO_POWER, LARGEST_FORCE, NO_POWER
 from kilter.friction.moment_bound import MomentStep
-from kilter.friction.reduced_law import ReducedLaw, force_bound
+from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import MalformedProof

@@ -49,7 +49,7 @@ from kilter.mechanics.proof_form import (
     nullable,
     one_of,
 )
-from kilter.solvers.clarabel import Multipliers
+from kilter.solvers.semidefinite import Multipliers
 from kilter.threads import on_one_thread
 
 if TYPE_CHECKING:

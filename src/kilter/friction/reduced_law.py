@@ -33,11 +33,10 @@ from scipy.sparse import csr_array, diags_array, eye_array
 from kilter.arrays import TINY, Array, Index
 from kilter.friction.friction_tolerances import FLAT, JOINT_RANK, ZERO_ENTRY
 from kilter.friction.law import CoulombLaw, coulomb_law
-from kilter.mechanics.opening import opening_program
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, POSSIBLE, STICKING
-from kilter.solvers.clarabel import solve_conic
-from kilter.work import Work
+
+__all__ = ["ReducedLaw", "reduced_law", "refusal"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -239,48 +238,3 @@ def _patch_twists(tangent: csr_array, lever: Array, patch: Index) -> tuple[csr_a
             lines = csr_array(np.where(np.abs(twist) < ZERO_ENTRY, 0.0, twist))
         twists.append(lines)
     return tuple(twists)
-
-
-# A bound of all contact forces from a motion that opens every contact faster than it slides.
-
-
-ROUNDING = 1e-12
-"""Relative increase of the bound that covers the rounding of its sums."""
-
-
-def force_bound(law: ReducedLaw, motion: Array) -> float:
-    """Upper bound of the sum of normal forces [-], from a motion that opens every contact."""
-    if not len(law.group):
-        return 0.0
-    if motion.shape != law.load.shape or not np.isfinite(motion).all():
-        return np.inf
-    slip = np.linalg.norm((law.tangent @ motion).reshape(-1, law.directions), axis=1)
-    friction_loss = np.append(law.mu * slip, 0.0)  # the last entry is for points without friction
-    opening = law.normal @ motion - friction_loss[law.group]
-    least_opening = float(opening.min()) - ROUNDING * float(np.linalg.norm(motion))
-    if not least_opening > 0:
-        return np.inf
-    return float(np.linalg.norm(motion) - law.load @ motion) / 2 / least_opening * (1 + ROUNDING)
-
-
-# The motion that opens all contacts and gives the smallest bound of the contact forces.
-
-
-def opening_motion(law: ReducedLaw, *, work: Work) -> Array | None:
-    """Motion that opens all contacts, with the least bound of forces, (n,); None if none does."""
-    rough = np.flatnonzero(law.group >= 0)
-    rough_group, directions = law.group[rough], law.directions
-    program = opening_program(
-        csr_array((0, len(law.load))),  # joints are eliminated
-        law.normal[np.flatnonzero(law.group < 0)],
-        [
-            law.normal[rough],
-            *[law.tangent[rough_group * directions + k] for k in range(directions)],
-        ],
-        law.mu[rough_group],
-        load=law.load,
-    )
-    answer = solve_conic(program, work=work)
-    if not len(law.group) or not answer.found:
-        return None
-    return answer.x[1:]

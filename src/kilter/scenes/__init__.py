@@ -33,7 +33,6 @@ ROOMS = (
     "wedges",
     "random_bricks",
     "friction",
-    "rounds",
     "traps",
     "rails",
 )

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 from kilter.show.packing import readable
 from kilter.show.scene import coincide
+from kilter.tell.csv_cells import rest_table
 from kilter.tell.facts import facts
 from kilter.tell.numbers import Name, number, vector
 from kilter.tell.region_facts import region_words
-from kilter.tell.rest_table import rest_table
 from kilter.tell.tables import (
     Table,
     forces_table,

@@ -13,9 +13,9 @@ import numpy as np
 from kilter.arrays import Array, Mask
 from kilter.show.canvas import INK, PAPER, legend, new_figure, title
 from kilter.show.painter import Camera
+from kilter.tell.csv_cells import REST_SIGNS
 from kilter.tell.numbers import angle as angle_words
 from kilter.tell.palette import ROLES
-from kilter.tell.rest_table import REST_SIGNS
 from kilter.tell.tables import region_sentence
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import clarabel
@@ -35,6 +35,7 @@ from kilter.arrays import TINY, Array, Index
 from kilter.errors import SolverError
 from kilter.pipes import can_start, end_process, end_with_parent, receive, send, start_process
 from kilter.solvers.problem import ConicProgram, Outcome, Solution
+from kilter.solvers.semidefinite import Multipliers, SemidefiniteProgram
 from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
 from kilter.work import Work, seconds_left
 
@@ -137,41 +138,6 @@ def serve() -> None:
 
 
 # Data of small, degenerate semidefinite programs.
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SemidefiniteProgram:
-    """Semidefinite program: max gain.x with x[0] = 1, linear rows, cones and positive matrices."""
-
-    gain: Array
-    """Shape (n,)."""
-    equal: csr_array
-    positive: csr_array
-    cones: csr_array
-    """Rows of equations, of nonnegative numbers, and of consecutive second-order cones, shape
-    (., n)."""
-    dimension: int
-    """Dimension of every second-order cone."""
-    squares: tuple[csr_array, ...]
-    """Upper triangles of matrices, column by column, shape (k (k + 1); off-diagonal entries
-    times sqrt(2)."""
-
-    @property
-    def entries(self) -> int:
-        """Number of nonzero entries in all matrices of the program."""
-        rows = (self.equal, self.positive, self.cones, *self.squares)
-        return sum(int(matrix.nnz) for matrix in rows)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Multipliers:
-    """Multipliers of the rows and matrices of a semidefinite program, and its point x."""
-
-    equal: Array
-    positive: Array
-    cones: Array
-    squares: tuple[Array, ...]
-    point: Array = field(default_factory=lambda: np.empty(0))
 
 
 STEPS = 100

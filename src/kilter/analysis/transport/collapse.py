@@ -32,8 +32,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
-from kilter.analysis.limit_sides import beyond_at, motion_share
-from kilter.analysis.load_limit import Limit, gravity_wrench, starting
+from kilter.analysis.load_limit import Limit, beyond_at, gravity_wrench, motion_share, starting
 from kilter.arrays import Array
 from kilter.mechanics.certificate import MotionProof, part_sizes
 from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem

@@ -39,7 +39,7 @@ from kilter.analysis.turning.virtual_work import unit_program
 from kilter.arrays import Array, Index
 from kilter.mechanics.forms import ScaledProblem, impending_motion, scaled_problem
 from kilter.mechanics.program import Program
-from kilter.solvers.clarabel import solve_quadratic
+from kilter.solvers import clarabel
 from kilter.solvers.problem import ConicProgram
 
 LIMIT = 500
@@ -170,9 +170,10 @@ class _Known:
 
 def _minimum(quadratic: ConicProgram) -> Array:
     """Minimum of a quadratic program, with a looser tolerance if the solver fails on rounding."""
-    answer = solve_quadratic(quadratic, tolerance=1e-10, polish=False)
+    answer = clarabel.solve_quadratic(quadratic, tolerance=1e-10, polish=False)
     if answer.residual > KAPPA_RESIDUAL:
-        answer = min([answer, solve_quadratic(quadratic)], key=lambda solution: solution.residual)
+        again = clarabel.solve_quadratic(quadratic)
+        answer = min([answer, again], key=lambda solution: solution.residual)
     return answer.x if answer.found else answer.required("the least instability").x
 
 

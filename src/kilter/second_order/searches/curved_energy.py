@@ -24,8 +24,9 @@ from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.minimum_proof import Faces, LockedTurns, judge_locked, shifts
 from kilter.second_order.searches.counted_program import optimum
 from kilter.second_order.searches.critical import Critical
-from kilter.solvers.clarabel import SemidefiniteProgram, solve_semidefinite
+from kilter.solvers.clarabel import solve_semidefinite
 from kilter.solvers.problem import LinearProgram
+from kilter.solvers.semidefinite import SemidefiniteProgram
 from kilter.work import Work
 
 MOST_FORCE = 1e4
