@@ -143,7 +143,7 @@ def test_thicker_shaft_is_an_interference_fit(turned):
     assert fit.interference == pytest.approx(0.02, rel=1e-9)
     assert fit.length == pytest.approx(2.0, rel=1e-9)
     found = detect.contacts(assembly)
-    named = [overlap for overlap in found.overlaps if set(overlap.parts) == {1, 2}]
+    named = [overlap for overlap in found.overlaps if set(overlap.ends) == {1, 2}]
     assert [overlap.why for overlap in named] == ["interfere"]
     assert any("interfere" in text for text in found.warnings)
     suggestion = suggest_joints(assembly, found)[0]
