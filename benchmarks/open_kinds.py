@@ -106,7 +106,7 @@ def kinds_of(findings: PairFindings) -> dict[tuple[int, int], set[Kind]]:
     for contact in findings.sharp.unsupported:
         if contact.kind != "curved":
             continue
-        a, b = contact.parts
+        a, b = contact.ends
         slack = float(geometry.slack[[a, b]].max())
         reach = 2 * slack + 2e-3 * float(geometry.size[[a, b]].min())
         point = np.array(contact.point)
@@ -121,7 +121,7 @@ def add(counts: dict[Kind, Count], file: str, assembly: Assembly) -> str:
     tolerance = Tolerance()
     search = begin_search(assembly, tolerance, lambda stage: None)
     findings = examine(assembly, search, tolerance)
-    open_for = {frozenset(p.parts): p.kind for p in kilter.contacts(assembly).open_pairs}
+    open_for = {frozenset(p.ends): p.kind for p in kilter.contacts(assembly).open_pairs}
     kinds = kinds_of(findings)
     for pair, of_pair in kinds.items():
         alone = open_for.get(frozenset(pair)) == "free-form"
