@@ -4,8 +4,9 @@
     python benchmarks/open_kinds.py --seeds 300      300 assemblies of `cad_assemblies`
     python benchmarks/open_kinds.py FOLDER --seeds 300 --first 1000
 
-For each pair of parts with such a contact, the command finds the faces at the points of contact. A
-point on several faces of a part lies on their common edge or corner. A row of the table is a kind:
+For each pair of parts with such a contact, the command finds the faces at the point that the answer
+states; further points of the pair are not examined. A point on several faces of a part lies on
+their common edge or corner. A row of the table is a kind:
 the features of both parts, and the reason why the pair is open. A pair that overlaps, or has
 clearance, is open whatever its curved faces are; these pairs are counted apart. The columns are the
 pairs of the kind that are open only for this reason, the other pairs, and the files.
