@@ -140,7 +140,7 @@ def measured(path: Path, *, profile: bool) -> dict[str, Any]:
     """CPU seconds of each stage of an answer about a file, and the answer."""
     import kilter
     from kilter.cli import main as run_kilter
-    from kilter.files.cad import step_document as step_bodies
+    from kilter.files.cad.step_document import step_bodies
 
     seconds: dict[str, float] = {}
 
@@ -152,7 +152,7 @@ def measured(path: Path, *, profile: bool) -> dict[str, Any]:
 
     import OCP.STEPCAFControl  # noqa: F401  the time to load it does not count
 
-    timed("reading", lambda: step_bodies.step_bodies(path, (), lambda stage, solid: None))
+    timed("reading", lambda: step_bodies(path, (), lambda stage, solid: None))
     started = time.process_time()
     assembly = kilter.load(path, ground="base")
     load = time.process_time() - started

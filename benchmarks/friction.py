@@ -111,7 +111,7 @@ def proofs() -> None:
     print(f"{'case':<30} {'seconds':>8} {'verdict':<19} guarantee  programs")
     for name, assembly in cases.items():
         seconds, verdict = timed(lambda a=assembly: check(a, effort=3))
-        exclusion = verdict.friction.exclusion if verdict.friction else None
+        exclusion = verdict.friction_answer.exclusion if verdict.friction_answer else None
         count = exclusion.programs if exclusion else 0
         print(
             f"{name:<30} {seconds:>8.2f} {verdict.verdict:<19} {verdict.guarantee:<10} {count}",

@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter import check
+from kilter import Verdict, check
 from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.motion_search import find_coulomb_motion
 
@@ -35,7 +35,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 from random_friction import random_assembly
 
 
-def contradictions(verdict: object, effort: float) -> list[str]:
+def contradictions(verdict: Verdict, effort: float) -> list[str]:
     """Contradictions of a verdict that depends on friction."""
     wrong = []
     if verdict.verdict == "stable" and find_coulomb_motion(verdict.program, work=effort, seed=1):
@@ -43,7 +43,7 @@ def contradictions(verdict: object, effort: float) -> list[str]:
     if verdict.guarantee == "refuted":
         if verdict.level != "equilibrium":
             wrong.append("refuted, and a level above equilibrium")
-        if not verdict.friction.witness.law.holds:
+        if not verdict.friction_answer.witness.law.holds:
             wrong.append("a witness that breaks the law")
         if prove_no_motion(verdict.program, work=effort / 2).proved:
             wrong.append("a witness, and a proof")

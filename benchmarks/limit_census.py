@@ -65,9 +65,9 @@ def answered(family: str, seed: int, directions: int) -> Any:
     part = int(random.choice(np.flatnonzero(program.free)))
     names = [program.names[part]]
     margin = kilter.margin(assembly, contacts=contacts, push=along, pushed=names, effort=0)
-    greatest, push = (margin.load_factor or (np.nan, np.nan))[1], find_push(program, part, aside)
+    greatest, push = (margin.load_limits or (None, None))[1], find_push(program, part, aside)
     found = {
-        "load factor": (greatest, gravity_wrench(program, along)),
+        "load factor": (getattr(greatest, "value", np.nan), gravity_wrench(program, along)),
         "push": (getattr(getattr(push, "limit", None), "value", np.nan), pushed(aside)),
     }
     for what, (value, wrenches) in found.items():

@@ -4,8 +4,9 @@
     python benchmarks/open_kinds.py --seeds 300      300 assemblies of `cad_assemblies`
     python benchmarks/open_kinds.py FOLDER --seeds 300 --first 1000
 
-For each pair of parts with such a contact, the command finds the faces at the points of contact. A
-point on several faces of a part lies on their common edge or corner. A row of the table is a kind:
+For each pair of parts with such a contact, the command finds the faces at the point that the answer
+states; further points of the pair are not examined. A point on several faces of a part lies on
+their common edge or corner. A row of the table is a kind:
 the features of both parts, and the reason why the pair is open. A pair that overlaps, or has
 clearance, is open whatever its curved faces are; these pairs are counted apart. The columns are the
 pairs of the kind that are open only for this reason, the other pairs, and the files.
@@ -106,7 +107,7 @@ def kinds_of(findings: PairFindings) -> dict[tuple[int, int], set[Kind]]:
     for contact in findings.sharp.unsupported:
         if contact.kind != "curved":
             continue
-        a, b = contact.parts
+        a, b = contact.ends
         slack = float(geometry.slack[[a, b]].max())
         reach = 2 * slack + 2e-3 * float(geometry.size[[a, b]].min())
         point = np.array(contact.point)
@@ -121,7 +122,7 @@ def add(counts: dict[Kind, Count], file: str, assembly: Assembly) -> str:
     tolerance = Tolerance()
     search = begin_search(assembly, tolerance, lambda stage: None)
     findings = examine(assembly, search, tolerance)
-    open_for = {frozenset(p.parts): p.kind for p in kilter.contacts(assembly).open_pairs}
+    open_for = {frozenset(p.ends): p.kind for p in kilter.contacts(assembly).open_pairs}
     kinds = kinds_of(findings)
     for pair, of_pair in kinds.items():
         alone = open_for.get(frozenset(pair)) == "free-form"

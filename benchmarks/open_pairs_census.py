@@ -71,8 +71,7 @@ def ways(count: int) -> Iterator[tuple[int, ...]]:
 
 def joined(assembly: Assembly, pairs: Sequence[OpenPair]) -> Assembly:
     """The assembly with fixed joints between the parts of the given pairs."""
-    names = assembly.names
-    return assembly.with_joints([Joint((names[p.parts[0]], names[p.parts[1]])) for p in pairs])
+    return assembly.with_joints([Joint(pair.parts) for pair in pairs])
 
 
 def program_of(scene: Scene, verdict: Verdict, way: tuple[int, ...]) -> Program:
@@ -87,7 +86,7 @@ def program_of(scene: Scene, verdict: Verdict, way: tuple[int, ...]) -> Program:
 def contradictions(scene: Scene, verdict: Verdict, effort: float) -> list[str]:
     """Contact sets that contradict a verdict."""
     wrong = []
-    word = verdict.verdict
+    word, rubs = verdict.verdict, verdict.friction_answer is not None
     for way in dict.fromkeys(ways(len(verdict.contact_set.open_pairs))):
         program = program_of(scene, verdict, way)
         holds = judge(program).stable
@@ -96,9 +95,9 @@ def contradictions(scene: Scene, verdict: Verdict, effort: float) -> list[str]:
         if word in ("stable", "settles", "potentially-stable") and holds is False:
             wrong.append(f"{word}, but no forces with {way}")
         smooth = judge(program.frictionless).stable
-        if word == "stable" and verdict.friction is None and smooth is False:
+        if word == "stable" and not rubs and smooth is False:
             wrong.append(f"stable, but without friction unstable with {way}")
-        if word == "stable" and verdict.friction is not None and JOINED not in way and not smooth:
+        if word == "stable" and rubs and JOINED not in way and not smooth:
             answer = ask_friction(program, work=effort)
             if answer.guarantee == "refuted":
                 wrong.append(f"proved, but a motion obeys the law with {way}")

@@ -320,7 +320,7 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
             if outer - inner > 2 * gap + 1e-6:
                 wrong.append(f"facets {np.degrees(outer - inner)} deg apart, gap {region.gap_deg}")
     if margin.friction is not None and margin.friction > 0:
-        wrong += friction_wrong(program, margin.friction)
+        wrong += friction_wrong(program, margin.friction_limit)
     if turned.verdict == "found" and turned.tilt_margin_deg is not None:
         half = region.half_angle_deg
         if half is not None and 0 < half < 90 and region.dimension == 3:

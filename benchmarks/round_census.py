@@ -137,7 +137,7 @@ def _fused(body: object, other: object) -> object:
 def _step(made: object) -> Shape:
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
 
-    from kilter.files.cad.step_document import quiet
+    from kilter.files.cad.step_surfaces import quiet
 
     with tempfile.TemporaryDirectory() as folder, quiet():
         path = Path(folder) / "body.step"

@@ -88,8 +88,8 @@ def main() -> None:
     """Print the duration that each installed planner finds."""
     path: CarrierPath = path_from_poses(SAMPLES, curve())
     answer = kilter.transport(tray(), path=path)
-    assert answer.path is not None
-    print(f"at constant speed s': {1 / answer.path.factor:.3f} s, without starting and stopping")
+    assert answer.speed is not None
+    print(f"at constant speed s': {1 / answer.speed.factor:.3f} s, without starting and stopping")
     for side, inner in (("carried by proof", True), ("bound of any motion", False)):
         rows, bounds = answer.rows(inner=inner)
         for package, plan in (("toppra", with_toppra), ("pydrake", with_drake)):
