@@ -447,10 +447,7 @@ def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does():
     # mainbodyback has a solid cylinder of radius 73, mainbodyfront holes of 67 and 72 on its axis
     assembly = load(SPACESHIP)
     contacts = detect.contacts(assembly)
-    found = {
-        tuple(sorted(assembly.names[k] for k in overlap.parts)): overlap
-        for overlap in contacts.overlaps
-    }
+    found = {tuple(sorted(overlap.parts)): overlap for overlap in contacts.overlaps}
     assert set(found) == set(OVERLAPS)
     for parts, volume in OVERLAPS.items():
         assert found[parts].volume == pytest.approx(volume, rel=0.02)
