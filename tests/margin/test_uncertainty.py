@@ -339,7 +339,7 @@ def test_a_beam_on_an_edge_takes_what_it_weighs_on_the_other_side():
     block = cube("block", x=0.5, z=1.0, mass=1.0)
     found = loads_of(Assembly([table, beam, block]))
     assert found["beam"].load == np.inf
-    assert found["beam"].to_dict(margin(Assembly([table, beam])).program)["load"] is None
+    assert found["beam"].to_dict()["load"] is None
     # about the edge at 0: W 0.5 = (F + m g) 0.5
     limit = 3 * WEIGHT - G
     assert found["block"].load == pytest.approx(limit, rel=1e-6)

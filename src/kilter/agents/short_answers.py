@@ -25,7 +25,7 @@ WORDS = 300
 
 KEYS: dict[str, tuple[str, ...]] = {
     "check": (
-        "sentence", "verdict", "level", "holds", "summary", "moving", "remedies", "open_pairs",
+        "sentence", "verdict", "level", "stable", "summary", "moving", "remedies", "open_pairs",
         "if_joined", "nearest", "units", "warnings",
     ),
     "contacts": ("patches", "overlaps", "open_pairs", "nearest", "rejected", "units", "warnings"),
