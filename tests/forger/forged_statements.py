@@ -127,7 +127,7 @@ def _settles(rng: Random) -> Iterator[Forgery]:
     for name in rng.permutation(NOT_SETTLED)[:2].tolist():
         assembly, text = _checked(name)
         proof = json.loads(text)
-        if proof["verdict"] != "potentially-stable":
+        if proof["verdict"] != "potentially-stable" or "friction" not in proof:
             continue
         proof["verdict"] = "settles"
         proof["friction"].update(guarantee="open", witness=None, exclusion=None)
@@ -167,7 +167,7 @@ def _exclusion(rng: Random) -> Iterator[Forgery]:
         for name in rng.permutation(NOT_SETTLED)[:2].tolist():
             assembly, other = _checked(name)
             proof = json.loads(other)
-            if proof["verdict"] != "potentially-stable":
+            if proof["verdict"] != "potentially-stable" or "friction" not in proof:
                 continue
             proof["verdict"] = "stable"
             exclusion = json.loads(text)["friction"]["exclusion"]
