@@ -11,10 +11,12 @@ from shapely import Geometry
 
 import kilter
 from kilter.analysis.placing.polygon_sets import rings_of
+from kilter.assembly.bricks.brick_assembly import assembly_of_bricks
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import schema, to_text
 from kilter.files.packing.packing_lists import PackedBox, PackingPlan
+from kilter.scenes.random_bricks import random_bricks
 from kilter.tell.record import SCHEMA_VERSION, Answer, Record, json_value
 from published import WRITERS, validator
 
@@ -68,8 +70,10 @@ def _wrong(data: dict[str, Any]) -> list[dict[str, Any]]:
     return [data | {"unlisted": None}, *others, *lacking[2:]]  # the first two keys are optional
 
 
-def test_each_key_of_an_answer_is_an_attribute_with_its_value(answers):
+def test_each_key_of_an_answer_is_an_attribute_with_its_value(answers, tmp_path):
     assembly = kilter.example("tower")
+    (tmp_path / "in").mkdir()
+    kilter.dump(assembly, tmp_path / "in" / "tower.kilter.json")
     box = kilter.box_to_place([0.5, 0.5, 0.5], 1.0)
     upper = PackedBox("b", (1, 1, 1), 1, (0.6, 0, 1), 2, max_load=1.0)
     more = [
@@ -78,6 +82,9 @@ def test_each_key_of_an_answer_is_an_attribute_with_its_value(answers):
         kilter.place(assembly, box),
         kilter.place(assembly, box, at=[0, 0]),
         kilter.check_plan(PackingPlan((PackedBox("a", (1, 1, 1), 1, (0, 0, 0), 1), upper), "m")),
+        kilter.verify(assembly, kilter.check(assembly).proof()),
+        kilter.improve(assembly_of_bricks(random_bricks(5, seed=3))),
+        kilter.batch(tmp_path / "in", tmp_path / "out"),
     ]
     for answer in (*answers.values(), *more):
         require_attributes(answer, answer.to_dict())
