@@ -223,8 +223,7 @@ def test_the_box_to_place_follows_the_pointer_and_shows_whether_it_stands(user):
         assert page.js("window.kilter.stage.places.part.visible")
     part = kilter.box_to_place([0.2, 0.2, 0.1], 4)
     verdicts = [
-        kilter.place(overhang(), part, at=[x, -0.1]).at.verdict.verdict
-        for x in (-0.3, 0.04, 0.16, 0.25)
+        kilter.place(overhang(), part, at=[x, -0.1]).at.verdict for x in (-0.3, 0.04, 0.16, 0.25)
     ]
     assert [state == "stands" for state in seen] == [word == "stable" for word in verdicts]
     assert seen == ["stands", "stands", "falls", "falls"]
