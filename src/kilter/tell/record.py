@@ -111,7 +111,7 @@ class Record(Guessable):
         dataclass(init=False, repr=False, eq=False, match_args=False, kw_only=kw_only)(cls)
 
     def __init__(self, *listed: Any, **given: Any) -> None:
-        own = fields(self)
+        own = _fields_of(type(self))
         if listed:
             names = [each.name for each in own if not each.kw_only]
             if len(listed) > len(names):
@@ -153,10 +153,18 @@ class Record(Guessable):
         data = {}
         kind: Any = type(self)
         for name, absent in keys_of(kind).items():
-            value = None if name in left_out else getattr(self, name)
-            if name not in left_out and not (absent and value is None):
+            if name in left_out:
+                continue
+            value = getattr(self, name)
+            if not (absent and value is None):
                 data[name] = json_value(value)
         return data
+
+
+@cache
+def _fields_of(kind: Any) -> tuple[Field[Any], ...]:
+    """Fields of a class of records, kept since a large answer has thousands of records."""
+    return fields(kind)
 
 
 class Answer(Record):
@@ -232,6 +240,10 @@ def keys_of(kind: Any) -> Mapping[str, bool]:
     }
 
 
+AS_THEY_ARE = frozenset({str, int, bool, type(None)})
+"""Types whose values are JSON data."""
+
+
 def json_value(value: Any) -> Any:
     """A value as JSON data; None for infinite numbers and NaN, and 0 for -0.
 
@@ -240,6 +252,13 @@ def json_value(value: Any) -> Any:
     >>> json_value({"a": (1, np.array([-0.0, np.nan]), np.float64(2.0))})
     {'a': [1, [0.0, None], 2.0]}
     """
+    kind = type(value)
+    if kind in AS_THEY_ARE:
+        return value
+    if kind is float:
+        return value + 0.0 if math.isfinite(value) else None
+    if kind is list or kind is tuple:
+        return [json_value(entry) for entry in value]
     if isinstance(value, Record):
         return value.to_dict()
     if isinstance(value, np.ndarray):
@@ -247,13 +266,11 @@ def json_value(value: Any) -> Any:
             return value.tolist()
         return (value + 0.0).tolist() if np.isfinite(value).all() else json_value(value.tolist())
     if isinstance(value, np.generic):
-        value = value.item()
+        return json_value(value.item())
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, Path):
         return str(value)
-    if isinstance(value, float):
-        return value + 0.0 if math.isfinite(value) else None
     if isinstance(value, Mapping):
         return {str(name): json_value(entry) for name, entry in value.items()}
     if isinstance(value, list | tuple):

@@ -217,6 +217,7 @@ def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSe
         "bond_utilisation": np.where(np.isfinite(drawn), drawn, np.nan),
     }
     points = program.point[rows]
+    entries = {name: _entries(values) for name, values in found.items()}
     joints = tuple(
         _joint_forces(used.forces, program, joint, number)
         for number, joint in enumerate(contacts.assembly.joints)
@@ -227,14 +228,15 @@ def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSe
         residual=used.residual,
         patches=tuple(
             PatchForces(
-                parts=(names[0], names[1]),
+                parts=(program.names[a], program.names[b]),
                 kind=str(contacts.patch_kind[patch[k]]),
                 points=points[members],
                 forces=force[members],
-                **{name: _entry(values[k]) for name, values in found.items()},
+                **{name: values[k] for name, values in entries.items()},
             )
-            for k, members in enumerate(_members(patch_of, count))
-            for names in [[program.names[i] for i in contacts.patch_parts[patch[k]]]]
+            for k, (members, (a, b)) in enumerate(
+                zip(_members(patch_of, count), contacts.patch_parts[patch].tolist(), strict=True)
+            )
         ),
         joints=joints or None,
         rows=rows,
@@ -255,11 +257,11 @@ def _members(patch_of: Index, count: int) -> list[Index]:
     return np.split(np.argsort(patch_of, kind="stable"), ends[:-1]) if count else []
 
 
-def _entry(value: Any) -> Any:
-    """A number or a vector of a patch; None if it is NaN."""
-    if not np.isfinite(value).all():
-        return None
-    return value if np.ndim(value) else float(value)
+def _entries(values: Array) -> list[Any]:
+    """The number or the vector of each patch; None if it is NaN."""
+    known = np.isfinite(values if values.ndim == 1 else values.sum(axis=1))
+    entries = values.tolist() if values.ndim == 1 else list(values)
+    return [entry if is_known else None for entry, is_known in zip(entries, known, strict=True)]
 
 
 def _joint_forces(forces: Array, program: Program, joint: Joint, number: int) -> JointForces:

@@ -423,7 +423,7 @@ class Verdict(InCells, Answer):
         """Whether any contact of the certain ones has friction."""
         return bool(self.modelled.mu.any())
 
-    @property
+    @cached_property
     def measured(self) -> bool:
         """Whether z, kappa and displacements are reported: without friction, or on request."""
         rubs = self.friction_answer is not None or bool(len(self.program.gripping))
