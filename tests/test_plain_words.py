@@ -1,6 +1,7 @@
 """Plain technical English: rates of vague words in docstrings, documents, messages and the page."""
 
 import ast
+import inspect
 import re
 from collections.abc import Iterator
 from functools import cache
@@ -49,14 +50,14 @@ def tree_of(path: Path) -> ast.Module:
 
 
 def docstrings(folder: Path) -> Iterator[tuple[str, str]]:
-    """Place and text of each docstring below a folder."""
+    """Place and text of each docstring below a folder, those under fields and constants too."""
     for path in sorted(folder.rglob("*.py")):
         for node in ast.walk(tree_of(path)):
-            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-                text = ast.get_docstring(node)
-                if text:
-                    text = re.sub(r"(?m)^\s*(?:>>>|\.\.\.).*$", "", text)  # examples are code
-                    yield f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}", text
+            bare = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+            if bare and isinstance(node.value.value, str):
+                text = inspect.cleandoc(node.value.value)
+                text = re.sub(r"(?m)^\s*(?:>>>|\.\.\.).*$", "", text)  # examples are code
+                yield f"{path.relative_to(ROOT)}:{node.lineno}", text
 
 
 def messages() -> list[str]:

@@ -364,7 +364,7 @@ FEW_OR_ALL = pytest.mark.parametrize(
 
 
 def alone_runs(asked: Asked) -> dict[tuple[str, str], str]:
-    """What each asks for, one after the other, of assemblies that no other has."""
+    """Questions of each, one after the other, about assemblies that no other has."""
     return {one: answered(*one) for one in asked}
 
 

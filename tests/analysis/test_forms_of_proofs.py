@@ -120,7 +120,7 @@ Path = tuple[Any, ...]
 LEFT_OUT = object()
 OTHER = (LEFT_OUT, None, "x", [], {}, [[1]], ["x", 3], -1, 0, 10**400, 1e308, True)
 
-"""What is put in the place of whatever stands there."""
+"""Parts that are put in the place of others."""
 FEW, MANY = 25, 400
 """Exchanges that are tried of each file: always, and with the slow tests."""
 MAKERS: dict[str, Callable[[Any], Any]] = {

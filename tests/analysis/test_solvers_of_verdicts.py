@@ -30,7 +30,7 @@ from kilter.solvers.highs import Blocks, solve_blocks
 from kilter.solvers.lorentz import Scaling, depth, divided, product, reach
 
 BESIDE = (1e-2, 1e-4, 1e-5)
-"""Of a limit."""
+"""A limit and its proofs."""
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5])

@@ -155,7 +155,7 @@ def test_the_code_says_it_where_a_stream_is_closed(files, redirect):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full of Linux")
 @pytest.mark.slow
 def test_closed_streams_are_no_place_for_files(files):
-    """What is opened first gets the number of a closed stream, and what libraries print with it."""
+    """The first opened file gets the number of a closed stream, and the prints of libraries."""
     proof = files / "proof.json"
     assert ended(files, "check slope.kilter.json --proof proof.json", ">&- 2>&-")[0] == 1
     assert kilter.verify(files / "slope.kilter.json", proof).holds
@@ -387,7 +387,7 @@ def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def state() -> dict[str, object]:
-    """What belongs to the whole process."""
+    """Settings of the whole process."""
     signals = [one for one in signal.Signals if one not in (signal.SIGKILL, signal.SIGSTOP)]
     return {
         "warnings": (list(warnings.filters), warnings.showwarning),
@@ -419,7 +419,7 @@ def wakeup() -> int:
 
 
 def mask() -> int:
-    """What files that are made may not be."""
+    """Places and kinds that written files may not have."""
     now = os.umask(0o077)
     os.umask(now)
     return now

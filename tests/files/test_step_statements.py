@@ -1,4 +1,4 @@
-"""What a STEP file states: materials, layers, its accuracy; faces on the wrong side."""
+"""Statements of a STEP file: materials, layers, its accuracy; faces on the wrong side."""
 
 import pytest
 

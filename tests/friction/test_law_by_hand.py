@@ -148,7 +148,7 @@ def test_scaled_unknowns_go_there_and_back():
 
 @pytest.mark.parametrize("planar", [False, True])
 def test_the_scaled_law_is_the_law(planar):
-    """Of any accelerations and forces, whether they obey it or not: the same rest, the same speeds.
+    """Any accelerations and forces have the same rest and speeds, whether or not they obey the law.
 
     `check_law` is written apart; its rest is in the metric of the masses over |w|, as x is.
     """

@@ -1,4 +1,4 @@
-"""What settles and what is seated, on both sides of limits."""
+"""Assemblies that settle or are seated, on both sides of limits."""
 
 import dataclasses
 

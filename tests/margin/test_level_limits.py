@@ -51,7 +51,7 @@ def test_a_wall_over_an_opening_needs_a_fifth():
 
 
 def sides_wrong(program, found, least):
-    """What is wrong of a least friction of a closed form, and of verdicts on either side of it."""
+    """Faults of a least friction against its closed form, and of verdicts on either side of it."""
     wrong = [] if found.lower < least <= found.value * (1 + 1e-15) else ["the truth lies outside"]
     if found.value > least * (1 + 1e-7) + TOLERANCE / 10:
         wrong.append(f"{found.value / least - 1} too much")

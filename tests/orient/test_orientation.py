@@ -186,7 +186,7 @@ def test_a_cube_rests_in_a_corner_with_its_axis_along_gravity():
 
 @pytest.mark.slow
 def test_a_cube_that_floats_beside_it_falls_in_every_direction():
-    """Of 2 kg beside 2 kg in the corner: z = -2 |g| by the 1-norm, kappa^2 = 2 / 4."""
+    """A load of 2 kg beside 2 kg in the corner: z = -2 |g| by the 1-norm, kappa^2 = 2 / 4."""
     answer = found(CUBE, block("floater", [120, 120, 120], [220, 220, 220], density=2000.0))
     nearest = answer["nearest"]
     # per freedom at most 1 mm: the load of the floater is -z = 2 kg (|gx| + |gy| + |gz|)

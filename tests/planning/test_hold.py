@@ -416,7 +416,7 @@ def small_assemblies() -> list[Assembly]:
 
 
 def shown(found: States, holds: Holds[State]) -> None:
-    """That fewer are not enough: each motion judged anew, and no smaller set stops all."""
+    """Fewer are not enough: each motion is judged anew, and no smaller set stops all."""
     for cut in holds.cuts:
         assert cut.state.stable is False
         assert not (cut.state.moves & ~cut.parts).any()

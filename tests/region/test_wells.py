@@ -277,7 +277,7 @@ def test_what_is_round_rests_as_a_check_says(number, state):
 
 
 def test_a_ball_in_a_bowl_has_no_width_but_swings_as_a_pendulum_does():
-    """Of length R - r: the well is curved, and to first order any tilt is too much."""
+    """A pendulum of length R - r: the well is curved, and to first order any tilt is too much."""
     bowl = next(case for case in CASES if case.number == "03").build(0.0)
     (rest,) = kilter.region(bowl, rests=True).rests
     assert (rest.tilt_deg, rest.moving) == (0.0, ())

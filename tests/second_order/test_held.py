@@ -1,4 +1,4 @@
-"""What forces of equilibrium hold, and the contacts that carry."""
+"""Parts that forces of equilibrium hold, and the contacts that carry."""
 
 import copy
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What rolls, tips over an edge, or rides on what turns."""
+"""Parts that roll, tip over an edge, or ride on a turning part."""
 
 from dataclasses import replace
 

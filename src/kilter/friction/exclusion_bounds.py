@@ -34,7 +34,7 @@ class PowerStep:
     rows: Index
     """Rows with nonzero multipliers."""
     values: Array
-    """Those multipliers."""
+    """Multipliers of these rows."""
     tangent: Array | None
     """Motion at which the ball of motions gets a further tangent, shape (n,)."""
 

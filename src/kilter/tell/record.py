@@ -111,7 +111,8 @@ class Record(Guessable):
         dataclass(init=False, repr=False, eq=False, match_args=False, kw_only=kw_only)(cls)
 
     def __init__(self, *listed: Any, **given: Any) -> None:
-        own = _fields_of(type(self))
+        kind: Any = type(self)
+        own = _fields_of(kind)
         if listed:
             names = [each.name for each in own if not each.kw_only]
             if len(listed) > len(names):

@@ -131,7 +131,7 @@ class Margin(OfAssembly):
     helps: tuple[Help, ...]
     """Changes that raise the tilt margin, or else the greatest load factor, most."""
     warnings: tuple[str, ...]
-    """What to know about the answer."""
+    """Warnings about the assembly and its contacts."""
     seconds: Seconds
     """Duration of each stage [s]."""
 

@@ -141,7 +141,7 @@ class NearestHeld(Record):
     lower: float
     """A turn up to which a motion proves that no turn is held [rad]; 0 without such a motion."""
     down: Vector
-    """That direction, unit."""
+    """The held direction, unit."""
     motion: MotionProof | None
     """The motion that proves `lower`."""
 

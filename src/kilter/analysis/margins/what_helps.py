@@ -58,8 +58,8 @@ class Help(Record):
     by: float | None
     """Increase of mu, or of the mass as a share of it [-]; None: a part is held."""
     gain: OrNull
-    """Of a second margin, computed with this change: [deg] of tilt, which ends at a right angle, or
-    of the load factor [-], infinite if no factor is then too large."""
+    """Gain of a second margin, computed with this change: [deg] of tilt, which ends at a right
+    angle, or of the load factor [-], infinite if no factor is then too large."""
     sentence: str
     """The change in words."""
 

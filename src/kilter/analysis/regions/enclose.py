@@ -255,7 +255,7 @@ class Face:
     outer: float
     """Distance of the nearest plane outside."""
     normal: Array
-    """Of that plane, unit, shape (d,)."""
+    """Normal of the nearest plane outside, unit, shape (d,)."""
     answer: int
     """Which answer of the oracle brought it, from 0."""
     asked: int

@@ -135,7 +135,7 @@ class Region(InCells, RegionShape, AnswerInWords):
     programs: int
     """Number of programs solved."""
     warnings: tuple[str, ...]
-    """What to know about the answer."""
+    """Warnings about the assembly and its contacts."""
     seconds: Seconds
     """Duration of each stage [s]."""
     rests: tuple[PlaceOfRest, ...] = ()

@@ -173,8 +173,8 @@ class PlaceOfRest(Record):
     """Angle to the nearest direction that is not stable to first order [deg]; None if all are
     stable."""
     rate: float | None = None
-    """Of a minimum that curves, the least angular frequency of small oscillations that is proved;
-    if it is balanced, the rate of growth [1/s]."""
+    """The least angular frequency of small oscillations that is proved, at a minimum that curves;
+    the rate of growth, if it is balanced [1/s]."""
     moving: tuple[str, ...] = ()
     """Parts that fall, or move freely."""
     why: str | None = None

@@ -58,9 +58,9 @@ class Moved(Record):
     part: str
     """Name of the part."""
     distance: float
-    """Of its centre of mass [length unit]."""
+    """Way of its centre of mass [length unit]."""
     angle_deg: float
-    """Of its rotation [deg]."""
+    """Angle of its rotation [deg]."""
 
 
 class Settled(Answer):

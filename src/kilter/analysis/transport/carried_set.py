@@ -58,7 +58,7 @@ class LeastAcceleration:
     lower: float
     """Every horizontal acceleration below this is carried [g]."""
     direction: Array
-    """Of the least acceleration, unit, shape (3,); zero if the value is infinite."""
+    """Direction of the least acceleration, unit, shape (3,); zero if the value is infinite."""
     limit: Limit
     """The limit along this direction, with its forces and its mechanism."""
     programs: int

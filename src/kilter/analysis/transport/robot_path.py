@@ -51,12 +51,15 @@ class FlangeMotion:
     rotation: Array
     """From the frame of the link to the world, shape (n, 3, 3)."""
     position: Array
+    """Position of the origin of the link [m], shape (n, 3)."""
     velocity: Array
+    """Velocity of this origin [m/s], shape (n, 3)."""
     acceleration: Array
-    """Of the origin of the link [m], [m/s], [m/s^2], shape (n, 3)."""
+    """Acceleration of this origin [m/s^2], shape (n, 3)."""
     spin: Array
+    """Angular velocity [rad/s], shape (n, 3)."""
     turn: Array
-    """Angular velocity [rad/s] and angular acceleration [rad/s^2], shape (n, 3)."""
+    """Angular acceleration [rad/s^2], shape (n, 3)."""
 
 
 def flange_motion(

@@ -213,11 +213,11 @@ class CarriedCase(Record):
     name: str
     """Name of the direction or rule."""
     acceleration: Vector
-    """Of the reference point [m/s^2]."""
+    """Acceleration of the reference point [m/s^2]."""
     angular_velocity: Vector
-    """[rad/s]"""
+    """Angular velocity of the carrier [rad/s]."""
     angular_acceleration: Vector
-    """[rad/s^2]"""
+    """Angular acceleration of the carrier [rad/s^2]."""
     about: Vector
     """Point of the carrier [length unit]."""
     g: float
@@ -300,7 +300,7 @@ class Transport(OfAssembly):
     missing: dict[str, Why]
     """Limits without a value, and why."""
     warnings: tuple[str, ...]
-    """What to know about the answer."""
+    """Warnings about the assembly and its contacts."""
     seconds: Seconds
     """Duration of each stage [s]."""
 

@@ -69,7 +69,7 @@ class DiamondOptimum:
     z: float
     """[kg x length unit]; 0 if `gravity` is stable."""
     facets: tuple[FacetOptimum, ...]
-    """Those that were solved: all, or up to the first with z = 0."""
+    """The solved facets: all, or up to the first with z = 0."""
     programs: int
     """LPs solved."""
 

@@ -110,7 +110,7 @@ class Orientation(OfAssembly):
     region: RegionWidth
     """Kind and angular width of the region of stable directions."""
     warnings: tuple[str, ...]
-    """What to know about the answer."""
+    """Warnings about the assembly and its contacts."""
 
     @property
     @key

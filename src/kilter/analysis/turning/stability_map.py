@@ -48,9 +48,9 @@ class StabilityMap:
     """Orthonormal, shape (3 - dimension, 3); ``equations @ q = 0``. Of a planar program y is
     always in their span."""
     dimension: int
-    """Of Q, 0 to 3."""
+    """Dimension of Q, 0 to 3."""
     mass: float
-    """Of the free parts [kg]: the scale of z."""
+    """Mass of the free parts [kg]: the scale of z."""
     planar: bool
     programs: int
     """LPs solved."""

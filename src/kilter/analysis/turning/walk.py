@@ -93,7 +93,7 @@ class Walk:
     z: float
     """[kg x length unit]; 0 if `gravity` is stable."""
     facets: tuple[WalkFacet, ...]
-    """Those that were walked: all, or up to the first with z = 0."""
+    """The walked facets: all, or up to the first with z = 0."""
     programs: int
     """LPs solved, all kinds."""
     partitions: int

@@ -63,11 +63,11 @@ class JointForces(Record):
     kind: Literal["revolute", "prismatic"]
     """Kind of the joint."""
     stop: float
-    """Of the limit at which the joint stands, else 0."""
+    """Force or torque of the limit at which the joint stands, else 0."""
     friction: float
-    """Of the friction of the joint."""
+    """Force or torque of the friction of the joint."""
     spring: float
-    """Of the spring of the joint."""
+    """Force or torque of the spring of the joint."""
 
 
 class ContactForces(Record):

@@ -29,11 +29,13 @@ class PileContacts:
     """Contacts between boxes of a pile."""
 
     lower: Index
+    """The lower box of each contact, shape (c,)."""
     upper: Index
-    """Boxes of each contact, shape (c,)."""
+    """The upper box of each contact, shape (c,)."""
     low: Array
+    """The least corner of the rectangle of each contact [length unit], shape (c, 2)."""
     high: Array
-    """Its rectangle [length unit], shape (c, 2)."""
+    """The greatest corner of this rectangle [length unit], shape (c, 2)."""
     sure: Mask
     """False for contacts that may carry a force, but without a certain area, shape (c,)."""
     unsure: Index
