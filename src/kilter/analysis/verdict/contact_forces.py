@@ -198,26 +198,18 @@ def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSe
     patch, patch_of = np.unique(program.source[rows], return_inverse=True)
     count = len(patch)
     normal_force = np.bincount(patch_of, along, minlength=count).astype(np.float64)
-    pull = program.pull[rows]
     center = _pressure_centers(program, patch_of, count, along)
     known = len(program.part_a) <= LIMIT
     none = np.full(count, np.nan)
     utilisation = _friction_needed(program, rows, force, patch_of, along) if known else none
-    bonded = np.flatnonzero(pull > 0)
-    drawn = np.full(count, -np.inf)
-    np.maximum.at(drawn, patch_of[bonded], np.maximum(-along[bonded], 0.0) / pull[bonded])
-    borne = np.flatnonzero(program.cohesion[rows] > 0)
-    slid = np.linalg.norm(across[borne], axis=1) / program.cohesion[rows][borne]
-    np.maximum.at(drawn, patch_of[borne], slid)
     found = {
         "resultant": group_sums(patch_of, force, count),
         "normal_force": normal_force,
         "center": center,
         "utilisation": utilisation,
-        "bond_utilisation": np.where(np.isfinite(drawn), drawn, np.nan),
+        "bond_utilisation": _bond_shares(program, rows, patch_of, along, across),
     }
     points = program.point[rows]
-    entries = {name: _entries(values) for name, values in found.items()}
     joints = tuple(
         _joint_forces(used.forces, program, joint, number)
         for number, joint in enumerate(contacts.assembly.joints)
@@ -229,13 +221,17 @@ def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSe
         patches=tuple(
             PatchForces(
                 parts=(program.names[a], program.names[b]),
-                kind=str(contacts.patch_kind[patch[k]]),
+                kind=str(contacts.patch_kind[number]),
                 points=points[members],
                 forces=force[members],
-                **{name: values[k] for name, values in entries.items()},
+                **dict(zip(found, values, strict=True)),
             )
-            for k, (members, (a, b)) in enumerate(
-                zip(_members(patch_of, count), contacts.patch_parts[patch].tolist(), strict=True)
+            for number, (a, b), members, *values in zip(
+                patch,
+                contacts.patch_parts[patch].tolist(),
+                _members(patch_of, count),
+                *map(_entries, found.values()),
+                strict=True,
             )
         ),
         joints=joints or None,
@@ -249,6 +245,20 @@ def find_contact_forces(program: Program, proof: ForceProof, contacts: ContactSe
         pressures=along,
         **found,
     )
+
+
+def _bond_shares(
+    program: Program, rows: Index, patch_of: Index, along: Array, across: Array
+) -> Array:
+    """Largest used share of the strength of the bonds of each patch [-]; NaN without bonds."""
+    share = np.full(int(patch_of.max(initial=-1)) + 1, np.nan)
+    for used, strength in (
+        (np.maximum(-along, 0.0), program.pull[rows]),
+        (np.linalg.norm(across, axis=1), program.cohesion[rows]),
+    ):
+        bonded = np.flatnonzero(strength > 0)
+        np.fmax.at(share, patch_of[bonded], used[bonded] / strength[bonded])
+    return share
 
 
 def _members(patch_of: Index, count: int) -> list[Index]:
