@@ -142,8 +142,13 @@ class Record(Guessable):
         raise FrozenInstanceError(f"{type(self).__name__} is read-only: {name}")
 
     def __repr__(self) -> str:
-        first = fields(self)[0].name
-        return f"<{type(self).__name__}: {getattr(self, first)!r}>"
+        kind: Any = type(self)
+        named = getattr(self, _fields_of(kind)[0].name)
+        if isinstance(named, str):
+            return f"<{kind.__name__}: {named!r}>"
+        values = {name: self.__dict__.get(name) for name in keys_of(kind)}
+        plain = [f"{name}={v!r}" for name, v in values.items() if isinstance(v, int | float)]
+        return f"{kind.__name__}({', '.join(plain)})"
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON data: arrays as lists, and null for infinite numbers."""
