@@ -7,6 +7,7 @@ counterclockwise seen from outside.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.errors import InputError
-from kilter.rigid import in_brackets
+from kilter.rigid import Pose, in_brackets
 from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
 from kilter.shape.solid import Solid
 from kilter.validate import finite, frozen, in_range, number
@@ -229,6 +230,10 @@ class Mesh(Value):
     pieces : array_like of int, shape (m,), optional
         Number of the piece to which each triangle belongs. Contacts of different pieces may have
         different friction (`FrictionPair`). By default all triangles belong to piece 0.
+    members : sequence of (shape, pose), optional
+        Shapes of which the surface is the union, each with its pose in the frame of the mesh: a
+        table of five boxes. They are exact where the triangles are not, and files of simulators
+        keep them. They do not count in comparisons.
 
     Raises
     ------
@@ -245,15 +250,22 @@ class Mesh(Value):
     (4, 3)
     """
 
-    __slots__ = ("accuracy", "pieces", "triangles", "vertices")
+    __slots__ = ("accuracy", "members", "pieces", "triangles", "vertices")
 
     vertices: Array
     triangles: Index
     accuracy: float
     pieces: Index | None
+    members: tuple[tuple[Shape, Pose], ...]
 
     def __init__(
-        self, vertices: Any, faces: Any, *, accuracy: float | None = None, pieces: Any = None
+        self,
+        vertices: Any,
+        faces: Any,
+        *,
+        accuracy: float | None = None,
+        pieces: Any = None,
+        members: Sequence[tuple[Shape, Pose]] = (),
     ) -> None:
         single = getattr(vertices, "dtype", None) == np.float32
         self.vertices = frozen(vertices, (-1, 3)) if len(vertices) else frozen(np.empty((0, 3)))
@@ -271,6 +283,7 @@ class Mesh(Value):
             largest * (2.0**-24 if single else 2.0**-53) if accuracy is None else float(accuracy)
         )
         self.pieces = None if pieces is None else _piece_numbers(pieces, len(self.triangles))
+        self.members = tuple(members)
 
     @classmethod
     def convex_hull(cls, points: ArrayLike) -> Mesh:
