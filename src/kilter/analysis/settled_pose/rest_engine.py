@@ -14,7 +14,7 @@ that the bodies reach without gaining energy, and no claim about dynamics.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,10 +45,14 @@ SHORTEST = 1e-7
 """Length of a step at which a body counts as not moving on [-]."""
 STILL = 1e-10
 """Movement in a step that counts as none [sizes]."""
+STALLS = 8
+"""Number of steps without a descent after which the steps become shorter."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
 """Length of a movement that corrects the step before it [sizes]."""
+STRAIGHT = 0.999
+"""Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
 FLOATS = 1e-6
 """Gap to the support from which a body floats [sizes]."""
 
@@ -70,8 +74,11 @@ class _State:
     asleep: Mask
     gone: Mask
     """Bodies at rest, and bodies that left the scene, shape (B,)."""
-    ways: list[list[Step]] = field(default_factory=list)
-    round_body: Mask = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    ways: list[list[Step]]
+    round_body: Mask
+    """Whether a body has curved faces, shape (B,)."""
+    joined: Index
+    """Pairs of bodies with a joint between them, shape (n, 2)."""
     rounds: int = 0
 
     def move(self, step: Array, how: WayKind | None) -> None:
@@ -83,14 +90,17 @@ class _State:
         far = np.linalg.norm(step[:, :3], axis=1)
         turn = np.linalg.norm(step[:, 3:], axis=1)
         for k in np.flatnonzero(far + turn * self.bodies.size / 2 > STILL * self.length).tolist():
-            kind = how or self._kind(k, float(far[k]), float(turn[k]))
+            kind = how or self._kind(k, step[k], float(far[k]), float(turn[k]))
             short = far[k] + turn[k] * self.bodies.size[k] / 2 < CORRECTS * self.bodies.size[k]
-            if short and self.ways[k] and self.rounds:
-                kind = self.ways[k][-1].how
+            last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
+            kind = last if short and last != "pushed-out" else kind
             self._note(k, kind, far[k], turn[k])
 
-    def _kind(self, body: int, far: float, turn: float) -> WayKind:
-        """Kind of a movement in contact."""
+    def _kind(self, body: int, step: Array, far: float, turn: float) -> WayKind:
+        """Kind of a movement in a step."""
+        straight = step[:3] @ self.bodies.drawn.down >= STRAIGHT * far
+        if straight and turn * self.bodies.size[body] < (1 - STRAIGHT) * far:
+            return "fell"
         if turn * self.bodies.size[body] < far:
             return "slid"
         return "rolled" if self.round_body[body] else "tipped"
@@ -138,6 +148,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         bodies, contacts, float(np.median(sizes)), float(weights.mean()) if free.any() else 1.0,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
+        np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
+                 np.int64).reshape(-1, 2),
     )  # fmt: skip
 
 
@@ -151,9 +163,9 @@ def _points(state: _State, reach: float) -> NearPoints:
     return points.take(keep)
 
 
-def _open_overlaps(state: _State, first: bool = True) -> Rest | None:
+def _open_overlaps(state: _State) -> Rest | None:
     """Open all overlaps by the least motion; the result if nothing opens them, else None."""
-    deepest = max((o.depth for o in state.contacts.overlaps), default=0.0) if first else 0.0
+    deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
     for _ in range(PUSHES):
         stop_if_late()
@@ -161,8 +173,7 @@ def _open_overlaps(state: _State, first: bool = True) -> Rest | None:
         deep = -float(points.gap.min(initial=0.0))
         if deep <= state.closed:
             return None
-        if first:
-            state.tell(f"overlaps: {number(deep)}")
+        state.tell(f"overlaps: {number(deep)}")
         programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
         apart = programs.push_apart()
         if apart is None:
@@ -172,11 +183,9 @@ def _open_overlaps(state: _State, first: bool = True) -> Rest | None:
             return _does_not_fit(state, points, depth * state.length, forces)
         step = programs.steps(apart, state.bodies)
         state.move(step, "pushed-out")
-        moved = np.linalg.norm(step[:, :3], axis=1) + np.linalg.norm(step[:, 3:], axis=1) * (
-            state.bodies.size / 2
-        )
-        state.asleep &= ~(moved > STILL * state.length)
-        reach = max(min(reach, 4 * float(moved.max(initial=0.0))), 1e-4 * state.length)
+        far = np.linalg.norm(step[:, :3], axis=1)
+        far += np.linalg.norm(step[:, 3:], axis=1) * state.bodies.size / 2
+        reach = max(min(reach, 4 * float(far.max(initial=0.0))), 1e-4 * state.length)
     return None
 
 
@@ -198,94 +207,132 @@ def _fall(state: _State) -> None:
     """Let all groups of bodies that nothing supports fall; those with nothing below leave."""
     for _ in range(len(state.bodies.mass)):
         stop_if_late()
-        group = _floating_groups(state)
+        gap = FLOATS * state.length
+        group = _floating_groups(state, _points(state, gap), gap)
         if not group.any():
             return
         assembly = state.bodies.assembly()
         sweeps = Sweeps(replace(state.contacts, assembly=assembly))
-        down = assembly.down
-        number_of = group
         state.tell("falls")
-
-        fall = straight_falls(sweeps, assembly, number_of[state.bodies.of_part])
-        step = np.zeros((len(state.bodies.mass), 6))
-        lost = np.isinf(fall)[number_of] & (number_of > 0) & ~state.gone
-        lost &= ~_kept_by_joints(state, lost)
+        fall = straight_falls(sweeps, assembly, group[state.bodies.of_part])
+        lost = np.isinf(fall)[group]
         state.gone |= lost
-        fall = np.where(np.isfinite(fall), fall, 0.0)
-        step[:, :3] = fall[number_of][:, None] * down
-        step[~state.bodies.moves | state.gone] = 0.0
-        moved = float(np.abs(step).max(initial=0.0))
+        step = np.zeros((len(state.bodies.mass), 6))
+        step[:, :3] = (
+            np.where(lost, 0.0, np.where(np.isinf(fall), 0.0, fall)[group])[:, None] * assembly.down
+        )
         state.move(step, "fell")
-        state.asleep[np.abs(step).max(axis=1) > 0] = False
-        if moved <= FLOATS * state.length:
+        moved = np.linalg.norm(step[:, :3], axis=1)
+        state.asleep[moved > 0] = False
+        if not lost.any() and moved.max(initial=0.0) <= gap:
             return
 
 
-def _kept_by_joints(state: _State, lost: Mask) -> Mask:
-    """Bodies that joints connect with bodies that do not leave."""
-    del state
-    return np.zeros_like(lost)
+def _floating_groups(state: _State, points: NearPoints, gap: float) -> Index:
+    """Group of each body: 0 if it touches the ground, directly or through others; (B,).
 
-
-def _floating_groups(state: _State) -> Index:
-    """Group of each body: 0 if it touches the ground, directly or through others; (B,)."""
-    points = _points(state, FLOATS * state.length)
-    a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
-    joined = [[state.bodies.body_of(n) for n in j.parts] for j in state.bodies.drawn.joints]
-    ends = np.concatenate([np.column_stack([a, b]), np.array(joined, np.int64).reshape(-1, 2)])
+    Bodies within `gap` [length unit] of each other touch. Joints and loads support a body.
+    """
+    touching = points.take(points.gap <= gap)
+    a, b = state.bodies.of_part[touching.part_a], state.bodies.of_part[touching.part_b]
+    ends = np.concatenate([np.column_stack([a, b]), state.joined])
     label = connected(len(state.bodies.mass), ends[:, 0], ends[:, 1])
     group = label + 1
-    held = ~state.bodies.moves
-    group[np.isin(label, np.unique(label[held]))] = 0
-    group[state.gone] = 0
     loaded = [state.bodies.body_of(load.part) for load in state.bodies.drawn.loads]
-    group[loaded] = 0
-    return (
-        np.where(group > 0, np.unique(group, return_inverse=True)[1], 0) if group.any() else group
-    )
+    supported = ~state.bodies.moves
+    supported[loaded] = True
+    group[np.isin(label, label[supported]) | state.gone] = 0
+    return np.unique(np.append(group, 0), return_inverse=True)[1][:-1]
 
 
 # steps -----------------------------------------------------------------------------------
 
 
+@dataclass(slots=True)
+class _Last:
+    """The last step, which is taken back where it led into an overlap."""
+
+    bodies: RigidBodies
+    """The bodies before it."""
+    island: Index
+    stride: Array
+    """Island and stride of each body, shape (B,)."""
+    deep: float
+    """Deepest overlap before it [length unit]."""
+
+
 def _settle_down(state: _State) -> bool:
     """Move the bodies step by step until all are at rest; whether one lost its support."""
+    last: _Last | None = None
+    lowest = np.full(len(state.bodies.mass), -np.inf)
+    stalled = np.zeros(len(lowest), dtype=np.int64)
     while state.rounds < ROUNDS:
         stop_if_late()
         active = ~state.asleep & ~state.gone & state.bodies.moves
         if not active.any():
             return False
         state.rounds += 1
-        most = np.minimum(state.stride, LONGEST * state.bodies.size)
-        reach = 2 * float(most[active].max())
+        reach = 2 * float(np.minimum(state.stride, LONGEST * state.bodies.size)[active].max())
         points = _points(state, reach)
+        if last is not None and _taken_back(state, last, points):
+            points = _points(state, reach)
+        if _floating_groups(state, points, reach / 4).any():
+            return True
         island = _islands(state, points, active)
         stride = _stride_of_islands(state, island)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
         step = program.step(stride / state.length, points.gap <= 0.5 * reach)
         if step is None:
             state.stride[active] /= 4
-            if state.stride[active].max() < SHORTEST * state.length:
-                return False
+            state.asleep |= active & (state.stride < SHORTEST * state.length)
             continue
-        if _advance(state, points, island, stride, step):
-            return True
+        last = _Last(state.bodies, island, stride, -float(points.gap.min(initial=0.0)))
+        _advance(state, island, stride, step)
+        _count_stalls(state, island, lowest, stalled)
     return False
+
+
+def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
+    """Take the last step back for islands that it led into an overlap; whether there are any."""
+    size = state.bodies.size
+    deep = np.zeros(len(size) + 1)
+    for side in (points.part_a, points.part_b):
+        np.maximum.at(deep, last.island[state.bodies.of_part[side]], -points.gap)
+    most = DEEP * np.minimum(last.stride, LONGEST * size) + 2 * last.deep + state.closed
+    bad = (deep[last.island] > most) & (last.island >= 0)
+    bad = np.isin(last.island, last.island[bad]) & (last.island >= 0)
+    if not bad.any():
+        return False
+    state.bodies = state.bodies.where(~bad, last.bodies)
+    state.stride = np.where(bad, last.stride / 4, state.stride)
+    state.asleep |= bad & (state.stride < SHORTEST * state.length)
+    return True
+
+
+def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
+    """Shorten the stride of islands whose centre has not sunk for some steps."""
+    mass = state.bodies.mass
+    total, weight = np.zeros(len(mass) + 1), np.zeros(len(mass) + 1)
+    np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
+    np.add.at(weight, island, mass)
+    depth = (total / np.maximum(weight, 1e-300))[island]
+    sinks = depth > lowest + STILL * state.length
+    stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
+    lowest[:] = np.maximum(lowest, depth)
+    late = stalled >= STALLS
+    state.stride = np.where(late, state.stride / 4, state.stride)
+    stalled[late] = 0
+    state.asleep |= late & (state.stride < SHORTEST * state.length)
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
     """Number of the island of bodies that may affect each other; -1 if nothing moves there."""
     moves = state.bodies.moves & ~state.gone
     a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
-    both = moves[a] & moves[b]
-    joined = [[state.bodies.body_of(n) for n in j.parts] for j in state.bodies.drawn.joints]
-    ends = np.concatenate(
-        [np.column_stack([a, b])[both], np.array(joined, np.int64).reshape(-1, 2)]
-    )
+    ends = np.concatenate([np.column_stack([a, b]), state.joined])
     ends = ends[moves[ends].all(axis=1)]
     label = connected(len(moves), ends[:, 0], ends[:, 1])
-    awake = np.isin(label, np.unique(label[active]))
+    awake = np.isin(label, label[active])
     return np.where(awake & moves, label, -1)
 
 
@@ -296,47 +343,16 @@ def _stride_of_islands(state: _State, island: Index) -> Array:
     return np.where(island >= 0, least[island], 0.0)
 
 
-def _advance(state: _State, points: NearPoints, island: Index, stride: Array, step: Array) -> bool:
-    """Take a step where it is sound; whether a body lost its support."""
-    bodies = state.bodies
-    far = (
-        np.linalg.norm(step[:, :3], axis=1) + np.linalg.norm(step[:, 3:], axis=1) * bodies.size / 2
-    )
+def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
+    """Take a step; islands in which nothing moves are at rest."""
+    step, far = _shortened(state, island, step)
     moving = far > STILL * state.length
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
-    state.asleep |= (island >= 0) & quiet[island]
+    state.asleep = np.where(island >= 0, quiet[island], state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
-    if not moving.any():
-        return False
-    step = np.where(moving[:, None], step, 0.0)
-    before = state.bodies
-    energy = before.center @ bodies.drawn.down
-    trial = before.screwed(step)
-    after = trial.center @ bodies.drawn.down
-    state.bodies = trial
-    most = np.minimum(stride, LONGEST * bodies.size)
-    near = _points(state, 0.1 * float(most.max()))
-    state.bodies = before
-    deep = np.zeros(len(island) + 1)
-    for side in (near.part_a, near.part_b):
-        np.maximum.at(deep, island[bodies.of_part[side]], -near.gap)
-    gain = np.zeros(len(island) + 1)
-    np.add.at(gain, island, bodies.mass * (after - energy))
-    new = -points.gap.min(initial=0.0)
-    bad = (deep[island] > DEEP * most + 2 * new + state.closed) | (
-        gain[island] < -1e-9 * state.length * bodies.mass[island >= 0].sum()
-    )
-    bad &= island >= 0
-    state.stride = np.where(
-        island < 0,
-        state.stride,
-        np.where(bad, stride / 4, np.minimum(2 * stride, LONGEST * bodies.size)),
-    )
-    state.move(np.where(bad[:, None], 0.0, step), None)
-    state.asleep |= (state.stride < SHORTEST * state.length) & (island >= 0)
-    _open_overlaps(state, first=False)
-    return bool(_floating_groups(state).any())
+    state.stride = np.where(island >= 0, _next_stride(state, island, stride, far), state.stride)
+    state.move(np.where(moving[:, None], step, 0.0), None)
 
 
 def _shortened(state: _State, island: Index, step: Array) -> tuple[Array, Array]:
@@ -345,15 +361,17 @@ def _shortened(state: _State, island: Index, step: Array) -> tuple[Array, Array]
     far = np.linalg.norm(step[:, :3], axis=1) + np.linalg.norm(step[:, 3:], axis=1) * size / 2
     share = np.ones(len(island) + 1)
     np.minimum.at(share, island, 1.5 * LONGEST * size / np.maximum(far, 1e-300))
-    share = np.minimum(share, 1.0)[island]
+    share = share[island]
     return step * share[:, None], far * share
 
 
-def _next_stride(state: _State, stride: Array, far: Array) -> Array:
-    """Stride of the next step: twice as long, unless a body would move too far in it."""
-    longest = LONGEST * state.bodies.size
-    grown = np.minimum(2 * stride, stride * longest / np.maximum(far, 1e-300))
-    return np.minimum(grown, SLOWEST * state.bodies.size)
+def _next_stride(state: _State, island: Index, stride: Array, far: Array) -> Array:
+    """Stride of the next step: up to four times as long, unless a body would move too far."""
+    size = state.bodies.size
+    share = np.full(len(island) + 1, np.inf)
+    np.minimum.at(share, island, LONGEST * size / np.maximum(far, 1e-300))
+    grown: Array = np.minimum(np.minimum(4.0, share[island]) * stride, SLOWEST * size)
+    return grown
 
 
 def _ways(state: _State) -> tuple[tuple[Step, ...], ...]:

@@ -72,6 +72,14 @@ class RigidBodies:
         shift += second[:, None] * np.cross(spin, across)
         return replace(self, center=self.center + shift, rotation=turn @ self.rotation)
 
+    def where(self, chosen: Mask, other: RigidBodies) -> RigidBodies:
+        """The poses of the chosen bodies (B,), and those of `other` for the rest."""
+        return replace(
+            self,
+            center=np.where(chosen[:, None], self.center, other.center),
+            rotation=np.where(chosen[:, None, None], self.rotation, other.rotation),
+        )
+
     def assembly(self) -> Assembly:
         """The assembly in the current pose; joints and points of loads and bonds follow.
 
