@@ -12,20 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
-from kilter.contact.convex_distance import (
-    edge_separations,
-    face_separations,
-    nearest_points,
-    products,
-)
-from kilter.contact.convex_pieces import ConvexPieces, Cores, Placed, placed
+from kilter.contact.convex_distance import face_separations, products
+from kilter.contact.convex_normals import pair_normals
+from kilter.contact.convex_pieces import ConvexPieces, Cores, Placed, padded_rows, placed
 
-FACE_ANGLE = 0.06
-"""Largest angle between the nearest points and a face normal that replaces it [rad]."""
-FACE_SHARE = 0.998
-"""Least separation along such a normal, over the distance [-]."""
-EXACT = 1e-12
-"""Rounding of a separation, over the size of a pair [-]."""
+ROUND = 0.005
+"""Largest distance of the prism of a cylinder from its surface, over the radius [-]."""
 BESIDE = 1e-9
 """Distance beside a face at which a corner still lies over it, over the size of a pair [-]."""
 SLOPE = 1e-6
@@ -78,7 +70,7 @@ def near_points(
         faces = np.diff(pieces.face_start)
         block = max(1, int(ENTRIES / (CLASSES[each] * max(int(faces.max(initial=1)), 1) * 2)))
         blocks += [
-            _points_of_pairs(scene, a[rows[k : k + block]], b[rows[k : k + block]], reach)
+            _points_of_pairs(scene, (a[rows[k : k + block]], b[rows[k : k + block]]), reach)
             for k in range(0, len(rows), block)
         ]
     return _distinct(_on_surface(scene, PiecePoints.join(blocks)), pieces)
@@ -136,118 +128,52 @@ def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j
     return rows
 
 
-# the normal of each pair -------------------------------------------------------------------
+# points of each pair -------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Normals:
-    """Normal of each pair, the distance of the cores along it, and nearest points."""
-
-    normal: Array
-    separation: Array
-    on_a: Array
-    on_b: Array
-
-
-def _points_of_pairs(scene: Placed, piece_a: Index, piece_b: Index, reach: float) -> PiecePoints:
+def _points_of_pairs(scene: Placed, pair: tuple[Index, Index], reach: float) -> PiecePoints:
     """Points of pairs of pieces of similar numbers of vertices."""
     pieces = scene.pieces
-    a, b = scene.cores(piece_a), scene.cores(piece_b)
-    radius = pieces.radius[piece_a] + pieces.radius[piece_b]
+    radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    a, b = (scene.cores(piece) for piece in pair)
     faces = face_separations(a, b)
     upper = np.maximum(faces[0].max(axis=1), faces[1].max(axis=1))
-    near = np.flatnonzero(upper - radius <= reach)
-    piece_a, piece_b, radius = piece_a[near], piece_b[near], radius[near]
-    a, b, faces = a.take(near), b.take(near), (faces[0][near], faces[1][near])
-    size = np.minimum(pieces.size[piece_a], pieces.size[piece_b])
-    found = _normals(scene, (piece_a, piece_b), (a, b), faces, size)
-    near = np.flatnonzero(found.separation - radius <= reach)
-    a, b = a.take(near), b.take(near)
-    piece_a, piece_b, radius, size = piece_a[near], piece_b[near], radius[near], size[near]
-    n, separation = found.normal[near], found.separation[near]
-    row, point, gap = points_along(a, b, n, separation, reach + radius, size)
+    # a prism lies inside its cylinder
+    loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
+    near = np.flatnonzero(upper - loose <= reach)
+    pair = pair[0][near], pair[1][near]
+    found = pair_normals(scene, pair, _inner(pieces, pair))
+    near = np.flatnonzero(found.separation - radius[near] <= reach)
+    pair, found = (pair[0][near], pair[1][near]), found.take(near)
+    n = found.normal
+    a, b = (scene.cores(piece, n) for piece in pair)
+    radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    size = np.minimum(pieces.size[pair[0]], pieces.size[pair[1]])
+    row, point, gap = points_along(a, b, n, found.separation, reach + radius, size)
     chosen = reduced(row, point, gap, n, size)
     row, point, gap = row[chosen], point[chosen], gap[chosen]
-    alone = np.ones(len(near), dtype=bool)
-    alone[row] = False
-    alone = np.flatnonzero(alone)
-    middle = (found.on_a[near[alone]] + found.on_b[near[alone]]) / 2
-    bears = np.concatenate([np.ones(len(row), dtype=bool), radius[alone] > 0])
+    without = np.ones(len(near), dtype=bool)
+    without[row] = False
+    alone = np.flatnonzero(without)
     row = np.concatenate([row, alone])
-    point = np.concatenate([point, middle])
-    gap = np.concatenate([gap, separation[alone]]) - radius[row]
-    shift = (pieces.radius[piece_a] - pieces.radius[piece_b])[row] / 2
+    point = np.concatenate([point, (found.on_a + found.on_b)[alone] / 2])
+    gap = np.concatenate([gap, found.separation[alone]]) - radius[row]
+    bears = found.regular[row]
+    bears[len(row) - len(alone) :] &= radius[alone] > 0
+    shift = (pieces.radius[pair[0]] - pieces.radius[pair[1]])[row] / 2
     point += shift[:, None] * n[row]
-    a, b = piece_a[row], piece_b[row]
-    return PiecePoints(pieces.part[a], pieces.part[b], a, b, point, n[row], gap, bears)
+    i, j = pair[0][row], pair[1][row]
+    return PiecePoints(pieces.part[i], pieces.part[j], i, j, point, n[row], gap, bears)
 
 
-def _normals(
-    scene: Placed,
-    piece: tuple[Index, Index],
-    cores: tuple[Cores, Cores],
-    faces: tuple[Array, Array],
-    size: Array,
-) -> _Normals:
-    """Normals of pairs of cores."""
-    a, b = cores
-    count = len(size)
-    rows = np.arange(count)
-    first, second = _outer_faces(scene, piece, faces)
-    i, j = first.argmax(axis=1), second.argmax(axis=1)
-    of_a = first[rows, i] >= second[rows, j]
-    normal = np.where(of_a[:, None], a.normal[rows, i], -b.normal[rows, j])
-    face = np.where(of_a, first[rows, i], second[rows, j])
-    nearest = nearest_points(a, b, size)
-    step = nearest.on_b - nearest.on_a
-    apart = np.linalg.norm(step, axis=1)
-    along = step / np.where(apart > 0, apart, 1.0)[:, None]
-    # the support functions give the separation along the direction exactly
-    found = nearest.apart
-    sharp = scene.pieces.radius[piece[0]] + scene.pieces.radius[piece[1]] == 0
-    cosine = np.einsum("ki,ki->k", along, normal)
-    near_face = sharp & (cosine >= np.cos(FACE_ANGLE)) & (face >= FACE_SHARE * apart)
-    by_face = ~found | (face >= apart - EXACT * size) | (near_face & (face > 0))
-    result = np.where(by_face[:, None], normal, along)
-    separation = np.where(by_face, face, apart)
-    on_a, on_b = nearest.on_a.copy(), nearest.on_b.copy()
-    doubt = np.flatnonzero(~found & (face < 0) | (found & ~by_face & (apart < 1e-4 * size)))
-    if len(doubt):
-        bound = np.where(np.isfinite(face), np.abs(face), size)[doubt]
-        edges = edge_separations(a.take(doubt), b.take(doubt), bound)
-        row = doubt[edges.row]
-        best = np.full(count, -np.inf)
-        np.maximum.at(best, row, edges.separation)
-        least = np.where(found, apart - EXACT * size, face + EXACT * size)
-        take = (edges.separation == best[row]) & (edges.separation > least[row])
-        result[row[take]] = edges.normal[take]
-        separation[row[take]] = edges.separation[take]
-    none = ~np.isfinite(separation)
-    result[none], separation[none] = [0.0, 0.0, 1.0], 0.0
-    support = np.flatnonzero(~found)
-    height = (a.vertex[support] @ result[support, :, None])[..., 0].argmax(axis=1)
-    on_a[support] = a.vertex[support, height]
-    on_b[support] = on_a[support] + separation[support, None] * result[support]
-    return _Normals(result, separation, on_a, on_b)
-
-
-def _outer_faces(
-    scene: Placed, piece: tuple[Index, Index], faces: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Separations along face normals; faces inside of a compound do not count in overlaps."""
-    pieces = scene.pieces
-    result = []
-    for which, separation in zip(piece, faces, strict=True):
-        if not len(pieces.inner):
-            result.append(separation)
-            continue
-        k = pieces.face_start[which][:, None] + np.arange(separation.shape[1])
-        inner = pieces.inner[np.minimum(k, len(pieces.inner) - 1)]
-        result.append(np.where(inner & (separation < 0), -np.inf, separation))
-    lost = np.maximum(result[0].max(axis=1), result[1].max(axis=1)) == -np.inf
-    for own, separation in zip(result, faces, strict=True):
-        own[lost] = separation[lost]
-    return result[0], result[1]
+def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]:
+    """Faces inside of compounds, of each piece, padded; none of a piece with inner faces only."""
+    masks = []
+    for piece in pair:
+        face, has = padded_rows(pieces.face_start, piece)
+        inner = has & pieces.inner[face] if len(pieces.inner) else np.zeros_like(has)
+        masks.append(inner & (has & ~inner).any(axis=1)[:, None])
+    return masks[0], masks[1]
 
 
 # points along the normal -------------------------------------------------------------------
