@@ -13,7 +13,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
 from kilter.contact.convex_distance import face_separations, products
-from kilter.contact.convex_normals import pair_normals
+from kilter.contact.convex_normals import Excluded, pair_normals
 from kilter.contact.convex_pieces import ConvexPieces, Cores, Placed, padded_rows, placed
 
 ROUND = 0.005
@@ -26,6 +26,8 @@ CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
 """Largest number of entries of an array over vertices and faces of pairs."""
+TRIES = 5
+"""Number of directions along which an overlap of pieces of compounds is left."""
 SUNK = 1e-6
 """Depth in another piece of the same part at which a point is no point of the surface, over the
 size of the piece [-]."""
@@ -61,19 +63,58 @@ def near_points(
     `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact.
     """
     scene = placed(pieces, rotation, position)
-    a, b = piece_pairs(scene, reach, ignore)
-    width = np.maximum(np.diff(pieces.vertex_start), 1)
-    group = np.searchsorted(CLASSES, np.maximum(width[a], width[b]))
-    blocks = []
-    for each in np.unique(group):
+    pair = piece_pairs(scene, reach, ignore)
+    tried = np.empty((len(pair[0]), 0, 3))
+    kept = []
+    for _ in range(TRIES):
+        points, row = _points_in_groups(scene, pair, tried, reach)
+        shown = on_surface(scene, points)
+        kept.append(points.take(shown))
+        again = _hidden_pairs(pieces, pair, points, row, shown)
+        if not len(again):
+            break
+        normal = np.zeros((len(pair[0]), 3))
+        normal[row] = points.normal
+        pair = pair[0][again], pair[1][again]
+        tried = np.concatenate([tried[again], normal[again, None]], axis=1)
+    return distinct_points(PiecePoints.join(kept), pieces)
+
+
+def _hidden_pairs(
+    pieces: ConvexPieces, pair: tuple[Index, Index], points: PiecePoints, row: Index, shown: Mask
+) -> Index:
+    """Overlaps whose points are all hidden and that are deeper than others of both parts."""
+    depth, open_ = np.zeros(len(pair[0])), np.zeros(len(pair[0]))
+    np.maximum.at(depth, row, -points.gap)
+    np.maximum.at(open_, row[shown], -points.gap[shown])
+    seen = np.zeros(len(depth), dtype=bool)
+    seen[row[shown]] = True
+    code = pieces.part[pair[0]] * len(pieces.whole) + pieces.part[pair[1]]
+    parts, of = np.unique(code, return_inverse=True)
+    deepest = np.zeros(len(parts))
+    np.maximum.at(deepest, of, open_)
+    return np.flatnonzero(~seen & (depth > deepest[of]))
+
+
+def _points_in_groups(
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+) -> tuple[PiecePoints, Index]:
+    """Points of pairs of pieces, in groups of similar numbers of vertices, and their pairs."""
+    pieces = scene.pieces
+    width = np.maximum(*(np.diff(pieces.vertex_start)[piece] for piece in pair))
+    group = np.searchsorted(CLASSES, width)
+    faces = max(int(np.diff(pieces.face_start).max(initial=1)), 1)
+    blocks, owners = [], []
+    for each in np.unique(group).tolist():
         rows = np.flatnonzero(group == each)
-        faces = np.diff(pieces.face_start)
-        block = max(1, int(ENTRIES / (CLASSES[each] * max(int(faces.max(initial=1)), 1) * 2)))
-        blocks += [
-            _points_of_pairs(scene, (a[rows[k : k + block]], b[rows[k : k + block]]), reach)
-            for k in range(0, len(rows), block)
-        ]
-    return _distinct(_on_surface(scene, PiecePoints.join(blocks)), pieces)
+        step = max(1, ENTRIES // (2 * CLASSES[each] * faces))
+        for k in range(0, len(rows), step):
+            some = rows[k : k + step]
+            part = pair[0][some], pair[1][some]
+            points, row = _points_of_pairs(scene, part, tried[some], reach)
+            blocks.append(points)
+            owners.append(some[row])
+    return PiecePoints.join(blocks), np.concatenate([np.empty(0, dtype=np.int64), *owners])
 
 
 # near pairs of boxes -----------------------------------------------------------------------
@@ -131,8 +172,10 @@ def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j
 # points of each pair -------------------------------------------------------------------------
 
 
-def _points_of_pairs(scene: Placed, pair: tuple[Index, Index], reach: float) -> PiecePoints:
-    """Points of pairs of pieces of similar numbers of vertices."""
+def _points_of_pairs(
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+) -> tuple[PiecePoints, Index]:
+    """Points of pairs of pieces of similar numbers of vertices, and the pair of each point."""
     pieces = scene.pieces
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
     a, b = (scene.cores(piece) for piece in pair)
@@ -142,9 +185,9 @@ def _points_of_pairs(scene: Placed, pair: tuple[Index, Index], reach: float) -> 
     loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
     near = np.flatnonzero(upper - loose <= reach)
     pair = pair[0][near], pair[1][near]
-    found = pair_normals(scene, pair, _inner(pieces, pair))
-    near = np.flatnonzero(found.separation - radius[near] <= reach)
-    pair, found = (pair[0][near], pair[1][near]), found.take(near)
+    found = pair_normals(scene, pair, Excluded(_inner(pieces, pair), tried[near]))
+    last = np.flatnonzero(found.separation - radius[near] <= reach)
+    pair, found, near = (pair[0][last], pair[1][last]), found.take(last), near[last]
     n = found.normal
     a, b = (scene.cores(piece, n) for piece in pair)
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
@@ -163,7 +206,8 @@ def _points_of_pairs(scene: Placed, pair: tuple[Index, Index], reach: float) -> 
     shift = (pieces.radius[pair[0]] - pieces.radius[pair[1]])[row] / 2
     point += shift[:, None] * n[row]
     i, j = pair[0][row], pair[1][row]
-    return PiecePoints(pieces.part[i], pieces.part[j], i, j, point, n[row], gap, bears)
+    points = PiecePoints(pieces.part[i], pieces.part[j], i, j, point, n[row], gap, bears)
+    return points, near[row]
 
 
 def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]:
@@ -343,27 +387,58 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
 # points of compounds -------------------------------------------------------------------------
 
 
-def _on_surface(scene: Placed, points: PiecePoints) -> PiecePoints:
-    """The points that do not lie inside another piece of either part."""
+def on_surface(scene: Placed, points: PiecePoints) -> Mask:
+    """Whether points lie on the surfaces of both parts, and not at a seam of their pieces."""
     hidden = np.zeros(len(points), dtype=bool)
-    for piece, sign in ((points.piece_a, -0.5), (points.piece_b, 0.5)):
-        on = points.point + (sign * points.gap)[:, None] * points.normal
-        hidden |= inside_others(scene, piece, on)
-    return points.take(~hidden)
+    sides = (points.piece_a, -1.0), (points.piece_b, 1.0)
+    for piece, sign in sides:
+        n = -sign * points.normal
+        on = points.point + (sign * points.gap / 2)[:, None] * points.normal
+        size = scene.pieces.size[piece]
+        row, other = others_at(scene, piece, on, SUNK * size)
+        ahead = on + (3 * SUNK * size)[:, None] * n
+        deep = depth_in(scene, other, ahead[row]) > SUNK * size[row]
+        deep |= depth_in(scene, other, on[row]) > SUNK * size[row]
+        # at an edge, another piece that contains the point and is farther along n is nearer
+        touching = depth_in(scene, other, on[row]) >= -BESIDE * size[row]
+        beside = np.flatnonzero(touching & ~deep & ~_along_face(scene, piece, n)[row])
+        height = support_height(scene, other[beside], n[row[beside]])
+        level = np.einsum("ki,ki->k", on[row[beside]], n[row[beside]])
+        deep[beside] |= height > level + SUNK * size[row[beside]]
+        hidden[row[deep]] = True
+    return ~hidden
 
 
-def inside_others(scene: Placed, piece: Index, x: Array) -> Mask:
-    """Whether points of pieces lie inside another piece of the same part."""
+def _along_face(scene: Placed, piece: Index, n: Array) -> Mask:
+    """Whether directions are normals of a face of their piece, shape (K,)."""
+    face, has = padded_rows(scene.pieces.face_start, piece)
+    if not len(scene.normal):
+        return np.zeros(len(piece), dtype=bool)
+    cosine = np.einsum("kfi,ki->kf", scene.normal[face], n)
+    result: Mask = (has & (cosine > 1 - BESIDE)).any(axis=1)
+    return result
+
+
+def support_height(scene: Placed, piece: Index, n: Array) -> Array:
+    """Greatest height of each piece along a direction [length unit], shape (K,)."""
+    row, vertex = ragged(scene.pieces.vertex_start, piece)
+    height = np.einsum("ki,ki->k", scene.vertex[vertex], n[row])
+    result = np.full(len(piece), -np.inf)
+    np.maximum.at(result, row, height)
+    return result + scene.pieces.radius[piece]
+
+
+def others_at(scene: Placed, piece: Index, x: Array, slack: Array) -> tuple[Index, Index]:
+    """Pieces of the same part whose boxes contain the points x, shape (K, 3): rows, pieces."""
     pieces = scene.pieces
     row, place = ragged(pieces.beside_start, piece)
     other = pieces.beside[place]
     for axis in range(3):
         at = x[row, axis]
-        near = np.flatnonzero((at > scene.low[other, axis]) & (at < scene.high[other, axis]))
+        near = at >= scene.low[other, axis] - slack[row]
+        near &= at <= scene.high[other, axis] + slack[row]
         row, other = row[near], other[near]
-    result = np.zeros(len(piece), dtype=bool)
-    result[row[depth_in(scene, other, x[row]) > SUNK * pieces.size[other]]] = True
-    return result
+    return row, other
 
 
 def depth_in(scene: Placed, piece: Index, x: Array) -> Array:
@@ -386,7 +461,7 @@ def depth_in(scene: Placed, piece: Index, x: Array) -> Array:
     return depth
 
 
-def _distinct(points: PiecePoints, pieces: ConvexPieces) -> PiecePoints:
+def distinct_points(points: PiecePoints, pieces: ConvexPieces) -> PiecePoints:
     """Points without repetitions: the same parts, place and normal."""
     if not len(points):
         return points
