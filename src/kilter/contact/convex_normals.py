@@ -21,6 +21,8 @@ FACE_SHARE = 0.998
 """Least separation along such a normal, over the distance [-]."""
 EXACT = 1e-12
 """Rounding of a separation, over the size of a pair [-]."""
+ALIKE = 0.99
+"""Cosine of the angle to a direction that was tried above which a direction is the same [-]."""
 NEAR = 1e-4
 """Distance below which directions across edges are compared with the nearest points, over the size
 of a pair [-]."""
@@ -55,31 +57,52 @@ class PairNormals:
         return PairNormals(*(getattr(self, name)[rows] for name in names))
 
 
-def pair_normals(
-    scene: Placed, pair: tuple[Index, Index], banned: tuple[Mask, Mask]
-) -> PairNormals:
-    """Normals of pairs of pieces.
+@dataclass(frozen=True, slots=True, eq=False)
+class Excluded:
+    """Directions that do not lead out of an overlap."""
 
-    Arguments: `pair`: pieces a and b, shape (K,) each; `banned`: faces of each piece that give no
-    direction of an overlap, shapes (K, Fa), (K, Fb).
+    inner: tuple[Mask, Mask]
+    """Faces of each piece inside of its compound, shapes (K, Fa), (K, Fb)."""
+    tried: Array
+    """Directions from a to b that lead into other pieces, shape (K, m, 3)."""
+
+    def take(self, rows: Index) -> Excluded:
+        """Excluded directions of some of the pairs."""
+        return Excluded((self.inner[0][rows], self.inner[1][rows]), self.tried[rows])
+
+    def near(self, n: Array, rows: Index | slice = slice(None)) -> Mask:
+        """Whether directions, shape (K, n, 3), are near one that was tried, shape (K, n)."""
+        cosine = n @ self.tried[rows].transpose(0, 2, 1)
+        result: Mask = cosine.max(axis=2, initial=-1.0) > ALIKE
+        return result
+
+    def faces(self, a: Cores, b: Cores) -> tuple[Mask, Mask]:
+        """Excluded faces of each core, shapes (K, Fa), (K, Fb)."""
+        return self.inner[0] | self.near(a.normal), self.inner[1] | self.near(-b.normal)
+
+
+def pair_normals(scene: Placed, pair: tuple[Index, Index], excluded: Excluded) -> PairNormals:
+    """Normals of pairs of pieces: `pair`: pieces a and b, shape (K,) each.
+
+    The separation is infinite if all directions of an overlap are excluded.
     """
     pieces = scene.pieces
     size = np.minimum(*(pieces.size[piece] for piece in pair))
     sharp = pieces.radius[pair[0]] + pieces.radius[pair[1]] == 0
     a, b = (scene.cores(piece) for piece in pair)
-    result = _core_normals(a, b, size, sharp, banned)
+    result = _core_normals(a, b, size, sharp, excluded)
     round_ = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
     if not len(round_):
         return result
     pair, size, sharp = (pair[0][round_], pair[1][round_]), size[round_], sharp[round_]
-    banned = banned[0][round_], banned[1][round_]
+    excluded = excluded.take(round_)
     found = result.take(round_)
-    normal, separation = _exact_normals(scene, pair, found, size, banned)
+    normal, separation = _exact_normals(scene, pair, found, size, excluded)
     for _ in range(ROUNDS):
         a, b = (scene.cores(piece, normal) for piece in pair)
-        found = _core_normals(a, b, size, sharp, banned)
-        again, apart = _exact_normals(scene, pair, found, size, banned)
-        better = apart > separation + EXACT * size
+        found = _core_normals(a, b, size, sharp, excluded)
+        again, apart = _exact_normals(scene, pair, found, size, excluded)
+        better = np.isfinite(apart) & (apart > separation + EXACT * size)
         normal[better], separation[better] = again[better], apart[better]
     result.normal[round_], result.separation[round_] = normal, separation
     result.regular[round_], result.on_b[round_] = True, found.on_b
@@ -87,14 +110,12 @@ def pair_normals(
     return result
 
 
-def _core_normals(
-    a: Cores, b: Cores, size: Array, sharp: Mask, banned: tuple[Mask, Mask]
-) -> PairNormals:
+def _core_normals(a: Cores, b: Cores, size: Array, sharp: Mask, excluded: Excluded) -> PairNormals:
     """Normals of pairs of polytopes; of pairs with a rounded core (not `sharp`), of the cores."""
     rows = np.arange(len(size))
     first, second = (
         np.where(mask & (separation < 0), -np.inf, separation)
-        for mask, separation in zip(banned, face_separations(a, b), strict=True)
+        for mask, separation in zip(excluded.faces(a, b), face_separations(a, b), strict=True)
     )
     i, j = first.argmax(axis=1), second.argmax(axis=1)
     of_a = first[rows, i] >= second[rows, j]
@@ -109,16 +130,17 @@ def _core_normals(
     by_face = ~near.apart | level | (face >= apart - EXACT * size)
     none = by_face & ~np.isfinite(face)
     normal[none] = [0.0, 0.0, 1.0]
+    lost = np.inf if excluded.tried.shape[1] else 0.0
     result = PairNormals(
         np.where(by_face[:, None], normal, along),
-        np.where(none, 0.0, np.where(by_face, face, apart)),
+        np.where(none, lost, np.where(by_face, face, apart)),
         near.on_a,
         near.on_b,
         by_face | ~near.at_corner | ~sharp,
         near.corner_a,
         near.corner_b,
     )
-    _try_edges(a, b, result, near.apart, by_face, size)
+    _try_edges(a, b, result, near.apart & ~by_face, ~near.apart, size, excluded)
     support = np.flatnonzero(~near.apart)
     height = (b.vertex[support] @ result.normal[support, :, None])[..., 0].argmin(axis=1)
     result.on_b[support] = b.vertex[support, height]
@@ -128,24 +150,35 @@ def _core_normals(
 
 
 def _try_edges(
-    a: Cores, b: Cores, result: PairNormals, apart: Mask, by_face: Mask, size: Array
+    a: Cores,
+    b: Cores,
+    result: PairNormals,
+    apart: Mask,
+    overlap: Mask,
+    size: Array,
+    excluded: Excluded,
 ) -> None:
     """Replace normals of overlaps, and of pairs that are almost in touch, by those across edges."""
     separation = result.separation
-    close = apart & ~by_face & (separation < NEAR * size)
-    doubt = np.flatnonzero((~apart & (separation < 0)) | close)
+    lost = overlap & np.isinf(separation)
+    doubt = np.flatnonzero(
+        (overlap & (separation < 0)) | lost | (apart & (separation < NEAR * size))
+    )
     if not len(doubt):
         return
-    edges = edge_separations(a.take(doubt), b.take(doubt), np.abs(separation[doubt]))
+    bound = np.where(lost, size, np.abs(separation))[doubt]
+    edges = edge_separations(a.take(doubt), b.take(doubt), bound)
     row = doubt[edges.row]
+    shut = overlap[row] & excluded.near(edges.normal[:, None], row)[:, 0]
+    value = np.where(shut, -np.inf, edges.separation)
     best = np.full(len(size), -np.inf)
-    np.maximum.at(best, row, edges.separation)
+    np.maximum.at(best, row, value)
     least = np.where(apart, separation - EXACT * size, separation + EXACT * size)
-    take = (edges.separation == best[row]) & (edges.separation > least[row])
-    row = row[take]
-    result.normal[row], separation[row] = edges.normal[take], edges.separation[take]
+    least[lost] = -np.inf
+    take = (value == best[row]) & (value > least[row])
+    row, where = row[take], edges.row[take]
+    result.normal[row], separation[row] = edges.normal[take], value[take]
     result.regular[row] = True
-    where = edges.row[take]
     result.corner_a[row] = a.edge[doubt[where], edges.edge_a[take]]
     result.corner_b[row] = b.edge[doubt[where], edges.edge_b[take]]
 
@@ -158,7 +191,7 @@ def _exact_normals(
     pair: tuple[Index, Index],
     found: PairNormals,
     size: Array,
-    banned: tuple[Mask, Mask],
+    excluded: Excluded,
 ) -> tuple[Array, Array]:
     """The direction of the largest exact separation of pairs with cylinders, and its separation."""
     near = _rim_directions(scene, pair, found)
@@ -166,14 +199,15 @@ def _exact_normals(
     tries = np.concatenate([faces, found.normal[:, None], near], axis=1)
     separation = exact_separation(scene, pair, tries)
     none = np.zeros((len(size), tries.shape[1] - faces.shape[1]), dtype=bool)
-    shut = np.concatenate([*banned, none], axis=1) & (separation < 0)
+    shut = np.concatenate([*excluded.inner, none], axis=1) | excluded.near(tries)
+    shut &= separation < 0
     allowed = np.concatenate([allowed, ~none], axis=1) & ~shut
     separation = np.where(allowed, separation, -np.inf)
     best = separation.max(axis=1)
     # of equal directions the first one: a face
     k = (separation >= (best - EXACT * size)[:, None]).argmax(axis=1)
     rows = np.arange(len(size))
-    return tries[rows, k], separation[rows, k]
+    return tries[rows, k], np.where(np.isfinite(best), separation[rows, k], np.inf)
 
 
 def _face_directions(scene: Placed, pair: tuple[Index, Index]) -> tuple[Array, Mask]:
