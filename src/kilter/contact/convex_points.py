@@ -22,6 +22,8 @@ BESIDE = 1e-9
 """Distance beside a face at which a corner still lies over it, over the size of a pair [-]."""
 SLOPE = 1e-6
 """A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
+BEYOND = 0.15
+"""Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
 CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
@@ -255,7 +257,8 @@ def _corners_over(
     """
     cos, cos_own = sign * cos, sign * cos_own
     touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
-    on = (touches <= slack[:, None, None]) & (cos_own > SLOPE)[:, None]
+    along = cos_own >= least_cosine(cos_own)[:, None]
+    on = (touches <= slack[:, None, None]) & along[:, None]
     bare = ~np.isfinite(own.offset).any(axis=1)
     facing = on.any(axis=2) | bare[:, None]
     facing &= np.isfinite(other.offset).any(axis=1)[:, None]
@@ -268,9 +271,23 @@ def _corners_over(
     enter = np.where(into, wide / safe, -np.inf).max(axis=1)
     leave = np.where(out, wide / safe, np.inf).min(axis=1)
     inside = (enter <= leave) & (into | out | (wide >= 0)).all(axis=1)
+    height = np.where(into, room / safe, -np.inf)
+    # a corner beside a face lies over the steep face next to it, which it does not meet along n
+    top = height.argmax(axis=1)
+    inside &= -c[np.arange(len(c)), top] >= least_cosine(-cos)[row]
     row, x = row[inside], x[inside]
-    gap = np.where(into, room / safe, -np.inf).max(axis=1)[inside]
+    gap = height.max(axis=1)[inside]
     return row, x + (sign * gap / 2)[:, None] * n[row], gap
+
+
+def least_cosine(cosines: Array) -> Array:
+    """Least cosine to a direction of the faces that look along it, from those of all faces (K, F).
+
+    These are the face nearest to the direction and those that deviate from it by little more;
+    other faces meet another piece from the side.
+    """
+    best = np.clip(cosines.max(axis=1, initial=-1.0), -1.0, 1.0)
+    return np.asarray(np.cos(np.minimum(np.arccos(best) + BEYOND, np.pi / 2 - SLOPE)))
 
 
 def _plane(n: Array, x: Array) -> tuple[Array, Array, Array]:
@@ -287,7 +304,7 @@ def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -
     beside = sign * np.maximum(
         sign * cos[rows, core.edge_face[..., 0]], sign * cos[rows, core.edge_face[..., 1]]
     )
-    facing = (sign * beside > SLOPE) | (core.edge_face[..., 0] < 0)
+    facing = (sign * beside >= least_cosine(sign * cos)[:, None]) | (core.edge_face[..., 0] < 0)
     return core.edges & facing & (high >= height.max(axis=1)[:, None] - room[:, None])
 
 
