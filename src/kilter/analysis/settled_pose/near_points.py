@@ -17,6 +17,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kilter.analysis.settled_pose.bore_points import Shafts, bore_points, shafts_in_holes
+from kilter.analysis.settled_pose.clear_segments import are_clear
 from kilter.analysis.settled_pose.settle_tolerances import (
     BESIDE,
     COINCIDES,
@@ -27,14 +29,26 @@ from kilter.analysis.settled_pose.settle_tolerances import (
     SLENDER,
     THINNEST,
 )
-from kilter.arrays import TINY, Array, Index, Mask, Rows, across, columns, distinct_rows, unit_rows
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Mask,
+    Rows,
+    across,
+    columns,
+    distinct_rows,
+    group_sums,
+    ragged,
+    unit_rows,
+)
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.broad import facet_pairs
 from kilter.contact.common.contact_search import ContactSearch, begin_search
 from kilter.contact.common.distances import segment_distance, surface_distance
 from kilter.contact.common.facets import Facets
-from kilter.contact.common.findings import FacePatches
+from kilter.contact.common.findings import CurvedFindings, FacePatches
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import Patches
 from kilter.contact.common.polygons import (
@@ -211,7 +225,7 @@ def find_near_points(assembly: Assembly, reach: float, fine_reach: float) -> Nea
     blocks.append(_points(separating_points(geometry, facets, alone, reach)))
     if not simple.all():
         others = _restricted(search, ~simple, fine_reach)
-        blocks += _general_points(others, fine_reach)
+        blocks += _general_points(others, fine_reach, assembly.down)
     points = NearPoints.join(blocks)
     parts = np.column_stack([points.part_a, points.part_b])
     points = replace(points, mu=friction_coefficients(assembly, parts))
@@ -265,47 +279,87 @@ def _overlap_polygons(
 ) -> tuple[Index, Array, Index, Mask]:
     """Overlap of each pair of faces as a convex polygon: its frame, corners (u, v) and their count.
 
-    Polygons thinner than twice their gap are dropped, and gaps wider than the reach. The hull of
-    several pieces stands for them, since the gap is affine over both faces. The mask is false for
-    strips that are too thin to count as an area of contact.
+    Polygons thinner than twice their gap are dropped, gaps wider than the reach, and faces that do
+    not see each other. The hull of several pieces stands for them, since the gap is affine over
+    both faces. The mask is false for strips that are too thin to count as an area of contact.
     """
-    frame: list[Index] = []
-    polygons: list[Array] = []
-    for block in overlaps_of(search.geometry, search.facets, frames):
-        frame.append(block.frame)
-        polygons += [points[:n] for points, n in zip(block.points, block.count, strict=True)]
-    rows = np.concatenate([*frame, np.empty(0, dtype=np.int64)])
-    order = np.argsort(rows, kind="stable")
-    first = np.flatnonzero(np.diff(rows[order], prepend=-1))
-    kept_frame: list[int] = []
-    kept: list[Array] = []
-    wide: list[bool] = []
-    size = search.geometry.size
-    last = np.append(first, len(order))[1:]
-    for begin, end in zip(first, last, strict=True):
-        row = int(rows[order[begin]])
-        pieces = [polygons[k] for k in order[begin:end]]
-        corners = pieces[0] if len(pieces) == 1 else convex_hull(np.concatenate(pieces))
-        gaps = frames.gaps(corners[None], np.array([row]))[0]
-        least = float(np.abs(gaps).min())
-        deep = max(least, -float(gaps.min()))
-        slack = SAME_PLACE * float(size[search.pairs[frames.pair[row]]].min())
-        width = _width(corners)
-        if least <= reach and width >= max(2 * deep, slack):
-            kept_frame.append(row)
-            kept.append(corners)
-            wide.append(width >= THINNEST / SAME_PLACE * slack)
-    count = np.array([len(corners) for corners in kept], dtype=np.int64)
-    corners = np.concatenate([np.empty((0, 2)), *kept])
-    return np.array(kept_frame, dtype=np.int64), corners, count, np.array(wide, dtype=bool)
+    frame, count, corner = _hulls(*_seen_pieces(search, frames, reach))
+    first = np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64)
+    if not len(frame):
+        return frame, corner, count, np.zeros(0, dtype=bool)
+    gaps = frames.gaps(corner[:, None], np.repeat(frame, count))[:, 0]
+    least = np.minimum.reduceat(np.abs(gaps), first)
+    deep = np.maximum(least, -np.minimum.reduceat(gaps, first))
+    size = search.geometry.size[search.pairs[frames.pair[frame]]].min(axis=1)
+    width = _widths(corner, first, count)
+    kept = (least <= reach) & (width >= np.maximum(2 * deep, SAME_PLACE * size))
+    return (
+        frame[kept], corner[np.repeat(kept, count)], count[kept],
+        width[kept] >= THINNEST * size[kept],
+    )  # fmt: skip
 
 
-def _width(corners: Array) -> float:
-    """Twice the least standard deviation of the corners of a polygon [length unit]."""
-    x, y = (corners - corners.mean(axis=0)).T
-    a, b, c = float(x @ x), float(x @ y), float(y @ y)
-    least = (a + c) / 2 - float(np.hypot((a - c) / 2, b))
-    return 2 * float(np.sqrt(max(least, 0.0) / len(corners)))
+def _seen_pieces(
+    search: ContactSearch, frames: FacetFrame, reach: float
+) -> tuple[Index, Index, Array]:
+    """Pieces of the overlaps of faces that see each other: frame, corner count, corners (u, v).
+
+    A face that sees the other at the middle of a piece sees it everywhere, up to smaller faces in
+    between. Convex parts hide no face with a gap.
+    """
+    blocks = overlaps_of(search.geometry, search.facets, frames)
+    frame = np.concatenate([*(block.frame for block in blocks), np.empty(0, dtype=np.int64)])
+    count = np.concatenate([*(block.count for block in blocks), np.empty(0, dtype=np.int64)])
+    inner = [np.arange(block.points.shape[1]) < block.count[:, None] for block in blocks]
+    corner = [block.points[mask] for block, mask in zip(blocks, inner, strict=True)]
+    corners = np.concatenate([*corner, np.empty((0, 2))])
+    if not len(frame):
+        return frame, count, corners
+    owner = np.repeat(np.arange(len(frame)), count)
+    middle = group_sums(owner, corners, len(frame)) / count[:, None]
+    gap = frames.gaps(middle[:, None], frame)[:, 0]
+    convex = search.facets.convex_part[search.pairs[frames.pair[frame]]].all(axis=1)
+    near = np.concatenate([np.abs(block.gap).min(axis=1) for block in blocks]) <= reach
+    rows = np.flatnonzero(near & ~(convex & (gap >= 0)))
+    point = frames.middle(middle[rows, None], frame[rows])[:, 0]
+    half = gap[rows, None] / 2 * frames.normal[frame[rows]]
+    seen = near
+    seen[rows] = are_clear(search, frames.pair[frame[rows]], point - half, point + half)
+    visible = np.zeros(len(frames), dtype=bool)
+    visible[frame[seen]] = True
+    kept = visible[frame]
+    return frame[kept], count[kept], corners[kept[owner]]
+
+
+def _hulls(frame: Index, count: Index, corners: Array) -> tuple[Index, Index, Array]:
+    """The convex hull of all pieces of each frame, ordered by frame: as the arguments."""
+    order = np.argsort(frame, kind="stable")
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    rows, first, pieces = np.unique(frame[order], return_index=True, return_counts=True)
+    single = order[first[pieces == 1]]
+    hulls = {
+        int(k): convex_hull(corners[ragged(start, order[at : at + number])[1]])
+        for k, at, number in zip(rows, first, pieces, strict=True)
+        if number > 1
+    }
+    united = np.array(sorted(hulls), dtype=np.int64)
+    frames = np.concatenate([frame[single], united])
+    counts = np.concatenate([count[single], np.array([len(hulls[k]) for k in united], np.int64)])
+    values = np.concatenate([corners[ragged(start, single)[1]], *(hulls[k] for k in united)])
+    place = np.argsort(frames, kind="stable")
+    begin = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    return frames[place], counts[place], values[ragged(begin, place)[1]]
+
+
+def _widths(corners: Array, first: Index, count: Index) -> Array:
+    """Twice the least standard deviation of the corners of each polygon [length unit]."""
+    number = count.astype(np.float64)
+    middle = np.add.reduceat(corners, first) / number[:, None]
+    x, y = (corners - np.repeat(middle, count, axis=0)).T
+    a, b, c = (np.add.reduceat(v, first) for v in (x * x, y * y, x * y))
+    least = (a + b) / 2 - np.hypot((a - b) / 2, c)
+    widths: Array = 2 * np.sqrt(np.maximum(least, 0.0) / number)
+    return widths
 
 
 def _crossing_normals(
@@ -407,20 +461,48 @@ def _corner_at(search: ContactSearch, facet: Index, at: Array) -> tuple[Index, M
 # curved faces, edges and corners ---------------------------------------------------------
 
 
-def _general_points(search: ContactSearch, reach: float) -> list[NearPoints]:
+def _general_points(search: ContactSearch, reach: float, down: Array) -> list[NearPoints]:
     """Points of pairs of parts of any shape: flat faces, curved faces, edges and corners."""
     found = find_families(search)
     flat, _ = _flat_points(search, reach, found)
+    blocks = [flat]
     geometry = search.geometry
-    curved = found.curved.patches
-    surface = np.repeat(found.curved.surface, np.diff(curved.start), axis=0)
-    round_points = _patch_points(curved, _curved_gaps(geometry, curved, surface))
-    blocks = [flat, round_points.take(_share_material(geometry, round_points))]
+    shafts = shafts_in_holes(geometry, search.pairs)
+    curved = _without(found.curved, shafts)
+    surface = np.repeat(curved.surface, np.diff(curved.patches.start), axis=0)
+    gap = _curved_gaps(geometry, curved.patches, surface)
+    points = _seen(search, _patch_points(curved.patches, gap))
+    blocks.append(points.take(_share_material(geometry, points)))
+    row, point, normal, gap = bore_points(geometry, shafts, down, reach)
+    a, b = search.pairs[shafts.pair[row]].T
+    blocks.append(_seen(search, _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))))
     for patches in (found.smooth.patches, found.sharp.patches):
-        points = _patch_points(patches, _sharp_gaps(geometry, patches))
+        points = _seen(search, _patch_points(patches, _sharp_gaps(geometry, patches)))
         points = points.take(_truly_inside(geometry, points))
         blocks.append(points.take(_share_material(geometry, points)))
     return blocks
+
+
+def _without(found: CurvedFindings, shafts: Shafts) -> CurvedFindings:
+    """Patches of curved faces without those between shafts and wider holes."""
+    count = int(max(shafts.body.max(initial=0), shafts.hole.max(initial=0))) + 2
+    both = np.sort(found.surface, axis=1)
+    known = np.sort(np.column_stack([shafts.body, shafts.hole]), axis=1)
+    covered = np.isin(both[:, 0] * count + both[:, 1], known[:, 0] * count + known[:, 1])
+    kept = np.flatnonzero(~covered)
+    return CurvedFindings(found.patches.take(kept), surface=found.surface[kept])
+
+
+def _seen(search: ContactSearch, points: NearPoints) -> NearPoints:
+    """The points whose surfaces see each other (`clear_segments`)."""
+    count = len(search.geometry.mass)
+    keys = search.pairs[:, 0] * count + search.pairs[:, 1]
+    order = np.argsort(keys, kind="stable")
+    wanted = np.minimum(points.part_a, points.part_b) * count
+    wanted = wanted + np.maximum(points.part_a, points.part_b)
+    pair = order[np.searchsorted(keys[order], wanted)]
+    half = points.gap[:, None] / 2 * points.normal
+    return points.take(are_clear(search, pair, points.point - half, points.point + half))
 
 
 def _share_material(geometry: Geometry, points: NearPoints) -> Mask:
@@ -445,7 +527,7 @@ def _share_material(geometry: Geometry, points: NearPoints) -> Mask:
         places = points.point[k, None, None] + offset
         flat = places.reshape(-1, 3)
         both = inside_part(geometry, a, flat) & inside_part(geometry, b, flat)
-        sound[k] = both.reshape(len(k), -1).any(axis=1)
+        sound[k] = np.any(np.all(both.reshape(len(k), 4, -1), axis=2), axis=1)
     return sound
 
 
