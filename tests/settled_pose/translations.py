@@ -1,7 +1,7 @@
 """A small second engine: parts sink by translations alone, without friction.
 
 In each round, a linear program moves the free parts as far along gravity as the gaps of the
-candidate points allow, by at most a third of the reach. It uses the points of `find_near_points` and
+candidate points allow, by at most a third of the reach. It uses `find_near_points` and
 nothing else of the search for a pose at rest.
 """
 
