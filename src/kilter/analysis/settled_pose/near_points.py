@@ -6,9 +6,14 @@ displacements, the gap changes by n . (v_b(x) - v_a(x)). Three families give the
 - Opposed flat faces: the corners of the polygon in which the faces overlap. A corner of a part is
   compared with the plane of the other face. At a crossing of edges the normal lies across both; for
   parallel faces it is the mean normal.
-- Pairs of convex flat parts without such a polygon: a separating plane (`separating_planes`).
+- Pairs of convex flat parts without such a polygon: the distances of convex pieces
+  (`kilter.contact.convex_points`).
 - All other pairs: kilter's own detection of curved faces, edges and corners with a gap tolerance
-  as large as the reach.
+  as large as the reach, and the points of round bodies in holes (`bore_points`).
+
+A point counts only if its surfaces see each other: the segment between them lies outside of both
+parts, or, where they penetrate each other, inside of both (`clear_segments`). So no reach sees
+through a wall.
 """
 
 from __future__ import annotations
@@ -26,7 +31,6 @@ from kilter.analysis.settled_pose.settle_tolerances import (
     FACING,
     INSIDE,
     LEVEL,
-    SLENDER,
     THINNEST,
 )
 from kilter.arrays import (
@@ -46,8 +50,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.broad import facet_pairs
 from kilter.contact.common.contact_search import ContactSearch, begin_search
-from kilter.contact.common.distances import segment_distance, surface_distance
-from kilter.contact.common.facets import Facets
+from kilter.contact.common.distances import surface_distance
 from kilter.contact.common.findings import CurvedFindings, FacePatches
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import Patches
@@ -59,129 +62,11 @@ from kilter.contact.common.polygons import (
     padded,
 )
 from kilter.contact.contact_tolerances import CLUSTER, SAME_PLACE
+from kilter.contact.convex_pieces import convex_pieces
+from kilter.contact.convex_points import near_points
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.overlap import inside_part
 from kilter.contact.pair_findings import find_families
-
-# Points of convex parts without opposed faces: the plane that separates two parts best.
-
-
-Columns = tuple[Index, Index, Array, Array, Array, Mask]
-"""Part a, part b, point, normal, gap, and whether it carries force."""
-
-
-def separating_points(
-    geometry: Geometry, facets: Facets, pairs: Index, reach: float
-) -> Columns | None:
-    """Points of pairs of convex parts with flat faces, shape (n, 2); None without points."""
-    blocks = [_points_of(geometry, facets, (int(a), int(b)), reach) for a, b in pairs]
-    found = [block for block in blocks if block is not None]
-    if not found:
-        return None
-    a, b, point, normal, gap, bears = (
-        np.concatenate([block[k] for block in found]) for k in range(6)
-    )
-    return a, b, point, normal, gap, bears
-
-
-def _points_of(
-    geometry: Geometry, facets: Facets, parts: tuple[int, int], reach: float
-) -> Columns | None:
-    """Points of a pair of parts at the plane that separates it best."""
-    own = [_corners(geometry, part) for part in parts]
-    spans = [slice(facets.start[part], facets.start[part + 1]) for part in parts]
-    normals = np.concatenate([facets.normal[spans[0]], -facets.normal[spans[1]]])
-    number = len(normals)
-    top, low = (normals @ own[0].T).max(axis=1), (normals @ own[1].T).min(axis=1)
-    if (low - top).max() > reach:
-        return None
-    edges = [_edges(geometry, facets, part) for part in parts]
-    across = np.cross(
-        (edges[0][1] - edges[0][0])[:, None], (edges[1][1] - edges[1][0])[None]
-    ).reshape(-1, 3)
-    length = np.linalg.norm(across, axis=1)
-    sound = length > SLENDER * float(geometry.size[list(parts)].prod())
-    directions = distinct_rows((across[sound] / length[sound, None]).round(9))[0]
-    normals = np.concatenate([normals, directions, -directions])
-    top, low = (normals @ own[0].T).max(axis=1), (normals @ own[1].T).min(axis=1)
-    # a face is preferred to a plane across edges that separates equally well
-    k = int(np.argmax(low - top - np.where(np.arange(len(normals)) < number, 0.0, 1e-12 * reach)))
-    n, gap = normals[k], float(low[k] - top[k])
-    if abs(gap) > reach:
-        return None
-    if k >= number:
-        return _edge_point(edges, parts, n, gap, own)
-    face = k < spans[0].stop - spans[0].start
-    corners = own[1] if face else own[0]
-    height = corners @ n - top[k] if face else low[k] - corners @ n
-    rows = height < max(gap, 0.0) + reach
-    points = corners[rows]
-    other = spans[0] if face else spans[1]
-    row = k if face else k - (spans[0].stop - spans[0].start)
-    bears = _over_face(facets, other, row, points, COINCIDES * geometry.size[list(parts)].min())
-    return _columns(parts, points, np.tile(n, (len(points), 1)), height[rows], bears)
-
-
-def _columns(
-    parts: tuple[int, int], point: Array, normal: Array, gap: Array, bears: Mask
-) -> Columns:
-    """Columns of points of a single pair."""
-    count = len(point)
-    return np.full(count, parts[0]), np.full(count, parts[1]), point, normal, gap, bears
-
-
-def _corners(geometry: Geometry, part: int) -> Array:
-    return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
-
-
-def _edges(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
-    """Ends of the edges of a convex part, each edge once for each direction of travel."""
-    begin, end = [], []
-    for facet in range(facets.start[part], facets.start[part + 1]):
-        loop = facets.corners[facets.corner_start[facet] : facets.corner_start[facet + 1]]
-        begin.append(loop)
-        end.append(np.roll(loop, -1))
-    ends = np.sort(np.column_stack([np.concatenate(begin), np.concatenate(end)]), axis=1)
-    ends = distinct_rows(ends)[0]
-    return geometry.vertices[ends[:, 0]], geometry.vertices[ends[:, 1]]
-
-
-def _over_face(facets: Facets, span: slice, row: int, points: Array, slack: float) -> Mask:
-    """Mask of points that lie inside the planes of all other faces of a convex part."""
-    height = np.einsum(
-        "kfi,fi->kf", points[:, None, :] - facets.origin[span][None], facets.normal[span]
-    )
-    height[:, row] = -np.inf
-    inside: Mask = height.max(axis=1) <= -slack
-    return inside
-
-
-def _edge_point(
-    edges: list[tuple[Array, Array]],
-    parts: tuple[int, int],
-    n: Array,
-    gap: float,
-    own: list[Array],
-) -> Columns:
-    """The point at which two edges cross, at the plane with the normal n across both."""
-    slack = COINCIDES * float(np.ptp(own[0], axis=0).max() + np.ptp(own[1], axis=0).max())
-    near = []
-    for (p, q), corners, sign in zip(edges, own, (1.0, -1.0), strict=True):
-        most = (sign * (corners @ n)).max()
-        at = (sign * (p @ n) >= most - slack) & (sign * (q @ n) >= most - slack)
-        near.append((p[at], q[at]))
-    if not (len(near[0][0]) and len(near[1][0])):
-        corner = own[1][np.argmin(own[1] @ n)]
-        return _columns(parts, corner[None], n[None], np.array([gap]), np.zeros(1, dtype=bool))
-    i, j = (x.ravel() for x in np.indices((len(near[0][0]), len(near[1][0]))))
-    p1, q1, p2, q2 = near[0][0][i], near[0][1][i], near[1][0][j], near[1][1][j]
-    apart, on_a, on_b = segment_distance(p1, q1, p2, q2)
-    k = int(np.argmin(apart))
-    ends = (on_a[k] - p1[k], on_a[k] - q1[k], on_b[k] - p2[k], on_b[k] - q2[k])
-    inner = min(float(np.linalg.norm(end)) for end in ends) > slack
-    middle = (on_a[k] + on_b[k]) / 2
-    return _columns(parts, middle[None], n[None], np.array([gap]), np.array([inner]))
-
 
 BETWEEN = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along the normal of a penetrating point that are examined, over its penetration [-]."""
@@ -208,28 +93,63 @@ class NearPoints(Rows):
     """False for points that only prevent penetration and carry no force, shape (K,)."""
 
 
-def find_near_points(assembly: Assembly, reach: float, fine_reach: float) -> NearPoints:
+def find_near_points(
+    assembly: Assembly, reach: float, fine_reach: float, *, covered: Mask | None = None
+) -> NearPoints:
     """Find the points of an assembly that lie within a reach of contact.
 
     Arguments: `reach`: largest gap of a point between convex parts with flat faces [length unit];
-    `fine_reach`: the same for all other pairs [length unit].
+    `fine_reach`: the same for all other pairs [length unit]; `covered` (N,): parts whose pairs with
+    each other are left out.
     """
     search = begin_search(assembly, Tolerance(gap=reach / CLUSTER), lambda stage: None)
     facets, geometry = search.facets, search.geometry
+    if covered is not None and covered.any():
+        search = _restricted(search, ~both_of(covered, search.pairs), reach)
     plain = facets.convex_part & (np.diff(geometry.surfaces.start) == 0)
-    simple = plain[search.pairs].all(axis=1)
+    simple = both_of(plain, search.pairs)
     flat, faced = _flat_points(_restricted(search, simple, reach), reach)
     blocks = [flat]
-    simple_pairs = search.pairs[simple]
-    alone = simple_pairs[~faced]
-    blocks.append(_points(separating_points(geometry, facets, alone, reach)))
+    alone = np.flatnonzero(simple)[~faced]
+    if len(alone):
+        apart, found = _convex_points(assembly, search.pairs[alone], reach)
+        blocks.append(apart)
+        simple[alone[~found]] = False
     if not simple.all():
         others = _restricted(search, ~simple, fine_reach)
         blocks += _general_points(others, fine_reach, assembly.down)
     points = NearPoints.join(blocks)
     parts = np.column_stack([points.part_a, points.part_b])
-    points = replace(points, mu=friction_coefficients(assembly, parts))
+    pairs, pair = distinct_rows(parts)
+    points = replace(points, mu=friction_coefficients(assembly, pairs)[pair])
     return points.take(np.abs(points.gap) <= reach)
+
+
+def _convex_points(assembly: Assembly, pairs: Index, reach: float) -> tuple[NearPoints, Mask]:
+    """Points of pairs of parts by the distances of convex pieces, and a mask of convex pairs.
+
+    Arguments: `pairs` (n, 2): parts a < b.
+    """
+    used, number = np.unique(pairs, return_inverse=True)
+    number = number.reshape(-1, 2)
+    parts = [assembly.parts[k] for k in used.tolist()]
+    pieces = convex_pieces(Assembly(parts, units=assembly.units))
+    a, b = np.triu_indices(len(used), 1)
+    wanted = np.isin(a * len(used) + b, number @ np.array([len(used), 1]))
+    rotation = np.array([part.pose.matrix for part in parts])
+    position = np.array([part.pose.position for part in parts])
+    ignored = np.column_stack([a, b])[~wanted]
+    found = near_points(pieces, rotation, position, reach, ignored)
+    columns = (found.point, found.normal, found.gap, found.bears)
+    points = _points((used[found.part_a], used[found.part_b], *columns))
+    return points, both_of(pieces.whole, number)
+
+
+def both_of(of_part: Mask, pairs: Index) -> Mask:
+    """Mask of pairs of which both parts are marked, shape (n,)."""
+    a, b = pairs.T
+    both: Mask = of_part[a] & of_part[b]
+    return both
 
 
 def _restricted(search: ContactSearch, rows: Mask, reach: float) -> ContactSearch:
