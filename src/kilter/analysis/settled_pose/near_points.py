@@ -292,49 +292,56 @@ def _crossing_normals(
     the side with the smaller gap. NaN: the faces are nearly parallel.
     """
     normal = np.full((len(corner), 3), np.nan)
-    first = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
-    for k in np.flatnonzero(frames.angle[frame] > LEVEL):
-        span, row = slice(first[k], first[k + 1]), int(frame[k])
-        polygon = corner[span]
-        gaps = frames.gaps(polygon[None], np.array([row]))[0]
-        along = np.roll(polygon, -1, axis=0) - polygon
-        middle = polygon + along / 2
-        off = [_boundary_distance(search, frames, row, side, middle) for side in (0, 1)]
-        face = np.where(off[0] < off[1], 0, 1)  # of the side that begins at each corner
-        basis = np.stack([frames.u[row], frames.v[row]])
-        rise = np.einsum("ki,ki->k", along, frames.slope[row][face])
-        lifted = unit_rows(along @ basis + rise[:, None] * frames.normal[row])
-        across = np.cross(np.roll(lifted, 1, axis=0), lifted)
-        across *= np.sign(across @ frames.normal[row])[:, None]
-        sine = np.linalg.norm(across, axis=1)
-        lower = np.where(np.roll(gaps, -1) < np.roll(gaps, 1), face, np.roll(face, 1))
-        facets = search.facets
-        planes = np.stack([-facets.normal[frames.j[row]], facets.normal[frames.i[row]]])
-        skew = (sine > CROSSING) & (face != np.roll(face, 1))
-        normal[span] = np.where(
-            skew[:, None], across / np.maximum(sine, TINY)[:, None], planes[lower]
-        )
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    chosen = np.flatnonzero(frames.angle[frame] > LEVEL)
+    owner, rows = ragged(start, chosen)
+    if not len(rows):
+        return normal
+    place = np.arange(len(rows)) - np.searchsorted(owner, owner)
+    size = count[chosen][owner]
+    after = np.arange(len(rows)) + np.where(place + 1 < size, 1, 1 - size)
+    before = np.arange(len(rows)) + np.where(place > 0, -1, size - 1)
+    polygon, row = corner[rows], frame[chosen][owner]
+    gaps = frames.gaps(polygon[:, None], row)[:, 0]
+    along = polygon[after] - polygon
+    off = [_boundary_distance(search, frames, row, side, polygon + along / 2) for side in (0, 1)]
+    face = np.where(off[0] < off[1], 0, 1)  # of the side that begins at each corner
+    rise = np.einsum("ki,ki->k", along, frames.slope[row, face])
+    in_plane = along[:, :1] * frames.u[row] + along[:, 1:] * frames.v[row]
+    lifted = unit_rows(in_plane + rise[:, None] * frames.normal[row])
+    across = np.cross(lifted[before], lifted)
+    across *= np.sign(np.einsum("ki,ki->k", across, frames.normal[row]))[:, None]
+    sine = np.linalg.norm(across, axis=1)
+    lower = np.where(gaps[after] < gaps[before], face, face[before])
+    facets = search.facets
+    planes = np.where(
+        lower[:, None] == 0, -facets.normal[frames.j[row]], facets.normal[frames.i[row]]
+    )
+    skew = (sine > CROSSING) & (face != face[before])
+    normal[rows] = np.where(skew[:, None], across / np.maximum(sine, TINY)[:, None], planes)
     return normal
 
 
 def _boundary_distance(
-    search: ContactSearch, frames: FacetFrame, row: int, side: int, points: Array
+    search: ContactSearch, frames: FacetFrame, row: Index, side: int, points: Array
 ) -> Array:
-    """Distance of points (u, v) from the boundary of a face of a frame [length unit]."""
+    """Distance of points (u, v) of frames `row` from the boundary of a face of the frame, (n,)."""
     facets = search.facets
-    facet = int((frames.i, frames.j)[side][row])
-    rows = facets.corners[facets.corner_start[facet] : facets.corner_start[facet + 1]]
-    outline = frames.flat(search.geometry.vertices[rows][None], np.array([row]))[0]
-    if facets.convex[facet]:
-        begin, end = outline, np.roll(outline, -1, axis=0)
-    else:
-        triangles = outline.reshape(-1, 3, 2)
-        begin, end = triangles.reshape(-1, 2), np.roll(triangles, -1, axis=1).reshape(-1, 2)
-    along = end - begin
-    share = np.einsum("pei,ei->pe", points[:, None] - begin[None], along)
-    share = np.clip(share / np.maximum(np.einsum("ei,ei->e", along, along), TINY), 0.0, 1.0)
-    nearest = begin[None] + share[..., None] * along[None]
-    distance: Array = np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1)
+    facet = (frames.i, frames.j)[side][row]
+    owner, begin = ragged(facets.corner_start, facet)
+    first = facets.corner_start[facet][owner]
+    loop = np.where(facets.convex[facet], np.diff(facets.corner_start)[facet], 3)[owner]
+    place = (begin - first) % loop
+    end = begin + np.where(place + 1 < loop, 1, 1 - loop)
+    vertices = search.geometry.vertices
+    start, stop = (
+        frames.flat(vertices[facets.corners[k]][:, None], row[owner])[:, 0] for k in (begin, end)
+    )
+    along, from_start = stop - start, points[owner] - start
+    share = np.einsum("ki,ki->k", from_start, along)
+    share = np.clip(share / np.maximum(np.einsum("ki,ki->k", along, along), TINY), 0.0, 1.0)
+    off = np.linalg.norm(from_start - share[:, None] * along, axis=1)
+    distance: Array = np.minimum.reduceat(off, np.searchsorted(owner, np.arange(len(facet))))
     return distance
 
 
