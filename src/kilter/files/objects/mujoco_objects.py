@@ -131,7 +131,7 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
             f"a mujoco {type(model).__name__} is not a model",
             hint="give an MjModel, an MjSpec, or (model, data)",
         )
-    snapshot = take_snapshot(mujoco, model, data, choices.keyframe)
+    snapshot = take_snapshot(mujoco, model, data, choices.keyframe, choices.states)
     return ModelScene(snapshot, choices).assembly("")
 
 
