@@ -283,7 +283,8 @@ def _rows_of_dead_task(task: Task) -> tuple[list[BatchRow], list[Task]]:
     if task.tries + 1 < TRIES:
         return [], [Task(task.chunk, task.files, task.tries + 1)]
     if len(task.files) == 1:
-        return [error_row(*task.files[0], KILLED)], []
+        index, file = task.files[0]
+        return [error_row(index, file, KILLED)], []
     half = len(task.files) // 2
     return [], [Task(task.chunk, some) for some in (task.files[:half], task.files[half:])]
 

@@ -24,8 +24,8 @@ ARRAYS = (
     "geom_margin", "geom_pos", "geom_priority", "geom_quat", "geom_size", "geom_type", "jnt_bodyid",
     "jnt_dofadr", "jnt_limited", "jnt_qposadr", "jnt_range", "jnt_stiffness", "jnt_type",
     "mesh_face", "mesh_faceadr", "mesh_facenum", "mesh_vert", "mesh_vertadr", "mesh_vertnum",
-    "pair_dim", "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos_spring", "tendon_limited",
-    "tendon_stiffness",
+    "pair_dim", "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos_spring",
+    "tendon_limited", "tendon_stiffness",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
 PLACES = ("qpos", "xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")
