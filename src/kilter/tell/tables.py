@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from kilter.errors import some
@@ -153,7 +154,7 @@ def tables(answer: Answer) -> list[Table]:
         rows = scene_order(answer["objects"])
         return [Table("objects:", SCENE_HEAD, rows, object_cells, complete=True)]
     if kind == "settle" and answer["moved"]:
-        return [Table("moved:", moved_head(answer), answer["moved"], moved_cells)]
+        return [Table("moved:", moved_head(answer), answer["moved"], partial(moved_cells, answer))]
     if kind == "check-plan":
         return [Table("items:", PACKING_HEAD, list(enumerate(answer["items"], 1)), item_cells)]
     if kind == "check":
