@@ -55,9 +55,7 @@ def settled_rows(tasks: Sequence[StateTask], question: StateQuestion) -> list[di
     return [_settled_row(index, places, question) for index, places in tasks]
 
 
-def _settled_row(
-    index: int, places: dict[str, Array], question: StateQuestion
-) -> dict[str, Any]:
+def _settled_row(index: int, places: dict[str, Array], question: StateQuestion) -> dict[str, Any]:
     """The row of a state; an error in a state is a row, too."""
     begun = time.perf_counter()
     free = 0

@@ -26,6 +26,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.question import Question, plain_joints
 from kilter.contact import ContactSet, detect
 from kilter.contact.common.patches import SAME_BODY
+from kilter.contact.kept_contacts import contacts_among
 from kilter.tell.levels import holds, level_rank
 from kilter.work import stop_after
 
@@ -37,8 +38,12 @@ def settled_scene(asked: Question) -> SceneReport:
     """The report about a scene after its objects have come to rest."""
     with stop_after(asked.seconds_left):
         drawn, asked = asked.assembly, asked.but(time_limit=None)
-        once = _drawn_once(drawn, detect.touching(asked))
-        rest = rest_of(rigid_bodies(plain_joints(once, "settle"), ()), reach=None, tell=asked.tell)
+        contacts = detect.touching(asked)
+        once = _drawn_once(drawn, contacts)
+        if once is not drawn:
+            contacts = contacts_among(contacts, once)
+        bodies = rigid_bodies(plain_joints(once, "settle"), ())
+        rest = rest_of(bodies, contacts, reach=None, tell=asked.tell)
         after = _in_poses(drawn, once, rest)
         asked.tell("states")
         first = _on_closed_points(rest, asked)

@@ -12,7 +12,7 @@ geometry, and a certificate proves the forces (`kilter.analysis.settled_pose.res
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
@@ -33,7 +33,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
-from kilter.contact import detect
+from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.tell.levels import holds, level_rank, require_level
@@ -313,7 +313,7 @@ def _settle(
         rest, reach = find_nearest_rest(bodies, contacts, reach=reach, tell=tell)
         rest = without_rounding(rest)
     else:
-        rest = rest_of(bodies, reach=reach, tell=tell)
+        rest = rest_of(bodies, contacts, reach=reach, tell=tell)
     settled = rest.bodies.assembly()
     resting: RestingParts | str = rest.why
     if rest.state == "at-rest" or not nearest:
@@ -331,12 +331,17 @@ def valid_reach(reach: float | None) -> float | None:
     return most
 
 
-def rest_of(bodies: RigidBodies, *, reach: float | None, tell: Any) -> Rest:
-    """The result of the engine; "not-found" for an assembly that it does not accept."""
+def rest_of(
+    bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Callable[[str], None]
+) -> Rest:
+    """The result of the engine; "not-found" for an assembly that it does not accept.
+
+    Arguments: `contacts`: contacts of the drawn pose.
+    """
     why = refusal(bodies.drawn)
     if why:
         return Rest("not-found", bodies, ways=((),) * len(bodies.mass), why=why)
-    return without_rounding(come_to_rest(bodies, reach=reach, tell=tell))
+    return without_rounding(come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell))
 
 
 def without_rounding(rest: Rest) -> Rest:
