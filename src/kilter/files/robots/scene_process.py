@@ -32,6 +32,7 @@ from kilter.threads import make_no_threads
 
 if TYPE_CHECKING:
     from kilter.files.format_options import FormatOptions
+    from kilter.files.objects.mujoco_snapshot import StateRows
 
 
 LIBRARIES = {"mjcf": "MuJoCo", "usd": "USD"}
@@ -57,7 +58,7 @@ def begin_early(kind: str, path: Path) -> None:
     """Start the process, and let it read a file in advance with the default options."""
     if not _kept and can_start():
         _begin()
-        _kept[0].ask_ahead(_request(kind, path, None, None))
+        _kept[0].ask_ahead(_request(kind, path, None, None, None))
 
 
 def is_mjcf(path: Path) -> bool:
@@ -82,12 +83,14 @@ def _end() -> None:
         _kept.pop().end()
 
 
-def _request(kind: str, path: Path, units: str | None, keyframe: str | None) -> Request:
+def _request(
+    kind: str, path: Path, units: str | None, keyframe: str | None, states: StateRows | None
+) -> Request:
     """Request to the process; another state of the file is another request."""
     state = path.stat()
     changed = (state.st_mtime_ns, state.st_size)
     place = (str(path.absolute()), str(path), changed)
-    return _seconds(state.st_size), (kind, place, units, keyframe, start_folder())
+    return _seconds(state.st_size), (kind, place, units, keyframe, states, start_folder())
 
 
 def _seconds(size: int) -> float:
@@ -104,7 +107,7 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Any:
     from kilter.arrays import sealed
 
     try:
-        request = _request(kind, path, choices.units, choices.keyframe)
+        request = _request(kind, path, choices.units, choices.keyframe, choices.states)
     except FileNotFoundError:
         raise InputError("no such file", file=str(path), hint="check the path") from None
     except (OSError, ValueError) as error:
@@ -187,6 +190,7 @@ def _read(
     place: tuple[str, str, tuple[int, int]],
     units: str | None,
     keyframe: str | None,
+    states: StateRows | None,
     start: tuple[str, str] | None,
 ) -> Any:
     """Read a scene in this process.
@@ -199,7 +203,7 @@ def _read(
         if kind == "mjcf":
             from kilter.files.objects.mjcf_scenes import read_mjcf
 
-            return read_mjcf(Path(path), keyframe, allow_time)
+            return read_mjcf(Path(path), keyframe, states, allow_time)
         from kilter.files.usd.usd_assembly import read_usd
 
         return read_usd(Path(path), shown, units, allow_time)
