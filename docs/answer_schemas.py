@@ -23,6 +23,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.engine_contacts.judge import Judged
 from kilter.analysis.many.batch import Batch
 from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin_answer import Margin
@@ -70,6 +71,7 @@ ANSWERS: dict[str, Any] = {
     "settle": Settled,
     "transport": Transport,
     "verify": Verification,
+    "why": Judged,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
 

@@ -27,6 +27,7 @@ WRITERS = {
     "settle": "kilter.analysis.settled_pose.settle.Settled",
     "transport": "kilter.analysis.transport.transport_answer.Transport",
     "verify": "kilter.analysis.verification.Verification",
+    "why": "kilter.analysis.engine_contacts.judge.Judged",
 }
 """Class of each answer, whose method `to_dict` writes the data."""
 

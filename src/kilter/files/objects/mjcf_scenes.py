@@ -18,8 +18,17 @@ def read_mjcf(path: Path, keyframe: str | None, allow_time: Callable[[int], None
     """Read an MJCF file (a scene for MuJoCo) as a snapshot of its model.
 
     Arguments: `allow_time`: called with the size of all files [bytes] before MuJoCo builds the
-    scene. Raises `InputError` if MuJoCo is not installed or rejects the file, if the scene has too
-    many elements, or if there is no such keyframe.
+    scene. Raises `InputError` as `compiled_mjcf`, and if there is no such keyframe.
+    """
+    mujoco, model = compiled_mjcf(path, allow_time)
+    return take_snapshot(mujoco, model, None, keyframe)
+
+
+def compiled_mjcf(path: Path, allow_time: Callable[[int], None]) -> tuple[Any, Any]:
+    """The package of MuJoCo, and the model of an MJCF file.
+
+    Raises `InputError` if MuJoCo is not installed or rejects the file, or if the scene has too many
+    elements.
     """
     survey = survey_mjcf(path)
     try:
@@ -30,11 +39,10 @@ def read_mjcf(path: Path, keyframe: str | None, allow_time: Callable[[int], None
         ) from None
     allow_time(survey.size)
     try:
-        model = _compiled(mujoco, path, survey.elements)
+        return mujoco, _compiled(mujoco, path, survey.elements)
     except ValueError as error:
         what = " ".join(str(error).split())[:200]
         raise InputError(f"MuJoCo rejects it: {what}", hint="correct the file") from None
-    return take_snapshot(mujoco, model, None, keyframe)
 
 
 def _compiled(mujoco: Any, path: Path, elements: int) -> Any:

@@ -60,7 +60,7 @@ def take_snapshot(mujoco: Any, model: Any, data: Any, keyframe: str | None) -> S
     notes: list[str] = []
     placed = mujoco.MjData(model) if data is None else data
     if data is None or keyframe is not None:
-        _set_pose(mujoco, model, placed, keyframe, notes)
+        set_pose(mujoco, model, placed, keyframe, notes)
     mujoco.mj_kinematics(model, placed)
     mujoco.mj_comPos(model, placed)
     every = {*FLAGS, *(flag for flags in DISABLED.values() for flag in flags)}
@@ -88,7 +88,7 @@ def take_snapshot(mujoco: Any, model: Any, data: Any, keyframe: str | None) -> S
     )
 
 
-def _set_pose(mujoco: Any, model: Any, data: Any, keyframe: str | None, notes: list[str]) -> None:
+def set_pose(mujoco: Any, model: Any, data: Any, keyframe: str | None, notes: list[str]) -> None:
     """Set the pose to the named keyframe, or to the first keyframe, if any."""
     keys = [model.key(k).name for k in range(model.nkey)]
     if keyframe is None and not keys:
