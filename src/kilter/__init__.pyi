@@ -650,6 +650,7 @@ def load(
     up: str | None = None,
     contacts: str | None = None,
     keyframe: str | None = None,
+    state: str | None = None,
     base: str | None = None,
     stud_pull: float | None = None,
     stud_shear: float | str | None = None,
@@ -697,6 +698,9 @@ def load(
         file replace detection for their pairs. Interfaces of COMPAS are then ignored, with a note.
     keyframe : str, optional
         MuJoCo: name of the keyframe whose pose is used; default the first keyframe.
+    state : str, optional
+        MuJoCo: ``FILE`` or ``FILE:ROW``, the state of this row in place of a keyframe. The file is
+        that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
     stud_pull : float, optional
@@ -1210,8 +1214,8 @@ def scene(
     time_limit : float, optional
         Time limit [s]. Clusters that are not judged until then are open.
     settle : bool
-        Whether to repair the scene first: floating objects fall, and clusters with faults settle
-        (`kilter.settle`). The report is about the new poses; `SceneReport.drawn` has the old.
+        Whether to bring the objects to rest first, as `kilter.settle` does. The report is about
+        the new poses; `SceneReport.drawn` has the old.
     friction : float, optional
         Coefficient of the contacts without a coefficient of their own [-].
     down : array_like, shape (3,), optional
@@ -1264,7 +1268,7 @@ def settle(
     floor: bool | float | None = None,
     reach: float | None = None,
     keep: str | Iterable[str] = (),
-    drop: bool = False,
+    nearest: bool = False,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     require: str = "settles",
@@ -1272,19 +1276,23 @@ def settle(
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Settled:
-    """Move the parts of an assembly by little until they touch and rest on each other.
+    """Bring the parts of an assembly to rest: a pose that it can reach without gaining energy.
+
+    Overlapping parts are pushed apart; then parts fall, tip, slide and roll until they rest or
+    leave the scene. It is no claim about dynamics: a thrown or bouncing part may come to rest
+    elsewhere.
 
     Parameters
     ----------
     assembly : Assembly, or path
         At least one part is held. Held parts do not move.
     reach : float, optional
-        Largest permitted movement of a part [length unit]. By default it is three times the widest
-        gap or overlap of the drawn pose; the answer states it.
+        Largest way of a part [length unit]. By default it has no limit; with `nearest`, it is three
+        times the widest gap or overlap of the drawn pose, and the answer states it.
     keep : str or iterable of str
         Parts that must not move although they are not held; ``*`` and ``?`` are wildcards.
-    drop : bool
-        Whether hanging parts first fall straight down until they meet another part.
+    nearest : bool
+        Whether to search for a pose at rest by the least motion instead.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Settled.at_rest` is true from this level.
     friction : float, optional
@@ -1329,12 +1337,12 @@ def settle(
     --------
     >>> from kilter import Box, Part
     >>> table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
-    >>> box = Part("box", Box(1, 1, 1), [0, 0, 0.501])
+    >>> box = Part("box", Box(1, 1, 1), [0, 0, 0.75])
     >>> answer = settle(Assembly([table, box]))
     >>> answer.state, answer.level, answer.distance.round(6).tolist()
-    ('at-rest', 'proved', [0.0, 0.001])
-    >>> answer["box"].pose.position.round(6)
-    array([0. , 0. , 0.5])
+    ('at-rest', 'proved', [0.0, 0.25])
+    >>> answer.moved[0].way[0].how, answer["box"].pose.position.round(6)
+    ('fell', array([0. , 0. , 0.5]))
     """
 
 def states(

@@ -96,7 +96,8 @@ def why(options: WhyOptions) -> int:
     """
     from kilter.analysis.engine_contacts.judge import judge_state
     from kilter.assembly.question import Question
-    from kilter.files.objects.mjcf_states import row_of_file
+    from kilter.files.format_options import FormatOptions
+    from kilter.files.objects.state_files import state_row
     from kilter.files.robots.scene_process import read_engine_state
     from kilter.tell.levels import require_level
     from kilter.tell.text import text_of
@@ -112,10 +113,9 @@ def why(options: WhyOptions) -> int:
     )
     with Progress(options.quiet) as progress:
         progress("reading")
-        row = None if options.state is None else row_of_file(options.state)
-        state = read_engine_state(
-            Path(options.file), options.keyframe, row, (options.steps, options.creep)
-        )
+        states = None if options.state is None else state_row(options.state)
+        choices = FormatOptions(keyframe=options.keyframe, states=states)
+        state = read_engine_state(Path(options.file), choices, (options.steps, options.creep))
         progress("verdict")
         judged = judge_state(state, asked, options.creep)
         data = judged.to_dict()

@@ -1,4 +1,4 @@
-"""The command `settle`: the pose at rest near the drawn pose."""
+"""The commands `settle` and `scene`: poses at rest, and the states of the objects of a scene."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class SettleOptions:
 
     reach: float | None = option(
         "--reach LENGTH",
-        "Largest permitted movement of a part (file units); by default three times the widest"
-        " gap or overlap.",
+        "Largest way of a part (file units). By default it has no limit; with --nearest, it is "
+        "three times the widest gap or overlap.",
         MOVED,
     )
     keep: list[str] | None = option(
@@ -48,8 +48,10 @@ class SettleOptions:
         "A part that must not move although it is not held. Repeatable; * and ? are wildcards.",
         MOVED,
     )
-    drop: bool = option(
-        "--drop", "First let hanging parts fall straight down until they meet another part.", MOVED
+    nearest: bool = option(
+        "--nearest",
+        "Search for a pose at rest by the least motion: parts do not fall, tip or roll.",
+        MOVED,
     )
     require: str = Require()
     json: bool = Json()
@@ -63,14 +65,16 @@ class SettleOptions:
 
 @asks(searches=True, proves=True, answers=False)
 def settle(asked: Asked, options: SettleOptions) -> int:
-    """Move parts that overlap or hang by a little until they rest on each other.
+    """Bring parts that overlap or hang to rest, and prove that they rest.
 
-    The answer states how far each part moves, the widest remaining gap, and the verdicts before and
-    after. At rest means: no overlap, and forces at closed points hold every part. The pose is not
-    unique, and "falls" is no proof that the assembly falls.
+    Overlapping parts are pushed apart; then parts fall, tip, slide and roll until they rest or
+    leave the scene. The answer is a pose at rest that the assembly can reach without gaining
+    energy, not a claim about dynamics. It states the way of each part, the widest remaining gap,
+    and the verdicts before and after. At rest means: no overlap, and forces at closed points hold
+    every part. The pose is not unique.
 
-    Exit code: 0 at rest at the level of --require, 3 at rest at a lower level, 1 it falls or does
-    not fit, 4 no pose was found.
+    Exit code: 0 at rest at the level of --require, 3 at rest at a lower level, 1 a part leaves the
+    scene or does not fit, 4 no pose was found.
     """
     from kilter.analysis.settled_pose.settle import settle as find
     from kilter.tell.text import text_of
@@ -84,29 +88,30 @@ def settle(asked: Asked, options: SettleOptions) -> int:
             assembly,
             reach=options.reach,
             keep=options.keep or (),
-            drop=options.drop,
+            nearest=options.nearest,
             require=options.require,
             **asked.shared(find, contacts, progress),
         )
         data = answer.to_dict()
-        if options.output is not None and (
-            answer.state == "at-rest" or options.output.suffix in PICTURES
-        ):
+        rests = answer.resting is not None
+        if options.output is not None and (rests or options.output.suffix in PICTURES):
             progress("output")
             write_pose(answer, asked, options.output)
     posed = replace(asked, reading=_with_poses(asked, answer))
-    after = posed.keep_proof(answer.proof if answer.state == "at-rest" else None, data)
+    after = posed.keep_proof(answer.proof if rests else None, data)
     tell_warnings(data["warnings"], asked.quiet or options.json)
     if options.json:
         emit(as_json(data), None)
     else:
         emit(text_of(data) + after, None)
-    if options.output is not None and answer.state == "at-rest":
+    if options.output is not None and rests:
         tell_written(options.output, "pose at rest", asked.quiet)
     elif options.output is not None and options.output.suffix not in PICTURES:
         tell_warnings([f"{options.output} was not written: no pose at rest was found"], asked.quiet)
     if answer.at_rest:
         return HOLDS
+    if answer.state == "partly":
+        return SETTLE["falls"] if answer.leaves or answer.depth else SETTLE["not-found"]
     return LOWER if answer.state == "at-rest" else SETTLE[answer.state]
 
 
@@ -218,9 +223,8 @@ class SceneOptions:
     require: str = Require()
     settle: bool = option(
         "--settle",
-        "First repair the scene: floating objects fall to their contact, and clusters with "
-        "faults settle. With -o, the repaired scene is written: X.usda (a layer over a USD "
-        "file), X.kilter.json, X.xml (MJCF), X.glb.",
+        "First bring the objects to rest, as 'kilter settle' does. With -o, the settled scene is "
+        "written: X.usda (a layer over a USD file), X.kilter.json, X.xml (MJCF), X.glb.",
     )
 
 
@@ -254,7 +258,7 @@ def scene(asked: Asked, options: SceneOptions) -> int:
     if options.settle:
         asked = replace(asked, output=None)
     asked.tell(report.to_dict())
-    tell_written(output, "repaired scene", asked.quiet)
+    tell_written(output, "settled scene", asked.quiet)
     if report.faults:
         return SCENE["faults"]
     if any(entry.state == "open" for entry in report):

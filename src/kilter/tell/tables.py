@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from kilter.errors import some
@@ -156,7 +157,7 @@ def tables(answer: Answer) -> list[Table]:
     if kind == "why" and answer["objects"]:
         return [Table("bodies:", WHY_HEAD, answer["objects"], why_cells)]
     if kind == "settle" and answer["moved"]:
-        return [Table("moved:", moved_head(answer), answer["moved"], moved_cells)]
+        return [Table("moved:", moved_head(answer), answer["moved"], partial(moved_cells, answer))]
     if kind == "check-plan":
         return [Table("items:", PACKING_HEAD, list(enumerate(answer["items"], 1)), item_cells)]
     if kind == "check":

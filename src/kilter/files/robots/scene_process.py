@@ -32,6 +32,7 @@ from kilter.threads import make_no_threads
 
 if TYPE_CHECKING:
     from kilter.files.format_options import FormatOptions
+    from kilter.files.objects.mujoco_snapshot import StateRows
 
 
 LIBRARIES = {"mjcf": "MuJoCo", "usd": "USD", "why": "MuJoCo"}
@@ -61,7 +62,7 @@ def begin_early(kind: str, path: Path) -> None:
     """Start the process, and let it read a file in advance with the default options."""
     if not _kept and can_start():
         _begin()
-        _kept[0].ask_ahead(_request(kind, path, None, None))
+        _kept[0].ask_ahead(_request(kind, path, None, None, None))
 
 
 def is_mjcf(path: Path) -> bool:
@@ -86,13 +87,20 @@ def _end() -> None:
         _kept.pop().end()
 
 
-def _request(kind: str, path: Path, units: str | None, keyframe: str | None, *more: Any) -> Request:
+def _request(
+    kind: str,
+    path: Path,
+    units: str | None,
+    keyframe: str | None,
+    states: StateRows | None,
+    *more: Any,
+) -> Request:
     """Request to the process; another state of the file is another request."""
     state = path.stat()
     changed = (state.st_mtime_ns, state.st_size)
     place = (str(path.absolute()), str(path), changed)
     seconds = _seconds(state.st_size) + (SIMULATION if kind == "why" else 0.0)
-    return seconds, (kind, place, units, keyframe, start_folder(), *more)
+    return seconds, (kind, place, units, keyframe, states, start_folder(), *more)
 
 
 def _seconds(size: int) -> float:
@@ -106,30 +114,28 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Any:
     Returns the assembly of a USD file, or the MuJoCo model of an MJCF file. Raises `InputError` if
     the library is not installed, crashes or does not finish, or if the file is damaged.
     """
-    return _ask(kind, path, choices.units, choices.keyframe)
+    return _ask(kind, path, choices)
 
 
-def read_engine_state(
-    path: Path, keyframe: str | None, row: tuple[float, ...] | None, run: tuple[int, float]
-) -> Any:
+def read_engine_state(path: Path, choices: FormatOptions, run: tuple[int, float]) -> Any:
     """Read the state of an MJCF file with the contacts of the engine.
 
-    Arguments: `row`: numbers of the state in place of a keyframe; `run`: time steps before it, and
-    time of simulations after it [s]. Raises `InputError` as `read_scene`, and for other files.
+    Arguments: `run`: time steps before the state is taken, and time of simulations after it [s].
+    Raises `InputError` as `read_scene`, and for other files.
     """
     if path.is_file() and not is_mjcf(path):
         raise InputError(
             "this is no MJCF file, the format of MuJoCo", file=str(path), hint="give such a scene"
         )
-    return _ask("why", path, None, keyframe, row, run)
+    return _ask("why", path, choices, run)
 
 
-def _ask(kind: str, path: Path, units: str | None, keyframe: str | None, *more: Any) -> Any:
+def _ask(kind: str, path: Path, choices: FormatOptions, *more: Any) -> Any:
     """The answer of the process to a request."""
     from kilter.arrays import sealed
 
     try:
-        request = _request(kind, path, units, keyframe, *more)
+        request = _request(kind, path, choices.units, choices.keyframe, choices.states, *more)
     except FileNotFoundError:
         raise InputError("no such file", file=str(path), hint="check the path") from None
     except (OSError, ValueError) as error:
@@ -212,6 +218,7 @@ def _read(
     place: tuple[str, str, tuple[int, int]],
     units: str | None,
     keyframe: str | None,
+    states: StateRows | None,
     start: tuple[str, str] | None,
     *more: Any,
 ) -> Any:
@@ -225,13 +232,13 @@ def _read(
         if kind == "mjcf":
             from kilter.files.objects.mjcf_scenes import read_mjcf
 
-            return read_mjcf(Path(path), keyframe, allow_time)
+            return read_mjcf(Path(path), keyframe, states, allow_time)
         if kind == "why":
             from kilter.files.objects.mjcf_states import read_state
 
-            row, run = more
+            (run,) = more
             return read_state(
-                Path(path), keyframe, row, run, lambda size: allow_time(size, SIMULATION)
+                Path(path), keyframe, states, run, lambda size: allow_time(size, SIMULATION)
             )
         from kilter.files.usd.usd_assembly import read_usd
 
