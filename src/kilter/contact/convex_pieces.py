@@ -25,6 +25,8 @@ CONVEX_VOLUME = 1e-9
 """Largest difference between the volume of a convex mesh and that of its hull, relative [-]."""
 SAME_PLANE = 1e-7
 """Largest angle between triangles of the same face [rad]."""
+LEVEL = 1e-9
+"""Sine of an angle to the axis of a cylinder below which a direction is along the axis [-]."""
 INNER = 1e-6
 """Distance in front of a face at which another piece of the part covers it, over the size [-]."""
 
@@ -425,6 +427,8 @@ class Cores:
     """Shape (K, E, 2)."""
     edges: Mask
     """Edges that exist, shape (K, E)."""
+    sides: Index
+    """Number of the first faces that stand for the side of a cylinder, shape (K,)."""
 
     def take(self, rows: Index | Mask) -> Cores:
         """The cores of some rows."""
@@ -445,12 +449,15 @@ class Placed:
     high: Array
     """Corners of the box around each piece, shape (P, 3)."""
 
-    def cores(self, which: Index) -> Cores:
-        """Padded cores of pieces."""
+    def cores(self, which: Index, direction: Array | None = None) -> Cores:
+        """Padded cores of pieces.
+
+        `direction` (K, 3): a corner of the prism of each cylinder lies along it or against it.
+        """
         pieces = self.pieces
-        vertex = _padded_rows(pieces.vertex_start, which)[0]
-        face, has = _padded_rows(pieces.face_start, which)
-        edge, edges = _padded_rows(pieces.edge_start, which)
+        vertex = padded_rows(pieces.vertex_start, which)[0]
+        face, has = padded_rows(pieces.face_start, which)
+        edge, edges = padded_rows(pieces.edge_start, which)
         if not len(self.normal):
             normal, offset = np.zeros((*face.shape, 3)), np.full(face.shape, np.inf)
         else:
@@ -461,10 +468,32 @@ class Placed:
         else:
             ends = np.where(edges[..., None], pieces.edge[edge], 0)
             sides = np.where(edges[..., None], pieces.edge_face[edge], -1)
-        return Cores(self.vertex[vertex], normal, offset, ends, sides, edges)
+        number = np.where(pieces.disc[which] > 0, SIDES, 0)
+        result = Cores(self.vertex[vertex], normal, offset, ends, sides, edges, number)
+        if direction is not None:
+            self._turn_prisms(result, which, direction)
+        return result
+
+    def _turn_prisms(self, cores: Cores, which: Index, direction: Array) -> None:
+        """Turn the prisms of cylinders to directions, shape (K, 3)."""
+        rows = np.flatnonzero(cores.sides)
+        if not len(rows):
+            return
+        piece = which[rows]
+        axis = self.axis[piece]
+        u, v = across_axis(axis / np.linalg.norm(axis, axis=1, keepdims=True))
+        x, y = (np.einsum("ki,ki->k", e, direction[rows]) for e in (u, v))
+        # for a direction along the axis, the prism stays as it is in the frame of the part
+        first = np.where(np.hypot(x, y) > LEVEL, np.arctan2(y, x), 0.0)
+        angle = first[:, None] + np.arange(SIDES) * (2 * np.pi / SIDES)
+        prism = prism_of(self.middle[piece], axis, self.pieces.disc[piece], angle)
+        vertex, normal, offset = prism
+        cores.vertex[rows, : vertex.shape[1]] = vertex
+        cores.normal[rows, : normal.shape[1]] = normal
+        cores.offset[rows, : offset.shape[1]] = offset
 
 
-def _padded_rows(start: Index, which: Index) -> tuple[Index, Mask]:
+def padded_rows(start: Index, which: Index) -> tuple[Index, Mask]:
     """Rows of each of some groups, padded with the last row, and a mask of the real rows."""
     first, count = start[which], start[which + 1] - start[which]
     k = np.arange(max(int(count.max(initial=0)), 1))
