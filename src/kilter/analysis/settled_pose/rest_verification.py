@@ -62,6 +62,24 @@ def parts_without_rest(rest: Rest) -> Mask:
     return mask
 
 
+def held_aside(assembly: Assembly) -> Mask:
+    """Held parts whose boxes lie apart from those of all free parts, so that none touches; (N,)."""
+    geometry = assembly.geometry
+    start, slack = (
+        geometry.vertex_start[:-1],
+        geometry.slack[:, None] + 1e-3 * geometry.size[:, None],
+    )
+    low = np.minimum.reduceat(geometry.vertices, start) - slack
+    high = np.maximum.reduceat(geometry.vertices, start) + slack
+    free, held = np.flatnonzero(~geometry.grounded), np.flatnonzero(geometry.grounded)
+    apart = (low[held, None] > high[None, free]) | (high[held, None] < low[None, free])
+    aside = np.zeros(len(geometry.grounded), dtype=bool)
+    aside[held] = apart.any(axis=2).all(axis=1)
+    linked = [name for entry in (*assembly.joints, *assembly.bonds) for name in entry.parts]
+    aside[[assembly.index[name] for name in linked if name in assembly.index]] = False
+    return aside
+
+
 def closed_parts(
     rest: Rest, settled: Assembly, chosen: Mask, detected: ContactSet | None, asked: Question
 ) -> tuple[ClosedContacts, ContactSet]:
@@ -90,6 +108,7 @@ def verify_rest(rest: Rest, settled: Assembly, asked: Question) -> RestingParts 
         return rest.why
     bodies, free = rest.bodies, ~settled.geometry.grounded
     left, detected, why = parts_without_rest(rest), None, rest.why
+    left |= held_aside(settled)
     unproved: list[str] = []
     fault = ""
     while (free & ~left).any():
