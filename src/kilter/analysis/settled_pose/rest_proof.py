@@ -151,10 +151,12 @@ def closed_points(
 def _normals_at(geometry: Geometry, facets: Facets, part: int, point: Array, gap: float) -> Array:
     """Outward normals of the faces of a part on which a point lies within `gap`, shape (m, 3)."""
     rows = np.arange(facets.start[part], facets.start[part + 1])
+    # the exact rim of a flat face beside a curved one lies beyond the corners of its polygon
+    beside = gap + float(geometry.slack[part])
     height = np.einsum("fi,fi->f", point - facets.origin[rows], facets.normal[rows])
     away = np.linalg.norm(point - facets.origin[rows], axis=1)
-    near = (np.abs(height) <= gap) & (away <= facets.reach[rows] + gap) & ~facets.curved[rows]
-    on = [row for row in rows[near].tolist() if _on_facet(geometry, facets, row, point, gap)]
+    near = (np.abs(height) <= gap) & (away <= facets.reach[rows] + beside) & ~facets.curved[rows]
+    on = [row for row in rows[near].tolist() if _on_facet(geometry, facets, row, point, beside)]
     surface = np.arange(*geometry.surfaces.start[part : part + 2])
     if not len(surface):
         return facets.normal[on]
@@ -164,8 +166,8 @@ def _normals_at(geometry: Geometry, facets: Facets, part: int, point: Array, gap
     return np.concatenate([facets.normal[on], outward])
 
 
-def _on_facet(geometry: Geometry, facets: Facets, row: int, point: Array, gap: float) -> bool:
-    """Whether a point near the plane of a facet lies within the facet, or within `gap` beside."""
+def _on_facet(geometry: Geometry, facets: Facets, row: int, point: Array, beside: float) -> bool:
+    """Whether a point near the plane of a facet lies within it, or at most `beside` beside it."""
     rows = facets.corners[facets.corner_start[row] : facets.corner_start[row + 1]]
     corners = geometry.vertices[rows]
     loops = corners[None] if facets.convex[row] else corners.reshape(-1, 3, 3)
@@ -173,7 +175,7 @@ def _on_facet(geometry: Geometry, facets: Facets, row: int, point: Array, gap: f
     inward = np.cross(facets.normal[row], along)
     inward /= np.maximum(np.linalg.norm(inward, axis=2), 1e-300)[..., None]
     depth = np.einsum("lci,lci->lc", point - loops, inward).min(axis=1)
-    return bool(depth.max() >= -gap - FIT * facets.reach[row])
+    return bool(depth.max() >= -beside - FIT * facets.reach[row])
 
 
 def _in_cone(rays: Array, direction: Array, angle: float) -> bool:

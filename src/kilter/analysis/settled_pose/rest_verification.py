@@ -65,17 +65,15 @@ def parts_without_rest(rest: Rest) -> Mask:
 def held_aside(assembly: Assembly) -> Mask:
     """Held parts whose boxes lie apart from those of all free parts, so that none touches; (N,)."""
     geometry = assembly.geometry
-    start, slack = (
-        geometry.vertex_start[:-1],
-        geometry.slack[:, None] + 1e-3 * geometry.size[:, None],
-    )
-    low = np.minimum.reduceat(geometry.vertices, start) - slack
-    high = np.maximum.reduceat(geometry.vertices, start) + slack
+    start, room = geometry.vertex_start[:-1], (geometry.slack + 1e-3 * geometry.size)[:, None]
+    low = np.minimum.reduceat(geometry.vertices, start) - room
+    high = np.maximum.reduceat(geometry.vertices, start) + room
     free, held = np.flatnonzero(~geometry.grounded), np.flatnonzero(geometry.grounded)
     apart = (low[held, None] > high[None, free]) | (high[held, None] < low[None, free])
     aside = np.zeros(len(geometry.grounded), dtype=bool)
-    aside[held] = apart.any(axis=2).all(axis=1)
-    linked = [name for entry in (*assembly.joints, *assembly.bonds) for name in entry.parts]
+    aside[held] = np.asarray(apart.any(axis=2)).all(axis=1)
+    linked = [name for joint in assembly.joints for name in joint.parts]
+    linked += [name for bond in assembly.bonds for name in bond.parts]
     aside[[assembly.index[name] for name in linked if name in assembly.index]] = False
     return aside
 
