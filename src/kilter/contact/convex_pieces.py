@@ -425,7 +425,8 @@ class Cores:
     @property
     def bare(self) -> Mask:
         """Whether a core is a point or a line without faces, shape (K,)."""
-        return np.equal(np.isfinite(self.offset).sum(axis=1), 0)
+        result: Mask = np.isfinite(self.offset).sum(axis=1) == 0
+        return result
 
     def take(self, rows: Index | Mask) -> Cores:
         """The cores of some rows."""

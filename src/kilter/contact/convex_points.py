@@ -238,7 +238,7 @@ def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]
         inner = np.zeros_like(has)
         if len(pieces.inner):
             inner = np.logical_and(has, pieces.inner[face])
-        outer = np.logical_and(has, ~inner).any(axis=1)
+        outer: Mask = np.logical_and(has, ~inner).sum(axis=1) > 0
         masks.append(np.logical_and(inner, outer[:, None]))
     return masks[0], masks[1]
 
@@ -304,9 +304,9 @@ def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -
     beside = np.maximum(
         upwards[rows, core.edge_face[..., 0]], upwards[rows, core.edge_face[..., 1]]
     )
-    facing = np.logical_or(beside > SLOPE, core.edge_face[..., 0] < 0)
-    near = np.logical_and(core.edges, high >= height.max(axis=1)[:, None] - room[:, None])
-    return np.logical_and(facing, near)
+    facing: Mask = np.logical_or(beside > SLOPE, core.edge_face[..., 0] < 0)
+    facing &= core.edges & (high >= height.max(axis=1)[:, None] - room[:, None])
+    return facing
 
 
 def _crossings(
