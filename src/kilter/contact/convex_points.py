@@ -29,6 +29,8 @@ BESIDE = 1e-9
 """Distance beside a face at which a corner still lies over it, over the size of a pair [-]."""
 SLOPE = 1e-6
 """A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
+BEYOND = 0.15
+"""Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
 CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
@@ -238,7 +240,7 @@ def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]
         inner = np.zeros_like(has)
         if len(pieces.inner):
             inner = np.logical_and(has, pieces.inner[face])
-        outer: Mask = np.logical_and(has, ~inner).sum(axis=1) > 0
+        outer = np.asarray(np.logical_and(has, ~inner).any(axis=1))
         masks.append(np.logical_and(inner, outer[:, None]))
     return masks[0], masks[1]
 
@@ -278,7 +280,8 @@ def _corners_over(
     """
     cos, cos_own = sign * cos, sign * cos_own
     touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
-    on = (touches <= slack[:, None, None]) & (cos_own > SLOPE)[:, None]
+    along = cos_own >= least_cosine(cos_own)[:, None]
+    on = (touches <= slack[:, None, None]) & along[:, None]
     facing: Mask = on.any(axis=2) | own.bare[:, None]
     facing &= ~other.bare[:, None]
     row, k = np.nonzero(facing)
@@ -290,9 +293,23 @@ def _corners_over(
     enter = np.where(into, wide / safe, -np.inf).max(axis=1)
     leave = np.where(out, wide / safe, np.inf).min(axis=1)
     inside = (enter <= leave) & (into | out | (wide >= 0)).all(axis=1)
+    height = np.where(into, room / safe, -np.inf)
+    # a corner beside a face lies over the steep face next to it, which it does not meet along n
+    top = height.argmax(axis=1)
+    inside &= -c[np.arange(len(c)), top] >= least_cosine(-cos)[row]
     row, x = row[inside], x[inside]
-    gap = np.where(into, room / safe, -np.inf).max(axis=1)[inside]
+    gap = height.max(axis=1)[inside]
     return row, x + (sign * gap / 2)[:, None] * n[row], gap
+
+
+def least_cosine(cosines: Array) -> Array:
+    """Least cosine to a direction of the faces that look along it, from those of all faces (K, F).
+
+    These are the face nearest to the direction and those that deviate from it by little more;
+    other faces meet another piece from the side.
+    """
+    best = np.clip(cosines.max(axis=1, initial=-1.0), -1.0, 1.0)
+    return np.asarray(np.cos(np.minimum(np.arccos(best) + BEYOND, np.pi / 2 - SLOPE)))
 
 
 def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -> Mask:
@@ -304,9 +321,9 @@ def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -
     beside = np.maximum(
         upwards[rows, core.edge_face[..., 0]], upwards[rows, core.edge_face[..., 1]]
     )
-    facing: Mask = np.logical_or(beside > SLOPE, core.edge_face[..., 0] < 0)
-    facing &= core.edges & (high >= height.max(axis=1)[:, None] - room[:, None])
-    return facing
+    facing = np.logical_or(beside >= least_cosine(upwards)[:, None], core.edge_face[..., 0] < 0)
+    near = np.logical_and(core.edges, high >= height.max(axis=1)[:, None] - room[:, None])
+    return np.asarray(np.logical_and(facing, near))
 
 
 def _crossings(

@@ -28,97 +28,21 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.check import CUT, check
-from kilter.analysis.planning.order.sweeps import Direction, Sweeps
-from kilter.analysis.scene_states.scene_graph import SceneGraph, chosen_parts, settled_clusters
+from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.scene_states.scene_graph import SceneGraph, chosen_parts
 from kilter.analysis.scene_states.scene_report import ObjectState, SceneObject, SceneReport
+from kilter.analysis.settled_pose.straight_falls import falling_distance
 from kilter.analysis.verdict.remarks import remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question, question
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact import ContactSet, detect
 from kilter.contact.common.patches import SAME_BODY, Overlap
 from kilter.contact.kept_contacts import contacts_among, without_overlaps
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.tell.levels import require_level
-
-# Distance that objects fall straight down until they meet another part.
-
-
-ROUNDS = 6
-"""Largest number of Newton steps to the first contact of round faces."""
-UPRIGHT = 0.05
-"""Least component of a contact normal along the vertical for a step [-]."""
-EXACT = 1e-12
-"""Newton step that ends the search [sizes of the part]."""
-
-
-@dataclass(frozen=True, slots=True)
-class StraightFall:
-    """A straight fall until the first contact."""
-
-    distance: float
-    """Length of the fall [length unit]."""
-    part: int
-    """The falling part that meets another part first."""
-    other: int
-    """The part that it meets."""
-
-
-def falling_distance(
-    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array
-) -> StraightFall | None:
-    """Find the first part that a group of parts meets if it falls straight down.
-
-    Arguments: `parts` (n,): the falling parts; they move together; `down` (3,): unit direction of
-    gravity. Returns None if nothing is below the parts.
-    """
-    x, y, z = down.tolist()
-    direction: Direction = (x, y, z)
-    slack = assembly.geometry.slack
-    # contacts without points: the pair never touches
-    apart = {frozenset(entry.parts) for entry in assembly.contacts if not len(entry.points)}
-    best: StraightFall | None = None
-    for other, bound in zip(*(a.tolist() for a in sweeps.under(parts, direction)), strict=True):
-        spare = float(slack[parts].max() + slack[other])
-        if best is not None and bound - spare >= best.distance:
-            break
-        for part in parts.tolist():
-            if frozenset((assembly.names[part], assembly.names[other])) in apart:
-                continue
-            distance = sweeps.clearance(part, other, direction)
-            if not np.isfinite(distance):
-                continue
-            if slack[part] + slack[other] > 0:
-                distance = _on_surfaces(assembly, part, other, down, distance)
-            if best is None or distance < best.distance:
-                best = StraightFall(distance, part, other)
-    return best
-
-
-def _on_surfaces(assembly: Assembly, part: int, other: int, down: Array, distance: float) -> float:
-    """Length of the fall on the exact surfaces, from the length on the triangles [length unit]."""
-    geometry = assembly.geometry
-    slack = float(geometry.slack[part] + geometry.slack[other])
-    size = float(min(geometry.size[part], geometry.size[other]))
-    falling = replace(assembly.parts[part], grounded=False)
-    still = replace(assembly.parts[other], grounded=True)
-    found = distance
-    for _ in range(ROUNDS):
-        pose = falling.pose
-        moved = replace(falling, pose=Pose(pose.position + found * down, pose.rotation))
-        pair = Assembly([moved, still], units=assembly.units, gravity=assembly.gravity)
-        near = detect.contacts(pair, tolerance=Tolerance(gap=4 * slack))
-        steep = np.abs(near.patch_normal @ down)
-        usable = steep > UPRIGHT
-        if not usable.any():
-            break
-        step = float((near.patch_gap[usable, 0] / steep[usable]).min())
-        found += step
-        if abs(step) <= EXACT * size:
-            break
-    return found if abs(found - distance) <= 4 * slack / UPRIGHT else distance
 
 
 @question()
@@ -144,8 +68,8 @@ def scene(
     time_limit : float, optional
         Time limit [s]. Clusters that are not judged until then are open.
     settle : bool
-        Whether to repair the scene first: floating objects fall, and clusters with faults settle
-        (`kilter.settle`). The report is about the new poses; `SceneReport.drawn` has the old.
+        Whether to bring the objects to rest first, as `kilter.settle` does. The report is about
+        the new poses; `SceneReport.drawn` has the old.
 
     Returns
     -------
@@ -173,50 +97,40 @@ def scene(
     >>> round(report["floating"].gap, 12), report["sunk"].gap, report["sunk"].other
     (0.1, -0.25, 'table')
     """
-    started = time.perf_counter()
-    assembly, require = asked.assembly, require_level(asked.require, strict=True)
-    assembly.require_grounded()
-    contacts = detect.touching(asked)
+    require = require_level(asked.require, strict=True)
+    asked.assembly.require_grounded()
     if settle:
-        return _repaired(asked.but(contacts=contacts, time_limit=None))
+        from kilter.analysis.scene_states.settled_scene import settled_scene
+
+        return settled_scene(asked.but(require=require))
+    contacts = detect.touching(asked)
+    return survey(asked.but(contacts=contacts, require=require))
+
+
+def survey(asked: Question) -> SceneReport:
+    """The report about a scene as it is; the question has its contacts."""
+    assembly, contacts = asked.assembly, asked.contacts
     ends = None if asked.time_limit is None else asked.begun + asked.time_limit
-    survey = _Survey(assembly, contacts.of(assembly), require, asked.effort, ends, asked.tell)
-    survey.judge()
+    found = _Survey(assembly, contacts.of(assembly), asked.require, asked.effort, ends, asked.tell)
+    found.judge()
     free = ~assembly.geometry.grounded
     objects = tuple(
-        survey.states[k] if is_free else survey.entry(k, "held")
+        found.states[k] if is_free else found.entry(k, "held")
         for k, is_free in enumerate(free.tolist())
     )
     return SceneReport(
         objects=objects,
-        require=require,
-        clusters=len(survey.verdicts),
+        require=asked.require,
+        clusters=len(found.verdicts),
         gravity=assembly.gravity,
         friction=assembly.friction,
         units=assembly.units,
-        warnings=(*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
-        seconds=time.perf_counter() - started,
+        warnings=(*_warnings(assembly, contacts), *((CUT,) if found.cut else ())),
+        seconds=time.perf_counter() - asked.begun,
         assembly=assembly,
         contacts=contacts,
-        verdicts=tuple(survey.verdicts),
+        verdicts=tuple(found.verdicts),
     )
-
-
-def _repaired(asked: Question) -> SceneReport:
-    """The report about a scene after its repair (`kilter.analysis.scene_states.scene_graph`)."""
-    assembly, contacts = asked.assembly, asked.contacts
-    first = scene(asked)
-    falls = {entry.name: entry.pose for entry in first if entry.pose is not None}
-    fallen = assembly.with_poses(falls) if falls else assembly
-    again = asked.but(assembly=fallen)
-    touching = detect.contacts(again.but(progress=None)) if falls else contacts
-    second = scene(again.but(contacts=touching)) if falls else first
-    faulty = {entry.name for entry in second if entry.state not in ("at-rest", "held")}
-    report = second
-    if faulty:
-        settled = settled_clusters(again.but(contacts=touching), faulty)
-        report = scene(asked.but(assembly=settled, contacts=None))
-    return replace(report, drawn=assembly, seconds=time.perf_counter() - asked.begun)
 
 
 def _warnings(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -243,7 +157,7 @@ class _Survey:
         self.graph = SceneGraph.of(self.assembly, self.contacts)
         self.sweeps = Sweeps(self.contacts)
         self.down: Array = self.assembly.down
-        self.overlap = _worst_overlaps(self.assembly, self.contacts)
+        self.overlap = worst_overlaps(self.assembly, self.contacts)
         """The deepest overlap of each part that is the fault of one."""
 
     def entry(self, k: int, state: ObjectState, **more: Any) -> SceneObject:
@@ -422,7 +336,7 @@ class _Survey:
             self.states[k] = self.entry(k, "open", gap=gap, other=other, if_held=if_held)
 
 
-def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:
+def worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:
     """The deepest overlap of each part to which an overlap is assigned."""
     left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
     worst: dict[int, Overlap] = {}

@@ -77,9 +77,9 @@ class RestPrograms:
         """
         free = np.flatnonzero(bodies.free)
         n, (u, v) = points.normal, across(points.normal)
-        normal = _rates(bodies, points, n, length)
-        slips = _stacked([_rates(bodies, points, d, length) for d in (u, v)])
-        joint, drift = _joint_rates(bodies, length)
+        normal = rates(bodies, points, n, length)
+        slips = _stacked([rates(bodies, points, d, length) for d in (u, v)])
+        joint, drift = joint_rates(bodies, length)
         planar = bodies.drawn.planar
         freedoms = np.array([0, 2, 4]) if planar else np.arange(6)
         balanced = (6 * np.arange(len(free))[:, None] + freedoms).ravel()
@@ -90,7 +90,7 @@ class RestPrograms:
             [np.ones((len(free), 3)), np.repeat(arm[:, None] ** 2, 3, axis=1)], axis=1
         ).ravel()[columns]
         return RestPrograms(
-            normal, slips, joint, drift, _load(bodies, length, weight), points.gap / length,
+            normal, slips, joint, drift, loads(bodies, length, weight), points.gap / length,
             points.mu, points.bears, columns, balanced, weights, length,
         )  # fmt: skip
 
@@ -245,7 +245,7 @@ def _selection(columns: Index, width: int, value: Array | float) -> csr_array:
     return csr_array((values, (np.arange(count), columns)), shape=(count, width))
 
 
-def _rates(bodies: RigidBodies, points: NearPoints, along: Array, length: float) -> csr_array:
+def rates(bodies: RigidBodies, points: NearPoints, along: Array, length: float) -> csr_array:
     """Rates of the distances of points along directions, for unit motions of the free bodies."""
     number = np.cumsum(bodies.free) - 1
     data, row, column = [], [], []
@@ -262,7 +262,7 @@ def _rates(bodies: RigidBodies, points: NearPoints, along: Array, length: float)
     return csr_array(coo_array((entries, at), shape=shape))
 
 
-def _joint_rates(bodies: RigidBodies, length: float) -> tuple[csr_array, Array]:
+def joint_rates(bodies: RigidBodies, length: float) -> tuple[csr_array, Array]:
     """Rates and errors of the constraints of all joints that are not fixed."""
     from scipy.spatial.transform import Rotation
 
@@ -301,7 +301,7 @@ def _joint_rates(bodies: RigidBodies, length: float) -> tuple[csr_array, Array]:
     return matrix, np.array(drift, dtype=np.float64)
 
 
-def _load(bodies: RigidBodies, length: float, weight: float) -> Array:
+def loads(bodies: RigidBodies, length: float, weight: float) -> Array:
     """Weights and loads on the free bodies: force [weights], torque [weights x lengths]."""
     assembly = bodies.drawn
     load = np.zeros((len(bodies.mass), 6))

@@ -53,6 +53,33 @@ class RigidBodies:
         turn = Rotation.from_rotvec(step[:, 3:]).as_matrix()
         return replace(self, center=self.center + step[:, :3], rotation=turn @ self.rotation)
 
+    def screwed(self, step: Array) -> RigidBodies:
+        """The bodies after screw motions with the velocities of a step (B, 6).
+
+        A body turns about its instantaneous axis exactly, so that a point at rest stays at rest.
+        """
+        from scipy.spatial.transform import Rotation
+
+        spin = step[:, 3:]
+        turn = Rotation.from_rotvec(spin).as_matrix()
+        angle = np.linalg.norm(spin, axis=1)
+        small = angle < 1e-4
+        safe = np.where(small, 1.0, angle)
+        first = np.where(small, 0.5 - angle**2 / 24, (1 - np.cos(safe)) / safe**2)
+        second = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
+        across = np.cross(spin, step[:, :3])
+        shift = step[:, :3] + first[:, None] * across
+        shift += second[:, None] * np.cross(spin, across)
+        return replace(self, center=self.center + shift, rotation=turn @ self.rotation)
+
+    def where(self, chosen: Mask, other: RigidBodies) -> RigidBodies:
+        """The poses of the chosen bodies (B,), and those of `other` for the rest."""
+        return replace(
+            self,
+            center=np.where(chosen[:, None], self.center, other.center),
+            rotation=np.where(chosen[:, None, None], self.rotation, other.rotation),
+        )
+
     def assembly(self) -> Assembly:
         """The assembly in the current pose; joints and points of loads and bonds follow.
 

@@ -1,0 +1,213 @@
+"""A quasi-static step: how bodies move under their loads, with contact and Coulomb friction.
+
+Let p be the small motions of the bodies, M their inertia, w their loads, and tau the time of the
+step. Motion is overdamped: a body that nothing supports moves by tau times its acceleration from
+rest. The step obeys
+
+    min p'Mp / 2 - tau w.p      g + J_n p + s >= mu |J_t p|         s = mu |J_t p|
+
+where the points of contact have the gaps g, and J_n, J_t are the rates of gaps and slips. With
+s = 0 the program is convex, and its optimum is p = 0 exactly if forces in Coulomb's cones balance
+all loads at closed points (the relaxation of Anitescu 2006). A sliding contact would open by
+mu |J_t p|; s removes this opening. It is found by repetition (Acary and others 2011).
+
+References
+----------
+M. Anitescu, Optimization-based simulation of nonsmooth rigid multibody dynamics, Math. Prog. 105,
+2006. V. Acary, F. Cadoux, C. Lemarechal, J. Malick, A formulation of the linear discrete Coulomb
+friction problem via convex optimization, ZAMM 91, 2011.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import block_diag, csc_array, csr_array, eye_array, vstack
+
+from kilter.analysis.settled_pose.near_points import NearPoints
+from kilter.analysis.settled_pose.rest_programs import joint_rates, loads, rates
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
+from kilter.arrays import Array, Index, Mask, across
+from kilter.solvers.clarabel import solve_conic
+from kilter.solvers.problem import ConicProgram
+from kilter.work import stop_if_late
+
+REPEATS = 5
+"""Largest number of repetitions that find the opening of sliding contacts."""
+SAME = 1e-3
+"""Change of the motion that ends the repetitions, over the motion [-]."""
+HEAVIEST = 1e4
+"""Largest inertia of a body, in multiples of the median [-]: heavier ones would spoil the numbers,
+and the inertia decides about the way only, not about rest."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Descent:
+    """The program of a step, over the points near contact in the current pose."""
+
+    normal: csr_array
+    slip: csr_array
+    """Rates of gaps (K, n), and of slips along two tangents, interleaved (2 K, n)."""
+    joint: csr_array
+    drift: Array
+    """Rates and errors of the constraints of joints."""
+    inertia: csc_array
+    """M, shape (n, n)."""
+    load: Array
+    """Loads [weights], shape (n,)."""
+    gap: Array
+    mu: Array
+    """Gap [lengths] and friction of each point, shape (K,)."""
+    columns: Index
+    """Columns of the moving bodies in the motions of all free bodies."""
+    bodies: RigidBodies
+    length: float
+
+    @staticmethod
+    def of(
+        bodies: RigidBodies, points: NearPoints, active: Mask, length: float, weight: float
+    ) -> Descent:
+        """Build the program for the bodies in `active` (B,); the others stand still.
+
+        `length` and `weight` are the units of length [length unit] and force [N].
+        """
+        free = np.flatnonzero(bodies.free)
+        freedoms = np.array([0, 2, 4]) if bodies.drawn.planar else np.arange(6)
+        moving = np.flatnonzero((active & bodies.moves)[free])
+        columns = (6 * moving[:, None] + freedoms).ravel()
+        u, v = across(points.normal)
+        normal = rates(bodies, points, points.normal, length)[:, columns]
+        tangents = [rates(bodies, points, d, length)[:, columns] for d in (u, v)]
+        count = len(points)
+        order = np.arange(2 * count).reshape(2, count).T.ravel()
+        slip = csr_array(vstack(tangents, format="csr"))[order]
+        joint, drift = joint_rates(bodies, length)
+        joint = csr_array(joint[:, columns])
+        used = np.diff(joint.indptr) > 0
+        mu = np.where(points.bears, points.mu, 0.0)
+        return Descent(
+            csr_array(normal), slip, csr_array(joint[used]), drift[used],
+            _inertia(bodies, free[moving], freedoms, length, weight),
+            loads(bodies, length, weight)[columns], points.gap / length, mu, columns, bodies,
+            length,
+        )  # fmt: skip
+
+    def step(self, times: Array, rough: Mask) -> Array | None:
+        """The motion of all bodies in a step: shift [length unit] and rotation [rad], (B, 6).
+
+        Arguments: `times` (B,): time of the step of each body, as the length that it would fall
+        [lengths]; `rough` (K,): points with friction. Returns None if the solver fails.
+        """
+        size = len(self.columns)
+        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
+        scale = float(times[owner].max(initial=0.0))
+        if not size or scale == 0.0:
+            return np.zeros((len(self.bodies.mass), 6))
+        rows = np.flatnonzero(rough & (self.mu > 0))
+        cost = -(times[owner] / scale) * self.load
+        opening = np.zeros(len(rows))
+        mu = self.mu[rows]
+        motion: Array | None = None
+        slips = (2 * rows[:, None] + np.arange(2)).ravel()
+        for _ in range(REPEATS):
+            stop_if_late()
+            found = self._solve(cost, scale, rows, slips, opening)
+            if found is None:
+                break
+            largest = float(np.abs(found).max())
+            settled = motion is not None and np.abs(found - motion).max() <= SAME * largest
+            motion = found
+            if settled or largest <= 1e-9 or not len(rows):
+                break
+            slipped = np.linalg.norm((self.slip[slips] @ motion).reshape(-1, 2), axis=1)
+            # a single sliding contact changes the slip by mu^2 / (1 + mu^2) of a change of s
+            opening = np.maximum(opening + (1 + mu**2) * (mu * slipped - opening), 0.0)
+        if motion is None:
+            return None
+        return self._expanded(motion * scale)
+
+    def _solve(
+        self, cost: Array, scale: float, rough: Index, slips: Index, opening: Array
+    ) -> Array | None:
+        """The motion, over `scale`, for given openings of sliding contacts; None: no solution."""
+        gap = self.gap / scale
+        for open_all in (True, False):
+            g = gap if open_all else np.maximum(gap, 0.0)
+            program = self._program(cost, scale, g, rough, slips, opening)
+            answer = solve_conic(program)
+            if answer.found:
+                return np.asarray(answer.x)
+            if (gap >= 0.0).all():
+                break
+        return None
+
+    def _program(
+        self, cost: Array, scale: float, gap: Array, rough: Index, slips: Index, opening: Array
+    ) -> ConicProgram:
+        """The convex program of the step."""
+        smooth = np.ones(len(gap), dtype=bool)
+        smooth[rough] = False
+        smooth_rows = np.flatnonzero(smooth)
+        cones = csr_array(
+            vstack([self.normal[rough], _scaled(self.slip[slips], np.repeat(self.mu[rough], 2))])
+        )
+        k = np.arange(len(rough))
+        order = np.column_stack([k, len(k) + 2 * k, len(k) + 2 * k + 1]).ravel()
+        bound = np.zeros((len(rough), 3))
+        bound[:, 0] = gap[rough] + opening
+        matrix = vstack([self.joint, -self.normal[smooth_rows], -cones[order]], format="csc")
+        return ConicProgram(
+            self.inertia,
+            cost,
+            csc_array(matrix),
+            np.concatenate([-self.drift / scale, gap[smooth_rows], bound.ravel()]),
+            self.joint.shape[0],
+            len(smooth_rows),
+            np.full(len(rough), 3),
+        )
+
+    def _expanded(self, motion: Array) -> Array:
+        """The motion of all bodies from that of the moving ones, in length units."""
+        free = np.zeros(6 * int(self.bodies.free.sum()))
+        free[self.columns] = motion
+        steps = np.zeros((len(self.bodies.mass), 6))
+        steps[self.bodies.free] = free.reshape(-1, 6)
+        steps[:, :3] *= self.length
+        return steps
+
+
+def _scaled(matrix: csr_array, factors: Array) -> csr_array:
+    """A matrix with scaled rows."""
+    result = csr_array(matrix, copy=True)
+    result.data *= np.repeat(factors, np.diff(result.indptr))
+    return result
+
+
+def _inertia(
+    bodies: RigidBodies, moving: Index, freedoms: Index, length: float, weight: float
+) -> csc_array:
+    """Inertia of bodies about their centres, world axes [masses of the unit weight], sparse."""
+    assembly = bodies.drawn
+    geometry = assembly.geometry
+    unit = weight / max(float(np.linalg.norm(assembly.gravity)), 1e-300)
+    arm = geometry.center - bodies.drawn_center[bodies.of_part]
+    square = np.einsum("ni,ni->n", arm, arm)[:, None, None] * np.eye(3)
+    square = square - arm[:, :, None] * arm[:, None, :]
+    about = np.zeros((len(bodies.mass), 3, 3))
+    np.add.at(about, bodies.of_part, geometry.inertia + geometry.mass[:, None, None] * square)
+    turn = bodies.rotation[moving]
+    about = turn @ about[moving] @ turn.transpose(0, 2, 1) / length**2 / unit
+    mass = bodies.mass[moving] / unit
+    blocks = np.zeros((len(moving), 6, 6))
+    blocks[:, [0, 1, 2], [0, 1, 2]] = mass[:, None]
+    least = mass * (1e-3 * bodies.size[moving] / length) ** 2
+    blocks[:, 3:, 3:] = about + least[:, None, None] * np.eye(3)
+    median = float(np.median(mass)) if len(mass) else 1.0
+    blocks /= np.maximum(mass / (HEAVIEST * median), 1.0)[:, None, None]
+    cut = blocks[:, freedoms[:, None], freedoms[None, :]]
+    if not len(cut):
+        return csc_array((0, 0))
+    return csc_array(block_diag(list(cut), format="csc")) + 0.0 * eye_array(
+        len(moving) * len(freedoms), format="csc"
+    )

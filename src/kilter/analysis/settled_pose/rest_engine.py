@@ -1,0 +1,422 @@
+"""From any state to a pose at rest: overlaps out, straight falls, then tipping, sliding, rolling.
+
+1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`).
+2. Groups of bodies that nothing supports fall straight down until they meet a supported part, all
+   at the same time (`straight_falls`). A group with nothing below it leaves the scene.
+3. Bodies that no forces hold move by a quasi-static step (`descent`) until they stop; a step obeys
+   contact and Coulomb's law at all points within its length. If a body loses its support, it falls
+   again.
+
+Potential energy falls in each step, apart from the opening of overlaps. So the pose at rest is one
+that the bodies reach without gaining energy, and no claim about dynamics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.settled_pose.candidate_points import CandidatePoints
+from kilter.analysis.settled_pose.descent import Descent
+from kilter.analysis.settled_pose.near_points import NearPoints
+from kilter.analysis.settled_pose.rest import Rest, RestState, Step, WayKind
+from kilter.analysis.settled_pose.rest_programs import RestPrograms
+from kilter.analysis.settled_pose.rest_proof import closed_gap
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
+from kilter.analysis.settled_pose.straight_falls import straight_falls
+from kilter.arrays import Array, Index, Mask, connected
+from kilter.contact import ContactSet
+from kilter.tell.numbers import number
+from kilter.work import stop_if_late
+
+Tell = Callable[[str], None]
+
+PUSHES = 30
+"""Largest number of rounds that open overlaps."""
+ROUNDS = 400
+"""Largest number of steps."""
+FIRST, LONGEST = 0.02, 0.15
+"""Movement in the first step, and the longest in a step, over the size of a body [-]."""
+SLOWEST = 1e4
+"""Largest time of a step, in times in which a body would fall by its size [-]."""
+SHORTEST = 1e-7
+"""Length of a step at which a body counts as not moving on [-]."""
+STILL = 1e-10
+"""Movement in a step that counts as none [sizes]."""
+STALLS = 8
+"""Number of steps without a descent after which the steps become shorter."""
+EXACT = 3e-9
+"""Movement in a step that comes from the solver [strides]."""
+DEEP = 0.05
+"""Overlap after a step at which the step is taken back, over its length [-]."""
+CORRECTS = 1e-2
+"""Length of a movement that corrects the step before it [sizes]."""
+STRAIGHT = 0.999
+"""Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
+FLOATS = 1e-6
+"""Gap to the support from which a body floats [sizes]."""
+
+
+@dataclass(slots=True)
+class _State:
+    """The bodies while they move."""
+
+    bodies: RigidBodies
+    candidates: CandidatePoints
+    contacts: ContactSet
+    """Contacts of the drawn pose."""
+    length: float
+    weight: float
+    closed: float
+    """Gap that counts as closed [length unit]."""
+    tell: Tell
+    stride: Array
+    """Length of the next step of each body [length unit], shape (B,)."""
+    asleep: Mask
+    gone: Mask
+    """Bodies at rest, and bodies that left the scene, shape (B,)."""
+    ways: list[list[Step]]
+    round_body: Mask
+    """Whether a body has curved faces, shape (B,)."""
+    speed: Array
+    """Movement in the last step, over its stride, shape (B,)."""
+    joined: Index
+    """Pairs of bodies with a joint between them, shape (n, 2)."""
+    rounds: int = 0
+
+    def move(self, step: Array, how: WayKind | None) -> None:
+        """Move the bodies by a step (B, 6), and note the way of each; None: by its kind.
+
+        A correction of a step, which is short, belongs to the movement before it.
+        """
+        self.bodies = self.bodies.screwed(step)
+        far = np.linalg.norm(step[:, :3], axis=1)
+        turn = np.linalg.norm(step[:, 3:], axis=1)
+        for k in np.flatnonzero(far + turn * self.bodies.size / 2 > STILL * self.length).tolist():
+            kind = how or self._kind(k, step[k], float(far[k]), float(turn[k]))
+            short = far[k] + turn[k] * self.bodies.size[k] / 2 < CORRECTS * self.bodies.size[k]
+            last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
+            kind = last if short and last != "pushed-out" else kind
+            self._note(k, kind, far[k], turn[k])
+
+    def _kind(self, body: int, step: Array, far: float, turn: float) -> WayKind:
+        """Kind of a movement in a step."""
+        straight = step[:3] @ self.bodies.drawn.down >= STRAIGHT * far
+        if straight and turn * self.bodies.size[body] < (1 - STRAIGHT) * far:
+            return "fell"
+        if turn * self.bodies.size[body] < far:
+            return "slid"
+        return "rolled" if self.round_body[body] else "tipped"
+
+    def _note(self, body: int, how: WayKind, far: float, turn: float) -> None:
+        """Add a movement to the way of a body."""
+        way = self.ways[body]
+        degrees = float(np.degrees(turn))
+        if way and way[-1].how == how:
+            last = way.pop()
+            far, degrees = far + last.distance, degrees + last.angle_deg
+        way.append(Step(how, float(far), degrees))
+
+
+def come_to_rest(
+    bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Tell
+) -> Rest:
+    """Bring bodies to rest from their current pose.
+
+    Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
+    None: no limit.
+    """
+    state = _begin(bodies, contacts, tell)
+    stuck = _open_overlaps(state)
+    if stuck is not None:
+        return stuck
+    while True:
+        _fall(state)
+        again = _settle_down(state)
+        if not again:
+            break
+    return _result(state, reach)
+
+
+def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
+    """The state before the first movement."""
+    geometry = bodies.drawn.geometry
+    free = ~geometry.grounded
+    count = len(bodies.mass)
+    sizes = geometry.size[free] if free.any() else geometry.size
+    weights = geometry.mass[free] * float(np.linalg.norm(bodies.drawn.gravity))
+    curved = np.zeros(count, dtype=bool)
+    curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
+    return _State(
+        bodies, CandidatePoints.of(bodies), contacts, float(np.median(sizes)),
+        float(weights.mean()) if free.any() else 1.0,
+        0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
+        ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
+        np.zeros(count),
+        np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
+                 np.int64).reshape(-1, 2),
+    )  # fmt: skip
+
+
+def _points(state: _State, reach: float) -> NearPoints:
+    """Points near contact between different bodies, within a reach [length unit]."""
+    points = state.candidates.near(state.bodies, reach)
+    gone = state.gone[state.bodies.of_part]
+    return points.take(~gone[points.part_a] & ~gone[points.part_b])
+
+
+def _open_overlaps(state: _State) -> Rest | None:
+    """Open all overlaps by the least motion; the result if nothing opens them, else None."""
+    deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
+    reach = max(1.5 * deepest, 1e-3 * state.length)
+    for _ in range(PUSHES):
+        stop_if_late()
+        points = _points(state, reach)
+        deep = -float(points.gap.min(initial=0.0))
+        if deep <= state.closed:
+            return None
+        state.tell(f"overlaps: {number(deep)}")
+        programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
+        apart = programs.push_apart()
+        if apart is None:
+            depth, forces = programs.least_overlap()
+            if depth * state.length <= 10 * state.closed:
+                return None
+            return _does_not_fit(state, points, depth * state.length, forces)
+        step = programs.steps(apart, state.bodies)
+        state.move(step, "pushed-out")
+        far = np.linalg.norm(step[:, :3], axis=1)
+        far += np.linalg.norm(step[:, 3:], axis=1) * state.bodies.size / 2
+        reach = max(min(reach, 4 * float(far.max(initial=0.0))), 1e-4 * state.length)
+    return None
+
+
+def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array) -> Rest:
+    """The result for overlaps that no motion opens: the parts of the certificate."""
+    pressed = forces > 1e-3 * max(float(forces.max(initial=0.0)), 1e-300)
+    parts = np.unique(np.concatenate([points.part_a[pressed], points.part_b[pressed]]))
+    names = tuple(state.bodies.drawn.names[k] for k in parts.tolist())
+    return Rest(
+        "does-not-fit", state.bodies, _ways(state), parts=names, depth=depth,
+        why="no small motion opens all overlaps", rounds=state.rounds,
+    )  # fmt: skip
+
+
+# falls -----------------------------------------------------------------------------------
+
+
+def _fall(state: _State) -> None:
+    """Let all groups of bodies that nothing supports fall; those with nothing below leave."""
+    for _ in range(len(state.bodies.mass)):
+        stop_if_late()
+        gap = FLOATS * state.length
+        group = _floating_groups(state, _points(state, gap), gap)
+        if not group.any():
+            return
+        assembly = state.bodies.assembly()
+        sweeps = Sweeps(replace(state.contacts, assembly=assembly))
+        state.tell("falls")
+        fall = straight_falls(sweeps, assembly, group[state.bodies.of_part])
+        lost = np.isinf(fall)[group]
+        state.gone |= lost
+        step = np.zeros((len(state.bodies.mass), 6))
+        step[:, :3] = (
+            np.where(lost, 0.0, np.where(np.isinf(fall), 0.0, fall)[group])[:, None] * assembly.down
+        )
+        state.move(step, "fell")
+        moved = np.linalg.norm(step[:, :3], axis=1)
+        state.asleep[moved > 0] = False
+        if not lost.any() and moved.max(initial=0.0) <= gap:
+            return
+
+
+def _floating_groups(state: _State, points: NearPoints, gap: float) -> Index:
+    """Group of each body: 0 if it touches the ground, directly or through others; (B,).
+
+    Bodies within `gap` [length unit] of each other touch. Joints and loads support a body.
+    """
+    touching = points.take(points.gap <= gap)
+    a, b = state.bodies.of_part[touching.part_a], state.bodies.of_part[touching.part_b]
+    ends = np.concatenate([np.column_stack([a, b]), state.joined])
+    label = connected(len(state.bodies.mass), ends[:, 0], ends[:, 1])
+    group = label + 1
+    loaded = [state.bodies.body_of(load.part) for load in state.bodies.drawn.loads]
+    supported = ~state.bodies.moves
+    supported[loaded] = True
+    group[np.isin(label, label[supported]) | state.gone] = 0
+    return np.unique(np.append(group, 0), return_inverse=True)[1][:-1]
+
+
+# steps -----------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Last:
+    """The last step, which is taken back where it led into an overlap."""
+
+    bodies: RigidBodies
+    """The bodies before it."""
+    island: Index
+    stride: Array
+    """Island and stride of each body, shape (B,)."""
+    deep: float
+    """Deepest overlap before it [length unit]."""
+
+
+def _settle_down(state: _State) -> bool:
+    """Move the bodies step by step until all are at rest; whether one lost its support."""
+    last: _Last | None = None
+    lowest = np.full(len(state.bodies.mass), -np.inf)
+    stalled = np.zeros(len(lowest), dtype=np.int64)
+    while state.rounds < ROUNDS:
+        stop_if_late()
+        active = ~state.asleep & ~state.gone & state.bodies.moves
+        if not active.any():
+            return False
+        state.rounds += 1
+        reach = 2 * float(np.minimum(state.stride, LONGEST * state.bodies.size)[active].max())
+        points = _points(state, reach)
+        if last is not None and _taken_back(state, last, points):
+            points = _points(state, reach)
+        if _floating_groups(state, points, reach / 4).any():
+            return True
+        island = _islands(state, points, active)
+        stride = _stride_of_islands(state, island)
+        program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
+        step = program.step(stride / state.length, points.gap <= 0.5 * reach)
+        if step is None:
+            state.stride[active] /= 4
+            state.asleep |= active & (state.stride < SHORTEST * state.length)
+            continue
+        last = _Last(state.bodies, island, stride, -float(points.gap.min(initial=0.0)))
+        _advance(state, island, stride, step)
+        _count_stalls(state, island, lowest, stalled)
+    return False
+
+
+def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
+    """Take the last step back for islands that it led into an overlap; whether there are any."""
+    size = state.bodies.size
+    deep = np.zeros(len(size) + 1)
+    for side in (points.part_a, points.part_b):
+        np.maximum.at(deep, last.island[state.bodies.of_part[side]], -points.gap)
+    most = DEEP * np.minimum(last.stride, LONGEST * size) + 2 * last.deep + state.closed
+    bad = (deep[last.island] > most) & (last.island >= 0)
+    bad = np.isin(last.island, last.island[bad]) & (last.island >= 0)
+    if not bad.any():
+        return False
+    state.bodies = state.bodies.where(~bad, last.bodies)
+    state.stride = np.where(bad, last.stride / 4, state.stride)
+    state.asleep |= bad & (state.stride < SHORTEST * state.length)
+    return True
+
+
+def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
+    """Shorten the stride of islands whose centre has not sunk for some steps."""
+    mass = state.bodies.mass
+    total, weight = np.zeros(len(mass) + 1), np.zeros(len(mass) + 1)
+    np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
+    np.add.at(weight, island, mass)
+    depth = (total / np.maximum(weight, 1e-300))[island]
+    sinks = depth > lowest + STILL * state.length
+    stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
+    lowest[:] = np.maximum(lowest, depth)
+    late = stalled >= STALLS
+    state.stride = np.where(late, state.stride / 4, state.stride)
+    stalled[late] = 0
+    state.asleep |= late & (state.stride < SHORTEST * state.length)
+
+
+def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
+    """Number of the island of bodies that may affect each other; -1 if nothing moves there."""
+    moves = state.bodies.moves & ~state.gone
+    a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
+    ends = np.concatenate([np.column_stack([a, b]), state.joined])
+    ends = ends[moves[ends].all(axis=1)]
+    label = connected(len(moves), ends[:, 0], ends[:, 1])
+    awake = np.isin(label, label[active])
+    return np.where(awake & moves, label, -1)
+
+
+def _stride_of_islands(state: _State, island: Index) -> Array:
+    """The shortest stride of each island, for its bodies; 0 for bodies that stand still."""
+    least = np.full(len(island) + 1, np.inf)
+    np.minimum.at(least, island, state.stride)
+    return np.where(island >= 0, least[island], 0.0)
+
+
+def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
+    """Take a step; islands in which nothing moves are at rest."""
+    step, far = _shortened(state, island, step)
+    moving = far > np.maximum(STILL * state.length, EXACT * stride)
+    quiet = np.ones(len(island) + 1, dtype=bool)
+    np.logical_and.at(quiet, island, ~moving)
+    # a long stride has a coarse step: the pose is confirmed by a short one
+    short = stride <= LONGEST * state.bodies.size
+    state.asleep = np.where(island >= 0, quiet[island] & short, state.asleep)
+    state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
+    next_stride = _next_stride(state, island, stride, far)
+    first = FIRST * state.bodies.size
+    next_stride = np.where(quiet[island], np.minimum(next_stride, first), next_stride)
+    state.stride = np.where(island >= 0, next_stride, state.stride)
+    state.move(np.where(moving[:, None], step, 0.0), None)
+
+
+def _shortened(state: _State, island: Index, step: Array) -> tuple[Array, Array]:
+    """The step, shorter for islands in which a body would move too far; way of each body."""
+    size = state.bodies.size
+    far = np.linalg.norm(step[:, :3], axis=1) + np.linalg.norm(step[:, 3:], axis=1) * size / 2
+    share = np.ones(len(island) + 1)
+    np.minimum.at(share, island, 1.5 * LONGEST * size / np.maximum(far, 1e-300))
+    share = share[island]
+    return step * share[:, None], far * share
+
+
+def _next_stride(state: _State, island: Index, stride: Array, far: Array) -> Array:
+    """Stride of the next step: longer while the motion grows with it, unless a body moves too far.
+
+    A motion that shrinks although the stride stays the same is about to end.
+    """
+    size = state.bodies.size
+    share, speed = np.full(len(island) + 1, np.inf), np.zeros(len(island) + 1)
+    np.minimum.at(share, island, LONGEST * size / np.maximum(far, 1e-300))
+    np.maximum.at(speed, island, far / np.maximum(stride, 1e-300))
+    goes_on = speed[island] >= 0.5 * state.speed
+    state.speed = np.where(island >= 0, speed[island], state.speed)
+    grown: Array = np.minimum(np.where(goes_on, 4.0, 1.0), share[island]) * stride
+    return np.minimum(grown, SLOWEST * size)
+
+
+def _ways(state: _State) -> tuple[tuple[Step, ...], ...]:
+    return tuple(tuple(way) for way in state.ways)
+
+
+def _result(state: _State, reach: float | None) -> Rest:
+    """The result in the last pose."""
+    points = _points(state, 1e-3 * state.length)
+    closed = points.bears & (np.abs(points.gap) <= 10 * state.closed)
+    names = state.bodies.drawn.names
+    leaves = tuple(names[k] for k in np.flatnonzero(state.gone[state.bodies.of_part]).tolist())
+    moving = ~state.asleep & ~state.gone & state.bodies.moves
+    parts = tuple(names[k] for k in np.flatnonzero(moving[state.bodies.of_part]).tolist())
+    free = state.bodies.free
+    verdict: RestState = "at-rest"
+    why = ""
+    if parts:
+        verdict, why = "not-found", f"the parts still move after {state.rounds} steps"
+    elif leaves:
+        verdict = "falls" if state.gone[free].all() else "partly"
+        why = "nothing is below the parts"
+    far = np.linalg.norm(state.bodies.movements()[:, :3], axis=1)
+    far[np.isin(names, leaves)] = 0.0
+    if reach is not None and far.max(initial=0.0) > reach * (1 + 1e-9):
+        k = int(far.argmax())
+        verdict, parts = "not-found", (names[k],)
+        why = f"{names[k]!r} would move {number(float(far[k]), 3)} {state.bodies.drawn.units}"
+    return Rest(
+        verdict, state.bodies, _ways(state), leaves, parts, 0.0, why, state.rounds,
+        points.take(closed),
+    )  # fmt: skip

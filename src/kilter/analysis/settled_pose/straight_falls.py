@@ -1,0 +1,145 @@
+"""Straight falls of groups of bodies that nothing supports.
+
+All groups begin to fall at the same time, and a group stops where one of its parts meets a part
+that has stopped. So the fall of a group is its shortest path to a supported part over the heights
+c(part, other) that a part falls until it meets another part as drawn:
+
+    fall(group) = min over its parts and others of  c(part, other) + fall(group of other)
+"""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.analysis.planning.order.sweeps import Direction, Sweeps
+from kilter.arrays import Array, Index
+from kilter.assembly import Assembly
+from kilter.contact import Tolerance, detect
+from kilter.rigid import Pose
+
+
+def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index) -> Array:
+    """Lengths of the falls of groups of parts that fall at the same time.
+
+    Arguments: `group` (N,): group of each part; 0 is supported and does not fall. Returns `fall`
+    (G,): length of the fall of each group [length unit], infinite if it leaves the scene.
+    """
+    down, slack = assembly.down, assembly.geometry.slack
+    x, y, z = down.tolist()
+    direction: Direction = (x, y, z)
+    count = int(group.max(initial=0)) + 1
+    fall = np.full(count, np.inf)
+    fall[0] = 0.0
+    meets: dict[int, list[tuple[int, float, int, int]]] = {}
+    for g in range(1, count):
+        parts = np.flatnonzero(group == g)
+        for part in parts.tolist():
+            others, bounds = sweeps.under(np.array([part]), direction)
+            for other, bound in zip(others.tolist(), bounds.tolist(), strict=True):
+                if group[other] != g:
+                    meets.setdefault(int(group[other]), []).append((g, bound, part, other))
+    heights: dict[tuple[int, int], float] = {}
+    waiting = [(0.0, 0)]
+    done = np.zeros(count, dtype=bool)
+    while waiting:
+        length, landed = heapq.heappop(waiting)
+        if done[landed] or length > fall[landed]:
+            continue
+        done[landed] = True
+        for g, bound, part, other in sorted(meets.get(landed, ()), key=lambda entry: entry[1]):
+            if done[g] or length + bound >= fall[g]:
+                continue
+            if (part, other) not in heights:
+                found = sweeps.clearance(part, other, direction)
+                curved = slack[part] + slack[other] > 0
+                if curved and np.isfinite(found) and length + found < fall[g]:
+                    found = height_on_surfaces(assembly, part, other, down, found)
+                heights[part, other] = found
+            total = length + max(heights[part, other], 0.0)
+            if total < fall[g]:
+                fall[g] = total
+                heapq.heappush(waiting, (total, g))
+    return fall
+
+
+# Fall of a single group, and the exact height above curved surfaces.
+
+
+ROUNDS = 6
+"""Largest number of Newton steps to the first contact of round faces."""
+UPRIGHT = 0.05
+"""Least component of a contact normal along the vertical for a step [-]."""
+EXACT = 1e-12
+"""Newton step that ends the search [sizes of the part]."""
+
+
+@dataclass(frozen=True, slots=True)
+class StraightFall:
+    """A straight fall until the first contact."""
+
+    distance: float
+    """Length of the fall [length unit]."""
+    part: int
+    """The falling part that meets another part first."""
+    other: int
+    """The part that it meets."""
+
+
+def falling_distance(
+    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array
+) -> StraightFall | None:
+    """Find the first part that a group of parts meets if it falls straight down.
+
+    Arguments: `parts` (n,): the falling parts; they move together; `down` (3,): unit direction of
+    gravity. Returns None if nothing is below the parts.
+    """
+    x, y, z = down.tolist()
+    direction: Direction = (x, y, z)
+    slack = assembly.geometry.slack
+    # contacts without points: the pair never touches
+    apart = {frozenset(entry.parts) for entry in assembly.contacts if not len(entry.points)}
+    best: StraightFall | None = None
+    for other, bound in zip(*(a.tolist() for a in sweeps.under(parts, direction)), strict=True):
+        spare = float(slack[parts].max() + slack[other])
+        if best is not None and bound - spare >= best.distance:
+            break
+        for part in parts.tolist():
+            if frozenset((assembly.names[part], assembly.names[other])) in apart:
+                continue
+            distance = sweeps.clearance(part, other, direction)
+            if not np.isfinite(distance):
+                continue
+            if slack[part] + slack[other] > 0:
+                distance = height_on_surfaces(assembly, part, other, down, distance)
+            if best is None or distance < best.distance:
+                best = StraightFall(distance, part, other)
+    return best
+
+
+def height_on_surfaces(
+    assembly: Assembly, part: int, other: int, down: Array, distance: float
+) -> float:
+    """Length of the fall on the exact surfaces, from the length on the triangles [length unit]."""
+    geometry = assembly.geometry
+    slack = float(geometry.slack[part] + geometry.slack[other])
+    size = float(min(geometry.size[part], geometry.size[other]))
+    falling = replace(assembly.parts[part], grounded=False)
+    still = replace(assembly.parts[other], grounded=True)
+    found = distance
+    for _ in range(ROUNDS):
+        pose = falling.pose
+        moved = replace(falling, pose=Pose(pose.position + found * down, pose.rotation))
+        pair = Assembly([moved, still], units=assembly.units, gravity=assembly.gravity)
+        near = detect.contacts(pair, tolerance=Tolerance(gap=4 * slack))
+        steep = np.abs(near.patch_normal @ down)
+        usable = steep > UPRIGHT
+        if not usable.any():
+            break
+        step = float((near.patch_gap[usable, 0] / steep[usable]).min())
+        found += step
+        if abs(step) <= EXACT * size:
+            break
+    return found if abs(found - distance) <= 4 * slack / UPRIGHT else distance
