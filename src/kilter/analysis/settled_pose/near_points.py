@@ -94,18 +94,19 @@ class NearPoints(Rows):
 
 
 def find_near_points(
-    assembly: Assembly, reach: float, fine_reach: float, *, covered: Mask | None = None
+    assembly: Assembly, reach: float, fine_reach: float, *, pairs: Index | None = None
 ) -> NearPoints:
     """Find the points of an assembly that lie within a reach of contact.
 
     Arguments: `reach`: largest gap of a point between convex parts with flat faces [length unit];
-    `fine_reach`: the same for all other pairs [length unit]; `covered` (N,): parts whose pairs with
-    each other are left out.
+    `fine_reach`: the same for all other pairs [length unit]; `pairs` (n, 2): parts a < b of the
+    pairs that are examined; None: all.
     """
     search = begin_search(assembly, Tolerance(gap=reach / CLUSTER), lambda stage: None)
     facets, geometry = search.facets, search.geometry
-    if covered is not None and covered.any():
-        search = _restricted(search, ~both_of(covered, search.pairs), reach)
+    if pairs is not None:
+        keys = np.array([len(geometry.mass), 1])
+        search = _restricted(search, np.isin(search.pairs @ keys, pairs @ keys), reach)
     plain = facets.convex_part & (np.diff(geometry.surfaces.start) == 0)
     simple = both_of(plain, search.pairs)
     flat, faced = _flat_points(_restricted(search, simple, reach), reach)
@@ -119,9 +120,8 @@ def find_near_points(
         others = _restricted(search, ~simple, fine_reach)
         blocks += _general_points(others, fine_reach, assembly.down)
     points = NearPoints.join(blocks)
-    parts = np.column_stack([points.part_a, points.part_b])
-    pairs, pair = distinct_rows(parts)
-    points = replace(points, mu=friction_coefficients(assembly, pairs)[pair])
+    parts, pair = distinct_rows(np.column_stack([points.part_a, points.part_b]))
+    points = replace(points, mu=friction_coefficients(assembly, parts)[pair])
     return points.take(np.abs(points.gap) <= reach)
 
 
