@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
+from kilter.analysis.settled_pose.moving_pairs import MovingPairs
+from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Array, Index, distinct_rows
 from kilter.assembly import Assembly
@@ -31,9 +32,8 @@ class CandidatePoints:
     rotation: Array
     position: Array
     """Drawn poses of the parts, shape (N, 3, 3) and (N, 3)."""
-    middle: Array
-    half: Array
-    """Box around each part in its own frame: middle and half of its sizes, shape (N, 3)."""
+    others: MovingPairs
+    """Pairs of parts that convex pieces do not cover."""
 
     @staticmethod
     def of(bodies: RigidBodies) -> CandidatePoints:
@@ -41,19 +41,12 @@ class CandidatePoints:
         assembly = bodies.drawn
         apart = [entry.parts for entry in assembly.contacts if not len(entry.points)]
         pairs = [[assembly.index[name] for name in names] for names in apart]
-        rotation = np.array([part.pose.matrix for part in assembly.parts])
-        position = np.array([part.pose.position for part in assembly.parts])
-        geometry = assembly.geometry
-        own = np.einsum(
-            "nij,ni->nj",
-            rotation[geometry.vertex_part],
-            geometry.vertices - position[geometry.vertex_part],
-        )
-        low = np.minimum.reduceat(own, geometry.vertex_start[:-1])
-        high = np.maximum.reduceat(own, geometry.vertex_start[:-1])
+        pieces, ignored = convex_pieces(assembly), np.array(pairs, np.int64).reshape(-1, 2)
         return CandidatePoints(
-            assembly, convex_pieces(assembly), np.array(pairs, np.int64).reshape(-1, 2),
-            rotation, position, (low + high) / 2, (high - low) / 2 + geometry.slack[:, None],
+            assembly, pieces, ignored,
+            np.array([part.pose.matrix for part in assembly.parts]),
+            np.array([part.pose.position for part in assembly.parts]),
+            MovingPairs.of(assembly, pieces.whole, ignored),
         )  # fmt: skip
 
     def near(self, bodies: RigidBodies, reach: float) -> NearPoints:
@@ -70,38 +63,12 @@ class CandidatePoints:
             np.zeros(len(found)), found.bears,
         )  # fmt: skip
         points = points.take(body[points.part_a] != body[points.part_b])
+        if not self.pieces.whole.all():
+            points = NearPoints.join([points, self.others.near(rotation, position, body, reach)])
         points = replace(points, mu=self._friction(points))
-        points = NearPoints.join([points, *self._of_faces(bodies, (rotation, position), reach)])
         if self.assembly.planar:
             points = points.take(np.abs(points.normal[:, 1]) < 0.5)
         return points
-
-    def _of_faces(
-        self, bodies: RigidBodies, poses: tuple[Array, Array], reach: float
-    ) -> list[NearPoints]:
-        """Points of the pairs of parts of which one does not consist of convex pieces."""
-        whole, body = self.pieces.whole, bodies.of_part
-        if whole.all():
-            return []
-        rotation, position = poses
-        middle = position + np.einsum("nij,nj->ni", rotation, self.middle)
-        half = np.einsum("nij,nj->ni", np.abs(rotation), self.half) + reach
-        apart = np.abs(middle[:, None] - middle[None]) > half[:, None] + half[None]
-        near = ~apart.any(axis=2) & (body[:, None] != body[None])
-        near &= ~(whole[:, None] & whole[None])
-        near[self.ignored[:, 0], self.ignored[:, 1]] = False
-        near[self.ignored[:, 1], self.ignored[:, 0]] = False
-        chosen = near.any(axis=1)
-        if not chosen.any():
-            return []
-        rows = np.flatnonzero(chosen)
-        alone = Assembly(
-            bodies.parts(rows.tolist()), units=self.assembly.units, gravity=self.assembly.gravity
-        )
-        found = find_near_points(alone, reach, reach)
-        found = replace(found, part_a=rows[found.part_a], part_b=rows[found.part_b])
-        found = replace(found, mu=self._friction(found))
-        return [found.take(near[found.part_a, found.part_b])]
 
     def _friction(self, points: NearPoints) -> Array:
         """Friction coefficient of each point [-]."""
