@@ -292,10 +292,11 @@ def test_a_repair_moves_objects_by_their_faults():
         Part("ball", Sphere(0.5), [4, 0, 0.4995]),
     ]
     report = kilter.scene(Assembly([TABLE, *parts]), settle=True)
-    assert report.counts == {"at-rest": 5, "held": 1, "falls": 1}
-    assert report["overhangs"].state == "falls"
+    assert report.counts == {"at-rest": 6, "held": 1}
+    assert "tipped" in [way.how for way in report["overhangs"].way]
     expected = {"floats": 0.25, "sunk": 0.01, "ball": 0.0005}
-    assert report.moved == pytest.approx(expected, rel=1e-6)
+    moved = {name: far for name, far in report.moved.items() if name in expected}
+    assert moved == pytest.approx(expected, rel=1e-6)
     assert report.drawn is not None
     assert kilter.scene(Assembly([TABLE, *parts])).moved == {}
 
