@@ -289,7 +289,7 @@ def test_a_repair_moves_objects_by_their_faults():
         cube("sunk", 0, -0.01),
         cube("below", 2, 0),
         cube("overhangs", 2.6, 1),
-        Part("ball", Sphere(0.5), [4, 0, 0.4995]),
+        Part("ball", Sphere(0.5), [4, 3, 0.4995]),
     ]
     report = kilter.scene(Assembly([TABLE, *parts]), settle=True)
     assert report.counts == {"at-rest": 6, "held": 1}

@@ -173,7 +173,8 @@ def remedy_words(option: str, leads_to: str | None, moved: float | None, units: 
     result = REMEDY_RESULTS.get(leads_to, leads_to)
     if moved is None:
         return f"{option}: {result}"
-    return f"kilter settle FILE --nearest: at rest after moving {number(moved, 3)} {units}, then {result}"
+    far = f"{number(moved, 3)} {units}"
+    return f"kilter settle FILE --nearest: at rest after moving {far}, then {result}"
 
 
 def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
