@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.check import check, check_level
-from kilter.analysis.scene_states.scene_graph import chosen_parts
+from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.settled_pose.rest import Rest
 from kilter.analysis.settled_pose.rest_proof import (
     ClosedContacts,
