@@ -204,7 +204,7 @@ NOTES = {
     "1 tendons with limits or springs, which may hold": ("", TENDON.format('range="0 1"'), ""),
     "ignored: 1 other tendons": ("", TENDON.format(""), ""),
     "the model disables all contacts": ("", "", "contact"),
-    "whose visible geoms count: 1": ('contype="0" conaffinity="0"', "", ""),
+    "no objects, since nothing can touch them: 1 bodies": ('contype="0" conaffinity="0"', "", ""),
 }
 
 

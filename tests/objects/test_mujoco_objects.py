@@ -124,7 +124,12 @@ def test_what_is_not_counted_is_said():
              '<joint name="j" axis="0 1 0" stiffness="3" range="-1 1" limited="true"/>'),
         '<compiler angle="radian"/><actuator><motor joint="j"/></actuator>',
     )  # fmt: skip
-    found = kilter.load(mujoco.MjModel.from_xml_string(made))
+    model = mujoco.MjModel.from_xml_string(made)
+    held = kilter.load(model)
+    assert held.notes == ("held: robot of 1 body with motors; --loose-robots frees it",)
+    assert held["arm"].grounded
+    assert not held.joints
+    found = kilter.load(model, loose_robots=True)
     assert found.notes == ("ignored: 1 motors",)
     assert found.joints[0].guide == {"limits": [-1.0, 1.0], "stiffness": 3.0, "rest": 0.0}
 
@@ -140,11 +145,11 @@ def test_what_is_not_counted_is_said():
                         "b",
                         "0 0 0",
                         BOX,
-                        '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>',
+                        '<joint axis="1 0 0"/><joint axis="0 1 0" pos="0 0 1"/>',
                     )
                 )
             ),
-            "part 'b': it has 2 joints; give it a single hinge",
+            "part 'b': the axes of its 2 hinges do not meet in a point; give each hinge a body",
         ),
     ],
 )

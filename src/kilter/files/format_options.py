@@ -22,5 +22,7 @@ class FormatOptions:
     """MuJoCo: name of the keyframe whose pose is used."""
     base: str | None = None
     """One of "fixed", "floating". URDF: whether the root link is held."""
+    loose_robots: bool = False
+    """MuJoCo: whether bodies that motors move are free."""
     studs: StudRules | None = None
     """Bricks: strength of studs, and points at which sides push each other."""

@@ -96,7 +96,9 @@ class Reading(ReadingOptions):
     @property
     def format_options(self) -> FormatOptions:
         """The options of this reading that only specific file formats use."""
-        return FormatOptions(self.units, self.contacts, self.keyframe, self.base, self.studs)
+        return FormatOptions(
+            self.units, self.contacts, self.keyframe, self.base, self.loose_robots, self.studs
+        )
 
     @property
     def studs(self) -> StudRules:
@@ -127,7 +129,7 @@ class Reading(ReadingOptions):
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
             bonds = values.get("bond", ())
             values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
-            for key in ("fasten_suggested", "fasten_overlaps"):
+            for key in ("fasten_suggested", "fasten_overlaps", "loose_robots"):
                 values[key] = bool(values.get(key, False))
             values["mass"] = tuple((str(a), float(kg)) for a, kg in values.get("mass", ()))
             loads = values.get("load", ())

@@ -42,6 +42,7 @@ OPTIONS = {
             "density",
             "keyframe",
             "base",
+            "loose_robots",
             "friction",
             "contacts",
         )
@@ -96,6 +97,8 @@ class Choices:
         Density of parts without density and mass [kg/m^3].
     keyframe, base : str, optional
         Options of MJCF and URDF, see `kilter.load`.
+    loose_robots : bool
+        MJCF and URDF: bodies that motors move are free.
     studs : mapping, optional
         Bricks: `pull` [N], `shear` and `sides`.
     joined : sequence of pairs of str
@@ -148,6 +151,7 @@ class Choices:
     density: float | None = None
     keyframe: str | None = None
     base: str | None = None
+    loose_robots: bool = False
     studs: Any = None
     left_out: Any = ()
     joined: Any = ()
