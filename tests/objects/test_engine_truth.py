@@ -220,10 +220,11 @@ def test_a_note_names_a_feature_that_kilter_does_not_have(note):
         assert len(kilter.contacts(found)) == 0
 
 
-def test_a_model_without_gravity_is_refused():
+def test_a_model_without_gravity_has_that_of_the_default():
     for rest, option in (
         ('<option><flag gravity="disable"/></option>', ""),
         ("", 'gravity="0 0 0"'),
     ):
-        with pytest.raises(InputError, match="the model has no gravity"):
-            kilter.load(model_of(FREE.format(""), rest, option))
+        found = kilter.load(model_of(FREE.format(""), rest, option))
+        assert found.gravity.tolist() == [0.0, 0.0, -9.81]
+        assert any("the model has no gravity: MuJoCo's default" in note for note in found.notes)

@@ -1,10 +1,11 @@
 """Joints of a MuJoCo model, from the joints of each moving body and from equality constraints.
 
 Several joints of a body act in sequence through massless frames. Their free directions make one
-joint: the span of the slides, and the span of the axes of the hinges, which must have a common
-point. Slides before all hinges belong to the parent, slides after all hinges to the body; a slide
-may pass a hinge about its own direction, or any hinge if the slides span space. The limits,
-friction and springs of such joints do not count.
+joint: the span of the slides, and the span of the axes of the hinges. This needs a common point of
+the hinges, and slides before all hinges, which belong to the parent, or after all hinges, which
+belong to the body; a slide may pass a hinge about its own direction, or any hinge if the slides
+span space. The limits, friction and springs of such joints do not count. Else the frames are parts
+of a millionth of the mass of the body, and each joint counts by itself.
 """
 
 from __future__ import annotations
@@ -16,17 +17,19 @@ import numpy as np
 
 from kilter.arrays import Array, Mask
 from kilter.assembly.interactions import Joint
-from kilter.assembly.part import GROUND
-from kilter.errors import InputError
+from kilter.assembly.part import GROUND, Part
 from kilter.files.file_tolerances import PARALLEL
 from kilter.files.objects.mujoco_snapshot import Snapshot
 from kilter.rigid import Pose
+from kilter.shape.primitives import Sphere
 
 FREE, BALL, SLIDE, HINGE = range(4)
 CONNECT, WELD = 0, 1
 """MuJoCo's numbers for the kinds of joints and equalities."""
 KINDS = {BALL: "spherical", SLIDE: "prismatic", HINGE: "revolute"}
 """Kind of `Joint` for each kind of MuJoCo joint."""
+FRAME = 1e-6
+"""Mass of a frame between two joints of a body, over that of the body [-]."""
 MEET = 1e-9
 """Largest distance of the axes of hinges from their common point, over that of anchors [-]."""
 
@@ -44,6 +47,8 @@ class ModelJoints:
         self.model, self.owner, self.names, self.held = model, owner, names, held
         self.guided: list[int] = []
         """MuJoCo joints whose limits, friction and springs are those of a joint."""
+        self.frames: list[Part] = []
+        """Frames between joints of a body."""
         self.ignored = 0
         """Number of equalities that are no welds and connections of bodies."""
 
@@ -75,16 +80,29 @@ class ModelJoints:
         return self.names[self.owner[body]] if body in self.owner else GROUND
 
     def _of(self, ends: tuple[str, str], rows: list[int]) -> list[Joint]:
-        """The joint of a body with its parent; none if it moves freely."""
-        model, kind = self.model, int(self.model.jnt_type[rows[0]])
+        """The joint of a body with its parent; none if it moves freely, several with frames."""
         if len(rows) == 1:
-            guide = self._guide(rows[0]) if kind in (SLIDE, HINGE) else {}
-            point, axis = model.xanchor[rows[0]], model.xaxis[rows[0]]
-            return [Joint(ends, KINDS[kind], point=point, axis=axis, **guide)]  # type: ignore[arg-type]
-        try:
-            return _sequence(ends, *self._directions(rows))
-        except InputError as error:
-            raise error.located(part=ends[0]) from None
+            return [self._single(ends, rows[0])]
+        joints = _sequence(ends, *self._directions(rows))
+        if joints is not None:
+            return joints
+        body = int(self.model.jnt_bodyid[rows[0]])
+        mass = FRAME * float(self.model.body_mass[body] or 1.0)
+        radius = (mass / 1000.0 * 0.75 / np.pi) ** (1 / 3)
+        chain = [ends[1]]
+        for number, row in enumerate(rows[:-1], 1):
+            chain.append(f"{ends[0]}/frame {number}")
+            place = Pose(self.model.xanchor[row])
+            self.frames.append(Part(chain[-1], Sphere(radius), place, mass=mass))
+        chain.append(ends[0])
+        return [self._single((chain[k + 1], chain[k]), row) for k, row in enumerate(rows)]
+
+    def _single(self, ends: tuple[str, str], row: int) -> Joint:
+        """The joint of two parts for a MuJoCo joint."""
+        kind = int(self.model.jnt_type[row])
+        guide = self._guide(row) if kind in (SLIDE, HINGE) else {}
+        point, axis = self.model.xanchor[row], self.model.xaxis[row]
+        return Joint(ends, KINDS[kind], point=point, axis=axis, **guide)  # type: ignore[arg-type]
 
     def _directions(self, rows: list[int]) -> tuple[Array, Array, Array]:
         """Kinds (k,), anchors (k, 3) and axes (k, 3) of joints; a ball is three hinges."""
@@ -139,15 +157,19 @@ class ModelJoints:
         return joints
 
 
-def _sequence(ends: tuple[str, str], kinds: Array, points: Array, axes: Array) -> list[Joint]:
-    """The joint of several joints in sequence; none if they leave every motion free.
+def _sequence(
+    ends: tuple[str, str], kinds: Array, points: Array, axes: Array
+) -> list[Joint] | None:
+    """The joint of several joints in sequence, in a list; empty if they leave every motion free.
 
-    Raises `InputError` if the axes of the hinges do not meet, or a slide turns with a hinge before
-    it and is followed by another hinge.
+    None if no joint has their motions: the axes of the hinges do not meet, or a slide turns with a
+    hinge before it and is followed by another hinge.
     """
     turning = kinds == HINGE
     slides, turns = _spanning(axes[~turning]), _spanning(axes[turning])
     point = _common_point(points[turning], axes[turning]) if turning.any() else None
+    if point is None and turning.any():
+        return None
     if len(slides) == len(turns) == 3:
         return []
     if not len(slides) and len(turns) == 3:
@@ -161,10 +183,7 @@ def _sequence(ends: tuple[str, str], kinds: Array, points: Array, axes: Array) -
         return [Joint(ends[::-1], "general", point=point, slides=slides, turns=turns)]
     if _first(turning[::-1], axes[::-1]):
         return [Joint(ends, "general", point=point, slides=slides, turns=turns[::-1])]
-    raise InputError(
-        "a slide of it turns with a hinge before it, and another hinge follows",
-        hint="put the slides before the hinges",
-    )
+    return None
 
 
 def _spanning(axes: Array) -> Array:
@@ -186,11 +205,8 @@ def _first(turning: Mask, axes: Array) -> bool:
     )
 
 
-def _common_point(points: Array, axes: Array) -> Array:
-    """The point that is nearest to the axes of hinges, (3,).
-
-    Raises `InputError` if it does not lie on all of them.
-    """
+def _common_point(points: Array, axes: Array) -> Array | None:
+    """The point that lies on all axes of hinges, (3,); None without such a point."""
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     begin = points.mean(axis=0)
     offset = points - begin
@@ -198,9 +214,6 @@ def _common_point(points: Array, axes: Array) -> Array:
     moved = np.linalg.lstsq(across.reshape(-1, 3), target.ravel(), rcond=1e-9)[0]
     apart = np.abs(np.einsum("kij,kj->ki", across, moved - offset)).max()
     if apart > MEET * max(float(np.abs(points).max()), 1.0):
-        raise InputError(
-            f"the axes of its {len(axes)} hinges do not meet in a point",
-            hint="give each hinge a body of its own",
-        )
+        return None
     point: Array = begin + moved
     return point

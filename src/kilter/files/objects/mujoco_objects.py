@@ -133,9 +133,11 @@ class ModelScene:
         parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
         for name, body in zip(names, self.bodies, strict=True):
             self.names[body] = name
-        self._require_gravity()
+        self._assume_gravity()
         joints = ModelJoints(model, self._with_parts(), dict(enumerate(self.names)), self.held)
         connections = joints.all()
+        parts += joints.frames
+        self.rows += [[] for _ in joints.frames]
         near = near_pairs(parts, REACH)
         detect = not model.disabled & {"CONTACT", "CONSTRAINT"}
         if not detect:
@@ -164,12 +166,12 @@ class ModelScene:
         own = set(self.bodies) - {0}
         return {body: owner for body, owner in self.owner.items() if owner in own}
 
-    def _require_gravity(self) -> None:
-        """Raise an InputError for a model without gravity."""
+    def _assume_gravity(self) -> None:
+        """Give a model without gravity the default of MuJoCo, with a note."""
         if "GRAVITY" in self.model.disabled or not self.model.gravity.any():
-            raise InputError(
-                "the model has no gravity",
-                hint='give <option gravity="0 0 -9.81"/>, and enable gravity in its flags',
+            self.model.gravity = np.array([0.0, 0.0, -9.81])
+            self.notes.append(
+                "the model has no gravity: MuJoCo's default of 9.81 m/s^2 along -z is assumed"
             )
 
     def _loads(self) -> list[Load]:
@@ -189,6 +191,8 @@ class ModelScene:
             f"no objects, since nothing can touch them: {self.left} bodies and geoms": self.left,
             f"bodies without colliding geoms, whose visible geoms count: {unseen}": unseen,
             f"meshes that collide as their convex hull: {self.shapes.hulls}": self.shapes.hulls,
+            "frames between the joints of a body, as parts of a millionth of its mass: "
+            f"{len(joints.frames)}": len(joints.frames),
             "ignored equalities other than welds and connections of bodies: "
             f"{joints.ignored}": joints.ignored,
         }

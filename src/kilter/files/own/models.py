@@ -277,8 +277,8 @@ class JointEntry(Entry):
     kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical", "general"]
     point: Vector | None = Field(
         None,
-        description="required: a point on the axis (revolute, cylindrical), the centre (spherical), "
-        "a point on all axes of turns (general)",
+        description="required: a point on the axis (revolute, cylindrical), the centre "
+        "(spherical), a point on all axes of turns (general)",
     )
     axis: Vector | None = Field(
         None, description="direction of the axis; required for revolute, prismatic, cylindrical"

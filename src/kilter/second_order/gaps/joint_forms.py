@@ -78,7 +78,7 @@ def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
     if not len(rows):
         return result
     slides, axes, across = _kinds(program, joints, rows)
-    has_axis = axes.any(axis=1)
+    has_axis: Mask = np.any(axes != 0, axis=1)
     normal = program.normal[rows]
     arm_a, arm_b = arms_of(program, rows)
     slip, _ = relative_motion(arm_a, arm_b)
@@ -122,7 +122,7 @@ def joint_errors(program: Program, joints: Sequence[Joint], motion: Array) -> Ar
         axis=1,
     )
     leaning = np.einsum("ki,kij,kj->k", across, over, axes) - np.einsum("ki,ki->k", across, axes)
-    turned = np.where(axes.any(axis=1), leaning, np.einsum("ki,ki->k", normal, vee) / 2)
+    turned = np.where(np.any(axes != 0, axis=1), leaning, np.einsum("ki,ki->k", normal, vee) / 2)
     errors: Array = np.where(program.angular[rows], turned * program.arm[rows], shifted)
     return errors
 
