@@ -19,8 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.descent import Descent
-from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
+from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import Rest, RestState, Step, WayKind
 from kilter.analysis.settled_pose.rest_programs import RestPrograms
 from kilter.analysis.settled_pose.rest_proof import closed_gap
@@ -47,6 +48,8 @@ STILL = 1e-10
 """Movement in a step that counts as none [sizes]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter."""
+EXACT = 3e-9
+"""Movement in a step that comes from the solver [strides]."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -62,6 +65,7 @@ class _State:
     """The bodies while they move."""
 
     bodies: RigidBodies
+    candidates: CandidatePoints
     contacts: ContactSet
     """Contacts of the drawn pose."""
     length: float
@@ -77,6 +81,8 @@ class _State:
     ways: list[list[Step]]
     round_body: Mask
     """Whether a body has curved faces, shape (B,)."""
+    speed: Array
+    """Movement in the last step, over its stride, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
     rounds: int = 0
@@ -145,9 +151,11 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
     return _State(
-        bodies, contacts, float(np.median(sizes)), float(weights.mean()) if free.any() else 1.0,
+        bodies, CandidatePoints.of(bodies), contacts, float(np.median(sizes)),
+        float(weights.mean()) if free.any() else 1.0,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
+        np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
     )  # fmt: skip
@@ -155,12 +163,9 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
 
 def _points(state: _State, reach: float) -> NearPoints:
     """Points near contact between different bodies, within a reach [length unit]."""
-    points = find_near_points(state.bodies.assembly(), reach, reach)
-    a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
-    keep = (a != b) & ~state.gone[a] & ~state.gone[b]
-    if state.bodies.drawn.planar:
-        keep &= np.abs(points.normal[:, 1]) < 0.5
-    return points.take(keep)
+    points = state.candidates.near(state.bodies, reach)
+    gone = state.gone[state.bodies.of_part]
+    return points.take(~gone[points.part_a] & ~gone[points.part_b])
 
 
 def _open_overlaps(state: _State) -> Rest | None:
@@ -346,12 +351,17 @@ def _stride_of_islands(state: _State, island: Index) -> Array:
 def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     """Take a step; islands in which nothing moves are at rest."""
     step, far = _shortened(state, island, step)
-    moving = far > STILL * state.length
+    moving = far > np.maximum(STILL * state.length, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
-    state.asleep = np.where(island >= 0, quiet[island], state.asleep)
+    # a long stride has a coarse step: the pose is confirmed by a short one
+    short = stride <= LONGEST * state.bodies.size
+    state.asleep = np.where(island >= 0, quiet[island] & short, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
-    state.stride = np.where(island >= 0, _next_stride(state, island, stride, far), state.stride)
+    next_stride = _next_stride(state, island, stride, far)
+    first = FIRST * state.bodies.size
+    next_stride = np.where(quiet[island], np.minimum(next_stride, first), next_stride)
+    state.stride = np.where(island >= 0, next_stride, state.stride)
     state.move(np.where(moving[:, None], step, 0.0), None)
 
 
@@ -366,12 +376,18 @@ def _shortened(state: _State, island: Index, step: Array) -> tuple[Array, Array]
 
 
 def _next_stride(state: _State, island: Index, stride: Array, far: Array) -> Array:
-    """Stride of the next step: up to four times as long, unless a body would move too far."""
+    """Stride of the next step: longer while the motion grows with it, unless a body moves too far.
+
+    A motion that shrinks although the stride stays the same is about to end.
+    """
     size = state.bodies.size
-    share = np.full(len(island) + 1, np.inf)
+    share, speed = np.full(len(island) + 1, np.inf), np.zeros(len(island) + 1)
     np.minimum.at(share, island, LONGEST * size / np.maximum(far, 1e-300))
-    grown: Array = np.minimum(np.minimum(4.0, share[island]) * stride, SLOWEST * size)
-    return grown
+    np.maximum.at(speed, island, far / np.maximum(stride, 1e-300))
+    goes_on = speed[island] >= 0.5 * state.speed
+    state.speed = np.where(island >= 0, speed[island], state.speed)
+    grown: Array = np.minimum(np.where(goes_on, 4.0, 1.0), share[island]) * stride
+    return np.minimum(grown, SLOWEST * size)
 
 
 def _ways(state: _State) -> tuple[tuple[Step, ...], ...]:
@@ -380,7 +396,7 @@ def _ways(state: _State) -> tuple[tuple[Step, ...], ...]:
 
 def _result(state: _State, reach: float | None) -> Rest:
     """The result in the last pose."""
-    points = find_near_points(state.bodies.assembly(), 1e-3 * state.length, 1e-3 * state.length)
+    points = _points(state, 1e-3 * state.length)
     closed = points.bears & (np.abs(points.gap) <= 10 * state.closed)
     names = state.bodies.drawn.names
     leaves = tuple(names[k] for k in np.flatnonzero(state.gone[state.bodies.of_part]).tolist())

@@ -1,0 +1,276 @@
+"""Distance and depth of many pairs of convex cores at once.
+
+Distance: the algorithm of Gilbert, Johnson and Keerthi on all pairs together; the nearest point of
+a simplex is the nearest of the projections on its faces that lie inside them, which is exact.
+Depth: the least overlap over the face normals of both cores and over the directions across pairs of
+edges whose arcs on the Gaussian sphere cross.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, counted, cross
+from kilter.contact.convex_pieces import Cores
+
+ROUNDS = 64
+"""Largest number of support points of a pair."""
+CONVERGED = 1e-14
+"""A distance is final if its square exceeds a lower bound by less than this fraction [-]."""
+TOUCHING = 1e-10
+"""Cores nearer than this fraction of their size have no sure direction of nearest points [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearest:
+    """Nearest points of pairs of cores."""
+
+    apart: Mask
+    """Whether the cores are apart by more than rounding, shape (K,)."""
+    on_a: Array
+    on_b: Array
+    """Nearest points, shape (K, 3)."""
+    corner_a: Index
+    corner_b: Index
+    """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
+    at_corner: Mask
+    """Whether the nearest points are a corner and a corner, or a corner and a point of an edge."""
+
+
+def nearest_points(a: Cores, b: Cores, size: Array, limit: Array) -> Nearest:
+    """Nearest points of pairs of cores.
+
+    Arguments: `size` (K,): size of each pair [length unit]; `limit` (K,): the search for a pair
+    ends if its distance is larger [length unit].
+    """
+    count = len(size)
+    corner = np.zeros((count, 4), dtype=np.int64), np.zeros((count, 4), dtype=np.int64)
+    weight = np.zeros((count, 4))
+    weight[:, 0] = 1.0
+    simplex = np.zeros((count, 4, 3))
+    simplex[:, 0] = a.vertex[:, 0] - b.vertex[:, 0]
+    near = simplex[:, 0].copy()
+    apart = np.ones(count, dtype=bool)
+    best = np.full(count, np.inf)
+    final = weight.copy(), corner[0].copy(), corner[1].copy()
+    open_ = np.arange(count)
+    for _ in range(ROUNDS):
+        v = near[open_]
+        square = np.einsum("ki,ki->k", v, v)
+        close = square <= (TOUCHING * size[open_]) ** 2
+        apart[open_[close]] = False
+        better = square < best[open_]
+        rows = open_[better]
+        best[rows] = square[better]
+        for kept, new in zip(final, (weight, *corner), strict=True):
+            kept[rows] = new[rows]
+        i = (a.vertex[open_] @ -v[..., None])[..., 0].argmax(axis=1)
+        j = (b.vertex[open_] @ v[..., None])[..., 0].argmax(axis=1)
+        w = a.vertex[open_, i] - b.vertex[open_, j]
+        level = np.einsum("ki,ki->k", v, w)
+        far = level > np.sqrt(square) * limit[open_]
+        used = weight[open_] > 0
+        same = (corner[0][open_] == i[:, None]) & (corner[1][open_] == j[:, None])
+        again = (same & used).any(axis=1)
+        full = used.all(axis=1)
+        apart[open_[full & ~again]] = False
+        going = (square - level > CONVERGED * square) & ~again & better & ~close & ~full & ~far
+        if not going.any():
+            break
+        open_, i, j, w = open_[going], i[going], j[going], w[going]
+        slot = (weight[open_] > 0).argmin(axis=1)
+        corner[0][open_, slot], corner[1][open_, slot] = i, j
+        simplex[open_, slot] = w
+        present = weight[open_] > 0
+        present[np.arange(len(open_)), slot] = True
+        weight[open_], near[open_] = _nearest_in_simplex(simplex[open_], present)
+    rows = np.arange(count)[:, None]
+    on_a = np.einsum("kc,kci->ki", final[0], a.vertex[rows, final[1]])
+    on_b = np.einsum("kc,kci->ki", final[0], b.vertex[rows, final[2]])
+    pair_a, number_a = _two_corners(final[0], final[1])
+    pair_b, number_b = _two_corners(final[0], final[2])
+    return Nearest(apart, on_a, on_b, pair_a, pair_b, number_a + number_b <= 3)
+
+
+def _two_corners(weight: Array, corner: Index) -> tuple[Index, Index]:
+    """The two corners with the largest weights, and the number of different corners up to 3."""
+    rows = np.arange(len(weight))
+    first = corner[rows, weight.argmax(axis=1)]
+    rest = np.where(corner == first[:, None], 0.0, weight)
+    k = rest.argmax(axis=1)
+    second = np.where(rest[rows, k] > 0, corner[rows, k], first)
+    more = np.where(corner == second[:, None], 0.0, rest).max(axis=1) > 0
+    number = 1 + (second != first) + more
+    return np.stack([first, second], axis=1), number.astype(np.int64)
+
+
+EDGES = np.array(list(combinations(range(4), 2)))
+TRIANGLES = np.array(list(combinations(range(4), 3)))
+
+
+def _nearest_in_simplex(p: Array, present: Mask) -> tuple[Array, Array]:
+    """Barycentric weights, shape (K, 4), and the point nearest to the origin, shape (K, 3).
+
+    Arguments: `p` (K, 4, 3): corners; `present` (K, 4).
+    """
+    count = len(p)
+    rows = np.arange(count)
+    gram = p @ p.transpose(0, 2, 1)
+    square = np.where(present, gram[:, range(4), range(4)], np.inf)
+    corner = square.argmin(axis=1)
+    weight = np.zeros((count, 4))
+    weight[rows, corner] = 1.0
+    best = square[rows, corner]
+    s, t = EDGES.T
+    step = p[:, t] - p[:, s]
+    along = -np.einsum("kei,kei->ke", p[:, s], step)
+    length = np.einsum("kei,kei->ke", step, step)
+    share = along / np.where(length > 0, length, 1.0)
+    inside = present[:, s] & present[:, t] & (share > 0) & (share < 1)
+    point = p[:, s] + share[..., None] * step
+    square = np.where(inside, np.einsum("kei,kei->ke", point, point), np.inf)
+    k = square.argmin(axis=1)
+    better = square[rows, k] < best
+    r, e = rows[better], k[better]
+    best[r] = square[r, e]
+    weight[r] = 0.0
+    weight[r, s[e]], weight[r, t[e]] = 1 - share[r, e], share[r, e]
+    three = present.sum(axis=1) >= 3
+    if three.any():
+        _improve_in_triangles(p, present, weight, best, np.flatnonzero(three))
+    four = np.flatnonzero(present.all(axis=1))
+    if len(four):
+        _improve_in_tetrahedra(p, weight, four)
+    return weight, np.einsum("kc,kci->ki", weight, p)
+
+
+def _improve_in_triangles(p: Array, present: Mask, weight: Array, best: Array, rows: Index) -> None:
+    """Replace weights if the nearest point lies inside a triangle."""
+    q = p[rows]
+    i, j, m = TRIANGLES.T
+    a, b, c = q[:, i], q[:, j], q[:, m]
+    n = cross(b - a, c - a)
+    square = np.einsum("kti,kti->kt", n, n)
+    safe = np.where(square > 0, square, 1.0)
+    height = np.einsum("kti,kti->kt", a, n) / safe
+    foot = height[..., None] * n
+
+    def area(x: Array, y: Array) -> Array:
+        result: Array = np.einsum("kti,kti->kt", cross(x - foot, y - foot), n) / safe
+        return result
+
+    shares = np.stack([area(b, c), area(c, a), area(a, b)], axis=-1)
+    inside = present[rows][:, TRIANGLES].all(axis=-1) & (square > 0) & (shares > 0).all(axis=-1)
+    apart = np.where(inside, np.einsum("kti,kti->kt", foot, foot), np.inf)
+    k = apart.argmin(axis=1)
+    each = np.arange(len(rows))
+    better = apart[each, k] < best[rows]
+    r, t = rows[better], k[better]
+    best[r] = apart[each, k][better]
+    share = shares[each, k][better]
+    weight[r] = 0.0
+    weight[r[:, None], TRIANGLES[t]] = share / share.sum(axis=1, keepdims=True)
+
+
+def _improve_in_tetrahedra(p: Array, weight: Array, rows: Index) -> None:
+    """Replace weights if the origin lies inside a tetrahedron."""
+    q = p[rows]
+    volume = []
+    for k in range(4):
+        x, y, z = (q[:, other] for other in range(4) if other != k)
+        volume.append((-1) ** k * np.einsum("ki,ki->k", x, cross(y, z)))
+    parts = np.stack(volume, axis=1)
+    total = parts.sum(axis=1)
+    share = parts / np.where(total != 0, total, 1.0)[:, None]
+    inside = (total != 0) & (share > 0).all(axis=1)
+    weight[rows[inside]] = share[inside]
+
+
+# separation along face normals and across edges ------------------------------------------
+
+
+def face_separations(a: Cores, b: Cores) -> tuple[Array, Array]:
+    """Separation of the cores along the face normals of each, shapes (K, Fa), (K, Fb)."""
+    first = (a.normal @ b.vertex.transpose(0, 2, 1)).min(axis=2) - a.offset
+    second = (b.normal @ a.vertex.transpose(0, 2, 1)).min(axis=2) - b.offset
+    return first, second
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeDirections:
+    """Directions across pairs of edges: pair, edges, unit normal from a to b, separation."""
+
+    row: Index
+    edge_a: Index
+    edge_b: Index
+    normal: Array
+    separation: Array
+
+
+def edge_separations(a: Cores, b: Cores, bound: Array) -> EdgeDirections:
+    """Separations along the directions across edges that form faces of the Minkowski difference.
+
+    Arguments: `bound` (K,): absolute value of a known separation; edges farther than that from the
+    other core are left out.
+    """
+    row, i, j = _edge_pairs(a, b, bound)
+    p, d, fa = _edges_of(a, row, i)
+    q, e, fb = _edges_of(b, row, j)
+    n = cross(d, e)
+    length = np.linalg.norm(n, axis=1)
+    sine = length / (np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1))
+    n = n / np.where(length > 0, length, 1.0)[:, None]
+    # arcs of the normals beside a, and of the opposite normals beside b
+    left, right = -b.normal[row, fb[:, 0]], -b.normal[row, fb[:, 1]]
+    low, high = a.normal[row, fa[:, 0]], a.normal[row, fa[:, 1]]
+    c, f = (np.einsum("ki,ki->k", x, d) for x in (left, right))
+    g, h = (np.einsum("ki,ki->k", x, e) for x in (low, high))
+    bare_a, bare_b = fa[:, 0] < 0, fb[:, 0] < 0
+    # both arcs cross the great circle of the other, on the same side of the sphere
+    cuts_b = (c * f < 0) | bare_b
+    cuts_a = (g * h < 0) | bare_a
+    side = np.einsum("ki,ki->k", low + high, n)
+    other = np.einsum("ki,ki->k", left + right, n)
+    agree = bare_a | bare_b | (side * other > 0)
+    kept = cuts_a & cuts_b & agree & (sine > 1e-9)
+    between = np.einsum("ki,ki->k", q - p, n)
+    sign = np.where(bare_a, np.where(bare_b, between, other), side)
+    n = np.where((sign < 0)[:, None], -n, n)
+    rows = np.flatnonzero(kept)
+    between = between * np.where(sign < 0, -1.0, 1.0)
+    return EdgeDirections(row[rows], i[rows], j[rows], n[rows], between[rows])
+
+
+def _edges_of(core: Cores, row: Index, edge: Index) -> tuple[Array, Array, Index]:
+    """Start and step of edges, shape (n, 3), and the faces beside them, shape (n, 2)."""
+    ends = core.edge[row, edge]
+    start = core.vertex[row, ends[:, 0]]
+    return start, core.vertex[row, ends[:, 1]] - start, core.edge_face[row, edge]
+
+
+def _edge_pairs(a: Cores, b: Cores, bound: Array) -> tuple[Index, Index, Index]:
+    """Pairs of edges of both cores near the other core: row, edge of a, edge of b."""
+    lists: list[tuple[Index, Index]] = []
+    for core, other in ((a, b), (b, a)):
+        low = other.vertex.min(axis=1) - bound[:, None]
+        high = other.vertex.max(axis=1) + bound[:, None]
+        rows = np.arange(len(bound))[:, None]
+        ends = core.vertex[rows, core.edge[..., 0]], core.vertex[rows, core.edge[..., 1]]
+        near = (np.maximum(*ends) >= low[:, None]) & (np.minimum(*ends) <= high[:, None])
+        row, edge = np.nonzero(near.all(axis=2) & core.edges)
+        lists.append((row, edge))
+    return products(len(bound), lists[0], lists[1])
+
+
+def products(
+    count: int, first: tuple[Index, Index], second: tuple[Index, Index]
+) -> tuple[Index, Index, Index]:
+    """All pairs of entries of two lists with the same row; rows ascend in both lists."""
+    start = np.searchsorted(second[0], np.arange(count + 1))
+    number = np.diff(start)[first[0]]
+    owner, place = counted(number)
+    row = first[0][owner]
+    return row, first[1][owner], second[1][start[row] + place]

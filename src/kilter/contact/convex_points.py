@@ -1,0 +1,520 @@
+"""Candidate contact points between convex pieces of parts.
+
+Each pair of pieces has one normal n from a to b: along the segment between the nearest points, or
+the direction of the least overlap. Points lie along n between the surfaces: corners of a surface
+over the other, and crossings of edges, each with its own gap along n.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
+from kilter.contact.convex_distance import face_separations, products
+from kilter.contact.convex_normals import Excluded, pair_normals
+from kilter.contact.convex_pieces import (
+    ConvexPieces,
+    Cores,
+    Placed,
+    padded_rows,
+    placed,
+    with_generators,
+)
+
+ROUND = 0.005
+"""Largest distance of the prism of a cylinder from its surface, over the radius [-]."""
+BESIDE = 1e-9
+"""Distance beside a face at which a corner still lies over it, over the size of a pair [-]."""
+SLOPE = 1e-6
+"""A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
+BEYOND = 0.15
+"""Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
+CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
+"""Limits of the numbers of vertices of pairs that are handled together."""
+ENTRIES = 20_000_000
+"""Largest number of entries of an array over vertices and faces of pairs."""
+INWARDS = 1e-3
+"""Way from a corner towards the middle of its face to the place that is examined [-]."""
+TRIES = 5
+"""Number of directions along which an overlap of pieces of compounds is left."""
+SUNK = 1e-6
+"""Depth in another piece of the same part at which a point is no point of the surface, over the
+size of the piece [-]."""
+CLOSED = 1e-3
+"""Points whose gap exceeds the least gap of their pair by less than this, over the size of the
+pair, are reduced to the extreme points among each other [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PiecePoints(Rows):
+    """Candidate contact points between convex pieces; world frame."""
+
+    part_a: Index
+    part_b: Index
+    piece_a: Index
+    piece_b: Index
+    """Parts and pieces of each point, shape (K,)."""
+    point: Array = columns(3)
+    normal: Array = columns(3)
+    """Point half-way between the surfaces [length unit], and unit normal from a to b, (K, 3)."""
+    gap: Array = columns()
+    """Distance of the surfaces along the normal [length unit], shape (K,); negative: overlap."""
+    bears: Mask = columns()
+    """False for points that only prevent penetration, shape (K,)."""
+
+
+def near_points(
+    pieces: ConvexPieces, rotation: Array, position: Array, reach: float, ignore: Index
+) -> PiecePoints:
+    """Find the candidate contact points within a reach between pieces of different parts.
+
+    Arguments: `rotation` (N, 3, 3), `position` (N, 3): part k is at rotation[k] x + position[k];
+    `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact.
+    """
+    scene = placed(pieces, rotation, position)
+    pair = piece_pairs(scene, reach, ignore)
+    tried = np.empty((len(pair[0]), 0, 3))
+    kept = []
+    for _ in range(TRIES):
+        points, row = _points_in_groups(scene, pair, tried, reach)
+        shown = on_surface(scene, points)
+        kept.append(points.take(shown))
+        again = _hidden_pairs(pieces, pair, points, row, shown)
+        if not len(again):
+            break
+        normal = np.zeros((len(pair[0]), 3))
+        normal[row] = points.normal
+        pair = pair[0][again], pair[1][again]
+        tried = np.concatenate([tried[again], normal[again, None]], axis=1)
+    return distinct_points(PiecePoints.join(kept), pieces)
+
+
+def _hidden_pairs(
+    pieces: ConvexPieces, pair: tuple[Index, Index], points: PiecePoints, row: Index, shown: Mask
+) -> Index:
+    """Overlaps whose points are all hidden and that are deeper than others of both parts."""
+    depth, open_ = np.zeros(len(pair[0])), np.zeros(len(pair[0]))
+    np.maximum.at(depth, row, -points.gap)
+    np.maximum.at(open_, row[shown], -points.gap[shown])
+    seen = np.zeros(len(depth), dtype=bool)
+    seen[row[shown]] = True
+    code = pieces.part[pair[0]] * len(pieces.whole) + pieces.part[pair[1]]
+    parts, of = np.unique(code, return_inverse=True)
+    deepest = np.zeros(len(parts))
+    np.maximum.at(deepest, of, open_)
+    return np.flatnonzero(~seen & (depth > deepest[of]))
+
+
+def _points_in_groups(
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+) -> tuple[PiecePoints, Index]:
+    """Points of pairs of pieces, in groups of similar numbers of vertices, and their pairs."""
+    pieces = scene.pieces
+    width = np.maximum(*(np.diff(pieces.vertex_start)[piece] for piece in pair))
+    group = np.searchsorted(CLASSES, width)
+    faces = max(int(np.diff(pieces.face_start).max(initial=1)), 1)
+    blocks, owners = [], []
+    for each in np.unique(group).tolist():
+        rows = np.flatnonzero(group == each)
+        step = max(1, ENTRIES // (2 * CLASSES[each] * faces))
+        for k in range(0, len(rows), step):
+            some = rows[k : k + step]
+            part = pair[0][some], pair[1][some]
+            points, row = _points_of_pairs(scene, part, tried[some], reach)
+            blocks.append(points)
+            owners.append(some[row])
+    return PiecePoints.join(blocks), np.concatenate([np.empty(0, dtype=np.int64), *owners])
+
+
+# near pairs of boxes -----------------------------------------------------------------------
+
+
+def piece_pairs(scene: Placed, reach: float, ignore: Index) -> tuple[Index, Index]:
+    """Pairs of pieces of different parts whose boxes are within reach; a is of the lower part."""
+    pieces = scene.pieces
+    count = len(pieces.whole)
+    start = np.searchsorted(pieces.part, np.arange(count + 1))
+    has = np.flatnonzero(np.diff(start) > 0)
+    if not len(has):
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    lower, upper = scene.low - reach / 2, scene.high + reach / 2
+    low, high = np.minimum.reduceat(lower, start[has]), np.maximum.reduceat(upper, start[has])
+    i, j = box_pairs(low, high)
+    i, j = np.minimum(i, j), np.maximum(i, j)
+    ignored = np.sort(np.asarray(ignore, dtype=np.int64).reshape(-1, 2), axis=1)
+    kept = ~np.isin(has[i] * count + has[j], ignored @ np.array([count, 1]))
+    i, j = i[kept], j[kept]
+    lists = []
+    for own, other in ((i, j), (j, i)):
+        row, place = counted(np.diff(start)[has[own]])
+        piece = start[has[own]][row] + place
+        near = _boxes_meet(lower, upper, piece, low, high, other[row])
+        lists.append((row[near], piece[near]))
+    _, a, b = products(len(i), *lists)
+    near = _boxes_meet(lower, upper, a, lower, upper, b)
+    return a[near], b[near]
+
+
+def box_pairs(low: Array, high: Array) -> tuple[Index, Index]:
+    """Pairs of overlapping boxes with the corners `low` and `high`, shape (n, 3)."""
+    axis = int(np.argmax(np.ptp(low + high, axis=0)))
+    order = np.argsort(low[:, axis], kind="stable")
+    low, high = low[order], high[order]
+    last = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    i, place = counted(last - np.arange(len(low)) - 1)
+    j = i + 1 + place
+    near = _boxes_meet(low, high, i, low, high, j)
+    return order[i[near]], order[j[near]]
+
+
+def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j: Index) -> Index:
+    """Rows at which box i of (low, high) meets box j of (lower, upper)."""
+    rows = np.arange(len(i))
+    for axis in range(3):
+        meet = low[i, axis] <= upper[j, axis]
+        meet &= lower[j, axis] <= high[i, axis]
+        kept = np.flatnonzero(meet)
+        rows, i, j = rows[kept], i[kept], j[kept]
+    return rows
+
+
+# points of each pair -------------------------------------------------------------------------
+
+
+def _points_of_pairs(
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+) -> tuple[PiecePoints, Index]:
+    """Points of pairs of pieces of similar numbers of vertices, and the pair of each point."""
+    pieces = scene.pieces
+    radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    a, b = (scene.cores(piece) for piece in pair)
+    faces = face_separations(a, b)
+    upper = np.maximum(faces[0].max(axis=1), faces[1].max(axis=1))
+    # a prism lies inside its cylinder
+    loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
+    near = np.flatnonzero(upper - loose <= reach)
+    pair = pair[0][near], pair[1][near]
+    excluded = Excluded(_inner(pieces, pair), tried[near])
+    found = pair_normals(scene, pair, excluded, reach + loose[near])
+    last = np.flatnonzero(found.separation - radius[near] <= reach)
+    pair, found, near = (pair[0][last], pair[1][last]), found.take(last), near[last]
+    n = found.normal
+    a, b = (_lying(scene, piece, n, sign) for piece, sign in zip(pair, (1.0, -1.0), strict=True))
+    radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    size = np.minimum(pieces.size[pair[0]], pieces.size[pair[1]])
+    row, point, gap = points_along(a, b, n, found.separation, reach + radius, size)
+    chosen = reduced(row, point, gap, n, size)
+    row, point, gap = row[chosen], point[chosen], gap[chosen]
+    without = np.ones(len(near), dtype=bool)
+    without[row] = False
+    alone = np.flatnonzero(without)
+    row = np.concatenate([row, alone])
+    point = np.concatenate([point, (found.on_a + found.on_b)[alone] / 2])
+    gap = np.concatenate([gap, found.separation[alone]]) - radius[row]
+    bears = found.regular[row]
+    bears[len(row) - len(alone) :] &= radius[alone] > 0
+    shift = (pieces.radius[pair[0]] - pieces.radius[pair[1]])[row] / 2
+    point += shift[:, None] * n[row]
+    i, j = pair[0][row], pair[1][row]
+    points = PiecePoints(pieces.part[i], pieces.part[j], i, j, point, n[row], gap, bears)
+    return points, near[row]
+
+
+def _lying(scene: Placed, piece: Index, n: Array, sign: float) -> Cores:
+    """Cores turned to normals n; cylinders on their side become lines."""
+    cores = scene.cores(piece, n)
+    axis = scene.axis[piece]
+    length = np.linalg.norm(axis, axis=1)
+    slope = np.einsum("ki,ki->k", axis, n) / np.where(length > 0, length, 1.0)
+    with_generators(cores, slope, sign)
+    return cores
+
+
+def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]:
+    """Faces inside of compounds, of each piece, padded; none of a piece with inner faces only."""
+    masks = []
+    for piece in pair:
+        face, has = padded_rows(pieces.face_start, piece)
+        inner = np.zeros_like(has)
+        if len(pieces.inner):
+            inner = np.logical_and(has, pieces.inner[face])
+        outer = np.asarray(np.logical_and(has, ~inner).any(axis=1))
+        masks.append(np.logical_and(inner, outer[:, None]))
+    return masks[0], masks[1]
+
+
+# points along the normal -------------------------------------------------------------------
+
+
+def points_along(
+    a: Cores, b: Cores, n: Array, separation: Array, reach: Array, size: Array
+) -> tuple[Index, Array, Array]:
+    """Points between surfaces that lie over each other along n: row, middle, gap.
+
+    Arguments: `n` (K, 3); `separation` (K,): gap of the support planes; `reach` (K,); `size` (K,).
+    """
+    slack = BESIDE * size
+    cos_a, cos_b = ((core.normal @ n[..., None])[..., 0] for core in (a, b))
+    blocks = [
+        _corners_over(b, a, cos_b, cos_a, n, slack, -1.0),
+        _corners_over(a, b, cos_a, cos_b, n, slack, 1.0),
+        _crossings(a, b, (cos_a, cos_b), n, reach - separation, slack),
+    ]
+    bare = np.logical_or(a.bare, b.bare)
+    if bare.any():
+        blocks += [_corners_on_edges(b, a, bare, n, slack, -1.0)]
+        blocks += [_corners_on_edges(a, b, bare, n, slack, 1.0)]
+    row, point, gap = (np.concatenate([block[k] for block in blocks]) for k in range(3))
+    kept = gap <= reach[row]
+    return row[kept], point[kept], gap[kept]
+
+
+def _corners_over(
+    own: Cores, other: Cores, cos_own: Array, cos: Array, n: Array, slack: Array, sign: float
+) -> tuple[Index, Array, Array]:
+    """Corners of a surface over the other: row, middle of the gap, gap.
+
+    `sign`: 1 if n points from `own` to `other`, else -1.
+    """
+    cos, cos_own = sign * cos, sign * cos_own
+    touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
+    along = cos_own >= least_cosine(cos_own)[:, None]
+    on = (touches <= slack[:, None, None]) & along[:, None]
+    facing: Mask = on.any(axis=2) | own.bare[:, None]
+    facing &= ~other.bare[:, None]
+    row, k = np.nonzero(facing)
+    x = own.vertex[row, k]
+    room = other.offset[row] - np.einsum("kfi,ki->kf", other.normal[row], x)
+    c, wide = cos[row], room + slack[row, None]
+    into, out = c < -SLOPE, c > SLOPE
+    safe = np.where(into | out, c, 1.0)
+    enter = np.where(into, wide / safe, -np.inf).max(axis=1)
+    leave = np.where(out, wide / safe, np.inf).min(axis=1)
+    inside = (enter <= leave) & (into | out | (wide >= 0)).all(axis=1)
+    height = np.where(into, room / safe, -np.inf)
+    # a corner beside a face lies over the steep face next to it, which it does not meet along n
+    top = height.argmax(axis=1)
+    inside &= -c[np.arange(len(c)), top] >= least_cosine(-cos)[row]
+    row, x = row[inside], x[inside]
+    gap = height.max(axis=1)[inside]
+    return row, x + (sign * gap / 2)[:, None] * n[row], gap
+
+
+def least_cosine(cosines: Array) -> Array:
+    """Least cosine to a direction of the faces that look along it, from those of all faces (K, F).
+
+    These are the face nearest to the direction and those that deviate from it by little more;
+    other faces meet another piece from the side.
+    """
+    best = np.clip(cosines.max(axis=1, initial=-1.0), -1.0, 1.0)
+    return np.asarray(np.cos(np.minimum(np.arccos(best) + BEYOND, np.pi / 2 - SLOPE)))
+
+
+def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -> Mask:
+    """Edges of a surface that faces along sign n, not lower than `room` below its top, (K, E)."""
+    rows = np.arange(len(n))[:, None]
+    height = sign * (core.vertex @ n[..., None])[..., 0]
+    high = np.maximum(height[rows, core.edge[..., 0]], height[rows, core.edge[..., 1]])
+    upwards = sign * cos
+    beside = np.maximum(
+        upwards[rows, core.edge_face[..., 0]], upwards[rows, core.edge_face[..., 1]]
+    )
+    facing = np.logical_or(beside >= least_cosine(upwards)[:, None], core.edge_face[..., 0] < 0)
+    near = np.logical_and(core.edges, high >= height.max(axis=1)[:, None] - room[:, None])
+    return np.asarray(np.logical_and(facing, near))
+
+
+def _crossings(
+    a: Cores, b: Cores, cos: tuple[Array, Array], n: Array, room: Array, slack: Array
+) -> tuple[Index, Array, Array]:
+    """Crossings of edges of both surfaces seen along n: row, middle of the gap, gap."""
+    lists = []
+    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
+        facing = _facing_edges(core, c, n, sign, room)
+        row, k = np.nonzero(facing)
+        ends = core.edge[row, k]
+        p, q = core.vertex[row, ends[:, 0]], core.vertex[row, ends[:, 1]]
+        lists.append((row, k, p, q))
+    row, i, j = products(
+        len(n),
+        (lists[0][0], np.arange(len(lists[0][0]))),
+        (lists[1][0], np.arange(len(lists[1][0]))),
+    )
+    u, v = across(n)
+    flat = []
+    for own, _, p, q in lists:
+        flat.append([np.einsum("ki,ki->k", x, y[own]) for x in (p, q) for y in (u, v)])
+    pu, pv, qu, qv = (x[i] for x in flat[0])
+    ru, rv, su, sv = (x[j] for x in flat[1])
+    du, dv, eu, ev = qu - pu, qv - pv, su - ru, sv - rv
+    det = du * ev - dv * eu
+    length, width = np.hypot(du, dv), np.hypot(eu, ev)
+    crossing = np.abs(det) > BESIDE * length * width
+    safe = np.where(crossing, det, 1.0)
+    s = ((ru - pu) * ev - (rv - pv) * eu) / safe
+    t = ((ru - pu) * dv - (rv - pv) * du) / safe
+    tol = slack[row]
+    crossing &= (s * length >= -tol) & ((1 - s) * length >= -tol)
+    crossing &= (t * width >= -tol) & ((1 - t) * width >= -tol)
+    rows = np.flatnonzero(crossing)
+    row, i, j = row[rows], i[rows], j[rows]
+    s, t = np.clip(s[rows], 0, 1)[:, None], np.clip(t[rows], 0, 1)[:, None]
+    on_a = lists[0][2][i] * (1 - s) + lists[0][3][i] * s
+    on_b = lists[1][2][j] * (1 - t) + lists[1][3][j] * t
+    gap = np.einsum("ki,ki->k", on_b - on_a, n[row])
+    return row, (on_a + on_b) / 2, gap
+
+
+def _corners_on_edges(
+    own: Cores, other: Cores, which: Mask, n: Array, slack: Array, sign: float
+) -> tuple[Index, Array, Array]:
+    """Corners over edges of the other core where a core has no faces: row, middle, gap."""
+    pick = np.flatnonzero(which)
+    row, e, k = products(
+        len(n),
+        tuple(x[np.isin(np.nonzero(other.edges)[0], pick)] for x in np.nonzero(other.edges)),  # type: ignore[arg-type]
+        (np.repeat(pick, own.vertex.shape[1]), np.tile(np.arange(own.vertex.shape[1]), len(pick))),
+    )
+    ends = other.edge[row, e]
+    p, q = other.vertex[row, ends[:, 0]], other.vertex[row, ends[:, 1]]
+    x, d, m = own.vertex[row, k], q - p, n[row]
+    flat = d - np.einsum("ki,ki->k", d, m)[:, None] * m
+    square = np.einsum("ki,ki->k", flat, flat)
+    share = np.einsum("ki,ki->k", x - p, flat) / np.where(square > 0, square, 1.0)
+    at = p + share[:, None] * d
+    off = at - x
+    gap = sign * np.einsum("ki,ki->k", off, m)
+    beside = np.linalg.norm(off - (sign * gap)[:, None] * m, axis=1)
+    length = np.sqrt(square)
+    good = (square > 0) & (beside <= slack[row])
+    good &= (share * length >= -slack[row]) & ((1 - share) * length >= -slack[row])
+    return row[good], ((x + at) / 2)[good], gap[good]
+
+
+def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Index:
+    """Extreme points of each pair in eight directions across n, of all and of closed points."""
+    if not len(row):
+        return np.empty(0, dtype=np.int64)
+    order = np.argsort(row, kind="stable")
+    row, point, gap = row[order], point[order], gap[order]
+    first = np.flatnonzero(np.diff(row, prepend=-1))
+    of = counted(np.diff(np.append(first, len(row))))[0]
+    u, v = across(n[row[first]])
+    flat = np.stack([np.einsum("ki,ki->k", point, y[of]) for y in (u, v)], axis=1)
+    least = np.minimum.reduceat(gap, first)
+    closed = gap <= (least + CLOSED * size[row[first]])[of]
+    angle = np.arange(8) * (np.pi / 4) + 0.1
+    ahead = flat @ np.stack([np.cos(angle), np.sin(angle)])
+    # of points at the same place, the one with the least gap
+    ahead -= 1e-3 * gap[:, None]
+    rank = np.concatenate([gap[:, None], -ahead, np.where(closed[:, None], -ahead, np.inf)], axis=1)
+    best = np.minimum.reduceat(rank, first)
+    chosen = np.zeros(len(row), dtype=bool)
+    for value, low in zip(rank.T, best.T, strict=True):
+        hit = np.flatnonzero(value == low[of])
+        chosen[hit[np.diff(of[hit], prepend=-1) > 0]] = True
+    return order[chosen]
+
+
+# points of compounds -------------------------------------------------------------------------
+
+
+def on_surface(scene: Placed, points: PiecePoints) -> Mask:
+    """Whether points lie on the surfaces of both parts, and not at a seam of their pieces."""
+    hidden = np.zeros(len(points), dtype=bool)
+    sides = (points.piece_a, -1.0), (points.piece_b, 1.0)
+    for piece, sign in sides:
+        n = -sign * points.normal
+        on = points.point + (sign * points.gap / 2)[:, None] * points.normal
+        size = scene.pieces.size[piece]
+        row, other = others_at(scene, piece, on, SUNK * size)
+        # a corner of a face counts as covered if the face beside it is
+        faced = _along_face(scene, piece, n)
+        inwards = scene.middle[piece] - on
+        inwards -= np.einsum("ki,ki->k", inwards, n)[:, None] * n
+        ahead = on + (3 * SUNK * size)[:, None] * n
+        ahead += (faced * INWARDS)[:, None] * inwards
+        deep = depth_in(scene, other, ahead[row]) > SUNK * size[row]
+        deep |= depth_in(scene, other, on[row]) > SUNK * size[row]
+        # at an edge, another piece that contains the point and is farther along n is nearer
+        touching = depth_in(scene, other, on[row]) >= -BESIDE * size[row]
+        beside = np.flatnonzero(touching & ~deep & ~faced[row])
+        height = support_height(scene, other[beside], n[row[beside]])
+        level = np.einsum("ki,ki->k", on[row[beside]], n[row[beside]])
+        deep[beside] |= height > level + SUNK * size[row[beside]]
+        hidden[row[deep]] = True
+    return ~hidden
+
+
+def _along_face(scene: Placed, piece: Index, n: Array) -> Mask:
+    """Whether directions are normals of a face of their piece, shape (K,)."""
+    face, has = padded_rows(scene.pieces.face_start, piece)
+    if not len(scene.normal):
+        return np.zeros(len(piece), dtype=bool)
+    cosine = np.einsum("kfi,ki->kf", scene.normal[face], n)
+    result: Mask = (has & (cosine > 1 - BESIDE)).any(axis=1)
+    return result
+
+
+def support_height(scene: Placed, piece: Index, n: Array) -> Array:
+    """Greatest height of each piece along a direction [length unit], shape (K,)."""
+    row, vertex = ragged(scene.pieces.vertex_start, piece)
+    height = np.einsum("ki,ki->k", scene.vertex[vertex], n[row])
+    result = np.full(len(piece), -np.inf)
+    np.maximum.at(result, row, height)
+    return result + scene.pieces.radius[piece]
+
+
+def others_at(scene: Placed, piece: Index, x: Array, slack: Array) -> tuple[Index, Index]:
+    """Pieces of the same part whose boxes contain the points x, shape (K, 3): rows, pieces."""
+    pieces = scene.pieces
+    row, place = ragged(pieces.beside_start, piece)
+    other = pieces.beside[place]
+    for axis in range(3):
+        at = x[row, axis]
+        near = at >= scene.low[other, axis] - slack[row]
+        near &= at <= scene.high[other, axis] + slack[row]
+        row, other = row[near], other[near]
+    return row, other
+
+
+def depth_in(scene: Placed, piece: Index, x: Array) -> Array:
+    """Depth of each point in a piece [length unit], shape (K,); negative outside."""
+    pieces = scene.pieces
+    owner, place = counted(np.diff(pieces.face_start)[piece])
+    face = pieces.face_start[piece][owner] + place
+    room = scene.offset[face] - np.einsum("ki,ki->k", scene.normal[face], x[owner])
+    depth = np.full(len(piece), np.inf)
+    np.minimum.at(depth, owner, room)
+    bare = np.flatnonzero(np.isinf(depth))
+    if len(bare):
+        first = pieces.vertex_start[piece[bare]]
+        last = pieces.vertex_start[piece[bare] + 1] - 1
+        p, d = scene.vertex[first], scene.vertex[last] - scene.vertex[first]
+        square = np.einsum("ki,ki->k", d, d)
+        share = np.einsum("ki,ki->k", x[bare] - p, d) / np.where(square > 0, square, 1.0)
+        off = x[bare] - p - np.clip(share, 0, 1)[:, None] * d
+        depth[bare] = pieces.radius[piece[bare]] - np.linalg.norm(off, axis=1)
+    return depth
+
+
+def distinct_points(points: PiecePoints, pieces: ConvexPieces) -> PiecePoints:
+    """Points without repetitions: the same parts, place and normal."""
+    if not len(points):
+        return points
+    size = float(pieces.size.max())
+    keys = np.column_stack(
+        [
+            points.part_a,
+            points.part_b,
+            np.round(points.point / (1e-8 * size)),
+            np.round(points.normal * 1e6),
+        ]
+    )
+    order = np.lexsort((points.gap, ~points.bears))
+    _, inverse = distinct_rows(keys[order])
+    first = np.full(int(inverse.max()) + 1, len(points))
+    np.minimum.at(first, inverse, np.arange(len(points)))
+    return points.take(np.sort(order[first]))
