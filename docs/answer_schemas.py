@@ -23,6 +23,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.engine_contacts.judge import Judged
 from kilter.analysis.many.batch import Batch
 from kilter.analysis.many.settle_states import SettledStates
 from kilter.analysis.margins.improve import Improvement
@@ -72,6 +73,7 @@ ANSWERS: dict[str, Any] = {
     "settle-states": SettledStates,
     "transport": Transport,
     "verify": Verification,
+    "why": Judged,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
 

@@ -26,8 +26,22 @@ def read_mjcf(
     """Read an MJCF file (a scene for MuJoCo) as a snapshot of its model.
 
     Arguments: `allow_time`: called with the size of all files [bytes] before MuJoCo builds the
-    scene. Raises `InputError` if MuJoCo is not installed or rejects the file, if the scene has too
-    many elements, if there is no such keyframe, or if states do not belong to the model.
+    scene. Raises `InputError` as `compiled_mjcf`, if there is no such keyframe, or if states do not
+    belong to the model.
+    """
+    mujoco, model, folders = compiled_mjcf(path, allow_time)
+    snapshot = take_snapshot(mujoco, model, None, keyframe, states)
+    snapshot.asset_folders = folders
+    return snapshot
+
+
+def compiled_mjcf(
+    path: Path, allow_time: Callable[[int], None]
+) -> tuple[Any, Any, tuple[str, str] | None]:
+    """The package of MuJoCo, the model of an MJCF file, and the folders of its assets.
+
+    Raises `InputError` if MuJoCo is not installed or rejects the file, or if the scene has too many
+    elements.
     """
     survey = survey_mjcf(path)
     try:
@@ -38,13 +52,10 @@ def read_mjcf(
         ) from None
     allow_time(survey.size)
     try:
-        model, folders = _compiled(mujoco, path, survey.elements)
+        return mujoco, *_compiled(mujoco, path, survey.elements)
     except ValueError as error:
         what = " ".join(str(error).split())[:200]
         raise InputError(f"MuJoCo rejects it: {what}", hint="correct the file") from None
-    snapshot = take_snapshot(mujoco, model, None, keyframe, states)
-    snapshot.asset_folders = folders
-    return snapshot
 
 
 def _compiled(mujoco: Any, path: Path, elements: int) -> tuple[Any, tuple[str, str] | None]:

@@ -93,10 +93,10 @@ def take_snapshot(
     placed = mujoco.MjData(model) if data is None or states is not None else data
     key, places = None, {}
     if states is not None:
-        key = _set_pose(mujoco, model, placed, keyframe, []) if data is None else None
+        key = set_pose(mujoco, model, placed, keyframe, []) if data is None else None
         places = _places_of(mujoco, model, placed, positions(model, states.rows))
     elif data is None or keyframe is not None:
-        key = _set_pose(mujoco, model, placed, keyframe, notes)
+        key = set_pose(mujoco, model, placed, keyframe, notes)
     if not places:
         places = _places_of(mujoco, model, placed, np.array(placed.qpos)[None])
     every = {*FLAGS, *(flag for flags in DISABLED.values() for flag in flags)}
@@ -173,7 +173,7 @@ def _places_of(mujoco: Any, model: Any, data: Any, qpos: Array) -> dict[str, Arr
     return {name: np.array(values) for name, values in rows.items()}
 
 
-def _set_pose(
+def set_pose(
     mujoco: Any, model: Any, data: Any, keyframe: str | None, notes: list[str]
 ) -> int | None:
     """Set the pose to the named keyframe, or to the first keyframe, if any; return its index."""
