@@ -321,9 +321,7 @@ def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -
     beside = np.maximum(
         upwards[rows, core.edge_face[..., 0]], upwards[rows, core.edge_face[..., 1]]
     )
-    facing = np.logical_or(
-        beside >= least_cosine(upwards)[:, None], core.edge_face[..., 0] < 0
-    )
+    facing = np.logical_or(beside >= least_cosine(upwards)[:, None], core.edge_face[..., 0] < 0)
     near = np.logical_and(core.edges, high >= height.max(axis=1)[:, None] - room[:, None])
     return np.logical_and(facing, near)
 

@@ -196,7 +196,7 @@ def _move_bodies(copy: XmlText, model: Snapshot, qpos: Array) -> bool:
 
 
 def _stated(element: Element, copy: XmlText, names: Sequence[str]) -> list[str]:
-    """Those of some attributes that an element has."""
+    """The given attributes that an element has."""
     given = element.attributes(copy.text)
     return [name for name in names if name in given]
 
