@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.exit_codes import SOME_ERRORS, WRITTEN
 from kilter.cli.output import as_json, emit, tell_written
 from kilter.errors import InputError
+from kilter.tell.levels import require_level
 from kilter.tell.numbers import count, number
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ def settle_many(
     from kilter.analysis.many.settle_states import run_states
     from kilter.cli.file_commands import RateLine
     from kilter.contact import Tolerance
-    from kilter.tell.levels import require_level
 
     _require_suitable(asked, output)
     quiet = asked.quiet or not sys.stderr.isatty()

@@ -204,7 +204,7 @@ def run_states(
     if reading.state is not None:
         raise InputError("state and states are both given", hint="give only one of them")
     source, reading, tolerance = _chosen(scene, reading, tolerance)
-    run = _Run(source, rows, reading, tolerance, dict(options))
+    run = _StatesRun(source, rows, reading, tolerance, dict(options))
     with open_journal(output, run.identity) as journal:
         found_there = len(journal.rows)
         run.settle_missing(journal, count, progress or (lambda done, of: None))
@@ -229,7 +229,7 @@ def _chosen(
 
 
 @dataclass(slots=True, eq=False)
-class _Run:
+class _StatesRun:
     """The states to settle, and how."""
 
     source: Any
