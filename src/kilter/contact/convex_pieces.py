@@ -425,7 +425,7 @@ class Cores:
     @property
     def bare(self) -> Mask:
         """Whether a core is a point or a line without faces, shape (K,)."""
-        return np.equal(np.isfinite(self.offset).sum(axis=1), 0)
+        return np.asarray(~np.isfinite(self.offset).any(axis=1))
 
     def take(self, rows: Index | Mask) -> Cores:
         """The cores of some rows."""

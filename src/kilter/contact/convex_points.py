@@ -240,7 +240,7 @@ def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]
         inner = np.zeros_like(has)
         if len(pieces.inner):
             inner = np.logical_and(has, pieces.inner[face])
-        outer = np.logical_and(has, ~inner).any(axis=1)
+        outer = np.asarray(np.logical_and(has, ~inner).any(axis=1))
         masks.append(np.logical_and(inner, outer[:, None]))
     return masks[0], masks[1]
 
@@ -323,7 +323,7 @@ def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -
     )
     facing = np.logical_or(beside >= least_cosine(upwards)[:, None], core.edge_face[..., 0] < 0)
     near = np.logical_and(core.edges, high >= height.max(axis=1)[:, None] - room[:, None])
-    return np.logical_and(facing, near)
+    return np.asarray(np.logical_and(facing, near))
 
 
 def _crossings(
