@@ -94,7 +94,7 @@ def test_full_states_keep_their_form_and_lose_their_velocities(tmp_path):
 def test_a_hinge_and_a_slide_keep_up_with_their_bodies(tmp_path):
     """Positions of joints after a motion of parts, by the kinematics of MuJoCo."""
     from kilter.files.format_options import FormatOptions
-    from kilter.files.objects.mujoco_states import open_scene
+    from kilter.files.objects.state_scenes import open_scene
 
     text = """
     <mujoco><worldbody><geom type="plane" size="1 1 1"/>

@@ -101,7 +101,13 @@ class Reading(ReadingOptions):
         """The options of this reading that only specific file formats use."""
         states = None if self.state is None else state_row(self.state)
         return FormatOptions(
-            self.units, self.contacts, self.keyframe, states, self.base, self.studs
+            self.units,
+            self.contacts,
+            self.keyframe,
+            states,
+            self.base,
+            self.loose_robots,
+            self.studs,
         )
 
     @property
@@ -133,7 +139,7 @@ class Reading(ReadingOptions):
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
             bonds = values.get("bond", ())
             values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
-            for key in ("fasten_suggested", "fasten_overlaps"):
+            for key in ("fasten_suggested", "fasten_overlaps", "loose_robots"):
                 values[key] = bool(values.get(key, False))
             values["mass"] = tuple((str(a), float(kg)) for a, kg in values.get("mass", ()))
             loads = values.get("load", ())

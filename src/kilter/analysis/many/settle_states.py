@@ -32,8 +32,8 @@ from kilter.assembly.question import Question, question
 from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.objects.mujoco_snapshot import StateRows, first_position
-from kilter.files.objects.mujoco_states import open_scene, places_of
 from kilter.files.objects.state_files import as_rows, read_states
+from kilter.files.objects.state_scenes import open_scene, places_of
 from kilter.files.own.choices import find_choices
 from kilter.files.reading import Reading, chosen
 from kilter.files.writing import write_array

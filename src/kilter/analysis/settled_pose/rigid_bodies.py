@@ -96,8 +96,7 @@ class RigidBodies:
         for k, joint in enumerate(joints):
             body = self.body_of(joint.parts[1 if joint.parts[0] == GROUND else 0])
             point = None if joint.point is None else self.placed(body, joint.point)
-            axis = None if joint.axis is None else self.rotation[body] @ joint.axis
-            joints[k] = replace(joint, point=point, axis=axis)
+            joints[k] = joint.moved(point, self.rotation[body])
         for k, load in enumerate(loads):
             if load.point is not None:
                 loads[k] = replace(load, point=self.placed(self.body_of(load.part), load.point))
