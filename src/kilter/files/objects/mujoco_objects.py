@@ -38,6 +38,8 @@ from kilter.files.robots.one_body import compose, held_note, near_pairs, one_bod
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Shape, Sphere, surface
 
+DEFAULT_GRAVITY = np.array([0.0, 0.0, -9.81])
+"""Gravity of MuJoCo by default [m/s^2]."""
 LEAST_MASS = 1e-6
 """Least mass of the ball that shows a body without geoms [kg]."""
 SPACIOUS = 4.0
@@ -69,8 +71,9 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
     return ModelScene(snapshot, choices).assembly("")
 
 
-KnownShapes = dict[tuple[int, ...], tuple[Shape, Pose, tuple[str, ...]]]
-"""Shape and pose of each part in the frame of its body, and notes, by its body and its geoms."""
+KnownShapes = dict[tuple[int, ...], tuple[Shape, Pose, tuple[str, ...], int]]
+"""Shape and pose of each part in the frame of its body, notes, and number of meshes that are
+replaced by their hulls, by the geoms of the part."""
 
 
 class ModelScene:
@@ -85,7 +88,7 @@ class ModelScene:
                 hint="leave the units out",
             )
         self.model, self.notes = model, list[str](model.notes)
-        self.of_bodies: KnownShapes = {} if known is None else known
+        self.known: KnownShapes = {} if known is None else known
         self.names = distinct([name or f"body_{k}" for k, name in enumerate(model.body_names)])
         self.rules = GeomRules(model)
         self.collides: Mask = self.rules.collides
@@ -102,7 +105,9 @@ class ModelScene:
         self.planes: list[int] = []
         """Geoms that are planes."""
         self.geoms = self._geoms()
-        self._known: dict[tuple[Any, ...], tuple[Shape, Pose]] = {}
+        self.hulls = 0
+        """Number of geoms whose mesh is replaced by its hull."""
+        self._same: dict[tuple[Any, ...], tuple[Shape, Pose]] = {}
         """United shapes, by the shapes that they unite; `shapes` keeps these alive."""
         self.parts: list[Part] = []
         self.rows: list[list[int]] = []
@@ -127,6 +132,7 @@ class ModelScene:
 
     def assembly(self, source: str) -> Assembly:
         """The MuJoCo model as a kilter assembly."""
+        self._assume_gravity()
         model = self.model
         for geom in self.geoms[0]:
             self._add(self._geom_name(geom), [geom], body=0, held=True)
@@ -140,7 +146,6 @@ class ModelScene:
         parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
         for name, body in zip(names, self.bodies, strict=True):
             self.names[body] = name
-        self._assume_gravity()
         joints = ModelJoints(model, self._with_parts(), dict(enumerate(self.names)), self.held)
         connections = joints.all()
         parts += joints.frames
@@ -180,15 +185,14 @@ class ModelScene:
     def _assume_gravity(self) -> None:
         """Give a model without gravity the default of MuJoCo, with a note."""
         if "GRAVITY" in self.model.disabled or not self.model.gravity.any():
-            self.model.gravity = np.array([0.0, 0.0, -9.81])
+            self.model = Snapshot(**{**vars(self.model), "gravity": DEFAULT_GRAVITY})
             self.notes.append(
                 "the model has no gravity: MuJoCo's default of 9.81 m/s^2 along -z is assumed"
             )
 
     def _loads(self) -> list[Load]:
         """The forces of gravity compensation, with a note."""
-        names = {body: self.names[owner] for body, owner in self._with_parts().items()}
-        loads = relieving_loads(self.model, names, self.held)
+        loads = relieving_loads(self.model, self.part_names(), self.held)
         if loads:
             self.notes.append(f"bodies whose gravity compensation is a load: {len(loads)}")
         return loads
@@ -201,7 +205,7 @@ class ModelScene:
             held_note(len(self.robots), bodies): bodies,
             f"no objects, since nothing can touch them: {self.left} bodies and geoms": self.left,
             f"bodies without colliding geoms, whose visible geoms count: {unseen}": unseen,
-            f"meshes that collide as their convex hull: {self.shapes.hulls}": self.shapes.hulls,
+            f"meshes that collide as their convex hull: {self.hulls}": self.hulls,
             "frames between the joints of a body, as parts of a millionth of its mass: "
             f"{len(joints.frames)}": len(joints.frames),
             "ignored equalities other than welds and connections of bodies: "
@@ -231,19 +235,12 @@ class ModelScene:
     def _add(self, name: str, geoms: list[int], *, body: int, held: bool) -> None:
         """Add the part of a body with the given geoms, or of a geom of the world (body 0)."""
         model, pose = self.model, Pose(self.model.xpos[body], self.model.xquat[body])
-        key = (body, *geoms)
-        if key not in self.of_bodies:
-            before = len(self.notes)
-            try:
-                shapes = [self._placed(geom, body, pose) for geom in geoms]
-                shapes = shapes or [self._marker(body, pose)]
-                made = self._united(shapes, name, self.rules.pieces(geoms))
-            except InputError as error:
-                raise error.located(part=name) from None
-            self.of_bodies[key] = *made, tuple(self.notes[before:])
-            del self.notes[before:]
-        shape, inner, told = self.of_bodies[key]
+        key = tuple(geoms) or (-body,)
+        if key not in self.known:
+            self.known[key] = self._united(name, geoms, body, pose)
+        shape, inner, told, hulls = self.known[key]
         self.notes += told
+        self.hulls += hulls
         placed = compose(pose, inner)
         kinds = {True: "collider", False: "visual"}
         geometry = kinds[bool(self.collides[geoms].any())] if geoms else ""
@@ -255,6 +252,28 @@ class ModelScene:
         self.rows.append(geoms)
         self.bodies.append(body)
 
+    def _united(
+        self, name: str, geoms: list[int], body: int, pose: Pose
+    ) -> tuple[Shape, Pose, tuple[str, ...], int]:
+        """The shape of a part, its pose in the body, notes about it, and its number of hulls.
+
+        Equal bodies share their shape.
+        """
+        notes: list[str] = []
+        before = self.shapes.hulls
+        try:
+            shapes = [self._placed(geom, body, pose) for geom in geoms]
+            shapes = shapes or [self._marker(body, pose)]
+            pieces = self.rules.pieces(geoms)
+            places = [(id(s), p.position.tobytes(), p.rotation.tobytes()) for s, p in shapes]
+            key = (*places, *pieces)
+            made = self._same.get(key) or one_body(shapes, name, notes, pieces)
+            if not notes:  # notes name the body
+                self._same[key] = made
+        except InputError as error:
+            raise error.located(part=name) from None
+        return *made, tuple(notes), self.shapes.hulls - before
+
     def _placed(self, geom: int, body: int, pose: Pose) -> tuple[Shape, Pose]:
         """Shape of a geom, and its pose relative to the body of a part with a pose."""
         model = self.model
@@ -264,22 +283,6 @@ class ModelScene:
             return shape, place
         outer = compose(pose.inverse(), Pose(model.xpos[own], model.xquat[own]))
         return shape, compose(outer, place)
-
-    def _united(
-        self, shapes: list[tuple[Shape, Pose]], name: str, pieces: list[int]
-    ) -> tuple[Shape, Pose]:
-        """The single shape of a body, and its pose in the body; equal bodies share it."""
-        places = [
-            (id(shape), pose.position.tobytes(), pose.rotation.tobytes()) for shape, pose in shapes
-        ]
-        key = (*places, *pieces)
-        if key not in self._known:
-            before = len(self.notes)
-            found = one_body(shapes, name, self.notes, pieces)
-            if len(self.notes) > before:  # the notes name the body
-                return found
-            self._known[key] = found
-        return self._known[key]
 
     def _marker(self, body: int, pose: Pose) -> tuple[Shape, Pose]:
         """A ball of the density of water for a body without geoms that connects joints."""

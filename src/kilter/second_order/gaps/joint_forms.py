@@ -78,7 +78,7 @@ def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
     if not len(rows):
         return result
     slides, axes, across = _kinds(program, joints, rows)
-    has_axis: Mask = np.any(axes != 0, axis=1)
+    has_axis: Mask = np.asarray(np.any(axes != 0, axis=1))
     normal = program.normal[rows]
     arm_a, arm_b = arms_of(program, rows)
     slip, _ = relative_motion(arm_a, arm_b)
