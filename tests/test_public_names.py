@@ -25,6 +25,7 @@ BESIDE = {
     "dump",
     "load",
     "load_answer",
+    "settle_states",
     "states",
 }
 BESIDE |= {"load_answer"}

@@ -20,6 +20,7 @@ from kilter.cli.output import (
     write_whole,
 )
 from kilter.cli.simulator_poses import with_key, write_simulator_pose
+from kilter.cli.state_settling import settle_many
 from kilter.errors import InputError
 from kilter.values.declaration import option
 
@@ -91,9 +92,16 @@ def settle(asked: Asked, options: SettleOptions) -> int:
     results; 1 some rows are errors.
     """
     if options.states is not None:
-        from kilter.cli.state_settling import settle_many
-
-        return settle_many(asked, options, options.states)
+        keywords = {
+            "reach": options.reach,
+            "keep": options.keep or (),
+            "nearest": options.nearest,
+            "require": options.require,
+        }
+        return settle_many(
+            asked, options.states, keywords,
+            processes=options.processes, json=options.json, output=options.output,
+        )  # fmt: skip
     from kilter.analysis.settled_pose.settle import settle as find
     from kilter.tell.text import text_of
 

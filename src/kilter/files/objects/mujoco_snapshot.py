@@ -15,7 +15,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import InputError, nearest_name, some_names
 
-COUNTS = ("na", "nbody", "nflex", "nq", "ntendon", "nu", "nv")
+COUNTS = ("na", "nbody", "nflex", "nq", "ntendon", "nv")
 ARRAYS = (
     "actuator_trnid", "actuator_trntype", "body_geomnum", "body_gravcomp", "body_inertia",
     "body_jntadr", "body_jntnum", "body_mass", "body_mocapid", "body_parentid", "body_weldid",
@@ -26,8 +26,9 @@ ARRAYS = (
     "hfield_nrow", "hfield_size", "jnt_bodyid", "jnt_dofadr", "jnt_limited", "jnt_qposadr",
     "jnt_range", "jnt_stiffness", "jnt_type", "mesh_face", "mesh_faceadr", "mesh_facenum",
     "mesh_graph", "mesh_graphadr", "mesh_vert", "mesh_vertadr", "mesh_vertnum", "pair_dim",
-    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos0", "qpos_spring", "site_bodyid",
-    "tendon_adr", "tendon_limited", "tendon_num", "tendon_stiffness", "wrap_objid", "wrap_type",
+    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos0", "qpos_spring",
+    "site_bodyid", "tendon_adr", "tendon_limited", "tendon_num", "tendon_stiffness", "wrap_objid",
+    "wrap_type",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
 PLACES = ("qpos", "xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")
