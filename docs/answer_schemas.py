@@ -25,6 +25,7 @@ from typing_extensions import TypedDict
 
 from kilter.analysis.engine_contacts.judge import Judged
 from kilter.analysis.many.batch import Batch
+from kilter.analysis.many.settle_states import SettledStates
 from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.placing.check_plan import CheckedPlan
@@ -69,6 +70,7 @@ ANSWERS: dict[str, Any] = {
     "region": Region,
     "scene": SceneReport,
     "settle": Settled,
+    "settle-states": SettledStates,
     "transport": Transport,
     "verify": Verification,
     "why": Judged,

@@ -25,6 +25,7 @@ _NAMES = {
     "kilter.analysis.engine_contacts.given_contacts": "check_contacts",
     "kilter.analysis.engine_contacts.judge": "Judged judge",
     "kilter.analysis.many.batch": "Batch batch",
+    "kilter.analysis.many.settle_states": "SettledStates settle_states",
     "kilter.analysis.many.check_many": "check_many",
     "kilter.analysis.many.verdicts": "Verdicts",
     "kilter.analysis.margins.improve": "Improvement improve",

@@ -10,6 +10,7 @@ from typing import Any
 from typing import Literal
 from kilter.analysis.engine_contacts.judge import Judged as Judged
 from kilter.analysis.many.batch import Batch as Batch
+from kilter.analysis.many.settle_states import SettledStates as SettledStates
 from kilter.analysis.many.verdicts import Verdicts as Verdicts
 from kilter.analysis.margins.improve import Improvement as Improvement
 from kilter.analysis.margins.margin_answer import Margin as Margin
@@ -1476,6 +1477,77 @@ def settle(
     ('at-rest', 'proved', [0.0, 0.25])
     >>> answer.moved[0].way[0].how, answer["box"].pose.position.round(6)
     ('fell', array([0. , 0. , 0.5]))
+    """
+
+def settle_states(
+    scene: Any,
+    states: str | Path | ArrayLike,
+    *,
+    output: str | Path | None = None,
+    reach: float | None = None,
+    keep: str | Iterable[str] = (),
+    nearest: bool = False,
+    processes: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+    tolerance: Tolerance | None = None,
+    require: str = "settles",
+    effort: float = 1.0,
+    time_limit: float | None = None,
+    **reading: Any,
+) -> SettledStates:
+    """Bring many states of a MuJoCo scene to rest, as `kilter.settle` does each of them.
+
+    Parameters
+    ----------
+    scene : path or MjModel
+        An MJCF file, a file of choices about one, or a model.
+    states : path or array_like, shape (n, width)
+        A row for each state: qpos; qpos and qvel; or time, qpos and qvel, with or without
+        activations. A file is that of `numpy.save`, or holds a pickled array.
+    output : path, optional
+        A NumPy file for the new states. A later run continues an interrupted one.
+    reach, keep, nearest
+        See `kilter.settle`.
+    processes : int
+        Number of worker processes.
+    time_limit : float, optional
+        Time limit for each state [s].
+    progress : callable, optional
+        Called with the number of finished states, and the number of all.
+    **reading
+        How the scene is read, as of `kilter.load`: `ground`, `floor`, `friction` and so on.
+    tolerance : Tolerance, optional
+        Tolerances of the detection: gap, angle and clearance. By default those of the
+        assembly.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which the answer is yes.
+    effort : float
+        Work limit; each further unit allows about ten times more work [-]. 0 is quick and
+        1 is usual. Work is counted in operations, not in time.
+
+    Returns
+    -------
+    SettledStates
+
+    Raises
+    ------
+    InputError
+        If the scene or the states cannot be read, do not belong together, or no body is free; or
+        the output cannot be written, or has rows of another run.
+
+    See Also
+    --------
+    kilter.settle : one state, with the complete answer.
+
+    Examples
+    --------
+    >>> import mujoco
+    >>> box = '<body pos="0 0 .2"><freejoint/><geom type="box" size=".1 .1 .1"/></body>'
+    >>> scene = f'<mujoco><worldbody><geom type="plane" size="1 1 1"/>{box}</worldbody></mujoco>'
+    >>> model = mujoco.MjModel.from_xml_string(scene)
+    >>> answer = settle_states(model, [[0, 0, 0.2, 1, 0, 0, 0], [0.5, 0, 0.1, 1, 0, 0, 0]])
+    >>> answer, answer.qpos[:, 2].round(9).tolist()
+    (<SettledStates: 2 states, 2 at-rest>, [0.1, 0.1])
     """
 
 def states(

@@ -20,10 +20,13 @@ FACES = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [
 """Faces of a block, counterclockwise from outside; vertex 4 top + 2 right + outer."""
 
 
-def staggered_dome(seed: int = 0, rings: int = 22, per_ring: int = 24) -> Assembly:
+def staggered_dome(
+    seed: int = 0, rings: int = 22, per_ring: int = 24, *, staggered: bool = True
+) -> Assembly:
     """A dome with `2 (rings - 1) per_ring` overlapping pairs, friction .84, lowest ring held.
 
-    The heights of the rings and the densities are random.
+    The heights of the rings and the densities are random. Rings that are not staggered have their
+    joints above each other and meet in faces, without an overlap.
     """
     random = np.random.default_rng(seed)
     steps = random.uniform(0.8, 1.2, rings)
@@ -31,7 +34,7 @@ def staggered_dome(seed: int = 0, rings: int = 22, per_ring: int = 24) -> Assemb
     azimuth = 2 * np.pi * np.arange(per_ring + 1) / per_ring
     parts = []
     for ring, (low, high) in enumerate(pairwise(elevation)):
-        turned = azimuth + (ring % 2) * np.pi / per_ring
+        turned = azimuth + staggered * (ring % 2) * np.pi / per_ring
         for k, (left, right) in enumerate(pairwise(turned)):
             # left and right are exchanged: the azimuth runs counterclockwise seen from above
             vertices = _block(float(low), float(high), float(right), float(left))

@@ -12,28 +12,33 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
-from kilter.contact.convex_distance import (
-    edge_separations,
-    face_separations,
-    nearest_points,
-    products,
+from kilter.contact.convex_distance import face_separations, products
+from kilter.contact.convex_normals import Excluded, pair_normals
+from kilter.contact.convex_pieces import (
+    ConvexPieces,
+    Cores,
+    Placed,
+    padded_rows,
+    placed,
+    with_generators,
 )
-from kilter.contact.convex_pieces import ConvexPieces, Cores, Placed, placed
 
-FACE_ANGLE = 0.06
-"""Largest angle between the nearest points and a face normal that replaces it [rad]."""
-FACE_SHARE = 0.998
-"""Least separation along such a normal, over the distance [-]."""
-EXACT = 1e-12
-"""Rounding of a separation, over the size of a pair [-]."""
+ROUND = 0.005
+"""Largest distance of the prism of a cylinder from its surface, over the radius [-]."""
 BESIDE = 1e-9
 """Distance beside a face at which a corner still lies over it, over the size of a pair [-]."""
 SLOPE = 1e-6
 """A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
+BEYOND = 0.15
+"""Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
 CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
 """Largest number of entries of an array over vertices and faces of pairs."""
+INWARDS = 1e-3
+"""Way from a corner towards the middle of its face to the place that is examined [-]."""
+TRIES = 5
+"""Number of directions along which an overlap of pieces of compounds is left."""
 SUNK = 1e-6
 """Depth in another piece of the same part at which a point is no point of the surface, over the
 size of the piece [-]."""
@@ -69,19 +74,58 @@ def near_points(
     `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact.
     """
     scene = placed(pieces, rotation, position)
-    a, b = piece_pairs(scene, reach, ignore)
-    width = np.maximum(np.diff(pieces.vertex_start), 1)
-    group = np.searchsorted(CLASSES, np.maximum(width[a], width[b]))
-    blocks = []
-    for each in np.unique(group):
+    pair = piece_pairs(scene, reach, ignore)
+    tried = np.empty((len(pair[0]), 0, 3))
+    kept = []
+    for _ in range(TRIES):
+        points, row = _points_in_groups(scene, pair, tried, reach)
+        shown = on_surface(scene, points)
+        kept.append(points.take(shown))
+        again = _hidden_pairs(pieces, pair, points, row, shown)
+        if not len(again):
+            break
+        normal = np.zeros((len(pair[0]), 3))
+        normal[row] = points.normal
+        pair = pair[0][again], pair[1][again]
+        tried = np.concatenate([tried[again], normal[again, None]], axis=1)
+    return distinct_points(PiecePoints.join(kept), pieces)
+
+
+def _hidden_pairs(
+    pieces: ConvexPieces, pair: tuple[Index, Index], points: PiecePoints, row: Index, shown: Mask
+) -> Index:
+    """Overlaps whose points are all hidden and that are deeper than others of both parts."""
+    depth, open_ = np.zeros(len(pair[0])), np.zeros(len(pair[0]))
+    np.maximum.at(depth, row, -points.gap)
+    np.maximum.at(open_, row[shown], -points.gap[shown])
+    seen = np.zeros(len(depth), dtype=bool)
+    seen[row[shown]] = True
+    code = pieces.part[pair[0]] * len(pieces.whole) + pieces.part[pair[1]]
+    parts, of = np.unique(code, return_inverse=True)
+    deepest = np.zeros(len(parts))
+    np.maximum.at(deepest, of, open_)
+    return np.flatnonzero(~seen & (depth > deepest[of]))
+
+
+def _points_in_groups(
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+) -> tuple[PiecePoints, Index]:
+    """Points of pairs of pieces, in groups of similar numbers of vertices, and their pairs."""
+    pieces = scene.pieces
+    width = np.maximum(*(np.diff(pieces.vertex_start)[piece] for piece in pair))
+    group = np.searchsorted(CLASSES, width)
+    faces = max(int(np.diff(pieces.face_start).max(initial=1)), 1)
+    blocks, owners = [], []
+    for each in np.unique(group).tolist():
         rows = np.flatnonzero(group == each)
-        faces = np.diff(pieces.face_start)
-        block = max(1, int(ENTRIES / (CLASSES[each] * max(int(faces.max(initial=1)), 1) * 2)))
-        blocks += [
-            _points_of_pairs(scene, a[rows[k : k + block]], b[rows[k : k + block]], reach)
-            for k in range(0, len(rows), block)
-        ]
-    return _distinct(_on_surface(scene, PiecePoints.join(blocks)), pieces)
+        step = max(1, ENTRIES // (2 * CLASSES[each] * faces))
+        for k in range(0, len(rows), step):
+            some = rows[k : k + step]
+            part = pair[0][some], pair[1][some]
+            points, row = _points_of_pairs(scene, part, tried[some], reach)
+            blocks.append(points)
+            owners.append(some[row])
+    return PiecePoints.join(blocks), np.concatenate([np.empty(0, dtype=np.int64), *owners])
 
 
 # near pairs of boxes -----------------------------------------------------------------------
@@ -136,118 +180,69 @@ def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j
     return rows
 
 
-# the normal of each pair -------------------------------------------------------------------
+# points of each pair -------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Normals:
-    """Normal of each pair, the distance of the cores along it, and nearest points."""
-
-    normal: Array
-    separation: Array
-    on_a: Array
-    on_b: Array
-
-
-def _points_of_pairs(scene: Placed, piece_a: Index, piece_b: Index, reach: float) -> PiecePoints:
-    """Points of pairs of pieces of similar numbers of vertices."""
+def _points_of_pairs(
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+) -> tuple[PiecePoints, Index]:
+    """Points of pairs of pieces of similar numbers of vertices, and the pair of each point."""
     pieces = scene.pieces
-    a, b = scene.cores(piece_a), scene.cores(piece_b)
-    radius = pieces.radius[piece_a] + pieces.radius[piece_b]
+    radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    a, b = (scene.cores(piece) for piece in pair)
     faces = face_separations(a, b)
     upper = np.maximum(faces[0].max(axis=1), faces[1].max(axis=1))
-    near = np.flatnonzero(upper - radius <= reach)
-    piece_a, piece_b, radius = piece_a[near], piece_b[near], radius[near]
-    a, b, faces = a.take(near), b.take(near), (faces[0][near], faces[1][near])
-    size = np.minimum(pieces.size[piece_a], pieces.size[piece_b])
-    found = _normals(scene, (piece_a, piece_b), (a, b), faces, size)
-    near = np.flatnonzero(found.separation - radius <= reach)
-    a, b = a.take(near), b.take(near)
-    piece_a, piece_b, radius, size = piece_a[near], piece_b[near], radius[near], size[near]
-    n, separation = found.normal[near], found.separation[near]
-    row, point, gap = points_along(a, b, n, separation, reach + radius, size)
+    # a prism lies inside its cylinder
+    loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
+    near = np.flatnonzero(upper - loose <= reach)
+    pair = pair[0][near], pair[1][near]
+    excluded = Excluded(_inner(pieces, pair), tried[near])
+    found = pair_normals(scene, pair, excluded, reach + loose[near])
+    last = np.flatnonzero(found.separation - radius[near] <= reach)
+    pair, found, near = (pair[0][last], pair[1][last]), found.take(last), near[last]
+    n = found.normal
+    a, b = (_lying(scene, piece, n, sign) for piece, sign in zip(pair, (1.0, -1.0), strict=True))
+    radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    size = np.minimum(pieces.size[pair[0]], pieces.size[pair[1]])
+    row, point, gap = points_along(a, b, n, found.separation, reach + radius, size)
     chosen = reduced(row, point, gap, n, size)
     row, point, gap = row[chosen], point[chosen], gap[chosen]
-    alone = np.ones(len(near), dtype=bool)
-    alone[row] = False
-    alone = np.flatnonzero(alone)
-    middle = (found.on_a[near[alone]] + found.on_b[near[alone]]) / 2
-    bears = np.concatenate([np.ones(len(row), dtype=bool), radius[alone] > 0])
+    without = np.ones(len(near), dtype=bool)
+    without[row] = False
+    alone = np.flatnonzero(without)
     row = np.concatenate([row, alone])
-    point = np.concatenate([point, middle])
-    gap = np.concatenate([gap, separation[alone]]) - radius[row]
-    shift = (pieces.radius[piece_a] - pieces.radius[piece_b])[row] / 2
+    point = np.concatenate([point, (found.on_a + found.on_b)[alone] / 2])
+    gap = np.concatenate([gap, found.separation[alone]]) - radius[row]
+    bears = found.regular[row]
+    bears[len(row) - len(alone) :] &= radius[alone] > 0
+    shift = (pieces.radius[pair[0]] - pieces.radius[pair[1]])[row] / 2
     point += shift[:, None] * n[row]
-    a, b = piece_a[row], piece_b[row]
-    return PiecePoints(pieces.part[a], pieces.part[b], a, b, point, n[row], gap, bears)
+    i, j = pair[0][row], pair[1][row]
+    points = PiecePoints(pieces.part[i], pieces.part[j], i, j, point, n[row], gap, bears)
+    return points, near[row]
 
 
-def _normals(
-    scene: Placed,
-    piece: tuple[Index, Index],
-    cores: tuple[Cores, Cores],
-    faces: tuple[Array, Array],
-    size: Array,
-) -> _Normals:
-    """Normals of pairs of cores."""
-    a, b = cores
-    count = len(size)
-    rows = np.arange(count)
-    first, second = _outer_faces(scene, piece, faces)
-    i, j = first.argmax(axis=1), second.argmax(axis=1)
-    of_a = first[rows, i] >= second[rows, j]
-    normal = np.where(of_a[:, None], a.normal[rows, i], -b.normal[rows, j])
-    face = np.where(of_a, first[rows, i], second[rows, j])
-    nearest = nearest_points(a, b, size)
-    step = nearest.on_b - nearest.on_a
-    apart = np.linalg.norm(step, axis=1)
-    along = step / np.where(apart > 0, apart, 1.0)[:, None]
-    # the support functions give the separation along the direction exactly
-    found = nearest.apart
-    sharp = scene.pieces.radius[piece[0]] + scene.pieces.radius[piece[1]] == 0
-    cosine = np.einsum("ki,ki->k", along, normal)
-    near_face = sharp & (cosine >= np.cos(FACE_ANGLE)) & (face >= FACE_SHARE * apart)
-    by_face = ~found | (face >= apart - EXACT * size) | (near_face & (face > 0))
-    result = np.where(by_face[:, None], normal, along)
-    separation = np.where(by_face, face, apart)
-    on_a, on_b = nearest.on_a.copy(), nearest.on_b.copy()
-    doubt = np.flatnonzero(~found & (face < 0) | (found & ~by_face & (apart < 1e-4 * size)))
-    if len(doubt):
-        bound = np.where(np.isfinite(face), np.abs(face), size)[doubt]
-        edges = edge_separations(a.take(doubt), b.take(doubt), bound)
-        row = doubt[edges.row]
-        best = np.full(count, -np.inf)
-        np.maximum.at(best, row, edges.separation)
-        least = np.where(found, apart - EXACT * size, face + EXACT * size)
-        take = (edges.separation == best[row]) & (edges.separation > least[row])
-        result[row[take]] = edges.normal[take]
-        separation[row[take]] = edges.separation[take]
-    none = ~np.isfinite(separation)
-    result[none], separation[none] = [0.0, 0.0, 1.0], 0.0
-    support = np.flatnonzero(~found)
-    height = (a.vertex[support] @ result[support, :, None])[..., 0].argmax(axis=1)
-    on_a[support] = a.vertex[support, height]
-    on_b[support] = on_a[support] + separation[support, None] * result[support]
-    return _Normals(result, separation, on_a, on_b)
+def _lying(scene: Placed, piece: Index, n: Array, sign: float) -> Cores:
+    """Cores turned to normals n; cylinders on their side become lines."""
+    cores = scene.cores(piece, n)
+    axis = scene.axis[piece]
+    length = np.linalg.norm(axis, axis=1)
+    slope = np.einsum("ki,ki->k", axis, n) / np.where(length > 0, length, 1.0)
+    with_generators(cores, slope, sign)
+    return cores
 
 
-def _outer_faces(
-    scene: Placed, piece: tuple[Index, Index], faces: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Separations along face normals; faces inside of a compound do not count in overlaps."""
-    pieces = scene.pieces
-    result = []
-    for which, separation in zip(piece, faces, strict=True):
-        if not len(pieces.inner):
-            result.append(separation)
-            continue
-        k = pieces.face_start[which][:, None] + np.arange(separation.shape[1])
-        inner = pieces.inner[np.minimum(k, len(pieces.inner) - 1)]
-        result.append(np.where(inner & (separation < 0), -np.inf, separation))
-    lost = np.maximum(result[0].max(axis=1), result[1].max(axis=1)) == -np.inf
-    for own, separation in zip(result, faces, strict=True):
-        own[lost] = separation[lost]
-    return result[0], result[1]
+def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]:
+    """Faces inside of compounds, of each piece, padded; none of a piece with inner faces only."""
+    masks = []
+    for piece in pair:
+        face, has = padded_rows(pieces.face_start, piece)
+        inner = np.zeros_like(has)
+        if len(pieces.inner):
+            inner = np.logical_and(has, pieces.inner[face])
+        outer = np.asarray(np.logical_and(has, ~inner).any(axis=1))
+        masks.append(np.logical_and(inner, outer[:, None]))
+    return masks[0], masks[1]
 
 
 # points along the normal -------------------------------------------------------------------
@@ -267,7 +262,7 @@ def points_along(
         _corners_over(a, b, cos_a, cos_b, n, slack, 1.0),
         _crossings(a, b, (cos_a, cos_b), n, reach - separation, slack),
     ]
-    bare = ~(np.isfinite(a.offset).any(axis=1) & np.isfinite(b.offset).any(axis=1))
+    bare = np.logical_or(a.bare, b.bare)
     if bare.any():
         blocks += [_corners_on_edges(b, a, bare, n, slack, -1.0)]
         blocks += [_corners_on_edges(a, b, bare, n, slack, 1.0)]
@@ -285,10 +280,10 @@ def _corners_over(
     """
     cos, cos_own = sign * cos, sign * cos_own
     touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
-    on = (touches <= slack[:, None, None]) & (cos_own > SLOPE)[:, None]
-    bare = ~np.isfinite(own.offset).any(axis=1)
-    facing = on.any(axis=2) | bare[:, None]
-    facing &= np.isfinite(other.offset).any(axis=1)[:, None]
+    along = cos_own >= least_cosine(cos_own)[:, None]
+    on = (touches <= slack[:, None, None]) & along[:, None]
+    facing: Mask = on.any(axis=2) | own.bare[:, None]
+    facing &= ~other.bare[:, None]
     row, k = np.nonzero(facing)
     x = own.vertex[row, k]
     room = other.offset[row] - np.einsum("kfi,ki->kf", other.normal[row], x)
@@ -298,15 +293,23 @@ def _corners_over(
     enter = np.where(into, wide / safe, -np.inf).max(axis=1)
     leave = np.where(out, wide / safe, np.inf).min(axis=1)
     inside = (enter <= leave) & (into | out | (wide >= 0)).all(axis=1)
+    height = np.where(into, room / safe, -np.inf)
+    # a corner beside a face lies over the steep face next to it, which it does not meet along n
+    top = height.argmax(axis=1)
+    inside &= -c[np.arange(len(c)), top] >= least_cosine(-cos)[row]
     row, x = row[inside], x[inside]
-    gap = np.where(into, room / safe, -np.inf).max(axis=1)[inside]
+    gap = height.max(axis=1)[inside]
     return row, x + (sign * gap / 2)[:, None] * n[row], gap
 
 
-def _plane(n: Array, x: Array) -> tuple[Array, Array, Array]:
-    """Coordinates of points across n and along n."""
-    u, v = across(n)
-    return tuple(np.einsum("...i,...i->...", x, y) for y in (u, v, n))  # type: ignore[return-value]
+def least_cosine(cosines: Array) -> Array:
+    """Least cosine to a direction of the faces that look along it, from those of all faces (K, F).
+
+    These are the face nearest to the direction and those that deviate from it by little more;
+    other faces meet another piece from the side.
+    """
+    best = np.clip(cosines.max(axis=1, initial=-1.0), -1.0, 1.0)
+    return np.asarray(np.cos(np.minimum(np.arccos(best) + BEYOND, np.pi / 2 - SLOPE)))
 
 
 def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -> Mask:
@@ -314,11 +317,13 @@ def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -
     rows = np.arange(len(n))[:, None]
     height = sign * (core.vertex @ n[..., None])[..., 0]
     high = np.maximum(height[rows, core.edge[..., 0]], height[rows, core.edge[..., 1]])
-    beside = sign * np.maximum(
-        sign * cos[rows, core.edge_face[..., 0]], sign * cos[rows, core.edge_face[..., 1]]
+    upwards = sign * cos
+    beside = np.maximum(
+        upwards[rows, core.edge_face[..., 0]], upwards[rows, core.edge_face[..., 1]]
     )
-    facing = (sign * beside > SLOPE) | (core.edge_face[..., 0] < 0)
-    return core.edges & facing & (high >= height.max(axis=1)[:, None] - room[:, None])
+    facing = np.logical_or(beside >= least_cosine(upwards)[:, None], core.edge_face[..., 0] < 0)
+    near = np.logical_and(core.edges, high >= height.max(axis=1)[:, None] - room[:, None])
+    return np.asarray(np.logical_and(facing, near))
 
 
 def _crossings(
@@ -326,7 +331,7 @@ def _crossings(
 ) -> tuple[Index, Array, Array]:
     """Crossings of edges of both surfaces seen along n: row, middle of the gap, gap."""
     lists = []
-    for core, other, c, sign in ((a, b, cos[0], 1.0), (b, a, cos[1], -1.0)):
+    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
         facing = _facing_edges(core, c, n, sign, room)
         row, k = np.nonzero(facing)
         ends = core.edge[row, k]
@@ -389,7 +394,7 @@ def _corners_on_edges(
 
 
 def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Index:
-    """Extreme points of each pair: in eight directions across n, of all and of the closed points."""
+    """Extreme points of each pair in eight directions across n, of all and of closed points."""
     if not len(row):
         return np.empty(0, dtype=np.int64)
     order = np.argsort(row, kind="stable")
@@ -400,15 +405,14 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
     flat = np.stack([np.einsum("ki,ki->k", point, y[of]) for y in (u, v)], axis=1)
     least = np.minimum.reduceat(gap, first)
     closed = gap <= (least + CLOSED * size[row[first]])[of]
-    kept = [gap.copy()]
     angle = np.arange(8) * (np.pi / 4) + 0.1
     ahead = flat @ np.stack([np.cos(angle), np.sin(angle)])
     # of points at the same place, the one with the least gap
     ahead -= 1e-3 * gap[:, None]
-    kept = np.concatenate([gap[:, None], -ahead, np.where(closed[:, None], -ahead, np.inf)], axis=1)
-    best = np.minimum.reduceat(kept, first)
+    rank = np.concatenate([gap[:, None], -ahead, np.where(closed[:, None], -ahead, np.inf)], axis=1)
+    best = np.minimum.reduceat(rank, first)
     chosen = np.zeros(len(row), dtype=bool)
-    for value, low in zip(kept.T, best.T, strict=True):
+    for value, low in zip(rank.T, best.T, strict=True):
         hit = np.flatnonzero(value == low[of])
         chosen[hit[np.diff(of[hit], prepend=-1) > 0]] = True
     return order[chosen]
@@ -417,27 +421,63 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
 # points of compounds -------------------------------------------------------------------------
 
 
-def _on_surface(scene: Placed, points: PiecePoints) -> PiecePoints:
-    """The points that do not lie inside another piece of either part."""
+def on_surface(scene: Placed, points: PiecePoints) -> Mask:
+    """Whether points lie on the surfaces of both parts, and not at a seam of their pieces."""
     hidden = np.zeros(len(points), dtype=bool)
-    for piece, sign in ((points.piece_a, -0.5), (points.piece_b, 0.5)):
-        on = points.point + (sign * points.gap)[:, None] * points.normal
-        hidden |= inside_others(scene, piece, on)
-    return points.take(~hidden)
+    sides = (points.piece_a, -1.0), (points.piece_b, 1.0)
+    for piece, sign in sides:
+        n = -sign * points.normal
+        on = points.point + (sign * points.gap / 2)[:, None] * points.normal
+        size = scene.pieces.size[piece]
+        row, other = others_at(scene, piece, on, SUNK * size)
+        # a corner of a face counts as covered if the face beside it is
+        faced = _along_face(scene, piece, n)
+        inwards = scene.middle[piece] - on
+        inwards -= np.einsum("ki,ki->k", inwards, n)[:, None] * n
+        ahead = on + (3 * SUNK * size)[:, None] * n
+        ahead += (faced * INWARDS)[:, None] * inwards
+        deep = depth_in(scene, other, ahead[row]) > SUNK * size[row]
+        deep |= depth_in(scene, other, on[row]) > SUNK * size[row]
+        # at an edge, another piece that contains the point and is farther along n is nearer
+        touching = depth_in(scene, other, on[row]) >= -BESIDE * size[row]
+        beside = np.flatnonzero(touching & ~deep & ~faced[row])
+        height = support_height(scene, other[beside], n[row[beside]])
+        level = np.einsum("ki,ki->k", on[row[beside]], n[row[beside]])
+        deep[beside] |= height > level + SUNK * size[row[beside]]
+        hidden[row[deep]] = True
+    return ~hidden
 
 
-def inside_others(scene: Placed, piece: Index, x: Array) -> Mask:
-    """Whether points of pieces lie inside another piece of the same part."""
+def _along_face(scene: Placed, piece: Index, n: Array) -> Mask:
+    """Whether directions are normals of a face of their piece, shape (K,)."""
+    face, has = padded_rows(scene.pieces.face_start, piece)
+    if not len(scene.normal):
+        return np.zeros(len(piece), dtype=bool)
+    cosine = np.einsum("kfi,ki->kf", scene.normal[face], n)
+    result: Mask = (has & (cosine > 1 - BESIDE)).any(axis=1)
+    return result
+
+
+def support_height(scene: Placed, piece: Index, n: Array) -> Array:
+    """Greatest height of each piece along a direction [length unit], shape (K,)."""
+    row, vertex = ragged(scene.pieces.vertex_start, piece)
+    height = np.einsum("ki,ki->k", scene.vertex[vertex], n[row])
+    result = np.full(len(piece), -np.inf)
+    np.maximum.at(result, row, height)
+    return result + scene.pieces.radius[piece]
+
+
+def others_at(scene: Placed, piece: Index, x: Array, slack: Array) -> tuple[Index, Index]:
+    """Pieces of the same part whose boxes contain the points x, shape (K, 3): rows, pieces."""
     pieces = scene.pieces
     row, place = ragged(pieces.beside_start, piece)
     other = pieces.beside[place]
     for axis in range(3):
         at = x[row, axis]
-        near = np.flatnonzero((at > scene.low[other, axis]) & (at < scene.high[other, axis]))
+        near = at >= scene.low[other, axis] - slack[row]
+        near &= at <= scene.high[other, axis] + slack[row]
         row, other = row[near], other[near]
-    result = np.zeros(len(piece), dtype=bool)
-    result[row[depth_in(scene, other, x[row]) > SUNK * pieces.size[other]]] = True
-    return result
+    return row, other
 
 
 def depth_in(scene: Placed, piece: Index, x: Array) -> Array:
@@ -460,7 +500,7 @@ def depth_in(scene: Placed, piece: Index, x: Array) -> Array:
     return depth
 
 
-def _distinct(points: PiecePoints, pieces: ConvexPieces) -> PiecePoints:
+def distinct_points(points: PiecePoints, pieces: ConvexPieces) -> PiecePoints:
     """Points without repetitions: the same parts, place and normal."""
     if not len(points):
         return points

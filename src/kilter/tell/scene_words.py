@@ -221,12 +221,23 @@ def settle_sentence(answer: Answer) -> str:
     return " ".join(words)
 
 
+def leaving_words(answer: Answer) -> str:
+    """Return a clause about the parts that leave the scene; empty if none does.
+
+    Examples
+    --------
+    >>> leaving_words({"leaves": ["a", "b"]})
+    "'a', 'b' leave the scene"
+    """
+    names = answer["leaves"]
+    verb = "leaves" if len(names) == 1 else "leave"
+    return f"{some_names(names, SHOWN)} {verb} the scene" if names else ""
+
+
 def _without_rest(answer: Answer) -> list[str]:
     """Return a sentence about the parts that leave the scene, and about those without a pose."""
-    words = []
-    if answer["leaves"]:
-        verb = "leaves" if len(answer["leaves"]) == 1 else "leave"
-        words.append(f"{some_names(answer['leaves'], SHOWN)} {verb} the scene.")
+    leaving = leaving_words(answer)
+    words = [f"{leaving}."] if leaving else []
     names = some_names(answer["parts"], SHOWN)
     if answer["depth"]:
         depth = f"{number(answer['depth'], 3)} {answer['units']}"

@@ -19,8 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.descent import Descent
-from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
+from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import Rest, RestState, Step, WayKind
 from kilter.analysis.settled_pose.rest_programs import RestPrograms
 from kilter.analysis.settled_pose.rest_proof import closed_gap
@@ -64,6 +65,7 @@ class _State:
     """The bodies while they move."""
 
     bodies: RigidBodies
+    candidates: CandidatePoints
     contacts: ContactSet
     """Contacts of the drawn pose."""
     length: float
@@ -149,7 +151,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
     return _State(
-        bodies, contacts, float(np.median(sizes)), float(weights.mean()) if free.any() else 1.0,
+        bodies, CandidatePoints.of(bodies), contacts, float(np.median(sizes)),
+        float(weights.mean()) if free.any() else 1.0,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
         np.zeros(count),
@@ -160,12 +163,9 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
 
 def _points(state: _State, reach: float) -> NearPoints:
     """Points near contact between different bodies, within a reach [length unit]."""
-    points = find_near_points(state.bodies.assembly(), reach, reach)
-    a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
-    keep = (a != b) & ~state.gone[a] & ~state.gone[b]
-    if state.bodies.drawn.planar:
-        keep &= np.abs(points.normal[:, 1]) < 0.5
-    return points.take(keep)
+    points = state.candidates.near(state.bodies, reach)
+    gone = state.gone[state.bodies.of_part]
+    return points.take(~gone[points.part_a] & ~gone[points.part_b])
 
 
 def _open_overlaps(state: _State) -> Rest | None:
@@ -396,7 +396,7 @@ def _ways(state: _State) -> tuple[tuple[Step, ...], ...]:
 
 def _result(state: _State, reach: float | None) -> Rest:
     """The result in the last pose."""
-    points = find_near_points(state.bodies.assembly(), 1e-3 * state.length, 1e-3 * state.length)
+    points = _points(state, 1e-3 * state.length)
     closed = points.bears & (np.abs(points.gap) <= 10 * state.closed)
     names = state.bodies.drawn.names
     leaves = tuple(names[k] for k in np.flatnonzero(state.gone[state.bodies.of_part]).tolist())

@@ -422,7 +422,7 @@ def way_of(steps: tuple[Step, ...]) -> tuple[Way, ...]:
 
 def refusal(assembly: Assembly) -> str:
     """Reason why an assembly of this kind cannot be settled, as a clause; empty if it can."""
-    if assembly.contacts or not assembly.detect:
+    if any(len(entry.points) for entry in assembly.contacts) or not assembly.detect:
         return "the file lists contacts, whose gaps no geometry shows; use --contacts geometry"
     if assembly.straps:
         return "straps are not settled: their pull changes with the pose"

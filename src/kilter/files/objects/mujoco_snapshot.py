@@ -24,7 +24,7 @@ ARRAYS = (
     "geom_margin", "geom_pos", "geom_priority", "geom_quat", "geom_size", "geom_type", "jnt_bodyid",
     "jnt_dofadr", "jnt_limited", "jnt_qposadr", "jnt_range", "jnt_stiffness", "jnt_type",
     "mesh_face", "mesh_faceadr", "mesh_facenum", "mesh_vert", "mesh_vertadr", "mesh_vertnum",
-    "pair_dim", "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos_spring",
+    "pair_dim", "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos0", "qpos_spring",
     "tendon_limited", "tendon_stiffness",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
@@ -70,7 +70,7 @@ class Snapshot(SimpleNamespace):
 
     In addition: names of bodies and geoms, `gravity`, the disabled flags, the friction that
     overrides that of all contacts, and notes about the pose. `keys` has the names of the keyframes,
-    `key` the name of that of the pose or None, and `key_values` its values besides positions.
+    `key` the index of that of the pose or None, and `key_values` its values besides positions.
     `places` has the fields of the data for each of several states.
     """
 
@@ -116,7 +116,7 @@ def take_snapshot(
         **{name: values[0] for name, values in places.items()},
         places=places,
         keys=[model.key(k).name for k in range(model.nkey)],
-        key=None if key is None else model.key(key).name,
+        key=key,
         key_values={
             name: np.array(getattr(model, f"key_{name}")[key])
             for name in KEY_VALUES
@@ -149,7 +149,9 @@ def first_position(model: Any, width: int) -> int:
     """
     nq, nv, na = int(model.nq), int(model.nv), int(model.na)
     starts = {1 + nq + nv + na: 1, 1 + nq + nv: 1, nq + nv: 0, nq: 0}
-    if width not in starts or not nq:
+    if not nq:
+        raise InputError("the model has no joint", hint="give a body a free joint")
+    if width not in starts:
         forms = f"{nq} (qpos), {nq + nv} (qpos, qvel) or {1 + nq + nv} (time, qpos, qvel)"
         more = f", or {1 + nq + nv + na} with activations" if na else ""
         raise InputError(

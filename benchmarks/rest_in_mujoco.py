@@ -1,0 +1,285 @@
+"""Poses at rest beside MuJoCo: simulated states and floating scenes.
+
+    pip install -e ".[mujoco]"
+    python benchmarks/rest_in_mujoco.py simulated --scenes 200
+    python benchmarks/rest_in_mujoco.py floating --scenes 20 --seed 100
+    python benchmarks/rest_in_mujoco.py floating --only 17      one scene, part by part
+    python benchmarks/rest_in_mujoco.py --limits                seconds and memory of large scenes
+
+**simulated**: objects dropped for 3 s; contacts of a simulator are soft, so they end sunk into each
+other. `kilter.settle` brings that state to rest, at the level equilibrium. A row counts
+
+    moved       largest movement over the permitted one: `CHAIN` times the sunk depth, summed along
+                the chain of MuJoCo's own contacts from the object down to a held body
+    drift       largest movement in further 2 s, from the simulated state and from the pose at rest.
+                The pose at rest has no overlap, so each object first sinks by its own depth again:
+                `beyond` is the movement less the sunk depth of its chain, `late` the movement
+                after the first half second
+
+**floating**: stacks with gaps between 1 mm and .3 m, some off centre. Every object is at rest or is
+named as leaving. MuJoCo with stiff contacts simulates the pose at rest of the objects that stay for
+2 s; those that move by more than 1 mm are listed.
+
+Each scene is a line of JSON in the file of `--results`; scenes that it contains are not repeated.
+`--again` repeats them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mujoco_scenes import Scene, Simulated, floating_scene, simulated_scene
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+import kilter
+from kilter.rigid import Pose, matrix_to_quaternion
+
+Array = NDArray[np.float64]
+DROP, AFTER, LATE = 3.0, 2.0, 0.5
+"""Simulated time of a drop, of a drift, and of its part that does not count as late [s]."""
+DAMPING = 2.0
+"""Rate at which motions decay during a drop [1/s]."""
+STILL = 5e-3
+"""Speed below which a simulated scene counts as still [m/s]."""
+CHAIN = 3.0
+"""Permitted movement over the sunk depth of a chain of contacts [-]."""
+FINE = 1e-6
+"""Movement that is always permitted, and drift that counts as none [m]."""
+MOVED = 1e-3
+"""Movement in MuJoCo above which an object does not rest [m]."""
+
+
+def settled(scene: Scene, poses: dict[str, Array], limit: float) -> tuple[kilter.Settled, float]:
+    """The pose at rest of a scene in a state, and its CPU time [s], without reading."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scene.xml"
+        file.write_text(scene.xml(poses))
+        assembly = kilter.load(str(file))
+    begun = time.process_time()
+    answer = kilter.settle(assembly, require="equilibrium", time_limit=limit)
+    return answer, time.process_time() - begun
+
+
+def poses_at_rest(answer: kilter.Settled, poses: dict[str, Array]) -> dict[str, Array]:
+    """Position and quaternion of each free body after the movement of its part."""
+    result = {}
+    for name, seven in poses.items():
+        old, new = answer.drawn[name].pose, answer.assembly[name].pose
+        body = Pose(seven[:3], seven[3:])
+        turn = new.matrix @ old.matrix.T
+        place = new.apply(old.inverse().apply([body.position]))[0]
+        result[name] = np.concatenate([place, matrix_to_quaternion(turn @ body.matrix)])
+    return result
+
+
+def drifts(scene: Scene, poses: dict[str, Array]) -> tuple[Array, Array]:
+    """Movement of each free object in `AFTER` from a pose at zero speed, and its late part [m]."""
+    simulated = Simulated(scene, poses)
+    begin = simulated.centers()
+    simulated.run(LATE)
+    middle = simulated.centers()
+    simulated.run(AFTER - LATE)
+    end = simulated.centers()
+    return np.linalg.norm(end - begin, axis=1), np.linalg.norm(end - middle, axis=1)
+
+
+def shift_and_turn(before: Array, after: Array) -> tuple[float, float]:
+    """Distance [m] and angle [deg] between two poses of a body."""
+    turn = (
+        Rotation.from_quat(after[3:], scalar_first=True)
+        * Rotation.from_quat(before[3:], scalar_first=True).inv()
+    )
+    return float(np.linalg.norm(after[:3] - before[:3])), float(np.degrees(turn.magnitude()))
+
+
+def failed(answer: kilter.Settled | None, error: kilter.KilterError | None) -> dict[str, Any]:
+    """State, level and cause of an answer, or of its error."""
+    if answer is None:
+        return {"state": "error", "why": str(error), "level": None, "parts": [], "leaves": []}
+    return {
+        "state": answer.state,
+        "level": answer.level,
+        "why": answer.why,
+        "parts": list(answer.parts),
+        "leaves": list(answer.leaves),
+    }
+
+
+def simulated_row(seed: int, limit: float, each: bool) -> dict[str, Any]:
+    """Drop a scene, settle its state, and simulate both; `each`: print a line for each object."""
+    scene = simulated_scene(seed)
+    before = Simulated(scene)
+    before.run(DROP, DAMPING)
+    poses, chains = before.poses(), before.chains()
+    row: dict[str, Any] = {
+        "family": "simulated", "seed": seed, "kind": scene.kind, "objects": len(poses),
+        "pieces": scene.pieces, "speed": before.speed(), "sunk": max(before.sunk().values()),
+    }  # fmt: skip
+    answer, error = None, None
+    begun = time.process_time()
+    try:
+        answer, row["seconds"] = settled(scene, poses, limit)
+    except kilter.KilterError as raised:
+        error, row["seconds"] = raised, time.process_time() - begun
+    row |= failed(answer, error)
+    if answer is None:
+        return row
+    after = poses_at_rest(answer, poses)
+    moved = np.array([answer.distance[answer.drawn.index[name]] for name in poses])
+    share = moved / (CHAIN * chains + FINE)
+    row["moved"] = float(np.nanmax(share))
+    row["most_moved"] = list(poses)[int(np.nanargmax(share))]
+    old, old_late = drifts(scene, poses)
+    new, new_late = drifts(scene, after)
+    beyond = np.maximum(new - np.nan_to_num(chains), 0.0)
+    row["drift"] = [float(old.max()), float(new.max()), float(beyond.max())]
+    row["late"] = [float(old_late.max()), float(new_late.max())]
+    if each:
+        for k, name in enumerate(poses):
+            _, angle = shift_and_turn(poses[name], after[name])
+            print(
+                f"    {name:12} moved {moved[k]:.2e} m {angle:.4f} deg, chain {chains[k]:.2e}, "
+                f"drift {old[k]:.2e} -> {new[k]:.2e}, late {old_late[k]:.2e} -> {new_late[k]:.2e}"
+            )
+    return row
+
+
+def floating_row(seed: int, limit: float, each: bool) -> dict[str, Any]:
+    """Settle a floating scene, and simulate the objects that stay."""
+    scene = floating_scene(seed)
+    poses = Simulated(scene).poses()
+    row: dict[str, Any] = {
+        "family": "floating", "seed": seed, "objects": len(poses), "pieces": scene.pieces
+    }  # fmt: skip
+    answer, error = None, None
+    begun = time.process_time()
+    try:
+        answer, row["seconds"] = settled(scene, poses, limit)
+    except kilter.KilterError as raised:
+        error, row["seconds"] = raised, time.process_time() - begun
+    row |= failed(answer, error)
+    if answer is None:
+        return row
+    after = poses_at_rest(answer, poses)
+    row["open"] = sorted(set(answer.parts) - set(answer.leaves))
+    row["rest"] = len(poses) - len(set(answer.parts) | set(answer.leaves))
+    stays = scene.without(row["leaves"])
+    if not row["rest"]:
+        return row
+    names = [thing.name for thing in stays.things if not thing.held]
+    moved, _ = drifts(stays, after)
+    row["moves"] = {
+        name: float(way)
+        for name, way in zip(names, moved, strict=True)
+        if way > MOVED and name not in answer.parts
+    }
+    if each:
+        for name, way in zip(names, moved, strict=True):
+            print(f"    {name:12} moves {way:.2e} m; settled by {answer.drawn.index[name]}")
+    return row
+
+
+ROWS = {"simulated": simulated_row, "floating": floating_row}
+
+
+def line(row: dict[str, Any]) -> str:
+    """A scene in a line."""
+    text = f"{row['family']} {row['seed']:4} {row['objects']:3} objects"
+    text += f" of up to {row['pieces']:2} pieces {row['seconds']:6.2f} s {row['state']}"
+    if row["state"] == "error" or row["family"] == "floating":
+        if row.get("leaves"):
+            text += f", leaves: {', '.join(row['leaves'])}"
+        if row.get("open") or row.get("why"):
+            text += f", open: {', '.join(row.get('open', []))} {row['why']}"
+        for name, way in row.get("moves", {}).items():
+            text += f", {name} moves {1000 * way:.1f} mm in MuJoCo"
+        return text
+    old, new, beyond = row["drift"]
+    text += f" {row['level']} ({row['kind']})"
+    if row["speed"] > STILL:
+        text += f", moving at {row['speed']:.3f} m/s"
+    text += f", moved {row['moved']:.2f} ({row['most_moved']}), drift {old:.1e} -> {new:.1e}"
+    text += f" (beyond sinking {beyond:.1e}), late {row['late'][0]:.1e} -> {row['late'][1]:.1e}"
+    return text + (f", {row['why']} {', '.join(row['parts'])}" if row["why"] else "")
+
+
+def summary(rows: list[dict[str, Any]]) -> str:
+    """Counts over all scenes of a family."""
+    count = len(rows)
+    seconds = [row["seconds"] for row in rows]
+    states: dict[str, int] = {}
+    for row in rows:
+        states[row["state"]] = states.get(row["state"], 0) + 1
+    text = f"{count} scenes: {', '.join(f'{n} {state}' for state, n in sorted(states.items()))}\n"
+    text += f"CPU s: median {np.median(seconds):.2f}, largest {max(seconds):.2f}\n"
+    answered = [row for row in rows if row["state"] != "error"]
+    if rows[0]["family"] == "floating":
+        objects, rest = (sum(row.get(key, 0) for row in rows) for key in ("objects", "rest"))
+        leaves = sum(len(row["leaves"]) for row in answered)
+        moves = sum(len(row.get("moves", {})) for row in answered)
+        return text + (
+            f"objects: {objects}; at rest {rest}, leaving {leaves}, neither "
+            f"{objects - rest - leaves}; over 1 mm in MuJoCo: {moves} "
+            f"({100 * moves / max(rest, 1):.1f} % of those at rest)"
+        )
+    rest = [row for row in answered if row["state"] == "at-rest" and row["level"] is not None]
+    still = [row for row in rest if row["speed"] <= STILL]
+    within = sum(row["moved"] <= 1 for row in still)
+    calm = {
+        "raw": sum(row["drift"][1] <= row["drift"][0] + FINE for row in still),
+        "beyond sinking": sum(row["drift"][2] <= row["drift"][0] + FINE for row in still),
+        "late": sum(row["late"][1] <= row["late"][0] + FINE for row in still),
+    }
+    return text + (
+        f"at rest at the level equilibrium or above: {len(rest)}; the simulator had ended its "
+        f"motion in {len(still)} of them, and of these\n"
+        f"  {within} moved by at most {CHAIN:g} times the sunk depth of the chain\n"
+        f"  drift not above that of the simulated state: "
+        f"{', '.join(f'{n} {name}' for name, n in calm.items())}"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("family", nargs="?", choices=list(ROWS), default="simulated")
+    parser.add_argument("--scenes", type=int, default=200, help="number of scenes")
+    parser.add_argument("--seed", type=int, default=0, help="first seed")
+    parser.add_argument("--only", type=int, help="a single seed, with a line for each object")
+    parser.add_argument("--seconds", type=float, default=60.0, help="time limit of a scene [s]")
+    parser.add_argument("--results", default="", help="file of results (JSON lines)")
+    parser.add_argument("--again", action="store_true", help="repeat the scenes of the file")
+    parser.add_argument("--limits", nargs="?", const="all", help="large scenes: all, or a name")
+    options = parser.parse_args()
+    if options.limits:
+        from rest_limits import measure
+
+        sys.exit(measure(options.limits))
+    if options.only is not None:
+        print(line(ROWS[options.family](options.only, options.seconds, True)))
+        return
+    seeds = range(options.seed, options.seed + options.scenes)
+    file = Path(options.results) if options.results else None
+    known: dict[int, dict[str, Any]] = {}
+    if file and file.exists() and not options.again:
+        read = [json.loads(each) for each in file.read_text().splitlines()]
+        known = {row["seed"]: row for row in read if row["family"] == options.family}
+    for seed in seeds:
+        if seed not in known:
+            known[seed] = ROWS[options.family](seed, options.seconds, False)
+            print(line(known[seed]), flush=True)
+            if file:
+                with file.open("a") as written:
+                    written.write(json.dumps(known[seed]) + "\n")
+    print(summary([known[seed] for seed in seeds]))
+
+
+if __name__ == "__main__":
+    main()

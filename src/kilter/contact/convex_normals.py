@@ -1,0 +1,367 @@
+"""Normal of each pair of convex pieces: along the nearest points, or the least overlap.
+
+A cylinder is first a prism of 32 sides. Then directions on the exact surfaces improve the normal:
+caps and faces, radial directions of the side, and stationary directions at the rims by Newton's
+method. The separation along each direction is exact, so that a wrong direction never counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, across, cross
+from kilter.contact.convex_distance import edge_separations, face_separations, nearest_points
+from kilter.contact.convex_pieces import Cores, Placed
+
+FACE_ANGLE = 0.06
+"""Largest angle between the nearest points and a face normal that replaces it [rad]."""
+FACE_SHARE = 0.998
+"""Least separation along such a normal, over the distance [-]."""
+EXACT = 1e-12
+"""Rounding of a separation, over the size of a pair [-]."""
+ALIKE = 0.99
+"""Cosine of the angle to a direction that was tried above which a direction is the same [-]."""
+NEAR = 1e-4
+"""Distance below which directions across edges are compared with the nearest points, over the size
+of a pair [-]."""
+ROUNDS = 2
+"""Number of times that the prisms of cylinders are turned to the normal."""
+STEPS = 12
+"""Number of steps of Newton's method."""
+LONGEST = 0.4
+"""Longest step of a direction [rad]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PairNormals:
+    """Normals of K pairs of cores."""
+
+    normal: Array
+    """Unit vectors from a to b, shape (K, 3)."""
+    separation: Array
+    """Distance of the support planes across the normal [length unit], shape (K,)."""
+    on_a: Array
+    on_b: Array
+    """Nearest points, or a support point and its place on the other core, shape (K, 3)."""
+    regular: Mask
+    """False where a corner is nearest to a corner or an edge: no force along such a normal."""
+    corner_a: Index
+    corner_b: Index
+    """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
+
+    def take(self, rows: Index) -> PairNormals:
+        """Normals of some of the pairs."""
+        names = ("normal", "separation", "on_a", "on_b", "regular", "corner_a", "corner_b")
+        return PairNormals(*(getattr(self, name)[rows] for name in names))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Excluded:
+    """Directions that do not lead out of an overlap."""
+
+    inner: tuple[Mask, Mask]
+    """Faces of each piece inside of its compound, shapes (K, Fa), (K, Fb)."""
+    tried: Array
+    """Directions from a to b that lead into other pieces, shape (K, m, 3)."""
+
+    def take(self, rows: Index) -> Excluded:
+        """Excluded directions of some of the pairs."""
+        return Excluded((self.inner[0][rows], self.inner[1][rows]), self.tried[rows])
+
+    def near(self, n: Array, rows: Index | slice = slice(None)) -> Mask:
+        """Whether directions, shape (K, n, 3), are near one that was tried, shape (K, n)."""
+        cosine = n @ self.tried[rows].transpose(0, 2, 1)
+        result: Mask = cosine.max(axis=2, initial=-1.0) > ALIKE
+        return result
+
+    def faces(self, a: Cores, b: Cores) -> tuple[Mask, Mask]:
+        """Excluded faces of each core, shapes (K, Fa), (K, Fb)."""
+        return self.inner[0] | self.near(a.normal), self.inner[1] | self.near(-b.normal)
+
+
+def pair_normals(
+    scene: Placed, pair: tuple[Index, Index], excluded: Excluded, limit: Array
+) -> PairNormals:
+    """Normals of pairs of pieces.
+
+    Arguments: `pair`: pieces a and b, shape (K,) each; `limit` (K,): distance of the cores beyond
+    which the normal does not matter. The separation is infinite if all directions of an overlap
+    are excluded.
+    """
+    pieces = scene.pieces
+    size = np.minimum(*(pieces.size[piece] for piece in pair))
+    sharp = pieces.radius[pair[0]] + pieces.radius[pair[1]] == 0
+    a, b = (scene.cores(piece) for piece in pair)
+    result = _core_normals(a, b, (size, limit), sharp, excluded)
+    round_ = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
+    if not len(round_):
+        return result
+    pair, sharp = (pair[0][round_], pair[1][round_]), sharp[round_]
+    size, limit = size[round_], limit[round_]
+    excluded = excluded.take(round_)
+    found = result.take(round_)
+    normal, separation = _exact_normals(scene, pair, found, size, excluded)
+    for _ in range(ROUNDS):
+        a, b = (scene.cores(piece, normal) for piece in pair)
+        found = _core_normals(a, b, (size, limit), sharp, excluded)
+        again, apart = _exact_normals(scene, pair, found, size, excluded)
+        better = np.isfinite(apart) & (apart > separation + EXACT * size)
+        normal[better], separation[better] = again[better], apart[better]
+    result.normal[round_], result.separation[round_] = normal, separation
+    result.regular[round_], result.on_b[round_] = True, found.on_b
+    result.on_a[round_] = found.on_b - separation[:, None] * normal
+    return result
+
+
+def _core_normals(
+    a: Cores, b: Cores, sizes: tuple[Array, Array], sharp: Mask, excluded: Excluded
+) -> PairNormals:
+    """Normals of pairs of polytopes; of pairs with a rounded core (not `sharp`), of the cores.
+
+    `sizes`: size of each pair, and the distance beyond which the normal does not matter.
+    """
+    size = sizes[0]
+    rows = np.arange(len(size))
+    first, second = (
+        np.where(mask & (separation < 0), -np.inf, separation)
+        for mask, separation in zip(excluded.faces(a, b), face_separations(a, b), strict=True)
+    )
+    i, j = first.argmax(axis=1), second.argmax(axis=1)
+    of_a = first[rows, i] >= second[rows, j]
+    normal = np.where(of_a[:, None], a.normal[rows, i], -b.normal[rows, j])
+    face = np.where(of_a, first[rows, i], second[rows, j])
+    near = nearest_points(a, b, *sizes)
+    step = near.on_b - near.on_a
+    apart = np.linalg.norm(step, axis=1)
+    along = step / np.where(apart > 0, apart, 1.0)[:, None]
+    level = np.einsum("ki,ki->k", along, normal) >= np.cos(FACE_ANGLE)
+    level &= sharp & (face >= FACE_SHARE * apart) & (face > 0)
+    by_face = ~near.apart | level | (face >= apart - EXACT * size)
+    none = by_face & ~np.isfinite(face)
+    normal[none] = [0.0, 0.0, 1.0]
+    lost = np.inf if excluded.tried.shape[1] else 0.0
+    result = PairNormals(
+        np.where(by_face[:, None], normal, along),
+        np.where(none, lost, np.where(by_face, face, apart)),
+        near.on_a,
+        near.on_b,
+        by_face | ~near.at_corner | ~sharp,
+        near.corner_a,
+        near.corner_b,
+    )
+    _try_edges(a, b, result, near.apart & ~by_face, ~near.apart, size, excluded)
+    support = np.flatnonzero(~near.apart)
+    height = (b.vertex[support] @ result.normal[support, :, None])[..., 0].argmin(axis=1)
+    result.on_b[support] = b.vertex[support, height]
+    step = result.separation[support, None] * result.normal[support]
+    result.on_a[support] = result.on_b[support] - step
+    return result
+
+
+def _try_edges(
+    a: Cores,
+    b: Cores,
+    result: PairNormals,
+    apart: Mask,
+    overlap: Mask,
+    size: Array,
+    excluded: Excluded,
+) -> None:
+    """Replace normals of overlaps, and of pairs that are almost in touch, by those across edges."""
+    separation = result.separation
+    lost = overlap & np.isinf(separation)
+    doubt = np.flatnonzero(
+        (overlap & (separation < 0)) | lost | (apart & (separation < NEAR * size))
+    )
+    if not len(doubt):
+        return
+    bound = np.where(lost, size, np.abs(separation))[doubt]
+    edges = edge_separations(a.take(doubt), b.take(doubt), bound)
+    row = doubt[edges.row]
+    shut = overlap[row] & excluded.near(edges.normal[:, None], row)[:, 0]
+    value = np.where(shut, -np.inf, edges.separation)
+    best = np.full(len(size), -np.inf)
+    np.maximum.at(best, row, value)
+    least = np.where(apart, separation - EXACT * size, separation + EXACT * size)
+    least[lost] = -np.inf
+    take = (value == best[row]) & (value > least[row])
+    row, where = row[take], edges.row[take]
+    result.normal[row], separation[row] = edges.normal[take], value[take]
+    result.regular[row] = True
+    result.corner_a[row] = a.edge[doubt[where], edges.edge_a[take]]
+    result.corner_b[row] = b.edge[doubt[where], edges.edge_b[take]]
+
+
+# exact directions of cylinders ---------------------------------------------------------------
+
+
+def _exact_normals(
+    scene: Placed,
+    pair: tuple[Index, Index],
+    found: PairNormals,
+    size: Array,
+    excluded: Excluded,
+) -> tuple[Array, Array]:
+    """The direction of the largest exact separation of pairs with cylinders, and its separation."""
+    near = _rim_directions(scene, pair, found)
+    faces, allowed = _face_directions(scene, pair)
+    tries = np.concatenate([faces, found.normal[:, None], near], axis=1)
+    separation = exact_separation(scene, pair, tries)
+    none = np.zeros((len(size), tries.shape[1] - faces.shape[1]), dtype=bool)
+    shut = np.concatenate([*excluded.inner, none], axis=1) | excluded.near(tries)
+    shut &= separation < 0
+    allowed = np.concatenate([allowed, ~none], axis=1) & ~shut
+    separation = np.where(allowed, separation, -np.inf)
+    best = separation.max(axis=1)
+    # of equal directions the first one: a face
+    k = (separation >= (best - EXACT * size)[:, None]).argmax(axis=1)
+    rows = np.arange(len(size))
+    return tries[rows, k], np.where(np.isfinite(best), separation[rows, k], np.inf)
+
+
+def _face_directions(scene: Placed, pair: tuple[Index, Index]) -> tuple[Array, Mask]:
+    """Face normals of both pieces, from a to b, (K, Fa + Fb, 3), and whether they are exact."""
+    normals, exact = [], []
+    for piece, sign in zip(pair, (1.0, -1.0), strict=True):
+        core = scene.cores(piece)
+        real = np.isfinite(core.offset)
+        side = np.arange(real.shape[1]) < core.sides[:, None]
+        normals.append(sign * core.normal)
+        exact.append(real & ~side)
+    return np.concatenate(normals, axis=1), np.concatenate(exact, axis=1)
+
+
+def exact_separation(scene: Placed, pair: tuple[Index, Index], n: Array) -> Array:
+    """Separation of the exact cores along unit directions n, shape (K, m, 3); shape (K, m)."""
+    a, b = (scene.cores(piece) for piece in pair)
+    return -_support(scene, pair[0], a, n) - _support(scene, pair[1], b, -n)
+
+
+def _support(scene: Placed, piece: Index, core: Cores, n: Array) -> Array:
+    """Height of the support plane of each core along directions n, shape (K, m, 3)."""
+    flat: Array = (n @ core.vertex.transpose(0, 2, 1)).max(axis=2)
+    disc = scene.pieces.disc[piece]
+    round_ = np.flatnonzero(disc > 0)
+    if not len(round_):
+        return flat
+    axis, m, disc = scene.axis[piece[round_]], n[round_], disc[round_]
+    half = np.linalg.norm(axis, axis=1)
+    along = np.einsum("kmi,ki->km", m, axis)
+    across_ = np.linalg.norm(cross(m, (axis / half[:, None])[:, None]), axis=2)
+    middle = np.einsum("kmi,ki->km", m, scene.middle[piece[round_]])
+    flat[round_] = middle + np.abs(along) + disc[:, None] * across_
+    return flat
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Features:
+    """Features of one core of K pairs, m for each pair: a corner, an edge, a rim or a side."""
+
+    point: Array
+    """Shape (K, m, 3): the corner, a point of the edge or axis, the centre of the rim."""
+    along: Array
+    """Unit vector of an edge or a side, else 0, shape (K, m, 3)."""
+    axis: Array
+    """Unit normal of the plane of a rim, else 0, shape (K, m, 3)."""
+    radius: Array
+    """Radius of a rim, else 0, shape (K, m)."""
+
+
+def _features(scene: Placed, piece: Index, corners: Index) -> _Features:
+    """Three features of each core: corner, edge, other corner; or side, upper and lower rim."""
+    core = scene.cores(piece)
+    rows = np.arange(len(piece))
+    p, q = core.vertex[rows, corners[:, 0]], core.vertex[rows, corners[:, 1]]
+    length = np.linalg.norm(q - p, axis=1, keepdims=True)
+    d = (q - p) / np.where(length > 0, length, 1.0)
+    zero = np.zeros_like(d)
+    disc, middle, half = scene.pieces.disc[piece], scene.middle[piece], scene.axis[piece]
+    round_ = (disc > 0)[:, None]
+    height = np.linalg.norm(half, axis=1, keepdims=True)
+    u = half / np.where(height > 0, height, 1.0)
+    point = np.stack(
+        [
+            np.where(round_, middle, p),
+            np.where(round_, middle + half, p),
+            np.where(round_, middle - half, q),
+        ],
+        axis=1,
+    )
+    along = np.stack([np.where(round_, u, zero), np.where(round_, zero, d), zero], axis=1)
+    axis = np.stack([zero, u, u], axis=1)
+    radius = disc[:, None] * np.array([0.0, 1.0, 1.0])
+    return _Features(point, along, axis, radius)
+
+
+def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals) -> Array:
+    """Stationary directions of the separation of pairs of features, shape (K, 9, 3).
+
+    A direction that Newton's method does not find stays as it is.
+    """
+    a = _features(scene, pair[0], found.corner_a)
+    b = _features(scene, pair[1], found.corner_b)
+    count = len(found.normal)
+    i, j = (x.ravel() for x in np.indices((3, 3)))
+    w = (b.point[:, j] - a.point[:, i]).reshape(-1, 3)
+    d, e = a.along[:, i].reshape(-1, 3), b.along[:, j].reshape(-1, 3)
+    n = np.repeat(found.normal, 9, axis=0)
+    both = cross(d, e)
+    sine = np.linalg.norm(both, axis=1)
+    two = sine > 1e-9
+    one = np.where((np.abs(d).max(axis=1) > 0)[:, None], d, e)
+    n = n - np.einsum("ki,ki->k", n, one)[:, None] * one
+    n[two] = both[two] * np.sign(np.einsum("ki,ki->k", both[two], n[two]))[:, None]
+    n = _unit(n)
+    rims = [(x.axis[:, k].reshape(-1, 3), x.radius[:, k].ravel()) for x, k in ((a, i), (b, j))]
+    moving = np.flatnonzero(~two)
+    n[moving] = _stationary(
+        n[moving], w[moving], one[moving], [(u[moving], r[moving]) for u, r in rims]
+    )
+    return n.reshape(count, 9, 3)
+
+
+def _unit(n: Array) -> Array:
+    length = np.linalg.norm(n, axis=-1, keepdims=True)
+    result: Array = np.where(length > 0, n / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
+    return result
+
+
+def _stationary(n: Array, w: Array, along: Array, rims: list[tuple[Array, Array]]) -> Array:
+    """Unit vectors n across `along` at which n.w - sum r |n - (n.u) u| is stationary.
+
+    Arguments: `n` (K, 3): start; `w` (K, 3); `along` (K, 3): unit vector or 0; `rims`: normal u
+    (K, 3) and radius r (K,) of each rim.
+    """
+    bound = np.abs(along).max(axis=1) > 0
+    for _ in range(STEPS):
+        x, y = across(n)
+        x = np.where(bound[:, None], cross(n, along), x)
+        basis = np.stack([x, y], axis=1)
+        gradient, h = w.copy(), np.zeros((len(n), 2, 2))
+        for u, r in rims:
+            flat = n - np.einsum("ki,ki->k", n, u)[:, None] * u
+            length = np.linalg.norm(flat, axis=1)
+            safe = np.where(length > 0, length, 1.0)
+            out = flat / safe[:, None]
+            gradient = gradient - r[:, None] * out
+            p = basis - np.einsum("kai,ki->ka", basis, u)[..., None] * u[:, None]
+            q = np.einsum("kai,ki->ka", basis, out)
+            h -= (r / safe)[:, None, None] * (p @ p.transpose(0, 2, 1) - q[:, :, None] * q[:, None])
+        value = np.einsum("ki,ki->k", gradient, n)
+        h[:, [0, 1], [0, 1]] -= value[:, None]
+        g = np.einsum("kai,ki->ka", basis, gradient)
+        g[bound, 1] = 0.0
+        h[bound, 0, 1] = h[bound, 1, 0] = 0.0
+        h[bound, 1, 1] = -1.0
+        det = h[:, 0, 0] * h[:, 1, 1] - h[:, 0, 1] * h[:, 1, 0]
+        peak = (h[:, 0, 0] < 0) & (det > 0)
+        safe = np.where(peak, det, 1.0)
+        # uphill where the function is not concave
+        s = np.where(peak, (h[:, 0, 1] * g[:, 1] - h[:, 1, 1] * g[:, 0]) / safe, g[:, 0])
+        t = np.where(peak, (h[:, 1, 0] * g[:, 0] - h[:, 0, 0] * g[:, 1]) / safe, g[:, 1])
+        far = np.hypot(s, t)
+        limit = np.minimum(1.0, LONGEST / np.where(far > 0, far, 1.0))
+        n = _unit(n + ((s * limit)[:, None] * x + (t * limit)[:, None] * y))
+    return n
