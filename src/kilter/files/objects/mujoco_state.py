@@ -39,8 +39,8 @@ ADHESION = 5
 FARTHEST = 10.0
 """Distance up to which the body nearest to a floating body is searched [m]."""
 TOUCHES = 1e-6
-"""Distance below which bodies count as touching [m]; else bodies that touch exactly, as drawn, would
-have no contact in the engine."""
+"""Distance below which bodies count as touching [m]. Without it, bodies that touch exactly, as
+drawn, would have no contact in the engine."""
 SHORT = 1e-12
 """Push of a contact below which it has no acceleration of its own [m/s^2]."""
 
