@@ -8,9 +8,11 @@ assembly. All other pairs of parts have the points of `near_points`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
+from kilter.analysis.scene_states.scene_graph import chosen_parts
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Array, Index, distinct_rows
@@ -18,6 +20,13 @@ from kilter.assembly import Assembly
 from kilter.contact.convex_pieces import ConvexPieces, convex_pieces
 from kilter.contact.convex_points import near_points
 from kilter.contact.friction_coefficients import friction_coefficients
+from kilter.shape.primitives import Shape, surface
+
+
+def _box_of(shape: Shape) -> Array:
+    """Corners of the box around a shape in its own frame, shape (8, 3)."""
+    low, high = np.min(surface(shape)[0], axis=0), np.max(surface(shape)[0], axis=0)
+    return np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +40,8 @@ class CandidatePoints:
     rotation: Array
     position: Array
     """Drawn poses of the parts, shape (N, 3, 3) and (N, 3)."""
+    box: Array
+    """Corners of the box around each part, in the frame of the part, shape (N, 8, 3)."""
 
     @staticmethod
     def of(bodies: RigidBodies) -> CandidatePoints:
@@ -42,6 +53,7 @@ class CandidatePoints:
             assembly, convex_pieces(assembly), np.array(pairs, np.int64).reshape(-1, 2),
             np.array([part.pose.matrix for part in assembly.parts]),
             np.array([part.pose.position for part in assembly.parts]),
+            np.array([_box_of(part.shape) for part in assembly.parts]),
         )  # fmt: skip
 
     def near(self, bodies: RigidBodies, reach: float) -> NearPoints:
@@ -60,14 +72,29 @@ class CandidatePoints:
         points = points.take(body[points.part_a] != body[points.part_b])
         points = replace(points, mu=self._friction(points))
         whole = self.pieces.whole
-        if not whole.all():
-            others = find_near_points(bodies.assembly(), reach, reach)
+        chosen = self._beside_others(body, rotation, position, reach)
+        if len(chosen):
+            others = find_near_points(chosen_parts(bodies.assembly(), chosen, []), reach, reach)
+            others = replace(others, part_a=chosen[others.part_a], part_b=chosen[others.part_b])
             other = ~(whole[others.part_a] & whole[others.part_b])
             other &= body[others.part_a] != body[others.part_b]
             points = NearPoints.join([points, others.take(other)])
         if self.assembly.planar:
             points = points.take(np.abs(points.normal[:, 1]) < 0.5)
         return points
+
+    def _beside_others(self, body: Index, rotation: Array, position: Array, reach: float) -> Index:
+        """Parts of pairs within reach of which one has no convex pieces, ascending; shape (n,)."""
+        if self.pieces.whole.all():
+            return np.zeros(0, dtype=np.int64)
+        corners = position[:, None] + np.einsum("nij,nkj->nki", rotation, self.box)
+        low, high = corners.min(axis=1) - reach / 2, corners.max(axis=1) + reach / 2
+        other = np.flatnonzero(~self.pieces.whole)
+        near = ((low[other, None] <= high) & (low <= high[other, None])).all(axis=2)
+        near &= body[other, None] != body
+        return np.unique(
+            np.concatenate([other[near.any(axis=1)], np.flatnonzero(near.any(axis=0))])
+        )
 
     def _friction(self, points: NearPoints) -> Array:
         """Friction coefficient of each point [-]."""
