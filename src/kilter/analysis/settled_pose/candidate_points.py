@@ -12,7 +12,6 @@ from itertools import product
 
 import numpy as np
 
-from kilter.analysis.scene_states.scene_graph import chosen_parts
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Array, Index, distinct_rows
@@ -22,11 +21,30 @@ from kilter.contact.convex_points import near_points
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.shape.primitives import Shape, surface
 
+SPARE = 0.05
+"""Enlargement of the box around the corners of a part [sizes of the box]."""
+
 
 def _box_of(shape: Shape) -> Array:
     """Corners of the box around a shape in its own frame, shape (8, 3)."""
-    low, high = np.min(surface(shape)[0], axis=0), np.max(surface(shape)[0], axis=0)
-    return np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
+    corners = surface(shape)[0]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    # the corners of a curved shape lie inside its surface
+    spare = SPARE * (high - low)
+    ends = zip((low - spare).tolist(), (high + spare).tolist(), strict=True)
+    return np.array(list(product(*ends)))
+
+
+def _some_parts(assembly: Assembly, chosen: Index) -> Assembly:
+    """The assembly of some parts without its joints and loads; `chosen` (n,): their indices."""
+    names = {assembly.names[k] for k in chosen.tolist()}
+    return replace(
+        assembly,
+        parts=[assembly.parts[k] for k in chosen.tolist()],
+        notes=(), joints=(), bonds=(), straps=(), loads=(),
+        friction_pairs=[e for e in assembly.friction_pairs if names.issuperset(e.parts)],
+        contacts=[e for e in assembly.contacts if names.issuperset(e.parts)],
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +92,7 @@ class CandidatePoints:
         whole = self.pieces.whole
         chosen = self._beside_others(body, rotation, position, reach)
         if len(chosen):
-            others = find_near_points(chosen_parts(bodies.assembly(), chosen, []), reach, reach)
+            others = find_near_points(_some_parts(bodies.assembly(), chosen), reach, reach)
             others = replace(others, part_a=chosen[others.part_a], part_b=chosen[others.part_b])
             other = ~(whole[others.part_a] & whole[others.part_b])
             other &= body[others.part_a] != body[others.part_b]
