@@ -23,7 +23,9 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
+from kilter.analysis.engine_contacts.judge import Judged
 from kilter.analysis.many.batch import Batch
+from kilter.analysis.many.settle_states import SettledStates
 from kilter.analysis.margins.improve import Improvement
 from kilter.analysis.margins.margin_answer import Margin
 from kilter.analysis.placing.check_plan import CheckedPlan
@@ -68,8 +70,10 @@ ANSWERS: dict[str, Any] = {
     "region": Region,
     "scene": SceneReport,
     "settle": Settled,
+    "settle-states": SettledStates,
     "transport": Transport,
     "verify": Verification,
+    "why": Judged,
 }
 """Record of each answer, by verb; "incomplete" is that of any verb at its time limit."""
 

@@ -25,8 +25,10 @@ WRITERS = {
     "region": "kilter.analysis.regions.region.Region",
     "scene": "kilter.analysis.scene_states.scene_report.SceneReport",
     "settle": "kilter.analysis.settled_pose.settle.Settled",
+    "settle-states": "kilter.analysis.many.settle_states.SettledStates",
     "transport": "kilter.analysis.transport.transport_answer.Transport",
     "verify": "kilter.analysis.verification.Verification",
+    "why": "kilter.analysis.engine_contacts.judge.Judged",
 }
 """Class of each answer, whose method `to_dict` writes the data."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 from typing import Literal
 from kilter.analysis.many.batch import Batch as Batch
+from kilter.analysis.many.settle_states import SettledStates as SettledStates
 from kilter.analysis.many.verdicts import Verdicts as Verdicts
 from kilter.analysis.margins.improve import Improvement as Improvement
 from kilter.analysis.margins.margin_answer import Margin as Margin
@@ -650,6 +651,7 @@ def load(
     up: str | None = None,
     contacts: str | None = None,
     keyframe: str | None = None,
+    state: str | None = None,
     base: str | None = None,
     stud_pull: float | None = None,
     stud_shear: float | str | None = None,
@@ -697,6 +699,9 @@ def load(
         file replace detection for their pairs. Interfaces of COMPAS are then ignored, with a note.
     keyframe : str, optional
         MuJoCo: name of the keyframe whose pose is used; default the first keyframe.
+    state : str, optional
+        MuJoCo: ``FILE`` or ``FILE:ROW``, the state of this row in place of a keyframe. The file is
+        that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
     stud_pull : float, optional
@@ -1210,8 +1215,8 @@ def scene(
     time_limit : float, optional
         Time limit [s]. Clusters that are not judged until then are open.
     settle : bool
-        Whether to repair the scene first: floating objects fall, and clusters with faults settle
-        (`kilter.settle`). The report is about the new poses; `SceneReport.drawn` has the old.
+        Whether to bring the objects to rest first, as `kilter.settle` does. The report is about
+        the new poses; `SceneReport.drawn` has the old.
     friction : float, optional
         Coefficient of the contacts without a coefficient of their own [-].
     down : array_like, shape (3,), optional
@@ -1264,7 +1269,7 @@ def settle(
     floor: bool | float | None = None,
     reach: float | None = None,
     keep: str | Iterable[str] = (),
-    drop: bool = False,
+    nearest: bool = False,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     require: str = "settles",
@@ -1272,19 +1277,23 @@ def settle(
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Settled:
-    """Move the parts of an assembly by little until they touch and rest on each other.
+    """Bring the parts of an assembly to rest: a pose that it can reach without gaining energy.
+
+    Overlapping parts are pushed apart; then parts fall, tip, slide and roll until they rest or
+    leave the scene. It is no claim about dynamics: a thrown or bouncing part may come to rest
+    elsewhere.
 
     Parameters
     ----------
     assembly : Assembly, or path
         At least one part is held. Held parts do not move.
     reach : float, optional
-        Largest permitted movement of a part [length unit]. By default it is three times the widest
-        gap or overlap of the drawn pose; the answer states it.
+        Largest way of a part [length unit]. By default it has no limit; with `nearest`, it is three
+        times the widest gap or overlap of the drawn pose, and the answer states it.
     keep : str or iterable of str
         Parts that must not move although they are not held; ``*`` and ``?`` are wildcards.
-    drop : bool
-        Whether hanging parts first fall straight down until they meet another part.
+    nearest : bool
+        Whether to search for a pose at rest by the least motion instead.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Settled.at_rest` is true from this level.
     friction : float, optional
@@ -1329,12 +1338,83 @@ def settle(
     --------
     >>> from kilter import Box, Part
     >>> table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
-    >>> box = Part("box", Box(1, 1, 1), [0, 0, 0.501])
+    >>> box = Part("box", Box(1, 1, 1), [0, 0, 0.75])
     >>> answer = settle(Assembly([table, box]))
     >>> answer.state, answer.level, answer.distance.round(6).tolist()
-    ('at-rest', 'proved', [0.0, 0.001])
-    >>> answer["box"].pose.position.round(6)
-    array([0. , 0. , 0.5])
+    ('at-rest', 'proved', [0.0, 0.25])
+    >>> answer.moved[0].way[0].how, answer["box"].pose.position.round(6)
+    ('fell', array([0. , 0. , 0.5]))
+    """
+
+def settle_states(
+    scene: Any,
+    states: str | Path | ArrayLike,
+    *,
+    output: str | Path | None = None,
+    reach: float | None = None,
+    keep: str | Iterable[str] = (),
+    nearest: bool = False,
+    processes: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+    tolerance: Tolerance | None = None,
+    require: str = "settles",
+    effort: float = 1.0,
+    time_limit: float | None = None,
+    **reading: Any,
+) -> SettledStates:
+    """Bring many states of a MuJoCo scene to rest, as `kilter.settle` does each of them.
+
+    Parameters
+    ----------
+    scene : path or MjModel
+        An MJCF file, a file of choices about one, or a model.
+    states : path or array_like, shape (n, width)
+        A row for each state: qpos; qpos and qvel; or time, qpos and qvel, with or without
+        activations. A file is that of `numpy.save`, or holds a pickled array.
+    output : path, optional
+        A NumPy file for the new states. A later run continues an interrupted one.
+    reach, keep, nearest
+        See `kilter.settle`.
+    processes : int
+        Number of worker processes.
+    time_limit : float, optional
+        Time limit for each state [s].
+    progress : callable, optional
+        Called with the number of finished states, and the number of all.
+    **reading
+        How the scene is read, as of `kilter.load`: `ground`, `floor`, `friction` and so on.
+    tolerance : Tolerance, optional
+        Tolerances of the detection: gap, angle and clearance. By default those of the
+        assembly.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which the answer is yes.
+    effort : float
+        Work limit; each further unit allows about ten times more work [-]. 0 is quick and
+        1 is usual. Work is counted in operations, not in time.
+
+    Returns
+    -------
+    SettledStates
+
+    Raises
+    ------
+    InputError
+        If the scene or the states cannot be read, do not belong together, or no body is free; or
+        the output cannot be written, or has rows of another run.
+
+    See Also
+    --------
+    kilter.settle : one state, with the complete answer.
+
+    Examples
+    --------
+    >>> import mujoco
+    >>> box = '<body pos="0 0 .2"><freejoint/><geom type="box" size=".1 .1 .1"/></body>'
+    >>> scene = f'<mujoco><worldbody><geom type="plane" size="1 1 1"/>{box}</worldbody></mujoco>'
+    >>> model = mujoco.MjModel.from_xml_string(scene)
+    >>> answer = settle_states(model, [[0, 0, 0.2, 1, 0, 0, 0], [0.5, 0, 0.1, 1, 0, 0, 0]])
+    >>> answer, answer.qpos[:, 2].round(9).tolist()
+    (<SettledStates: 2 states, 2 at-rest>, [0.1, 0.1])
     """
 
 def states(

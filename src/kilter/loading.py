@@ -114,6 +114,9 @@ def load(source: Any, reading: Reading) -> Assembly:
         file replace detection for their pairs. Interfaces of COMPAS are then ignored, with a note.
     keyframe : str, optional
         MuJoCo: name of the keyframe whose pose is used; default the first keyframe.
+    state : str, optional
+        MuJoCo: ``FILE`` or ``FILE:ROW``, the state of this row in place of a keyframe. The file is
+        that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
     stud_pull : float, optional

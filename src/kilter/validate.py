@@ -47,6 +47,21 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
     return result
 
 
+def whole(value: int, what: str) -> int:
+    """Validate a whole number from 1 on.
+
+    Raises `InputError` if it is no such number; `what` names it.
+
+    Examples
+    --------
+    >>> whole(3, "processes")
+    3
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(f"{what} is {value!r:.40}", hint="give a whole number from 1 on")
+    return value
+
+
 def name_list(value: Any, what: str = "the names") -> list[str]:
     """A name, or an iterable of names, as a list; raises an error for other types.
 

@@ -49,7 +49,7 @@ CALLS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("margin", {"file": "tower.kilter.json", "without": ["cube-2"]}),
     ("hold", {"file": "slope.kilter.json", "most": 2, "require": "equilibrium"}),
     ("plan", {"file": "tower.kilter.json", "fasten": [["cube-1", "cube-2"]]}),
-    ("settle", {"file": "tower.kilter.json", "reach": 0.1, "drop": True, "keep": ["cube-1"]}),
+    ("settle", {"file": "tower.kilter.json", "reach": 0.1, "nearest": True, "keep": ["cube-1"]}),
     ("place", {"file": "tower.kilter.json", "box": [1, 1, 1], "mass": 2, "at": [0, 0], "turn": 5}),
     ("transport", {"file": "tower.kilter.json", "accelerate": [1, 0, 0]}),
     ("scene", {"file": "tower.kilter.json", "settle": True, "output": "new.kilter.json"}),

@@ -31,18 +31,19 @@ def test_a_box_that_hangs_and_one_that_is_sunk_move_by_their_gap():
     assert moved["b"] == pytest.approx((0.1, 0), abs=1e-6)
     assert 0 <= answer["widest_gap"] <= answer["tolerance"]
     assert 0 <= answer["deepest_overlap"] <= answer["tolerance"]
-    assert (answer["depth"], answer["dropped"]) == (0, 0)
+    assert (answer["depth"], answer["rests"]) == (0, 2)
 
 
 def test_a_box_falls_by_its_height_above_the_table():
-    answer = settled(box("a", [0, 0, 80]), drop=True)
-    assert answer["moved"][0]["distance"] == pytest.approx(30, abs=1e-6)
-    assert answer["dropped"] == pytest.approx(30, rel=1e-4)
+    (moved,) = settled(box("a", [0, 0, 80]))["moved"]
+    (way,) = moved["way"]
+    assert moved["distance"] == way["distance"] == pytest.approx(30, abs=1e-6)
+    assert (way["how"], way["angle_deg"]) == ("fell", pytest.approx(0, abs=1e-9))
 
 
 def test_a_box_between_two_walls_that_are_closer_overlaps_each_by_half_of_the_rest():
     walls = [box(name, [x, 0, 50], grounded=True) for name, x in (("l", -100), ("r", 100))]
-    answer = settled(*walls, box("wide", [0, 0, 50], (101, 100, 100)))
+    answer = settled(*walls, box("wide", [0, 0, 50], (101, 100, 100)), nearest=True)
     assert answer["depth"] == pytest.approx(0.5, abs=1e-6)
 
 
@@ -50,7 +51,7 @@ def test_a_box_between_two_walls_that_are_closer_overlaps_each_by_half_of_the_re
 def test_a_bar_on_a_higher_and_a_lower_block_tilts_by_their_difference():
     """It touches the outer edge of the lower block and the inner edge of the higher one."""
     low, high = box("low", [-150, 0, 50]), box("high", [150, 0, 50.25], (100, 100, 100.5))
-    answer = settled(low, high, box("bar", [0, 0, 110.5], (500, 100, 20)))
+    answer = settled(low, high, box("bar", [0, 0, 110.5], (500, 100, 20)), nearest=True)
     (bar,) = [one for one in answer["moved"] if one["part"] == "bar"]
     turn = math.atan(0.5 / (200 + 100))
     assert bar["angle_deg"] == pytest.approx(math.degrees(turn), rel=1e-5)
@@ -104,9 +105,9 @@ def in_slot(width: float) -> Assembly:
 def test_each_state_has_its_words_and_its_exit_code(assembly, code, state, words, tmp_path, capsys):
     file = str(tmp_path / "a.kilter.json")
     kilter.dump(assembly, file)
-    assert main(["settle", file, "--quiet"]) == code
+    assert main(["settle", file, "--nearest", "--quiet"]) == code
     assert words in capsys.readouterr().out.splitlines()[0]
-    assert main(["settle", file, "--quiet", "--json"]) == code
+    assert main(["settle", file, "--nearest", "--quiet", "--json"]) == code
     assert json.loads(capsys.readouterr().out)["state"] == state
 
 

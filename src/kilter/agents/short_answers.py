@@ -46,8 +46,8 @@ KEYS: dict[str, tuple[str, ...]] = {
         "warnings",
     ),
     "settle": (
-        "sentence", "state", "level", "moved", "widest_gap", "deepest_overlap", "parts", "depth",
-        "why", "before", "after", "units", "warnings",
+        "sentence", "state", "level", "moved", "leaves", "widest_gap", "deepest_overlap", "parts",
+        "depth", "why", "before", "after", "units", "warnings",
     ),
     "transport": (
         "sentence", "carried", "verdict", "level", "limits", "cases", "units", "warnings",
@@ -58,7 +58,17 @@ ENTRIES: dict[tuple[str, str], tuple[str, ...]] = {
     ("contacts", "patches"): ("parts", "kind", "area", "gap", "normal"),
     ("margin", "pushes"): ("part", "direction", "force"),
     ("plan", "steps"): ("parts", "direction", "held", "verdict", "level"),
-    ("scene", "objects"): ("name", "state", "level", "gap", "other", "move", "motion", "if_held"),
+    ("scene", "objects"): (
+        "name",
+        "state",
+        "level",
+        "gap",
+        "other",
+        "move",
+        "motion",
+        "if_held",
+        "way",
+    ),
     ("transport", "limits"): ("name", "g", "acceleration", "upper", "how"),
 }
 """Keys of the entries of some lists."""

@@ -116,7 +116,7 @@ class ToolCalls:
         answer = POSED[tool.name](assembly, arguments)
         if target is not None:
             drawn = answer.drawn
-            if drawn is None or (tool.name == "settle" and answer.state != "at-rest"):
+            if drawn is None or (tool.name == "settle" and answer.resting is None):
                 why = "give settle: true" if drawn is None else "no pose at rest was found"
                 raise InputError("nothing was written", file=output, hint=why)
             _write_pose(self.path_of(file), target, drawn, answer.assembly)

@@ -76,10 +76,11 @@ TOOLS: tuple[Tool, ...] = (
     Tool("hold", "The fewest supports that hold what falls.",
          {"require": REQUIRE, "most": {"type": "integer", "description": "largest number"}}),
     Tool("plan", "An order of assembly, with the parts to hold at each step.", {}),
-    Tool("settle", "Move parts that overlap or hang by a little until they rest on each other.", {
+    Tool("settle", "Bring parts that overlap or hang to rest: they fall, tip, slide and roll until "
+         "they rest or leave the scene.", {
         "require": REQUIRE,
-        "reach": {**NUMBER, "description": "largest movement [file units]"},
-        "drop": {"type": "boolean", "description": "let hanging parts fall first"},
+        "reach": {**NUMBER, "description": "largest way of a part [file units]"},
+        "nearest": {"type": "boolean", "description": "the least motion: parts do not fall"},
         "keep": {**NAMES, "description": "parts that must not move"},
         "output": OUTPUT,
     }),
@@ -94,8 +95,8 @@ TOOLS: tuple[Tool, ...] = (
     Tool("scene", "The state of each object of a scene: at rest, floats, overlaps, falls. Clusters "
          "are judged separately.", {
         "require": REQUIRE,
-        "settle": {"type": "boolean", "description": "repair the faults first"},
-        "output": {**OUTPUT, "description": "with settle: write the repaired scene here"},
+        "settle": {"type": "boolean", "description": "bring the objects to rest first"},
+        "output": {**OUTPUT, "description": "with settle: write the settled scene here"},
     }),
     Tool("draw", "A picture of the assembly with its motion or forces.", {
         "what": {"type": "string", "enum": ["assembly", "region"]},

@@ -17,6 +17,7 @@ HOMES = {
     "kilter.cli.pages": "draw report view",
     "kilter.cli.planning": "hold improve plan",
     "kilter.cli.placing": "place check-plan",
+    "kilter.cli.explaining": "why",
     "kilter.cli.resting": "settle scene",
     "kilter.cli.transporting": "transport",
     "kilter.cli.file_commands": "batch save doctor mcp",

@@ -22,6 +22,7 @@ __all__ = [
     "SOME_ERRORS",
     "USAGE",
     "VERDICT",
+    "WHY",
     "WRITTEN",
 ]
 
@@ -48,7 +49,10 @@ PACKING = {"falls": 1, "undecided": 4}
 SCENE = {"faults": 1, "open": 4}
 """Codes of `scene` if some objects float, overlap or fall, or if some states are open."""
 SETTLE = {"falls": 1, "does-not-fit": 1, "not-found": 4}
-"""Codes of `settle` if the parts do not come to rest."""
+"""Codes of `settle` if no part comes to rest; if some rest: 1 if others leave or do not fit, or 4.
+"""
+WHY = {"falls": 1, "pushed-out": 1, "floats": 1, None: 4}
+"""Codes of `why` if a body moves, or the state is undecided."""
 DOCTOR = {True: 0, False: 1}
 """Codes of `doctor`: do all installed parts work?"""
 SOME_ERRORS = 1

@@ -81,7 +81,7 @@ def batch(asked: Asked, options: BatchOptions) -> int:
         processes=options.processes,
         chunk=options.chunk,
         cluster=options.cluster,
-        progress=None if quiet else _RateLine(),
+        progress=None if quiet else RateLine(),
     )
     errors = result.counts.get("error", 0)
     if options.json:
@@ -127,14 +127,16 @@ def _error_lines(errors: Sequence[tuple[str, str]], total: int) -> list[str]:
     return [*lines, f"{left:,} more errors are in the tables"] if left else lines
 
 
-class _RateLine:
+class RateLine:
     """Progress line of a batch: rows written, rate and time left, at most once a second."""
 
-    def __init__(self) -> None:
+    def __init__(self, things: str = "rows") -> None:
+        self._things = things
         self._started = self._printed = time.perf_counter()
         self._first: int | None = None
 
     def __call__(self, done: int, total: int) -> None:
+        """Print the line for the number of finished things and the number of all."""
         now = time.perf_counter()
         self._first = done if self._first is None else self._first
         if now - self._printed < 1.0 and done < total:
@@ -142,7 +144,7 @@ class _RateLine:
         self._printed = now
         rate = (done - self._first) / max(now - self._started, 1e-9)
         left = f", {_duration((total - done) / rate)} left" if rate > 0 else ""
-        line = f"\r\x1b[Kkilter: {done:,} of {total:,} rows, {rate:,.0f} rows/s{left}"
+        line = f"\r\x1b[Kkilter: {done:,} of {total:,} {self._things}, {rate:,.3g}/s{left}"
         print(line, end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 

@@ -51,7 +51,7 @@ class CheckOptions:
     )
     settled: bool = option(
         "--settle",
-        "Check the pose at rest near the drawn pose, as 'kilter settle' finds it.",
+        "Check the pose at rest near the drawn pose, as 'kilter settle --nearest' finds it.",
         TOUCH,
     )
     suggest: bool = option(
@@ -152,6 +152,7 @@ def _settled(
         tolerance=asked.tolerance,
         effort=0.0,
         require="equilibrium",
+        nearest=True,
         progress=progress,
     )
     data = answer.to_dict()

@@ -53,7 +53,9 @@ OTHER_FILES = {
     **dict.fromkeys((".html", ".htm", ".doc", ".docx", ".odt"), PAGE),
     **dict.fromkeys((".svg", ".png", ".pdf", ".jpg", ".jpeg"), PICTURE),
     **dict.fromkeys((".glb", ".gif", ".mp4"), FILM),
-    **dict.fromkeys((".usd", ".usda", ".usdc", ".xml", ".urdf", ".step", ".stp", ".stl"), MODEL),
+    **dict.fromkeys(
+        (".usd", ".usda", ".usdc", ".xml", ".npy", ".urdf", ".step", ".stp", ".stl"), MODEL
+    ),
 }
 """Endings of files that hold no text of an answer, with the command that writes such a file."""
 

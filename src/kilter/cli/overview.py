@@ -11,6 +11,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "check": "does it stay together, and which parts move if not?",
         "contacts": "which parts touch, and which nearly touch?",
         "scene": "which objects of a scene are at rest, float, overlap or fall?",
+        "why": "why do the bodies of a MuJoCo state move, by the engine's own contacts?",
         "orient": "in which orientation does it stay with the widest margin?",
         "region": "in which directions of gravity does it stay?",
         "margin": "how far may it tilt, how little friction does it need?",

@@ -1,4 +1,4 @@
-"""The command `settle`: the pose at rest near the drawn pose."""
+"""The commands `settle` and `scene`: poses at rest, and the states of the objects of a scene."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from kilter.cli.output import (
     tell_written,
     write_whole,
 )
+from kilter.cli.simulator_poses import with_key, write_simulator_pose
 from kilter.errors import InputError
 from kilter.values.declaration import option
 
@@ -39,8 +40,8 @@ class SettleOptions:
 
     reach: float | None = option(
         "--reach LENGTH",
-        "Largest permitted movement of a part (file units); by default three times the widest"
-        " gap or overlap.",
+        "Largest way of a part (file units). By default it has no limit; with --nearest, it is "
+        "three times the widest gap or overlap.",
         MOVED,
     )
     keep: list[str] | None = option(
@@ -48,66 +49,94 @@ class SettleOptions:
         "A part that must not move although it is not held. Repeatable; * and ? are wildcards.",
         MOVED,
     )
-    drop: bool = option(
-        "--drop", "First let hanging parts fall straight down until they meet another part.", MOVED
+    nearest: bool = option(
+        "--nearest",
+        "Search for a pose at rest by the least motion: parts do not fall, tip or roll.",
+        MOVED,
+    )
+    states: Path | None = option(
+        "--states FILE",
+        "Settle each state of an MJCF scene in this file (.npy, .npz, or a pickled array such as "
+        ".pruned_init): a row qpos, or a full state. With -o X.npy the new states are written; a "
+        "later run continues an interrupted one. --time-limit counts for each state.",
+        MOVED,
+    )
+    processes: int = option(
+        "--processes N", "Number of processes that settle states.", MOVED, default=1
     )
     require: str = Require()
     json: bool = Json()
     output: Path | None = option(
         "-o --output OUT",
-        "Write the pose at rest: X.kilter.json (choices about FILE), X.xml (MJCF), X.glb, "
-        "X.usda (a layer over a USD file), X.json (COMPAS), or a figure X.svg, X.png, X.pdf "
-        "with magnified movements.",
+        "Write the pose at rest: X.kilter.json (choices about FILE), X.xml (a copy of an MJCF file "
+        "with new poses, in the keyframe of --keyframe; or a new MJCF scene), X.npy (poses "
+        "only: qpos for MJCF), X.glb, X.usda (a layer over a USD file), X.json (COMPAS), or a "
+        "figure X.svg, X.png, X.pdf with magnified movements.",
     )
 
 
 @asks(searches=True, proves=True, answers=False)
 def settle(asked: Asked, options: SettleOptions) -> int:
-    """Move parts that overlap or hang by a little until they rest on each other.
+    """Bring parts that overlap or hang to rest, and prove that they rest.
 
-    The answer states how far each part moves, the widest remaining gap, and the verdicts before and
-    after. At rest means: no overlap, and forces at closed points hold every part. The pose is not
-    unique, and "falls" is no proof that the assembly falls.
+    Overlapping parts are pushed apart; then parts fall, tip, slide and roll until they rest or
+    leave the scene. The answer is a pose at rest that the assembly can reach without gaining
+    energy, not a claim about dynamics. It states the way of each part, the widest remaining gap,
+    and the verdicts before and after. At rest means: no overlap, and forces at closed points hold
+    every part. The pose is not unique.
 
-    Exit code: 0 at rest at the level of --require, 3 at rest at a lower level, 1 it falls or does
-    not fit, 4 no pose was found.
+    Exit code: 0 at rest at the level of --require, 3 at rest at a lower level, 1 a part leaves the
+    scene or does not fit, 4 no pose was found. With --states: 0 each state has a row, whatever the
+    results; 1 some rows are errors.
     """
+    if options.states is not None:
+        from kilter.cli.state_settling import settle_many
+
+        return settle_many(asked, options, options.states)
     from kilter.analysis.settled_pose.settle import settle as find
     from kilter.tell.text import text_of
 
     if options.output is not None:
         require_pose_form(options.output, asked)
     asked.apart(options.output)
+    asked, key = with_key(asked, options.output)
+    told = ""
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         answer = find(
             assembly,
             reach=options.reach,
             keep=options.keep or (),
-            drop=options.drop,
+            nearest=options.nearest,
             require=options.require,
             **asked.shared(find, contacts, progress),
         )
         data = answer.to_dict()
-        if options.output is not None and (
-            answer.state == "at-rest" or options.output.suffix in PICTURES
-        ):
+        rests = answer.resting is not None
+        if options.output is not None and (rests or options.output.suffix in PICTURES):
             progress("output")
-            write_pose(answer, asked, options.output)
+            told = write_pose(answer, asked, options.output, key)
     posed = replace(asked, reading=_with_poses(asked, answer))
-    after = posed.keep_proof(answer.proof if answer.state == "at-rest" else None, data)
+    after = posed.keep_proof(answer.proof if rests else None, data)
     tell_warnings(data["warnings"], asked.quiet or options.json)
     if options.json:
         emit(as_json(data), None)
     else:
         emit(text_of(data) + after, None)
-    if options.output is not None and answer.state == "at-rest":
-        tell_written(options.output, "pose at rest", asked.quiet)
+    if options.output is not None and rests:
+        tell_written(options.output, _with_place("pose at rest", told), asked.quiet)
     elif options.output is not None and options.output.suffix not in PICTURES:
         tell_warnings([f"{options.output} was not written: no pose at rest was found"], asked.quiet)
     if answer.at_rest:
         return HOLDS
+    if answer.state == "partly":
+        return SETTLE["falls"] if answer.leaves or answer.depth else SETTLE["not-found"]
     return LOWER if answer.state == "at-rest" else SETTLE[answer.state]
+
+
+def _with_place(content: str, place: str) -> str:
+    """Words about a written file: its content, and the place of the poses in it."""
+    return f"{content}: {place}" if place else content
 
 
 def require_pose_form(output: Path, asked: Asked) -> None:
@@ -134,10 +163,10 @@ def require_pose_form(output: Path, asked: Asked) -> None:
             file=str(output),
             hint="write the pose to X.kilter.json, X.xml, X.glb or X.json",
         )
-    elif suffix not in (".xml", ".glb", ".json", *USD):
+    elif suffix not in (".xml", ".npy", ".glb", ".json", *USD):
         raise InputError(
             f"{suffix or 'a file without ending'} is no format of a pose", file=str(output),
-            hint="give X.kilter.json, X.xml, X.glb, X.usda, X.json, X.svg or X.png",
+            hint="give X.kilter.json, X.xml, X.npy, X.glb, X.usda, X.json, X.svg or X.png",
         )  # fmt: skip
 
 
@@ -162,8 +191,14 @@ def _drawn(answer: Settled | SceneReport) -> Assembly:
     return answer.assembly if answer.drawn is None else answer.drawn
 
 
-def write_pose(answer: Settled | SceneReport, asked: Asked, output: Path) -> None:
-    """Write the pose in the format that the ending of the file names."""
+def write_pose(
+    answer: Settled | SceneReport, asked: Asked, output: Path, key: str | None = None
+) -> str:
+    """Write the pose in the format that the ending of the file names.
+
+    Arguments: `key`: keyframe of an MJCF file to write. Returns words about the place of the poses
+    in the file, or none.
+    """
     suffix = output.suffix.lower()
     if suffix in PICTURES:
         from kilter.analysis.scene_states.scene_report import SceneReport
@@ -172,8 +207,9 @@ def write_pose(answer: Settled | SceneReport, asked: Asked, output: Path) -> Non
         draw(answer.assembly if isinstance(answer, SceneReport) else answer, output)
     elif output.name.endswith(".kilter.json"):
         _write_kilter(answer, asked, output)
-    elif suffix == ".xml":
-        write_whole(output, answer.assembly.to_mjcf())
+    elif suffix in (".xml", ".npy"):
+        lost = {*getattr(answer, "leaves", ()), *getattr(answer, "parts", ())}
+        return write_simulator_pose(answer.assembly, lost, asked, output, key)
     elif suffix == ".glb":
         from kilter.files import write_bytes
         from kilter.show.glb_film import Film
@@ -188,6 +224,7 @@ def write_pose(answer: Settled | SceneReport, asked: Asked, output: Path) -> Non
         from kilter.files.compas import to_compas
 
         write_whole(output, to_compas(answer.assembly))
+    return ""
 
 
 def _write_kilter(answer: Settled | SceneReport, asked: Asked, output: Path) -> None:
@@ -218,9 +255,9 @@ class SceneOptions:
     require: str = Require()
     settle: bool = option(
         "--settle",
-        "First repair the scene: floating objects fall to their contact, and clusters with "
-        "faults settle. With -o, the repaired scene is written: X.usda (a layer over a USD "
-        "file), X.kilter.json, X.xml (MJCF), X.glb.",
+        "First bring the objects to rest, as 'kilter settle' does. With -o, the settled scene is "
+        "written: X.usda (a layer over a USD file), X.kilter.json, X.xml (MJCF), X.npy (poses "
+        "only: qpos for MJCF), X.glb.",
     )
 
 
@@ -241,6 +278,8 @@ def scene(asked: Asked, options: SceneOptions) -> int:
         require_answer_file(asked.output)
     if output is not None:
         require_pose_form(output, asked)
+    asked, key = with_key(asked, output)
+    told = ""
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         report = find(
@@ -250,11 +289,11 @@ def scene(asked: Asked, options: SceneOptions) -> int:
             **asked.shared(find, contacts, progress),
         )
         if output is not None:
-            write_pose(report, asked, output)
+            told = write_pose(report, asked, output, key)
     if options.settle:
         asked = replace(asked, output=None)
     asked.tell(report.to_dict())
-    tell_written(output, "repaired scene", asked.quiet)
+    tell_written(output, _with_place("settled scene", told), asked.quiet)
     if report.faults:
         return SCENE["faults"]
     if any(entry.state == "open" for entry in report):

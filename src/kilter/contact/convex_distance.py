@@ -35,13 +35,17 @@ class Nearest:
     """Nearest points, shape (K, 3)."""
     corner_a: Index
     corner_b: Index
-    """Two corners of the nearest feature of each core; twice the same for a corner, shape (K, 2)."""
+    """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
     at_corner: Mask
     """Whether the nearest points are a corner and a corner, or a corner and a point of an edge."""
 
 
-def nearest_points(a: Cores, b: Cores, size: Array) -> Nearest:
-    """Nearest points of pairs of cores; `size` (K,): size of each pair [length unit]."""
+def nearest_points(a: Cores, b: Cores, size: Array, limit: Array) -> Nearest:
+    """Nearest points of pairs of cores.
+
+    Arguments: `size` (K,): size of each pair [length unit]; `limit` (K,): the search for a pair
+    ends if its distance is larger [length unit].
+    """
     count = len(size)
     corner = np.zeros((count, 4), dtype=np.int64), np.zeros((count, 4), dtype=np.int64)
     weight = np.zeros((count, 4))
@@ -66,14 +70,14 @@ def nearest_points(a: Cores, b: Cores, size: Array) -> Nearest:
         i = (a.vertex[open_] @ -v[..., None])[..., 0].argmax(axis=1)
         j = (b.vertex[open_] @ v[..., None])[..., 0].argmax(axis=1)
         w = a.vertex[open_, i] - b.vertex[open_, j]
-        gain = square - np.einsum("ki,ki->k", v, w)
+        level = np.einsum("ki,ki->k", v, w)
+        far = level > np.sqrt(square) * limit[open_]
         used = weight[open_] > 0
-        again = ((corner[0][open_] == i[:, None]) & (corner[1][open_] == j[:, None]) & used).any(
-            axis=1
-        )
+        same = (corner[0][open_] == i[:, None]) & (corner[1][open_] == j[:, None])
+        again = (same & used).any(axis=1)
         full = used.all(axis=1)
         apart[open_[full & ~again]] = False
-        going = (gain > CONVERGED * square) & ~again & better & ~close & ~full
+        going = (square - level > CONVERGED * square) & ~again & better & ~close & ~full & ~far
         if not going.any():
             break
         open_, i, j, w = open_[going], i[going], j[going], w[going]
@@ -236,7 +240,7 @@ def edge_separations(a: Cores, b: Cores, bound: Array) -> EdgeDirections:
     sign = np.where(bare_a, np.where(bare_b, between, other), side)
     n = np.where((sign < 0)[:, None], -n, n)
     rows = np.flatnonzero(kept)
-    between = np.abs(between) * np.sign(between) * np.where(sign < 0, -1.0, 1.0)
+    between = between * np.where(sign < 0, -1.0, 1.0)
     return EdgeDirections(row[rows], i[rows], j[rows], n[rows], between[rows])
 
 
@@ -249,15 +253,16 @@ def _edges_of(core: Cores, row: Index, edge: Index) -> tuple[Array, Array, Index
 
 def _edge_pairs(a: Cores, b: Cores, bound: Array) -> tuple[Index, Index, Index]:
     """Pairs of edges of both cores near the other core: row, edge of a, edge of b."""
-    lists = []
+    lists: list[tuple[Index, Index]] = []
     for core, other in ((a, b), (b, a)):
         low = other.vertex.min(axis=1) - bound[:, None]
         high = other.vertex.max(axis=1) + bound[:, None]
         rows = np.arange(len(bound))[:, None]
         ends = core.vertex[rows, core.edge[..., 0]], core.vertex[rows, core.edge[..., 1]]
         near = (np.maximum(*ends) >= low[:, None]) & (np.minimum(*ends) <= high[:, None])
-        lists.append(np.nonzero(near.all(axis=2) & core.edges))
-    return products(len(bound), *lists)
+        row, edge = np.nonzero(near.all(axis=2) & core.edges)
+        lists.append((row, edge))
+    return products(len(bound), lists[0], lists[1])
 
 
 def products(

@@ -49,7 +49,7 @@ class PairNormals:
     """False where a corner is nearest to a corner or an edge: no force along such a normal."""
     corner_a: Index
     corner_b: Index
-    """Two corners of the nearest feature of each core; twice the same for a corner, shape (K, 2)."""
+    """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
 
     def take(self, rows: Index) -> PairNormals:
         """Normals of some of the pairs."""
@@ -81,26 +81,31 @@ class Excluded:
         return self.inner[0] | self.near(a.normal), self.inner[1] | self.near(-b.normal)
 
 
-def pair_normals(scene: Placed, pair: tuple[Index, Index], excluded: Excluded) -> PairNormals:
-    """Normals of pairs of pieces: `pair`: pieces a and b, shape (K,) each.
+def pair_normals(
+    scene: Placed, pair: tuple[Index, Index], excluded: Excluded, limit: Array
+) -> PairNormals:
+    """Normals of pairs of pieces.
 
-    The separation is infinite if all directions of an overlap are excluded.
+    Arguments: `pair`: pieces a and b, shape (K,) each; `limit` (K,): distance of the cores beyond
+    which the normal does not matter. The separation is infinite if all directions of an overlap
+    are excluded.
     """
     pieces = scene.pieces
     size = np.minimum(*(pieces.size[piece] for piece in pair))
     sharp = pieces.radius[pair[0]] + pieces.radius[pair[1]] == 0
     a, b = (scene.cores(piece) for piece in pair)
-    result = _core_normals(a, b, size, sharp, excluded)
+    result = _core_normals(a, b, (size, limit), sharp, excluded)
     round_ = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
     if not len(round_):
         return result
-    pair, size, sharp = (pair[0][round_], pair[1][round_]), size[round_], sharp[round_]
+    pair, sharp = (pair[0][round_], pair[1][round_]), sharp[round_]
+    size, limit = size[round_], limit[round_]
     excluded = excluded.take(round_)
     found = result.take(round_)
     normal, separation = _exact_normals(scene, pair, found, size, excluded)
     for _ in range(ROUNDS):
         a, b = (scene.cores(piece, normal) for piece in pair)
-        found = _core_normals(a, b, size, sharp, excluded)
+        found = _core_normals(a, b, (size, limit), sharp, excluded)
         again, apart = _exact_normals(scene, pair, found, size, excluded)
         better = np.isfinite(apart) & (apart > separation + EXACT * size)
         normal[better], separation[better] = again[better], apart[better]
@@ -110,8 +115,14 @@ def pair_normals(scene: Placed, pair: tuple[Index, Index], excluded: Excluded) -
     return result
 
 
-def _core_normals(a: Cores, b: Cores, size: Array, sharp: Mask, excluded: Excluded) -> PairNormals:
-    """Normals of pairs of polytopes; of pairs with a rounded core (not `sharp`), of the cores."""
+def _core_normals(
+    a: Cores, b: Cores, sizes: tuple[Array, Array], sharp: Mask, excluded: Excluded
+) -> PairNormals:
+    """Normals of pairs of polytopes; of pairs with a rounded core (not `sharp`), of the cores.
+
+    `sizes`: size of each pair, and the distance beyond which the normal does not matter.
+    """
+    size = sizes[0]
     rows = np.arange(len(size))
     first, second = (
         np.where(mask & (separation < 0), -np.inf, separation)
@@ -121,7 +132,7 @@ def _core_normals(a: Cores, b: Cores, size: Array, sharp: Mask, excluded: Exclud
     of_a = first[rows, i] >= second[rows, j]
     normal = np.where(of_a[:, None], a.normal[rows, i], -b.normal[rows, j])
     face = np.where(of_a, first[rows, i], second[rows, j])
-    near = nearest_points(a, b, size)
+    near = nearest_points(a, b, *sizes)
     step = near.on_b - near.on_a
     apart = np.linalg.norm(step, axis=1)
     along = step / np.where(apart > 0, apart, 1.0)[:, None]

@@ -8,7 +8,7 @@ cylinder, or a point or segment with a rounding radius: a sphere or a capsule.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -17,16 +17,30 @@ from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.closed import signed_volume
-from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Solid, Sphere, surface
+from kilter.shape.primitives import (
+    BOX_CORNERS,
+    Box,
+    Cylinder,
+    Mesh,
+    Shape,
+    Sphere,
+    hull_surface,
+    surface,
+)
+from kilter.shape.solid import Solid
 
 SIDES = 32
 """Number of sides of the prism that starts the search for the nearest points of a cylinder."""
+EVEN_ANGLES: Array = np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False)
+"""Angles of the corners of this prism [rad], shape (SIDES,)."""
 CONVEX_VOLUME = 1e-9
 """Largest difference between the volume of a convex mesh and that of its hull, relative [-]."""
 SAME_PLANE = 1e-7
 """Largest angle between triangles of the same face [rad]."""
 LEVEL = 1e-9
 """Sine of an angle to the axis of a cylinder below which a direction is along the axis [-]."""
+LYING = 0.3
+"""Cosine of the angle between a normal and the axis of a cylinder below which it lies [-]."""
 INNER = 1e-6
 """Distance in front of a face at which another piece of the part covers it, over the size [-]."""
 
@@ -110,7 +124,7 @@ def _joined(blocks: Sequence[Polytope], part: Index, whole: Mask) -> ConvexPiece
     zero = np.zeros(3)
 
     def stacked(name: str, *row: int, kind: type = float) -> Array:
-        empty = np.empty((0, *row), dtype=kind)
+        empty: Array = np.empty((0, *row), dtype=kind)
         result: Array = np.concatenate([empty, *(getattr(block, name) for block in blocks)])
         return result
 
@@ -231,8 +245,6 @@ def _rounded(ends: Array, radius: float) -> Polytope:
 
 def _box(size: Array) -> Polytope:
     """A box about the origin."""
-    from kilter.shape.primitives import BOX_CORNERS
-
     normal = np.repeat(np.eye(3), 2, axis=0) * np.tile([-1.0, 1.0], 3)[:, None]
     bits = np.arange(8)
     pairs = [(k, k | 1 << axis) for axis in range(3) for k in bits if not k >> axis & 1]
@@ -259,21 +271,12 @@ def _oriented(vertex: Array, normal: Array, offset: Array, edge: Index, face: In
 
 def _cylinder(shape: Cylinder) -> Polytope:
     """The prism inscribed in a cylinder, with the exact radius and axis."""
-    angle = np.arange(SIDES) * (2 * np.pi / SIDES)
-    prism = prism_of(
-        np.zeros((1, 3)),
-        np.array([[0.0, 0.0, shape.height / 2]]),
-        np.array([shape.radius]),
-        angle[None],
+    axis = np.array([[0.0, 0.0, shape.height / 2]])
+    vertex, normal, offset = prism_of(
+        np.zeros((1, 3)), axis, np.array([shape.radius]), EVEN_ANGLES[None]
     )
-    edge, face = prism_edges(SIDES)
-    block = Polytope(prism[0][0], prism[1][0], prism[2][0], edge, face)
-    return Polytope(
-        *(getattr(block, f.name) for f in fields(block)[:5]),
-        disc=shape.radius,
-        axis=np.array([0.0, 0.0, shape.height / 2]),
-        middle=np.zeros(3),
-    )
+    prism = _oriented(vertex[0], normal[0], offset[0], *_prism_edges())
+    return replace(prism, disc=shape.radius, axis=axis[0], middle=np.zeros(3))
 
 
 def prism_of(middle: Array, axis: Array, radius: Array, angle: Array) -> tuple[Array, Array, Array]:
@@ -306,29 +309,18 @@ def across_axis(along: Array) -> tuple[Array, Array]:
     return u, cross(along, u)
 
 
-def prism_edges(sides: int) -> tuple[Index, Index]:
-    """Edges of a prism, and the faces beside them, oriented; each of shape (3 n, 2)."""
-    k = np.arange(sides)
-    following, before = (k + 1) % sides, (k - 1) % sides
-    low = np.column_stack([k, following]), np.column_stack([np.full(sides, sides), k])
-    high = (
-        np.column_stack([k, following]) + sides,
-        np.column_stack([k, np.full(sides, sides + 1)]),
-    )
-    up = np.column_stack([k, k + sides]), np.column_stack([before, k])
-    edge = np.concatenate([low[0], high[0][:, ::-1], up[0]])
-    face = np.concatenate([low[1][:, ::-1], high[1][:, ::-1], up[1]])
-    vertex, normal, offset = prism_of(
-        np.zeros((1, 3)), np.array([[0.0, 0, 1]]), np.ones(1), k[None] * (2 * np.pi / sides)
-    )
-    block = _oriented(vertex[0], normal[0], offset[0], edge, face)
-    return block.edge, block.edge_face
+def _prism_edges() -> tuple[Index, Index]:
+    """Edges of the prism of a cylinder, and the faces beside them; each of shape (3 n, 2)."""
+    k = np.arange(SIDES)
+    following, before = (k + 1) % SIDES, (k - 1) % SIDES
+    low, up = np.column_stack([k, following]), np.column_stack([k, k + SIDES])
+    beside = [np.full(SIDES, SIDES), np.full(SIDES, SIDES + 1), before]
+    edge = np.concatenate([low, low + SIDES, up])
+    return edge, np.column_stack([np.tile(k, 3), np.concatenate(beside)])
 
 
 def _hull(points: Array) -> Polytope | None:
     """Convex hull of points with coplanar triangles united; None if it has no volume."""
-    from kilter.shape.primitives import hull_surface
-
     try:
         vertex, triangles = hull_surface(points)
     except InputError:
@@ -406,8 +398,8 @@ def _covered(pieces: ConvexPieces, piece: int, others: Index) -> Mask:
     for other in others.tolist():
         rows = slice(pieces.face_start[other], pieces.face_start[other + 1])
         inside |= (points @ pieces.normal[rows].T <= pieces.offset[rows]).all(axis=1)
-    free = np.bincount(face[~inside], minlength=len(normal))
-    return free == 0
+    free: Index = np.bincount(face[~inside], minlength=len(normal))
+    return np.equal(free, 0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -429,6 +421,11 @@ class Cores:
     """Edges that exist, shape (K, E)."""
     sides: Index
     """Number of the first faces that stand for the side of a cylinder, shape (K,)."""
+
+    @property
+    def bare(self) -> Mask:
+        """Whether a core is a point or a line without faces, shape (K,)."""
+        return np.asarray(~np.isfinite(self.offset).any(axis=1))
 
     def take(self, rows: Index | Mask) -> Cores:
         """The cores of some rows."""
@@ -485,12 +482,31 @@ class Placed:
         x, y = (np.einsum("ki,ki->k", e, direction[rows]) for e in (u, v))
         # for a direction along the axis, the prism stays as it is in the frame of the part
         first = np.where(np.hypot(x, y) > LEVEL, np.arctan2(y, x), 0.0)
-        angle = first[:, None] + np.arange(SIDES) * (2 * np.pi / SIDES)
+        angle = first[:, None] + EVEN_ANGLES
         prism = prism_of(self.middle[piece], axis, self.pieces.disc[piece], angle)
         vertex, normal, offset = prism
         cores.vertex[rows, : vertex.shape[1]] = vertex
         cores.normal[rows, : normal.shape[1]] = normal
         cores.offset[rows, : offset.shape[1]] = offset
+
+
+def with_generators(cores: Cores, slope: Array, sign: float) -> None:
+    """Replace prisms on their side by their line farthest along `sign` times the direction.
+
+    A cylinder on its side meets other pieces at this line only. `slope` (K,): cosine of the angle
+    between direction and axis.
+    """
+    rows = np.flatnonzero((cores.sides > 0) & (np.abs(slope) < LYING))
+    if not len(rows):
+        return
+    k = 0 if sign > 0 else SIDES // 2
+    ends = cores.vertex[rows, k], cores.vertex[rows, k + SIDES]
+    cores.vertex[rows] = ends[0][:, None]
+    cores.vertex[rows, 1] = ends[1]
+    cores.normal[rows], cores.offset[rows] = 0.0, np.inf
+    cores.edges[rows] = False
+    cores.edges[rows, 0] = True
+    cores.edge[rows, 0], cores.edge_face[rows, 0] = [0, 1], -1
 
 
 def padded_rows(start: Index, which: Index) -> tuple[Index, Mask]:

@@ -14,7 +14,14 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
 from kilter.contact.convex_distance import face_separations, products
 from kilter.contact.convex_normals import Excluded, pair_normals
-from kilter.contact.convex_pieces import ConvexPieces, Cores, Placed, padded_rows, placed
+from kilter.contact.convex_pieces import (
+    ConvexPieces,
+    Cores,
+    Placed,
+    padded_rows,
+    placed,
+    with_generators,
+)
 
 ROUND = 0.005
 """Largest distance of the prism of a cylinder from its surface, over the radius [-]."""
@@ -28,6 +35,8 @@ CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
 """Largest number of entries of an array over vertices and faces of pairs."""
+INWARDS = 1e-3
+"""Way from a corner towards the middle of its face to the place that is examined [-]."""
 TRIES = 5
 """Number of directions along which an overlap of pieces of compounds is left."""
 SUNK = 1e-6
@@ -187,11 +196,12 @@ def _points_of_pairs(
     loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
     near = np.flatnonzero(upper - loose <= reach)
     pair = pair[0][near], pair[1][near]
-    found = pair_normals(scene, pair, Excluded(_inner(pieces, pair), tried[near]))
+    excluded = Excluded(_inner(pieces, pair), tried[near])
+    found = pair_normals(scene, pair, excluded, reach + loose[near])
     last = np.flatnonzero(found.separation - radius[near] <= reach)
     pair, found, near = (pair[0][last], pair[1][last]), found.take(last), near[last]
     n = found.normal
-    a, b = (scene.cores(piece, n) for piece in pair)
+    a, b = (_lying(scene, piece, n, sign) for piece, sign in zip(pair, (1.0, -1.0), strict=True))
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
     size = np.minimum(pieces.size[pair[0]], pieces.size[pair[1]])
     row, point, gap = points_along(a, b, n, found.separation, reach + radius, size)
@@ -212,13 +222,26 @@ def _points_of_pairs(
     return points, near[row]
 
 
+def _lying(scene: Placed, piece: Index, n: Array, sign: float) -> Cores:
+    """Cores turned to normals n; cylinders on their side become lines."""
+    cores = scene.cores(piece, n)
+    axis = scene.axis[piece]
+    length = np.linalg.norm(axis, axis=1)
+    slope = np.einsum("ki,ki->k", axis, n) / np.where(length > 0, length, 1.0)
+    with_generators(cores, slope, sign)
+    return cores
+
+
 def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]:
     """Faces inside of compounds, of each piece, padded; none of a piece with inner faces only."""
     masks = []
     for piece in pair:
         face, has = padded_rows(pieces.face_start, piece)
-        inner = has & pieces.inner[face] if len(pieces.inner) else np.zeros_like(has)
-        masks.append(inner & (has & ~inner).any(axis=1)[:, None])
+        inner = np.zeros_like(has)
+        if len(pieces.inner):
+            inner = np.logical_and(has, pieces.inner[face])
+        outer = np.asarray(np.logical_and(has, ~inner).any(axis=1))
+        masks.append(np.logical_and(inner, outer[:, None]))
     return masks[0], masks[1]
 
 
@@ -239,7 +262,7 @@ def points_along(
         _corners_over(a, b, cos_a, cos_b, n, slack, 1.0),
         _crossings(a, b, (cos_a, cos_b), n, reach - separation, slack),
     ]
-    bare = ~(np.isfinite(a.offset).any(axis=1) & np.isfinite(b.offset).any(axis=1))
+    bare = np.logical_or(a.bare, b.bare)
     if bare.any():
         blocks += [_corners_on_edges(b, a, bare, n, slack, -1.0)]
         blocks += [_corners_on_edges(a, b, bare, n, slack, 1.0)]
@@ -259,9 +282,8 @@ def _corners_over(
     touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
     along = cos_own >= least_cosine(cos_own)[:, None]
     on = (touches <= slack[:, None, None]) & along[:, None]
-    bare = ~np.isfinite(own.offset).any(axis=1)
-    facing = on.any(axis=2) | bare[:, None]
-    facing &= np.isfinite(other.offset).any(axis=1)[:, None]
+    facing: Mask = on.any(axis=2) | own.bare[:, None]
+    facing &= ~other.bare[:, None]
     row, k = np.nonzero(facing)
     x = own.vertex[row, k]
     room = other.offset[row] - np.einsum("kfi,ki->kf", other.normal[row], x)
@@ -290,22 +312,18 @@ def least_cosine(cosines: Array) -> Array:
     return np.asarray(np.cos(np.minimum(np.arccos(best) + BEYOND, np.pi / 2 - SLOPE)))
 
 
-def _plane(n: Array, x: Array) -> tuple[Array, Array, Array]:
-    """Coordinates of points across n and along n."""
-    u, v = across(n)
-    return tuple(np.einsum("...i,...i->...", x, y) for y in (u, v, n))  # type: ignore[return-value]
-
-
 def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -> Mask:
     """Edges of a surface that faces along sign n, not lower than `room` below its top, (K, E)."""
     rows = np.arange(len(n))[:, None]
     height = sign * (core.vertex @ n[..., None])[..., 0]
     high = np.maximum(height[rows, core.edge[..., 0]], height[rows, core.edge[..., 1]])
-    beside = sign * np.maximum(
-        sign * cos[rows, core.edge_face[..., 0]], sign * cos[rows, core.edge_face[..., 1]]
+    upwards = sign * cos
+    beside = np.maximum(
+        upwards[rows, core.edge_face[..., 0]], upwards[rows, core.edge_face[..., 1]]
     )
-    facing = (sign * beside >= least_cosine(sign * cos)[:, None]) | (core.edge_face[..., 0] < 0)
-    return core.edges & facing & (high >= height.max(axis=1)[:, None] - room[:, None])
+    facing = np.logical_or(beside >= least_cosine(upwards)[:, None], core.edge_face[..., 0] < 0)
+    near = np.logical_and(core.edges, high >= height.max(axis=1)[:, None] - room[:, None])
+    return np.asarray(np.logical_and(facing, near))
 
 
 def _crossings(
@@ -313,7 +331,7 @@ def _crossings(
 ) -> tuple[Index, Array, Array]:
     """Crossings of edges of both surfaces seen along n: row, middle of the gap, gap."""
     lists = []
-    for core, other, c, sign in ((a, b, cos[0], 1.0), (b, a, cos[1], -1.0)):
+    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
         facing = _facing_edges(core, c, n, sign, room)
         row, k = np.nonzero(facing)
         ends = core.edge[row, k]
@@ -376,7 +394,7 @@ def _corners_on_edges(
 
 
 def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Index:
-    """Extreme points of each pair: in eight directions across n, of all and of the closed points."""
+    """Extreme points of each pair in eight directions across n, of all and of closed points."""
     if not len(row):
         return np.empty(0, dtype=np.int64)
     order = np.argsort(row, kind="stable")
@@ -387,15 +405,14 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
     flat = np.stack([np.einsum("ki,ki->k", point, y[of]) for y in (u, v)], axis=1)
     least = np.minimum.reduceat(gap, first)
     closed = gap <= (least + CLOSED * size[row[first]])[of]
-    kept = [gap.copy()]
     angle = np.arange(8) * (np.pi / 4) + 0.1
     ahead = flat @ np.stack([np.cos(angle), np.sin(angle)])
     # of points at the same place, the one with the least gap
     ahead -= 1e-3 * gap[:, None]
-    kept = np.concatenate([gap[:, None], -ahead, np.where(closed[:, None], -ahead, np.inf)], axis=1)
-    best = np.minimum.reduceat(kept, first)
+    rank = np.concatenate([gap[:, None], -ahead, np.where(closed[:, None], -ahead, np.inf)], axis=1)
+    best = np.minimum.reduceat(rank, first)
     chosen = np.zeros(len(row), dtype=bool)
-    for value, low in zip(kept.T, best.T, strict=True):
+    for value, low in zip(rank.T, best.T, strict=True):
         hit = np.flatnonzero(value == low[of])
         chosen[hit[np.diff(of[hit], prepend=-1) > 0]] = True
     return order[chosen]
@@ -413,12 +430,17 @@ def on_surface(scene: Placed, points: PiecePoints) -> Mask:
         on = points.point + (sign * points.gap / 2)[:, None] * points.normal
         size = scene.pieces.size[piece]
         row, other = others_at(scene, piece, on, SUNK * size)
+        # a corner of a face counts as covered if the face beside it is
+        faced = _along_face(scene, piece, n)
+        inwards = scene.middle[piece] - on
+        inwards -= np.einsum("ki,ki->k", inwards, n)[:, None] * n
         ahead = on + (3 * SUNK * size)[:, None] * n
+        ahead += (faced * INWARDS)[:, None] * inwards
         deep = depth_in(scene, other, ahead[row]) > SUNK * size[row]
         deep |= depth_in(scene, other, on[row]) > SUNK * size[row]
         # at an edge, another piece that contains the point and is farther along n is nearer
         touching = depth_in(scene, other, on[row]) >= -BESIDE * size[row]
-        beside = np.flatnonzero(touching & ~deep & ~_along_face(scene, piece, n)[row])
+        beside = np.flatnonzero(touching & ~deep & ~faced[row])
         height = support_height(scene, other[beside], n[row[beside]])
         level = np.einsum("ki,ki->k", on[row[beside]], n[row[beside]])
         deep[beside] |= height > level + SUNK * size[row[beside]]

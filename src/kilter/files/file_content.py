@@ -171,6 +171,12 @@ def read_path(
     path, units = Path(source), options.units
     require_below(path)
     suffix = path.suffix.lower()
+    if options.states is not None and suffix not in XML:
+        raise InputError(
+            "states belong to an MJCF scene, and this is another file",
+            file=str(path),
+            hint="leave the state out",
+        )
     if is_folder(path):
         return FileContent(load_folder(path, units=units), from_cad=True)
     if suffix in FORMATS:

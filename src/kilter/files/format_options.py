@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kilter.assembly.bricks import StudRules
+from kilter.files.objects.mujoco_snapshot import StateRows
 
 BASES = ("fixed", "floating")
 """Values of the option `base`."""
@@ -20,6 +21,8 @@ class FormatOptions:
     """One of "file", "geometry". COMPAS: whether the interfaces of the file are the contacts."""
     keyframe: str | None = None
     """MuJoCo: name of the keyframe whose pose is used."""
+    states: StateRows | None = None
+    """MuJoCo: states in place of the pose of a keyframe; the first is that of the assembly."""
     base: str | None = None
     """One of "fixed", "floating". URDF: whether the root link is held."""
     studs: StudRules | None = None

@@ -81,6 +81,8 @@ class Reading(ReadingOptions):
             raise InputError(f"up is {self.up!r:.40}", hint=f"use {', '.join(UP)}")
         if self.up is not None and self.down is not None:
             raise InputError("up and down are both given", hint="give only up or down")
+        if self.state is not None and self.keyframe is not None:
+            raise InputError("state and keyframe are both given", hint="give only one of them")
         if self.contacts is not None and self.contacts not in SOURCES:
             raise InputError(f"contacts are {self.contacts!r:.40}", hint=f"use {_OR.join(SOURCES)}")
         if self.off or self.release:
@@ -96,7 +98,15 @@ class Reading(ReadingOptions):
     @property
     def format_options(self) -> FormatOptions:
         """The options of this reading that only specific file formats use."""
-        return FormatOptions(self.units, self.contacts, self.keyframe, self.base, self.studs)
+        states = None
+        if self.state is not None:
+            # imported late: only states need these modules
+            from kilter.files.objects.state_files import state_row
+
+            states = state_row(self.state)
+        return FormatOptions(
+            self.units, self.contacts, self.keyframe, states, self.base, self.studs
+        )
 
     @property
     def studs(self) -> StudRules:

@@ -110,6 +110,12 @@ class ReadingOptions:
         "MJCF only: use the pose of this keyframe; the first keyframe by default.",
         HELD,
     )
+    state: str | None = option(
+        "--state FILE[:ROW]",
+        "MJCF only: use the state in this row of a file of states (.npy, .npz, or a pickled array "
+        "such as .pruned_init); row 0 by default. A row is qpos, or a full state.",
+        HELD,
+    )
     base: str | None = option(
         "--base fixed|floating", "URDF only: whether the root link is held; fixed by default.", HELD
     )

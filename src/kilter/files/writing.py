@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import io
 import json
 import os
 import secrets
@@ -14,6 +15,9 @@ import stat
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.errors import InputError
 from kilter.files.own.kilter_json import to_dict
@@ -76,6 +80,16 @@ def write_text(path: str | Path, text: str, *, links: bool = True) -> None:
             hint="give names of valid characters",
         ) from None
     write_bytes(path, data, links=links)
+
+
+def write_array(path: str | Path, values: Array) -> None:
+    """Write an array to a NumPy file, completely or not at all.
+
+    Raises `InputError` if the file cannot be written.
+    """
+    stream = io.BytesIO()
+    np.save(stream, values, allow_pickle=False)
+    write_bytes(path, stream.getvalue())
 
 
 def write_bytes(path: str | Path, data: bytes, *, links: bool = True) -> None:

@@ -234,6 +234,8 @@ class Mesh(Value):
         Shapes of which the surface is the union, each with its pose in the frame of the mesh: a
         table of five boxes. They are exact where the triangles are not, and files of simulators
         keep them. They do not count in comparisons.
+    member_pieces : sequence of int, optional
+        Number of the piece to which each member belongs; by default piece 0.
 
     Raises
     ------
@@ -250,13 +252,14 @@ class Mesh(Value):
     (4, 3)
     """
 
-    __slots__ = ("accuracy", "members", "pieces", "triangles", "vertices")
+    __slots__ = ("accuracy", "member_pieces", "members", "pieces", "triangles", "vertices")
 
     vertices: Array
     triangles: Index
     accuracy: float
     pieces: Index | None
     members: tuple[tuple[Shape, Pose], ...]
+    member_pieces: tuple[int, ...]
 
     def __init__(
         self,
@@ -266,6 +269,7 @@ class Mesh(Value):
         accuracy: float | None = None,
         pieces: Any = None,
         members: Sequence[tuple[Shape, Pose]] = (),
+        member_pieces: Sequence[int] = (),
     ) -> None:
         single = getattr(vertices, "dtype", None) == np.float32
         self.vertices = frozen(vertices, (-1, 3)) if len(vertices) else frozen(np.empty((0, 3)))
@@ -284,6 +288,7 @@ class Mesh(Value):
         )
         self.pieces = None if pieces is None else _piece_numbers(pieces, len(self.triangles))
         self.members = tuple(members)
+        self.member_pieces = tuple(member_pieces) or (0,) * len(self.members)
 
     @classmethod
     def convex_hull(cls, points: ArrayLike) -> Mesh:

@@ -28,8 +28,10 @@ from kilter.tell.plan_words import hold_facts, improve_facts, order_facts
 from kilter.tell.region_facts import orient_facts, region_facts
 from kilter.tell.scene_words import scene_facts, settle_facts
 from kilter.tell.transport_facts import transport_facts
+from kilter.tell.why_words import why_facts
 
 KIND_OF_KEY = {
+    "creep": "why",
     "held_steps": "plan",
     "candidates": "hold",
     "tried": "improve",
@@ -168,4 +170,5 @@ _FACTS_OF_KIND: dict[str, Callable[[Answer], list[Fact]]] = {
     "scene": scene_facts,
     "settle": settle_facts,
     "verify": _verify_facts,
+    "why": why_facts,
 }

@@ -68,13 +68,12 @@ ALONE = NextStep(
     ("check",),
     "decides whether the assembly stands without the part: if it falls, no place is left",
 )
-RESTING = NextStep(("check", "--settle"), "decides at which level the pose at rest stays")
 SETTLED = NextStep(
-    ("scene", "--settle"), "moves floating and overlapping objects to rest, and judges them again"
+    ("scene", "--settle"), "brings floating and overlapping objects to rest, and proves it"
 )
-SETTLE = NextStep(
-    ("settle",), "moves parts that overlap until they touch, or names those that fall"
-)
+SETTLE = NextStep(("settle",), "brings the parts to rest, or names those that leave or do not fit")
+MENDED = ("floats", "overlaps", "falls")
+"""States of objects that may come to rest elsewhere."""
 FLOATS = ("touches nothing: ", "touch no other part: ")
 """Begin of the warnings about free parts, and about groups of them, that lie on nothing."""
 CHECK = NextStep(
@@ -132,10 +131,8 @@ def next_step(
             return ALONE
         place = (number(near_zero(answer["best"][axis])) for axis in "xy")
         return NextStep(("place", "--at", *place), "finds the level there, and the heaviest mass")
-    if kind == "settle":
-        return RESTING if answer["state"] == "at-rest" else CONTACTS
-    if kind == "scene":
-        faults = any(entry["state"] in ("floats", "overlaps") for entry in answer["objects"])
+    if kind == "scene" and not answer["settled"]:
+        faults = any(entry["state"] in MENDED for entry in answer["objects"])
         return SETTLED if faults else None
     return None
 

@@ -53,7 +53,8 @@ def object_words(entry: Answer, units: str) -> str:
         names = some([plain(other) for other in entry["if_held"]], 3)
         stays = "stays" if len(entry["if_held"]) == 1 else "stay"
         words += f" (if {names} {stays} as drawn)"
-    return words
+    way = way_words(entry.get("way", ()), units)
+    return f"{words}; {way}" if way else words
 
 
 def scene_sentence(answer: Answer) -> str:
@@ -95,9 +96,15 @@ def scene_sentence(answer: Answer) -> str:
             f"All {objects} are at rest, but {lower} {'does' if lower == 1 else 'do'} not reach "
             f"the required level {answer['require']}."
         )
+    moved = f", after moving at most {_farthest(answer)}" if answer.get("moved") else ""
     if len(free) == 1:
-        return f"The free object is at rest (level {answer['level']})."
-    return f"All {objects} are at rest (level {answer['level']})."
+        return f"The free object is at rest (level {answer['level']}){moved}."
+    return f"All {objects} are at rest (level {answer['level']}){moved}."
+
+
+def _farthest(answer: Answer) -> str:
+    """Return the largest movement of an object of a scene in words."""
+    return f"{number(max(answer['moved'].values()), 3)} {answer['units']}"
 
 
 def _are(many: int) -> str:
@@ -113,8 +120,8 @@ def scene_facts(answer: Answer) -> list[Fact]:
     clusters = count(answer["clusters"], "cluster")
     moved: list[Fact] = []
     if answer["moved"]:
-        farthest = f"{number(max(answer['moved'].values()), 3)} {answer['units']}"
-        moved = [("moved", f"{count(len(answer['moved']), 'object')} by up to {farthest}")]
+        far = _farthest(answer)
+        moved = [("moved", f"{count(len(answer['moved']), 'object')} by up to {far}")]
     return [
         ("held", some(held) or "no part (joints to the ground)"),
         *moved,
@@ -142,6 +149,38 @@ SHOWN = 3
 """Largest number of parts that a sentence names."""
 
 
+WAYS = {
+    "pushed-out": "pushed out by",
+    "fell": "fell",
+    "tipped": "tipped",
+    "slid": "slid",
+    "rolled": "rolled",
+}
+"""Words for the kinds of movement."""
+TURNS = ("tipped", "rolled")
+"""Kinds of movement whose angle is stated instead of their length."""
+
+
+def way_words(way: list[Answer], units: str) -> str:
+    """Return the way of a part in words.
+
+    Examples
+    --------
+    >>> way = [{"how": "fell", "distance": 0.1, "angle_deg": 0.0},
+    ...        {"how": "tipped", "distance": 0.03, "angle_deg": 31.2},
+    ...        {"how": "slid", "distance": 0.002, "angle_deg": 0.0}]
+    >>> way_words(way, "m")
+    'fell 0.1 m, tipped 31.2 deg, slid 0.002 m'
+    """
+    pieces = []
+    for piece in way:
+        turned = piece["how"] in TURNS and piece["angle_deg"] > NO_ANGLE
+        length = f"{number(piece['distance'], 3)} {units}"
+        size = f"{number(piece['angle_deg'], 3)} deg" if turned else length
+        pieces.append(f"{WAYS[piece['how']]} {size}")
+    return ", ".join(pieces)
+
+
 def moved_words(answer: Answer) -> str:
     """Return the largest movement as words, such as ".41 mm and .0057 deg"."""
     distance = max((entry["distance"] for entry in answer["moved"]), default=0.0)
@@ -156,33 +195,65 @@ def settle_sentence(answer: Answer) -> str:
     Examples
     --------
     >>> moved = [{"part": "a", "distance": 0.41, "angle_deg": 0.0}]
-    >>> answer = {"state": "at-rest", "level": "settles", "moved": moved, "units": "mm", "why": ""}
-    >>> settle_sentence(answer | {"parts": []})
-    'At rest after moving 0.41 mm: level settles.'
-    >>> settle_sentence(answer | {"state": "falls", "parts": ["a"]})
+    >>> answer = {"state": "at-rest", "level": "settles", "moved": moved, "units": "mm", "why": "",
+    ...           "parts": [], "leaves": [], "nearest": False, "rests": 1, "depth": 0}
+    >>> settle_sentence(answer)
+    'At rest after moving at most 0.41 mm: level settles.'
+    >>> settle_sentence(answer | {"state": "falls", "leaves": ["a"], "rests": 0})
+    "'a' leaves the scene."
+    >>> settle_sentence(answer | {"state": "partly", "leaves": ["a", "b"]})
+    "1 part is at rest: level settles. 'a', 'b' leave the scene."
+    >>> settle_sentence(answer | {"state": "falls", "parts": ["a"], "nearest": True})
     "The assembly falls: no forces balance 'a' at the points within reach."
     """
     names = some_names(answer["parts"], SHOWN)
     if answer["state"] == "at-rest":
         if not answer["moved"]:
             return f"At rest as drawn: level {answer['level']}."
-        return f"At rest after moving {moved_words(answer)}: level {answer['level']}."
-    if answer["state"] == "falls":
+        return f"At rest after moving at most {moved_words(answer)}: level {answer['level']}."
+    if answer["state"] == "falls" and not answer["leaves"]:
         points = answer["why"].partition(" at the points ")[2] or "within reach"
         return f"The assembly falls: no forces balance {names} at the points {points}."
-    if answer["state"] == "does-not-fit":
+    words = _without_rest(answer)
+    if answer["rests"]:
+        words.insert(0, f"{count(answer['rests'], 'part')} {_are(answer['rests'])} at rest: level "
+                        f"{answer['level']}.")  # fmt: skip
+    return " ".join(words)
+
+
+def leaving_words(answer: Answer) -> str:
+    """Return a clause about the parts that leave the scene; empty if none does.
+
+    Examples
+    --------
+    >>> leaving_words({"leaves": ["a", "b"]})
+    "'a', 'b' leave the scene"
+    """
+    names = answer["leaves"]
+    verb = "leaves" if len(names) == 1 else "leave"
+    return f"{some_names(names, SHOWN)} {verb} the scene" if names else ""
+
+
+def _without_rest(answer: Answer) -> list[str]:
+    """Return a sentence about the parts that leave the scene, and about those without a pose."""
+    leaving = leaving_words(answer)
+    words = [f"{leaving}."] if leaving else []
+    names = some_names(answer["parts"], SHOWN)
+    if answer["depth"]:
         depth = f"{number(answer['depth'], 3)} {answer['units']}"
-        return f"The parts do not fit: small motions leave {names} overlapping by {depth}."
-    return f"No pose at rest was found: {answer['why']}."
+        words.append(f"The parts do not fit: {names} overlap by {depth}.")
+    elif answer["parts"] or not words:
+        words.append(f"No pose at rest was found{' of ' + names if names else ''}: "
+                     f"{answer['why']}.")  # fmt: skip
+    return words
 
 
 def settle_facts(answer: Answer) -> list[Fact]:
     """Return the lines below the sentence, each a term and its words."""
     units = answer["units"]
     facts: list[Fact] = []
-    if answer["state"] == "at-rest":
-        facts.append(("moved", f"{count(len(answer['moved']), 'part')}, reach "
-                      f"{number(answer['reach'], 3)} {units}"))  # fmt: skip
+    if answer["rests"]:
+        facts.append(("moved", count(len(answer["moved"]), "part")))
         facts.append(
             (
                 "closed",
@@ -191,28 +262,30 @@ def settle_facts(answer: Answer) -> list[Fact]:
             )
         )
         facts.append(("carries", count(len(answer["carries"]), "pair") + " of parts touch"))
-        rest = f"{answer['before']} as drawn, {answer['after']} at rest"
-        if answer["after_asked"] != answer["require"]:
-            rest += f" (levels above {answer['after_asked']} were not asked)"
-        facts.append(("verdict", rest))
+        facts.append(("verdict", f"{answer['before']} as drawn, {answer['after']} at rest"))
         facts.append(("closed points", f"level {answer['closed_level']} on these alone"))
     else:
-        facts.append(("reach", f"{number(answer['reach'], 3)} {units}"))
         facts.append(("verdict", f"{answer['before']} as drawn"))
-        if answer["state"] == "falls":
+        if answer["state"] == "falls" and answer["nearest"]:
             facts.append(("meaning", "this is no proof that the assembly falls"))
-    if answer["dropped"]:
-        facts.append(("dropped", f"{number(answer['dropped'], 3)} {units}"))
+    if answer["reach"] is not None:
+        facts.append(("reach", f"{number(answer['reach'], 3)} {units}"))
     facts.append(("rounds", str(answer["rounds"])))
     return facts
 
 
 def moved_head(answer: Answer) -> list[str]:
     """Return the heads of the table of moved parts."""
-    return ["part", f"moved [{answer['units']}]", "turned [deg]"]
+    head = ["part", f"moved [{answer['units']}]", "turned [deg]"]
+    return head if answer["nearest"] else [*head, "way"]
 
 
-def moved_cells(entry: Answer) -> list[str]:
-    """Return the cells of a moved part: its name, its movement and its rotation."""
+def moved_cells(answer: Answer, entry: Answer) -> list[str]:
+    """Return the cells of a moved part: its name, its movement, its rotation and its way."""
     angle = entry["angle_deg"] if entry["angle_deg"] > NO_ANGLE else 0.0
-    return [plain(entry["part"]), number(entry["distance"], 3), number(angle, 3)]
+    cells = [plain(entry["part"]), number(entry["distance"], 3), number(angle, 3)]
+    if answer["nearest"]:
+        return cells
+    words = way_words(entry["way"], answer["units"])
+    left = "leaves the scene" if entry["part"] in answer["leaves"] else ""
+    return [*cells, "; ".join(filter(None, [words, left]))]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from kilter.errors import some
@@ -18,6 +19,7 @@ from kilter.tell.place_words import PACKING_HEAD, item_cells
 from kilter.tell.plan_words import HEAD, change_cells, improve_sentence, step_cells, support_cells
 from kilter.tell.scene_words import SCENE_HEAD, moved_cells, moved_head, object_cells, scene_order
 from kilter.tell.verify_words import verify_sentence
+from kilter.tell.why_words import WHY_HEAD, why_cells
 from kilter.tell.words import NAMED
 
 INTERFERENCE = "an interference fit: a press fit or a thread"
@@ -152,8 +154,10 @@ def tables(answer: Answer) -> list[Table]:
     if kind == "scene":
         rows = scene_order(answer["objects"])
         return [Table("objects:", SCENE_HEAD, rows, object_cells, complete=True)]
+    if kind == "why" and answer["objects"]:
+        return [Table("bodies:", WHY_HEAD, answer["objects"], why_cells)]
     if kind == "settle" and answer["moved"]:
-        return [Table("moved:", moved_head(answer), answer["moved"], moved_cells)]
+        return [Table("moved:", moved_head(answer), answer["moved"], partial(moved_cells, answer))]
     if kind == "check-plan":
         return [Table("items:", PACKING_HEAD, list(enumerate(answer["items"], 1)), item_cells)]
     if kind == "check":

@@ -30,7 +30,7 @@ from kilter.tell.facts import facts
 from kilter.tell.levels import REQUIRE
 from kilter.tell.numbers import count
 from kilter.tell.open_words import lie_words
-from kilter.tell.scene_words import moved_words
+from kilter.tell.scene_words import leaving_words, moved_words
 from kilter.workbench.live_assembly import OpenedParts, Prepared
 
 # The command line that reproduces what the workbench shows.
@@ -144,8 +144,8 @@ def settling_action(
 ) -> dict[str, Any]:
     """The action that moves the parts to their pose at rest.
 
-    Raises `InputError` if no pose at rest is found, if the parts are at rest already, or if choices
-    cannot state the pose.
+    Parts that leave the scene are in the pose in which they left it. Raises `InputError` if no part
+    comes to rest, if the parts are at rest already, or if choices cannot state the pose.
     """
     answer = settle(
         prepared.assembly,
@@ -157,7 +157,7 @@ def settling_action(
     )
     data = answer.to_dict()
     moved = {entry["part"] for entry in data["moved"]}
-    if answer.state != "at-rest":
+    if answer.resting is None:
         raise InputError(data["sentence"].rstrip("."), hint="decide the open pairs instead")
     if not moved:
         raise InputError("no part moves: the parts are at rest as drawn")
@@ -173,7 +173,7 @@ def settling_action(
             if part.name in moved
         },
         "replaced": {key: _replaced(key, drawn, settled, keys) for key in ENTRIES},
-        "moved": moved_words(data),
+        "moved": "; ".join(filter(None, [moved_words(data), leaving_words(data)])),
         "sha256": keys.get("sha256"),
         "units": keys.get("units"),
     }

@@ -34,6 +34,7 @@ from kilter.files.meshes.placed import natural_key
 from kilter.loading import reading_for
 from kilter.tell.levels import require_level
 from kilter.tell.record import Answer, Record
+from kilter.validate import whole
 
 # Input files of a batch, which a list file names or a folder contains.
 
@@ -207,8 +208,8 @@ def run_batch(
 
     Otherwise as `batch`.
     """
-    size = _whole(chunk, "chunk")
-    count = _whole(_cores() if processes is None else processes, "processes")
+    size = whole(chunk, "chunk")
+    count = whole(_cores() if processes is None else processes, "processes")
     base, files = listed_files(source)
     if Path(output).resolve() == base and Path(source).is_dir():
         raise InputError(
@@ -271,10 +272,10 @@ def _run(
             chunk_rows = rows[task.chunk]
             chunk_rows |= {row["index"]: row for row in judged}
             if len(chunk_rows) == len(folder.places(task.chunk)):
-                whole = [chunk_rows[n] for n in folder.places(task.chunk)]
-                folder.write(task.chunk, whole)
+                complete = [chunk_rows[n] for n in folder.places(task.chunk)]
+                folder.write(task.chunk, complete)
                 del rows[task.chunk]
-                tally.add(whole)
+                tally.add(complete)
         progress(tally.rows, folder.count)
 
 
@@ -283,15 +284,10 @@ def _rows_of_dead_task(task: Task) -> tuple[list[BatchRow], list[Task]]:
     if task.tries + 1 < TRIES:
         return [], [Task(task.chunk, task.files, task.tries + 1)]
     if len(task.files) == 1:
-        return [error_row(*task.files[0], KILLED)], []
+        index, file = task.files[0]
+        return [error_row(index, file, KILLED)], []
     half = len(task.files) // 2
     return [], [Task(task.chunk, some) for some in (task.files[:half], task.files[half:])]
-
-
-def _whole(value: int, what: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise InputError(f"{what} is {value!r:.40}", hint="give a whole number from 1 on")
-    return value
 
 
 def _cores() -> int:

@@ -176,7 +176,7 @@ def _locked_folder(path: Path) -> Iterator[None]:
         ) from None
     try:
         try:
-            _lock(handle)
+            lock_file(handle)
         except OSError:
             raise InputError(
                 "another run is writing to this folder",
@@ -188,7 +188,7 @@ def _locked_folder(path: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _lock(handle: int) -> None:
+def lock_file(handle: int) -> None:
     """Lock an open file for this process; OSError if another process has locked it."""
     if os.name == "nt":
         import msvcrt

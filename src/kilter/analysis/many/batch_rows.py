@@ -9,7 +9,7 @@ import queue
 import selectors
 import signal
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -77,7 +77,7 @@ def judged_rows(files: Sequence[tuple[int, str]], question: BatchQuestion) -> li
         try:
             read[index] = _read(file, question)
         except Exception as error:
-            rows[index] = error_row(index, file, _words(error))
+            rows[index] = error_row(index, file, words_of(error))
     given, names = list(read.values()), dict(files)
     try:
         verdict_sets = [check_many(given, **question.options)]
@@ -91,7 +91,7 @@ def judged_rows(files: Sequence[tuple[int, str]], question: BatchQuestion) -> li
             single = check_many([given[place]], **question.options)
             rows[index] = _row(index, names[index], given[place], single, 0)
         except Exception as error:
-            rows[index] = error_row(index, names[index], _words(error))
+            rows[index] = error_row(index, names[index], words_of(error))
     return [rows[index] for index, _ in files]
 
 
@@ -108,7 +108,7 @@ def _read(file: str, question: BatchQuestion) -> Assembly:
 def _row(index: int, file: str, assembly: Assembly, verdicts: Verdicts, k: int) -> BatchRow:
     """Row of the k-th assembly: its verdict, or the error that prevented a verdict."""
     if k in verdicts.errors:
-        return error_row(index, file, _words(verdicts.errors[k]), parts=len(assembly))
+        return error_row(index, file, words_of(verdicts.errors[k]), parts=len(assembly))
     return {
         "index": index,
         "file": file,
@@ -136,7 +136,8 @@ def _number(value: float) -> float | None:
     return None if math.isnan(value) else float(value)
 
 
-def _words(error: Exception) -> str:
+def words_of(error: Exception) -> str:
+    """The words of an error in a row."""
     if isinstance(error, InputError):  # the file has a column of its own
         where = {"part": error.part, "hint": error.hint, "option": error.option}
         return InputError(error.what, **where).for_command
@@ -152,15 +153,17 @@ STARTED = "started"
 """First message of a worker."""
 STILLBORN = 10
 """Number of consecutive workers that die before their first message, at which a batch stops."""
-Files = tuple[tuple[int, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Files for a worker to judge, with their indices in the batch, and the number of attempts."""
+    """Files for a worker to judge, with their indices in the batch, and the number of attempts.
+
+    In other pools, `files` has other contents of a task.
+    """
 
     chunk: int
-    files: Files
+    files: Any
     tries: int = 0
 
 
@@ -182,10 +185,10 @@ class Workers(Protocol):
 
 
 class LocalWorkers:
-    """Pool of `count` worker processes on this machine."""
+    """Pool of `count` worker processes on this machine, which run `serve` of a module."""
 
-    def __init__(self, count: int, question: BatchQuestion) -> None:
-        self._count, self._question = count, question
+    def __init__(self, count: int, question: Any, module: str = __name__) -> None:
+        self._count, self._question, self._module = count, question, module
         self._busy: dict[subprocess.Popen[bytes], Task] = {}
         self._idle: list[subprocess.Popen[bytes]] = []
         self._ready = selectors.DefaultSelector()
@@ -205,7 +208,7 @@ class LocalWorkers:
             send(worker.stdin, task.files)
 
     def _start_worker(self) -> subprocess.Popen[bytes]:
-        worker = start_process(__name__)
+        worker = start_process(self._module)
         assert worker.stdin is not None
         assert worker.stdout is not None
         self._ready.register(worker.stdout, selectors.EVENT_READ, worker)
@@ -248,7 +251,15 @@ class LocalWorkers:
 
 
 def serve() -> None:
-    """Judge tasks from the standard input of a worker process until the input ends."""
+    """Main function of a worker process: it judges files."""
+    serve_tasks(judged_rows)
+
+
+def serve_tasks(judge: Callable[[Any, Any], list[BatchRow]]) -> None:
+    """Judge tasks from the standard input of a worker process until the input ends.
+
+    Arguments: `judge`: function of the content of a task and of the question; it returns rows.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     incoming = os.fdopen(os.dup(0), "rb")
     outgoing = os.fdopen(os.dup(1), "wb")
@@ -260,7 +271,7 @@ def serve() -> None:
         question = receive(incoming)
         send(outgoing, STARTED)
         while True:
-            send(outgoing, judged_rows(receive(incoming), question))
+            send(outgoing, judge(receive(incoming), question))
 
 
 # Worker pool that judges the rows of a batch on a Dask cluster (extra `kilter[cluster]`).

@@ -29,7 +29,7 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.check import CUT, check
 from kilter.analysis.planning.order.sweeps import Sweeps
-from kilter.analysis.scene_states.scene_graph import SceneGraph, chosen_parts, settled_clusters
+from kilter.analysis.scene_states.scene_graph import SceneGraph, chosen_parts
 from kilter.analysis.scene_states.scene_report import ObjectState, SceneObject, SceneReport
 from kilter.analysis.settled_pose.straight_falls import falling_distance
 from kilter.analysis.verdict.remarks import remarks
@@ -68,8 +68,8 @@ def scene(
     time_limit : float, optional
         Time limit [s]. Clusters that are not judged until then are open.
     settle : bool
-        Whether to repair the scene first: floating objects fall, and clusters with faults settle
-        (`kilter.settle`). The report is about the new poses; `SceneReport.drawn` has the old.
+        Whether to bring the objects to rest first, as `kilter.settle` does. The report is about
+        the new poses; `SceneReport.drawn` has the old.
 
     Returns
     -------
@@ -97,50 +97,40 @@ def scene(
     >>> round(report["floating"].gap, 12), report["sunk"].gap, report["sunk"].other
     (0.1, -0.25, 'table')
     """
-    started = time.perf_counter()
-    assembly, require = asked.assembly, require_level(asked.require, strict=True)
-    assembly.require_grounded()
-    contacts = detect.touching(asked)
+    require = require_level(asked.require, strict=True)
+    asked.assembly.require_grounded()
     if settle:
-        return _repaired(asked.but(contacts=contacts, time_limit=None))
+        from kilter.analysis.scene_states.settled_scene import settled_scene
+
+        return settled_scene(asked.but(require=require))
+    contacts = detect.touching(asked)
+    return survey(asked.but(contacts=contacts, require=require))
+
+
+def survey(asked: Question) -> SceneReport:
+    """The report about a scene as it is; the question has its contacts."""
+    assembly, contacts = asked.assembly, asked.contacts
     ends = None if asked.time_limit is None else asked.begun + asked.time_limit
-    survey = _Survey(assembly, contacts.of(assembly), require, asked.effort, ends, asked.tell)
-    survey.judge()
+    found = _Survey(assembly, contacts.of(assembly), asked.require, asked.effort, ends, asked.tell)
+    found.judge()
     free = ~assembly.geometry.grounded
     objects = tuple(
-        survey.states[k] if is_free else survey.entry(k, "held")
+        found.states[k] if is_free else found.entry(k, "held")
         for k, is_free in enumerate(free.tolist())
     )
     return SceneReport(
         objects=objects,
-        require=require,
-        clusters=len(survey.verdicts),
+        require=asked.require,
+        clusters=len(found.verdicts),
         gravity=assembly.gravity,
         friction=assembly.friction,
         units=assembly.units,
-        warnings=(*_warnings(assembly, contacts), *((CUT,) if survey.cut else ())),
-        seconds=time.perf_counter() - started,
+        warnings=(*_warnings(assembly, contacts), *((CUT,) if found.cut else ())),
+        seconds=time.perf_counter() - asked.begun,
         assembly=assembly,
         contacts=contacts,
-        verdicts=tuple(survey.verdicts),
+        verdicts=tuple(found.verdicts),
     )
-
-
-def _repaired(asked: Question) -> SceneReport:
-    """The report about a scene after its repair (`kilter.analysis.scene_states.scene_graph`)."""
-    assembly, contacts = asked.assembly, asked.contacts
-    first = scene(asked)
-    falls = {entry.name: entry.pose for entry in first if entry.pose is not None}
-    fallen = assembly.with_poses(falls) if falls else assembly
-    again = asked.but(assembly=fallen)
-    touching = detect.contacts(again.but(progress=None)) if falls else contacts
-    second = scene(again.but(contacts=touching)) if falls else first
-    faulty = {entry.name for entry in second if entry.state not in ("at-rest", "held")}
-    report = second
-    if faulty:
-        settled = settled_clusters(again.but(contacts=touching), faulty)
-        report = scene(asked.but(assembly=settled, contacts=None))
-    return replace(report, drawn=assembly, seconds=time.perf_counter() - asked.begun)
 
 
 def _warnings(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -167,7 +157,7 @@ class _Survey:
         self.graph = SceneGraph.of(self.assembly, self.contacts)
         self.sweeps = Sweeps(self.contacts)
         self.down: Array = self.assembly.down
-        self.overlap = _worst_overlaps(self.assembly, self.contacts)
+        self.overlap = worst_overlaps(self.assembly, self.contacts)
         """The deepest overlap of each part that is the fault of one."""
 
     def entry(self, k: int, state: ObjectState, **more: Any) -> SceneObject:
@@ -346,7 +336,7 @@ class _Survey:
             self.states[k] = self.entry(k, "open", gap=gap, other=other, if_held=if_held)
 
 
-def _worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:
+def worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overlap]:
     """The deepest overlap of each part to which an overlap is assigned."""
     left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
     worst: dict[int, Overlap] = {}

@@ -10,20 +10,14 @@ happens at one place of a held part affects another place. Two free parts are jo
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
-from kilter.analysis.settled_pose.settle import settle
 from kilter.arrays import Index, Mask, connected
 from kilter.assembly import Assembly
-from kilter.assembly.question import Question
 from kilter.contact import ContactSet
-from kilter.contact.detect import touching
-from kilter.errors import InputError
-from kilter.rigid import Pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,35 +93,6 @@ class SceneGraph:
 def _pairs(pairs: list[tuple[int, int]]) -> Index:
     """Pairs of numbers as an array, shape (n, 2)."""
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
-
-
-# Repair of a scene: floating objects fall to their contact, and clusters with faults settle.
-
-
-def settled_clusters(asked: Question, faulty: Collection[str]) -> Assembly:
-    """The assembly of a scene after each cluster with objects that are not at rest has settled.
-
-    Clusters that do not come to rest keep their poses.
-    """
-    assembly = asked.assembly
-    graph = SceneGraph.of(assembly, touching(asked))
-    names = np.array([part.name in faulty for part in assembly.parts])
-    poses: dict[str, Pose] = {}
-    for cluster in graph.clusters(~assembly.geometry.grounded, near=True):
-        if not names[cluster].any():
-            continue
-        asked.tell(f"settling {assembly.names[int(cluster[0])]}")
-        beside = graph.beside(cluster)
-        held = beside[assembly.geometry.grounded[beside]]
-        sub = chosen_parts(assembly, np.sort(np.concatenate([cluster, held])), [])
-        try:
-            answer = settle(sub, drop=True, require=asked.require, effort=asked.effort)
-        except InputError:
-            continue  # parts in the same place, which settle rejects
-        if answer.state == "at-rest":
-            poses |= {part.name: part.pose for part in answer.assembly if not part.grounded}
-    parts = [replace(p, pose=poses[p.name]) if p.name in poses else p for p in assembly.parts]
-    return replace(assembly, parts=parts)
 
 
 def chosen_parts(assembly: Assembly, chosen: Index, held: list[int]) -> Assembly:

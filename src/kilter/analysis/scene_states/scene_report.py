@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 
+from kilter.analysis.settled_pose.settle import Way
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -54,6 +55,8 @@ class SceneObject(Record):
     """Objects with a fault that were held as drawn for this state."""
     geometry: Literal["collider", "visual", "as-drawn"] = "as-drawn"
     """Kind of the shape used."""
+    way: tuple[Way, ...] = ()
+    """The pieces of its way, in time, if the scene was settled."""
     units: InPython[str] = "m"
     """Length unit of the scene."""
     pose: InPython[Pose | None] = None
@@ -97,12 +100,14 @@ class SceneReport(Answer):
     """Coefficient of the contacts without a coefficient of their own [-]."""
     units: UnitWord
     """Length unit."""
+    settled: bool = False
+    """Whether the objects were brought to rest first."""
     warnings: tuple[str, ...]
     """Warnings about file, geometry and contacts."""
     seconds: float
     """Duration [s]."""
     assembly: InPython[Assembly]
-    """The scene, after a repair if there is one."""
+    """The scene, in the pose at rest if it was settled."""
     contacts: InPython[ContactSet]
     """Its contacts."""
     verdicts: InPython[tuple[Verdict, ...]]
@@ -111,7 +116,7 @@ class SceneReport(Answer):
     An object without a contact that bears has no cluster: it floats.
     """
     drawn: InPython[Assembly | None] = None
-    """The assembly before a repair; None without a repair."""
+    """The assembly before it was settled; None otherwise."""
 
     @property
     @key
@@ -168,7 +173,7 @@ class SceneReport(Answer):
     @property
     @key
     def moved(self) -> dict[str, float]:
-        """Distance by which a repair moved the centre of mass of each object [length unit]."""
+        """Distance from the drawn centre of mass of each object that moved [length unit]."""
         if self.drawn is None:
             return {}
         steps = self.assembly.geometry.center - self.drawn.geometry.center

@@ -6,9 +6,14 @@ displacements, the gap changes by n . (v_b(x) - v_a(x)). Three families give the
 - Opposed flat faces: the corners of the polygon in which the faces overlap. A corner of a part is
   compared with the plane of the other face. At a crossing of edges the normal lies across both; for
   parallel faces it is the mean normal.
-- Pairs of convex flat parts without such a polygon: a separating plane (`separating_planes`).
+- Pairs of convex flat parts without such a polygon: the distances of convex pieces
+  (`kilter.contact.convex_points`).
 - All other pairs: kilter's own detection of curved faces, edges and corners with a gap tolerance
-  as large as the reach.
+  as large as the reach, and the points of round bodies in holes (`bore_points`).
+
+A point counts only if its surfaces see each other: the segment between them lies outside of both
+parts, or, where they penetrate each other, inside of both (`clear_segments`). So no reach sees
+through a wall.
 """
 
 from __future__ import annotations
@@ -17,6 +22,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kilter.analysis.settled_pose.bore_points import Shafts, bore_points, shafts_in_holes
+from kilter.analysis.settled_pose.clear_segments import are_clear
 from kilter.analysis.settled_pose.settle_tolerances import (
     BESIDE,
     COINCIDES,
@@ -24,17 +31,27 @@ from kilter.analysis.settled_pose.settle_tolerances import (
     FACING,
     INSIDE,
     LEVEL,
-    SLENDER,
     THINNEST,
 )
-from kilter.arrays import TINY, Array, Index, Mask, Rows, across, columns, distinct_rows, unit_rows
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Mask,
+    Rows,
+    across,
+    columns,
+    distinct_rows,
+    group_sums,
+    ragged,
+    unit_rows,
+)
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.broad import facet_pairs
 from kilter.contact.common.contact_search import ContactSearch, begin_search
-from kilter.contact.common.distances import segment_distance, surface_distance
-from kilter.contact.common.facets import Facets
-from kilter.contact.common.findings import FacePatches
+from kilter.contact.common.distances import surface_distance
+from kilter.contact.common.findings import CurvedFindings, FacePatches
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import Patches
 from kilter.contact.common.polygons import (
@@ -45,129 +62,11 @@ from kilter.contact.common.polygons import (
     padded,
 )
 from kilter.contact.contact_tolerances import CLUSTER, SAME_PLACE
+from kilter.contact.convex_pieces import convex_pieces
+from kilter.contact.convex_points import near_points
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.overlap import inside_part
 from kilter.contact.pair_findings import find_families
-
-# Points of convex parts without opposed faces: the plane that separates two parts best.
-
-
-Columns = tuple[Index, Index, Array, Array, Array, Mask]
-"""Part a, part b, point, normal, gap, and whether it carries force."""
-
-
-def separating_points(
-    geometry: Geometry, facets: Facets, pairs: Index, reach: float
-) -> Columns | None:
-    """Points of pairs of convex parts with flat faces, shape (n, 2); None without points."""
-    blocks = [_points_of(geometry, facets, (int(a), int(b)), reach) for a, b in pairs]
-    found = [block for block in blocks if block is not None]
-    if not found:
-        return None
-    a, b, point, normal, gap, bears = (
-        np.concatenate([block[k] for block in found]) for k in range(6)
-    )
-    return a, b, point, normal, gap, bears
-
-
-def _points_of(
-    geometry: Geometry, facets: Facets, parts: tuple[int, int], reach: float
-) -> Columns | None:
-    """Points of a pair of parts at the plane that separates it best."""
-    own = [_corners(geometry, part) for part in parts]
-    spans = [slice(facets.start[part], facets.start[part + 1]) for part in parts]
-    normals = np.concatenate([facets.normal[spans[0]], -facets.normal[spans[1]]])
-    number = len(normals)
-    top, low = (normals @ own[0].T).max(axis=1), (normals @ own[1].T).min(axis=1)
-    if (low - top).max() > reach:
-        return None
-    edges = [_edges(geometry, facets, part) for part in parts]
-    across = np.cross(
-        (edges[0][1] - edges[0][0])[:, None], (edges[1][1] - edges[1][0])[None]
-    ).reshape(-1, 3)
-    length = np.linalg.norm(across, axis=1)
-    sound = length > SLENDER * float(geometry.size[list(parts)].prod())
-    directions = distinct_rows((across[sound] / length[sound, None]).round(9))[0]
-    normals = np.concatenate([normals, directions, -directions])
-    top, low = (normals @ own[0].T).max(axis=1), (normals @ own[1].T).min(axis=1)
-    # a face is preferred to a plane across edges that separates equally well
-    k = int(np.argmax(low - top - np.where(np.arange(len(normals)) < number, 0.0, 1e-12 * reach)))
-    n, gap = normals[k], float(low[k] - top[k])
-    if abs(gap) > reach:
-        return None
-    if k >= number:
-        return _edge_point(edges, parts, n, gap, own)
-    face = k < spans[0].stop - spans[0].start
-    corners = own[1] if face else own[0]
-    height = corners @ n - top[k] if face else low[k] - corners @ n
-    rows = height < max(gap, 0.0) + reach
-    points = corners[rows]
-    other = spans[0] if face else spans[1]
-    row = k if face else k - (spans[0].stop - spans[0].start)
-    bears = _over_face(facets, other, row, points, COINCIDES * geometry.size[list(parts)].min())
-    return _columns(parts, points, np.tile(n, (len(points), 1)), height[rows], bears)
-
-
-def _columns(
-    parts: tuple[int, int], point: Array, normal: Array, gap: Array, bears: Mask
-) -> Columns:
-    """Columns of points of a single pair."""
-    count = len(point)
-    return np.full(count, parts[0]), np.full(count, parts[1]), point, normal, gap, bears
-
-
-def _corners(geometry: Geometry, part: int) -> Array:
-    return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
-
-
-def _edges(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
-    """Ends of the edges of a convex part, each edge once for each direction of travel."""
-    begin, end = [], []
-    for facet in range(facets.start[part], facets.start[part + 1]):
-        loop = facets.corners[facets.corner_start[facet] : facets.corner_start[facet + 1]]
-        begin.append(loop)
-        end.append(np.roll(loop, -1))
-    ends = np.sort(np.column_stack([np.concatenate(begin), np.concatenate(end)]), axis=1)
-    ends = distinct_rows(ends)[0]
-    return geometry.vertices[ends[:, 0]], geometry.vertices[ends[:, 1]]
-
-
-def _over_face(facets: Facets, span: slice, row: int, points: Array, slack: float) -> Mask:
-    """Mask of points that lie inside the planes of all other faces of a convex part."""
-    height = np.einsum(
-        "kfi,fi->kf", points[:, None, :] - facets.origin[span][None], facets.normal[span]
-    )
-    height[:, row] = -np.inf
-    inside: Mask = height.max(axis=1) <= -slack
-    return inside
-
-
-def _edge_point(
-    edges: list[tuple[Array, Array]],
-    parts: tuple[int, int],
-    n: Array,
-    gap: float,
-    own: list[Array],
-) -> Columns:
-    """The point at which two edges cross, at the plane with the normal n across both."""
-    slack = COINCIDES * float(np.ptp(own[0], axis=0).max() + np.ptp(own[1], axis=0).max())
-    near = []
-    for (p, q), corners, sign in zip(edges, own, (1.0, -1.0), strict=True):
-        most = (sign * (corners @ n)).max()
-        at = (sign * (p @ n) >= most - slack) & (sign * (q @ n) >= most - slack)
-        near.append((p[at], q[at]))
-    if not (len(near[0][0]) and len(near[1][0])):
-        corner = own[1][np.argmin(own[1] @ n)]
-        return _columns(parts, corner[None], n[None], np.array([gap]), np.zeros(1, dtype=bool))
-    i, j = (x.ravel() for x in np.indices((len(near[0][0]), len(near[1][0]))))
-    p1, q1, p2, q2 = near[0][0][i], near[0][1][i], near[1][0][j], near[1][1][j]
-    apart, on_a, on_b = segment_distance(p1, q1, p2, q2)
-    k = int(np.argmin(apart))
-    ends = (on_a[k] - p1[k], on_a[k] - q1[k], on_b[k] - p2[k], on_b[k] - q2[k])
-    inner = min(float(np.linalg.norm(end)) for end in ends) > slack
-    middle = (on_a[k] + on_b[k]) / 2
-    return _columns(parts, middle[None], n[None], np.array([gap]), np.array([inner]))
-
 
 BETWEEN = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along the normal of a penetrating point that are examined, over its penetration [-]."""
@@ -194,28 +93,63 @@ class NearPoints(Rows):
     """False for points that only prevent penetration and carry no force, shape (K,)."""
 
 
-def find_near_points(assembly: Assembly, reach: float, fine_reach: float) -> NearPoints:
+def find_near_points(
+    assembly: Assembly, reach: float, fine_reach: float, *, covered: Mask | None = None
+) -> NearPoints:
     """Find the points of an assembly that lie within a reach of contact.
 
     Arguments: `reach`: largest gap of a point between convex parts with flat faces [length unit];
-    `fine_reach`: the same for all other pairs [length unit].
+    `fine_reach`: the same for all other pairs [length unit]; `covered` (N,): parts whose pairs with
+    each other are left out.
     """
     search = begin_search(assembly, Tolerance(gap=reach / CLUSTER), lambda stage: None)
     facets, geometry = search.facets, search.geometry
+    if covered is not None and covered.any():
+        search = _restricted(search, ~both_of(covered, search.pairs), reach)
     plain = facets.convex_part & (np.diff(geometry.surfaces.start) == 0)
-    simple = plain[search.pairs].all(axis=1)
+    simple = both_of(plain, search.pairs)
     flat, faced = _flat_points(_restricted(search, simple, reach), reach)
     blocks = [flat]
-    simple_pairs = search.pairs[simple]
-    alone = simple_pairs[~faced]
-    blocks.append(_points(separating_points(geometry, facets, alone, reach)))
+    alone = np.flatnonzero(simple)[~faced]
+    if len(alone):
+        apart, found = _convex_points(assembly, search.pairs[alone], reach)
+        blocks.append(apart)
+        simple[alone[~found]] = False
     if not simple.all():
         others = _restricted(search, ~simple, fine_reach)
-        blocks += _general_points(others, fine_reach)
+        blocks += _general_points(others, fine_reach, assembly.down)
     points = NearPoints.join(blocks)
     parts = np.column_stack([points.part_a, points.part_b])
-    points = replace(points, mu=friction_coefficients(assembly, parts))
+    pairs, pair = distinct_rows(parts)
+    points = replace(points, mu=friction_coefficients(assembly, pairs)[pair])
     return points.take(np.abs(points.gap) <= reach)
+
+
+def _convex_points(assembly: Assembly, pairs: Index, reach: float) -> tuple[NearPoints, Mask]:
+    """Points of pairs of parts by the distances of convex pieces, and a mask of convex pairs.
+
+    Arguments: `pairs` (n, 2): parts a < b.
+    """
+    used, number = np.unique(pairs, return_inverse=True)
+    number = number.reshape(-1, 2)
+    parts = [assembly.parts[k] for k in used.tolist()]
+    pieces = convex_pieces(Assembly(parts, units=assembly.units))
+    a, b = np.triu_indices(len(used), 1)
+    wanted = np.isin(a * len(used) + b, number @ np.array([len(used), 1]))
+    rotation = np.array([part.pose.matrix for part in parts])
+    position = np.array([part.pose.position for part in parts])
+    ignored = np.column_stack([a, b])[~wanted]
+    found = near_points(pieces, rotation, position, reach, ignored)
+    columns = (found.point, found.normal, found.gap, found.bears)
+    points = _points((used[found.part_a], used[found.part_b], *columns))
+    return points, both_of(pieces.whole, number)
+
+
+def both_of(of_part: Mask, pairs: Index) -> Mask:
+    """Mask of pairs of which both parts are marked, shape (n,)."""
+    a, b = pairs.T
+    both: Mask = of_part[a] & of_part[b]
+    return both
 
 
 def _restricted(search: ContactSearch, rows: Mask, reach: float) -> ContactSearch:
@@ -265,47 +199,87 @@ def _overlap_polygons(
 ) -> tuple[Index, Array, Index, Mask]:
     """Overlap of each pair of faces as a convex polygon: its frame, corners (u, v) and their count.
 
-    Polygons thinner than twice their gap are dropped, and gaps wider than the reach. The hull of
-    several pieces stands for them, since the gap is affine over both faces. The mask is false for
-    strips that are too thin to count as an area of contact.
+    Polygons thinner than twice their gap are dropped, gaps wider than the reach, and faces that do
+    not see each other. The hull of several pieces stands for them, since the gap is affine over
+    both faces. The mask is false for strips that are too thin to count as an area of contact.
     """
-    frame: list[Index] = []
-    polygons: list[Array] = []
-    for block in overlaps_of(search.geometry, search.facets, frames):
-        frame.append(block.frame)
-        polygons += [points[:n] for points, n in zip(block.points, block.count, strict=True)]
-    rows = np.concatenate([*frame, np.empty(0, dtype=np.int64)])
-    order = np.argsort(rows, kind="stable")
-    first = np.flatnonzero(np.diff(rows[order], prepend=-1))
-    kept_frame: list[int] = []
-    kept: list[Array] = []
-    wide: list[bool] = []
-    size = search.geometry.size
-    last = np.append(first, len(order))[1:]
-    for begin, end in zip(first, last, strict=True):
-        row = int(rows[order[begin]])
-        pieces = [polygons[k] for k in order[begin:end]]
-        corners = pieces[0] if len(pieces) == 1 else convex_hull(np.concatenate(pieces))
-        gaps = frames.gaps(corners[None], np.array([row]))[0]
-        least = float(np.abs(gaps).min())
-        deep = max(least, -float(gaps.min()))
-        slack = SAME_PLACE * float(size[search.pairs[frames.pair[row]]].min())
-        width = _width(corners)
-        if least <= reach and width >= max(2 * deep, slack):
-            kept_frame.append(row)
-            kept.append(corners)
-            wide.append(width >= THINNEST / SAME_PLACE * slack)
-    count = np.array([len(corners) for corners in kept], dtype=np.int64)
-    corners = np.concatenate([np.empty((0, 2)), *kept])
-    return np.array(kept_frame, dtype=np.int64), corners, count, np.array(wide, dtype=bool)
+    frame, count, corner = _hulls(*_seen_pieces(search, frames, reach))
+    first = np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64)
+    if not len(frame):
+        return frame, corner, count, np.zeros(0, dtype=bool)
+    gaps = frames.gaps(corner[:, None], np.repeat(frame, count))[:, 0]
+    least = np.minimum.reduceat(np.abs(gaps), first)
+    deep = np.maximum(least, -np.minimum.reduceat(gaps, first))
+    size = search.geometry.size[search.pairs[frames.pair[frame]]].min(axis=1)
+    width = _widths(corner, first, count)
+    kept = (least <= reach) & (width >= np.maximum(2 * deep, SAME_PLACE * size))
+    return (
+        frame[kept], corner[np.repeat(kept, count)], count[kept],
+        width[kept] >= THINNEST * size[kept],
+    )  # fmt: skip
 
 
-def _width(corners: Array) -> float:
-    """Twice the least standard deviation of the corners of a polygon [length unit]."""
-    x, y = (corners - corners.mean(axis=0)).T
-    a, b, c = float(x @ x), float(x @ y), float(y @ y)
-    least = (a + c) / 2 - float(np.hypot((a - c) / 2, b))
-    return 2 * float(np.sqrt(max(least, 0.0) / len(corners)))
+def _seen_pieces(
+    search: ContactSearch, frames: FacetFrame, reach: float
+) -> tuple[Index, Index, Array]:
+    """Pieces of the overlaps of faces that see each other: frame, corner count, corners (u, v).
+
+    A face that sees the other at the middle of a piece sees it everywhere, up to smaller faces in
+    between. Convex parts hide no face with a gap.
+    """
+    blocks = overlaps_of(search.geometry, search.facets, frames)
+    frame = np.concatenate([*(block.frame for block in blocks), np.empty(0, dtype=np.int64)])
+    count = np.concatenate([*(block.count for block in blocks), np.empty(0, dtype=np.int64)])
+    inner = [np.arange(block.points.shape[1]) < block.count[:, None] for block in blocks]
+    corner = [block.points[mask] for block, mask in zip(blocks, inner, strict=True)]
+    corners = np.concatenate([*corner, np.empty((0, 2))])
+    if not len(frame):
+        return frame, count, corners
+    owner = np.repeat(np.arange(len(frame)), count)
+    middle = group_sums(owner, corners, len(frame)) / count[:, None]
+    gap = frames.gaps(middle[:, None], frame)[:, 0]
+    convex = search.facets.convex_part[search.pairs[frames.pair[frame]]].all(axis=1)
+    near = np.concatenate([np.abs(block.gap).min(axis=1) for block in blocks]) <= reach
+    rows = np.flatnonzero(near & ~(convex & (gap >= 0)))
+    point = frames.middle(middle[rows, None], frame[rows])[:, 0]
+    half = gap[rows, None] / 2 * frames.normal[frame[rows]]
+    seen = near
+    seen[rows] = are_clear(search, frames.pair[frame[rows]], point - half, point + half)
+    visible = np.zeros(len(frames), dtype=bool)
+    visible[frame[seen]] = True
+    kept = visible[frame]
+    return frame[kept], count[kept], corners[kept[owner]]
+
+
+def _hulls(frame: Index, count: Index, corners: Array) -> tuple[Index, Index, Array]:
+    """The convex hull of all pieces of each frame, ordered by frame: as the arguments."""
+    order = np.argsort(frame, kind="stable")
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    rows, first, pieces = np.unique(frame[order], return_index=True, return_counts=True)
+    single = order[first[pieces == 1]]
+    hulls = {
+        int(k): convex_hull(corners[ragged(start, order[at : at + number])[1]])
+        for k, at, number in zip(rows, first, pieces, strict=True)
+        if number > 1
+    }
+    united = np.array(sorted(hulls), dtype=np.int64)
+    frames = np.concatenate([frame[single], united])
+    counts = np.concatenate([count[single], np.array([len(hulls[k]) for k in united], np.int64)])
+    values = np.concatenate([corners[ragged(start, single)[1]], *(hulls[k] for k in united)])
+    place = np.argsort(frames, kind="stable")
+    begin = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    return frames[place], counts[place], values[ragged(begin, place)[1]]
+
+
+def _widths(corners: Array, first: Index, count: Index) -> Array:
+    """Twice the least standard deviation of the corners of each polygon [length unit]."""
+    number = count.astype(np.float64)
+    middle = np.add.reduceat(corners, first) / number[:, None]
+    x, y = (corners - np.repeat(middle, count, axis=0)).T
+    a, b, c = (np.add.reduceat(v, first) for v in (x * x, y * y, x * y))
+    least = (a + b) / 2 - np.hypot((a - b) / 2, c)
+    widths: Array = 2 * np.sqrt(np.maximum(least, 0.0) / number)
+    return widths
 
 
 def _crossing_normals(
@@ -318,49 +292,56 @@ def _crossing_normals(
     the side with the smaller gap. NaN: the faces are nearly parallel.
     """
     normal = np.full((len(corner), 3), np.nan)
-    first = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
-    for k in np.flatnonzero(frames.angle[frame] > LEVEL):
-        span, row = slice(first[k], first[k + 1]), int(frame[k])
-        polygon = corner[span]
-        gaps = frames.gaps(polygon[None], np.array([row]))[0]
-        along = np.roll(polygon, -1, axis=0) - polygon
-        middle = polygon + along / 2
-        off = [_boundary_distance(search, frames, row, side, middle) for side in (0, 1)]
-        face = np.where(off[0] < off[1], 0, 1)  # of the side that begins at each corner
-        basis = np.stack([frames.u[row], frames.v[row]])
-        rise = np.einsum("ki,ki->k", along, frames.slope[row][face])
-        lifted = unit_rows(along @ basis + rise[:, None] * frames.normal[row])
-        across = np.cross(np.roll(lifted, 1, axis=0), lifted)
-        across *= np.sign(across @ frames.normal[row])[:, None]
-        sine = np.linalg.norm(across, axis=1)
-        lower = np.where(np.roll(gaps, -1) < np.roll(gaps, 1), face, np.roll(face, 1))
-        facets = search.facets
-        planes = np.stack([-facets.normal[frames.j[row]], facets.normal[frames.i[row]]])
-        skew = (sine > CROSSING) & (face != np.roll(face, 1))
-        normal[span] = np.where(
-            skew[:, None], across / np.maximum(sine, TINY)[:, None], planes[lower]
-        )
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    chosen = np.flatnonzero(frames.angle[frame] > LEVEL)
+    owner, rows = ragged(start, chosen)
+    if not len(rows):
+        return normal
+    place = np.arange(len(rows)) - np.searchsorted(owner, owner)
+    size = count[chosen][owner]
+    after = np.arange(len(rows)) + np.where(place + 1 < size, 1, 1 - size)
+    before = np.arange(len(rows)) + np.where(place > 0, -1, size - 1)
+    polygon, row = corner[rows], frame[chosen][owner]
+    gaps = frames.gaps(polygon[:, None], row)[:, 0]
+    along = polygon[after] - polygon
+    off = [_boundary_distance(search, frames, row, side, polygon + along / 2) for side in (0, 1)]
+    face = np.where(off[0] < off[1], 0, 1)  # of the side that begins at each corner
+    rise = np.einsum("ki,ki->k", along, frames.slope[row, face])
+    in_plane = along[:, :1] * frames.u[row] + along[:, 1:] * frames.v[row]
+    lifted = unit_rows(in_plane + rise[:, None] * frames.normal[row])
+    across = np.cross(lifted[before], lifted)
+    across *= np.sign(np.einsum("ki,ki->k", across, frames.normal[row]))[:, None]
+    sine = np.linalg.norm(across, axis=1)
+    lower = np.where(gaps[after] < gaps[before], face, face[before])
+    facets = search.facets
+    planes = np.where(
+        lower[:, None] == 0, -facets.normal[frames.j[row]], facets.normal[frames.i[row]]
+    )
+    skew = (sine > CROSSING) & (face != face[before])
+    normal[rows] = np.where(skew[:, None], across / np.maximum(sine, TINY)[:, None], planes)
     return normal
 
 
 def _boundary_distance(
-    search: ContactSearch, frames: FacetFrame, row: int, side: int, points: Array
+    search: ContactSearch, frames: FacetFrame, row: Index, side: int, points: Array
 ) -> Array:
-    """Distance of points (u, v) from the boundary of a face of a frame [length unit]."""
+    """Distance of points (u, v) of frames `row` from the boundary of a face of the frame, (n,)."""
     facets = search.facets
-    facet = int((frames.i, frames.j)[side][row])
-    rows = facets.corners[facets.corner_start[facet] : facets.corner_start[facet + 1]]
-    outline = frames.flat(search.geometry.vertices[rows][None], np.array([row]))[0]
-    if facets.convex[facet]:
-        begin, end = outline, np.roll(outline, -1, axis=0)
-    else:
-        triangles = outline.reshape(-1, 3, 2)
-        begin, end = triangles.reshape(-1, 2), np.roll(triangles, -1, axis=1).reshape(-1, 2)
-    along = end - begin
-    share = np.einsum("pei,ei->pe", points[:, None] - begin[None], along)
-    share = np.clip(share / np.maximum(np.einsum("ei,ei->e", along, along), TINY), 0.0, 1.0)
-    nearest = begin[None] + share[..., None] * along[None]
-    distance: Array = np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1)
+    facet = (frames.i, frames.j)[side][row]
+    owner, begin = ragged(facets.corner_start, facet)
+    first = facets.corner_start[facet][owner]
+    loop = np.where(facets.convex[facet], np.diff(facets.corner_start)[facet], 3)[owner]
+    place = (begin - first) % loop
+    end = begin + np.where(place + 1 < loop, 1, 1 - loop)
+    vertices = search.geometry.vertices
+    start, stop = (
+        frames.flat(vertices[facets.corners[k]][:, None], row[owner])[:, 0] for k in (begin, end)
+    )
+    along, from_start = stop - start, points[owner] - start
+    share = np.einsum("ki,ki->k", from_start, along)
+    share = np.clip(share / np.maximum(np.einsum("ki,ki->k", along, along), TINY), 0.0, 1.0)
+    off = np.linalg.norm(from_start - share[:, None] * along, axis=1)
+    distance: Array = np.minimum.reduceat(off, np.searchsorted(owner, np.arange(len(facet))))
     return distance
 
 
@@ -407,20 +388,48 @@ def _corner_at(search: ContactSearch, facet: Index, at: Array) -> tuple[Index, M
 # curved faces, edges and corners ---------------------------------------------------------
 
 
-def _general_points(search: ContactSearch, reach: float) -> list[NearPoints]:
+def _general_points(search: ContactSearch, reach: float, down: Array) -> list[NearPoints]:
     """Points of pairs of parts of any shape: flat faces, curved faces, edges and corners."""
     found = find_families(search)
     flat, _ = _flat_points(search, reach, found)
+    blocks = [flat]
     geometry = search.geometry
-    curved = found.curved.patches
-    surface = np.repeat(found.curved.surface, np.diff(curved.start), axis=0)
-    round_points = _patch_points(curved, _curved_gaps(geometry, curved, surface))
-    blocks = [flat, round_points.take(_share_material(geometry, round_points))]
+    shafts = shafts_in_holes(geometry, search.pairs)
+    curved = _without(found.curved, shafts)
+    surface = np.repeat(curved.surface, np.diff(curved.patches.start), axis=0)
+    gap = _curved_gaps(geometry, curved.patches, surface)
+    points = _seen(search, _patch_points(curved.patches, gap))
+    blocks.append(points.take(_share_material(geometry, points)))
+    row, point, normal, gap = bore_points(geometry, shafts, down, reach)
+    a, b = search.pairs[shafts.pair[row]].T
+    blocks.append(_seen(search, _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))))
     for patches in (found.smooth.patches, found.sharp.patches):
-        points = _patch_points(patches, _sharp_gaps(geometry, patches))
+        points = _seen(search, _patch_points(patches, _sharp_gaps(geometry, patches)))
         points = points.take(_truly_inside(geometry, points))
         blocks.append(points.take(_share_material(geometry, points)))
     return blocks
+
+
+def _without(found: CurvedFindings, shafts: Shafts) -> CurvedFindings:
+    """Patches of curved faces without those between shafts and wider holes."""
+    count = int(max(shafts.body.max(initial=0), shafts.hole.max(initial=0))) + 2
+    both = np.sort(found.surface, axis=1)
+    known = np.sort(np.column_stack([shafts.body, shafts.hole]), axis=1)
+    covered = np.isin(both[:, 0] * count + both[:, 1], known[:, 0] * count + known[:, 1])
+    kept = np.flatnonzero(~covered)
+    return CurvedFindings(found.patches.take(kept), surface=found.surface[kept])
+
+
+def _seen(search: ContactSearch, points: NearPoints) -> NearPoints:
+    """The points whose surfaces see each other (`clear_segments`)."""
+    count = len(search.geometry.mass)
+    keys = search.pairs[:, 0] * count + search.pairs[:, 1]
+    order = np.argsort(keys, kind="stable")
+    wanted = np.minimum(points.part_a, points.part_b) * count
+    wanted = wanted + np.maximum(points.part_a, points.part_b)
+    pair = order[np.searchsorted(keys[order], wanted)]
+    half = points.gap[:, None] / 2 * points.normal
+    return points.take(are_clear(search, pair, points.point - half, points.point + half))
 
 
 def _share_material(geometry: Geometry, points: NearPoints) -> Mask:
@@ -445,7 +454,7 @@ def _share_material(geometry: Geometry, points: NearPoints) -> Mask:
         places = points.point[k, None, None] + offset
         flat = places.reshape(-1, 3)
         both = inside_part(geometry, a, flat) & inside_part(geometry, b, flat)
-        sound[k] = both.reshape(len(k), -1).any(axis=1)
+        sound[k] = np.any(np.all(both.reshape(len(k), 4, -1), axis=2), axis=1)
     return sound
 
 

@@ -151,7 +151,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
     return _State(
-        bodies, CandidatePoints.of(bodies), contacts, float(np.median(sizes)), float(weights.mean()) if free.any() else 1.0,
+        bodies, CandidatePoints.of(bodies), contacts, float(np.median(sizes)),
+        float(weights.mean()) if free.any() else 1.0,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
         np.zeros(count),

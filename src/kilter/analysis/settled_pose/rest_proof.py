@@ -55,6 +55,8 @@ class ClosedContacts:
     fault: str
     """Reason why the pose is not at rest whatever the forces, as a clause; empty if none is
     known."""
+    overlapping: tuple[int, ...] = ()
+    """The two parts of the fault; empty without a fault."""
 
 
 def closed_gap(assembly: Assembly) -> float:
@@ -78,39 +80,53 @@ def closed_gap(assembly: Assembly) -> float:
 
 
 def closed_contacts(
-    assembly: Assembly, points: NearPoints, *, progress: Callable[[str], None] | None = None
+    assembly: Assembly,
+    points: NearPoints,
+    *,
+    detected: ContactSet | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> ClosedContacts:
-    """Keep the points of a pose that are closed, and find its deepest overlap."""
+    """Keep the points of a pose that are closed, and find its deepest overlap.
+
+    Arguments: `detected`: contacts of `strict_contacts`; None: they are detected.
+    """
     gap = closed_gap(assembly)
     parts = np.column_stack([points.part_a, points.part_b])
     apart, sound = closed_points(assembly.geometry, parts, points.point, points.normal, gap)
     closed = (apart <= gap) & sound
     points, parts = points.take(closed), parts[closed]
-    deepest, fault = deepest_overlap(assembly, gap, progress)
+    if detected is None:
+        detected = strict_contacts(assembly, gap, progress)
+    deepest, fault, ends = deepest_overlap(detected, gap)
     listed = _with_contacts(assembly, parts, points)
-    return ClosedContacts(
-        listed, detect.contacts(listed), float(apart[closed].max(initial=0.0)), deepest, fault
-    )
+    widest = float(apart[closed].max(initial=0.0))
+    return ClosedContacts(listed, detect.contacts(listed), widest, deepest, fault, ends)
 
 
-def deepest_overlap(
+def strict_contacts(
     assembly: Assembly, gap: float, progress: Callable[[str], None] | None = None
-) -> tuple[float, str]:
-    """Deepest overlap of two parts [length unit], and a clause if it exceeds `gap`, else ""."""
+) -> ContactSet:
+    """Detect the contacts of a pose; overlaps deeper than `gap` [length unit] are listed."""
     usual = assembly.tolerance or Tolerance()
     tolerance = replace(usual, gap=gap, clearance=None)
-    contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    names, units = assembly.names, assembly.units
+    return detect.contacts(assembly, tolerance=tolerance, progress=progress)
+
+
+def deepest_overlap(contacts: ContactSet, gap: float) -> tuple[float, str, tuple[int, ...]]:
+    """Deepest overlap of two parts [length unit]; if it exceeds `gap`, a clause and both parts."""
+    names, units = contacts.assembly.names, contacts.assembly.units
     lowest = contacts.patch_gap[:, 0]
     penetration = max(0.0, -float(lowest.min(initial=0.0)))
     if contacts.overlaps:
         worst = max(contacts.overlaps, key=lambda overlap: overlap.depth)
         both = some_names([names[k] for k in worst.ends])
-        return max(worst.depth, penetration), f"{both} overlap by {worst.depth:.3g} {units}"
+        clause = f"{both} overlap by {worst.depth:.3g} {units}"
+        return max(worst.depth, penetration), clause, tuple(worst.ends)
     if penetration > 2 * gap:
-        both = some_names([names[k] for k in contacts.patch_parts[int(lowest.argmin())]])
-        return penetration, f"{both} penetrate each other by {penetration:.3g} {units}"
-    return penetration, ""
+        ends = tuple(contacts.patch_parts[int(lowest.argmin())].tolist())
+        both = some_names([names[k] for k in ends])
+        return penetration, f"{both} penetrate each other by {penetration:.3g} {units}", ends
+    return penetration, "", ()
 
 
 def closed_points(
@@ -225,5 +241,5 @@ def open_point_objections(assembly: Assembly, proof: Mapping[str, Any]) -> list[
     if rougher.any():
         k = int(rougher.argmax())
         objections.append(f"a point of {some_names(names[k])} has more friction than its pair")
-    _, fault = deepest_overlap(assembly, gap)
+    _, fault, _ = deepest_overlap(strict_contacts(assembly, gap), gap)
     return objections + ([fault] if fault else [])

@@ -37,7 +37,9 @@ def settle_remedy(verdict: Verdict) -> Remedy | None:
     if any(deep):
         return None
     try:
-        answer = settle(assembly, contacts=contacts, require="equilibrium", effort=0.0)
+        answer = settle(
+            assembly, contacts=contacts, require="equilibrium", effort=0.0, nearest=True
+        )
     except KilterError:
         return None
     if answer.state != "at-rest" or answer.settled_verdict is None:

@@ -29,8 +29,6 @@ COINCIDES = 3e-9
 """A corner of an overlap within this fraction of the size of a part is a corner of that part [-].
 It is below `CLOSED`: a corner farther beside the other face would not count as a closed point.
 """
-SLENDER = 1e-3
-"""Least cross product of two edges, over the product of the sizes, that has a direction [-]."""
 INSIDE = 0.3
 """Least depth of a feature inside the other part, over its penetration along the normal [-]."""
 BESIDE = 0.1

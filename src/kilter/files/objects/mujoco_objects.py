@@ -131,20 +131,27 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
             f"a mujoco {type(model).__name__} is not a model",
             hint="give an MjModel, an MjSpec, or (model, data)",
         )
-    snapshot = take_snapshot(mujoco, model, data, choices.keyframe)
+    snapshot = take_snapshot(mujoco, model, data, choices.keyframe, choices.states)
     return ModelScene(snapshot, choices).assembly("")
+
+
+KnownShapes = dict[tuple[int, ...], tuple[Shape, Pose, tuple[str, ...]]]
+"""Shape and pose of each part in the frame of its body, and notes, by the geoms of the part."""
 
 
 class ModelScene:
     """A MuJoCo model in a given pose, during its conversion to an assembly."""
 
-    def __init__(self, model: Snapshot, choices: FormatOptions) -> None:
+    def __init__(
+        self, model: Snapshot, choices: FormatOptions, known: KnownShapes | None = None
+    ) -> None:
         if choices.units not in (None, "m"):
             raise InputError(
                 f"MuJoCo is in m, but the units given are {choices.units}",
                 hint="leave the units out",
             )
         self.model, self.notes = model, list[str](model.notes)
+        self.known: KnownShapes = {} if known is None else known
         self.names = distinct([name or f"body_{k}" for k, name in enumerate(model.body_names)])
         self.rules = GeomRules(model)
         self.collides: Mask = self.rules.collides
@@ -221,6 +228,11 @@ class ModelScene:
             notes=[*self.notes, *([f"ignored: {left}"] if left else [])],
         )
 
+    def part_names(self) -> dict[int, str]:
+        """Name of the part of each body that has one, after `assembly`."""
+        with_parts = set(self.bodies) - {0}
+        return {b: self.names[own] for b, own in self.owner.items() if own in with_parts}
+
     def _require_gravity(self) -> None:
         """Raise an InputError for a model without gravity."""
         if "GRAVITY" in self.model.disabled or not self.model.gravity.any():
@@ -247,18 +259,17 @@ class ModelScene:
     def _add(self, name: str, geoms: list[int], *, body: int, held: bool) -> None:
         """Add the part of a body with the given geoms, or of a geom of the world (body 0)."""
         model, pose = self.model, Pose(self.model.xpos[body], self.model.xquat[body])
-        shapes = []
-        try:
-            for geom in geoms:
-                shape, place = self._shape(geom)
-                own = int(model.geom_bodyid[geom])
-                if own != body:
-                    outer = compose(pose.inverse(), Pose(model.xpos[own], model.xquat[own]))
-                    place = compose(outer, place)
-                shapes.append((shape, place))
-            shape, inner = one_body(shapes, name, self.notes, self.rules.pieces(geoms))
-        except InputError as error:
-            raise error.located(part=name) from None
+        key = tuple(geoms)
+        if key not in self.known:
+            notes: list[str] = []
+            try:
+                shapes = [self._placed(geom, body, pose) for geom in geoms]
+                known = one_body(shapes, name, notes, self.rules.pieces(geoms))
+            except InputError as error:
+                raise error.located(part=name) from None
+            self.known[key] = *known, tuple(notes)
+        shape, inner, told = self.known[key]
+        self.notes += told
         placed = compose(pose, inner)
         collides = bool(self.collides[geoms].any())
         fields = mass_fields(model, self.members.get(body, []), placed, held=held)
@@ -266,6 +277,16 @@ class ModelScene:
         self.parts.append(Part(name, shape, placed, grounded=held, geometry=geometry, **fields))
         self.rows.append(geoms)
         self.bodies.append(body)
+
+    def _placed(self, geom: int, body: int, pose: Pose) -> tuple[Shape, Pose]:
+        """Shape of a geom, and its pose relative to the body of a part with a pose."""
+        model = self.model
+        shape, place = self._shape(geom)
+        own = int(model.geom_bodyid[geom])
+        if own == body:
+            return shape, place
+        outer = compose(pose.inverse(), Pose(model.xpos[own], model.xquat[own]))
+        return shape, compose(outer, place)
 
     def _shape(self, geom: int) -> tuple[Shape, Pose]:
         """Shape of a geom, and its pose relative to its body."""

@@ -41,6 +41,7 @@ OPTIONS = {
             "fasten_overlaps",
             "density",
             "keyframe",
+            "state",
             "base",
             "friction",
             "contacts",
@@ -94,7 +95,7 @@ class Choices:
         Loose tolerances, for scanned data.
     density : float, optional
         Density of parts without density and mass [kg/m^3].
-    keyframe, base : str, optional
+    keyframe, state, base : str, optional
         Options of MJCF and URDF, see `kilter.load`.
     studs : mapping, optional
         Bricks: `pull` [N], `shear` and `sides`.
@@ -147,6 +148,7 @@ class Choices:
     loose: bool = False
     density: float | None = None
     keyframe: str | None = None
+    state: str | None = None
     base: str | None = None
     studs: Any = None
     left_out: Any = ()
@@ -224,6 +226,8 @@ class Choices:
         options = {
             OPTIONS[key]: value for key, value in given.items() if not _is_default(plain(value))
         }
+        if self.state is not None:
+            options["state"] = os.path.join(self.folder, self.state)
         options |= {STUDS[key]: value for key, value in (self.studs or {}).items()}
         if self.floor is not None and self.floor is not False:
             options["floor"] = LOWEST if self.floor is True else float(self.floor)

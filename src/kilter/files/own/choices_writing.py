@@ -138,6 +138,8 @@ def choices_about(path: Path, folder: Path, options: Mapping[str, Any], **keys: 
     Raises `InputError` if the file does not lie in the folder or below.
     """
     values = {key: options[option] for key, option in OPTIONS.items() if option in options}
+    if "state" in values:
+        values["state"] = os.path.relpath(values["state"], folder)
     studs = {key: options[option] for key, option in STUDS.items() if option in options}
     if studs:
         values["studs"] = studs

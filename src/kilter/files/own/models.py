@@ -419,6 +419,9 @@ class ChoicesFile(Entry):
     loose: Flag | None = None
     density: Positive | None = Field(None, description="[kg/m^3]")
     keyframe: str | None = None
+    state: str | None = Field(
+        None, description="FILE:ROW, a state of a simulator; the file is relative to the choices"
+    )
     base: Literal["fixed", "floating"] | None = None
     studs: StudsEntry | None = None
     left_out: list[Name] | None = Field(None, description="names; * and ? are wildcards")

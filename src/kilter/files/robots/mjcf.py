@@ -1,35 +1,54 @@
 """Convert an assembly to an MJCF scene, to watch an answer in MuJoCo.
 
 Held parts become fixed bodies, other parts free bodies, with the same names, masses, centres and
-inertia, in metres. Boxes, cylinders and spheres are exact. Meshes are copied, but MuJoCo collides
-with their convex hulls. Friction pairs become contact pairs; pieces of a part have the least
-friction of their pair. Fixed and spherical joints become
+inertia, in metres. Boxes, cylinders, spheres and capsules are exact. A compound has a geom for each
+of its shapes. Other meshes are copied, but MuJoCo collides with their convex hulls. Friction pairs
+become contact pairs; pieces of a part without a geom of their own have the least friction of their
+pair. Pairs of parts that never touch are excluded. Fixed and spherical joints become
 equalities, a revolute joint two connections on its axis. Contacts in MuJoCo are soft: a barely
 stable assembly may creep.
 """
 
 from __future__ import annotations
 
-from itertools import combinations
+from collections.abc import Iterator
+from itertools import combinations, product
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, Part
-from kilter.assembly.interactions import Joint
+from kilter.assembly.interactions import FrictionPair, Joint
 from kilter.assembly.part import GROUND
-from kilter.errors import InputError
-from kilter.rigid import matrix_to_quaternion
-from kilter.shape.primitives import Box, Cylinder, Sphere, surface
+from kilter.errors import InputError, some_names
+from kilter.files.meshes.placed import distinct
+from kilter.files.robots.one_body import compose
+from kilter.rigid import Pose, matrix_to_quaternion
+from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, hull_surface, surface
 from kilter.units import metres_per_unit
 
 LEAST = 1e-5
 """Least friction coefficient that MuJoCo accepts [-]."""
 SMALL = 1e-9
 """Least ratio of the smallest to the largest principal inertia that MuJoCo accepts [-]."""
+CONVEX = 1e-6
+"""Largest share by which the hull of a mesh that counts as convex has more volume [-]."""
 Element = ElementTree.Element
+
+
+class Geom(NamedTuple):
+    """A geom of a body: its shape, its pose in the frame of the part, its name and its piece.
+
+    The piece is None for a geom that has several pieces.
+    """
+
+    name: str
+    shape: Shape
+    pose: Pose
+    piece: int | None
 
 
 def to_mjcf(assembly: Assembly) -> str:
@@ -58,20 +77,92 @@ def to_mjcf(assembly: Assembly) -> str:
     ElementTree.SubElement(root, "option", gravity=_words(assembly.gravity))
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
+    geoms = _geoms(assembly)
     for k, part in enumerate(assembly.parts):
-        _body(world, assets, assembly, k, part, metres)
-    _pairs(root, assembly)
+        body = _body(world, assembly, k, part, metres)
+        for geom in geoms[part.name]:
+            _add_geom(body, assets, geom, _friction(assembly.friction), metres)
+    _pairs(root, assembly, geoms)
     equalities = ElementTree.SubElement(root, "equality")
     for joint in assembly.joints:
         _equality(equalities, assembly, joint, metres)
+    for note in hull_notes(assembly):
+        root.insert(0, ElementTree.Comment(f" {note.replace('--', '- -')} "))
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def _body(
-    world: Element, assets: Element, assembly: Assembly, k: int, part: Part, metres: float
-) -> None:
-    """Add part k to the MJCF world as a body with a geom, and its mesh to the assets."""
+def hull_notes(assembly: Assembly) -> list[str]:
+    """A sentence about the parts whose hollows MuJoCo fills; an empty list without such parts."""
+    filled = [
+        part.name
+        for part in assembly.parts
+        if not all(_is_convex(shape) for shape, _, _ in _members(part.shape))
+    ]
+    if not filled:
+        return []
+    return [f"MuJoCo closes the hollows of meshes without convex pieces: {some_names(filled)}"]
+
+
+def _is_convex(shape: Shape) -> bool:
+    """Whether the convex hull of a shape has no more volume than the shape."""
+    if isinstance(shape, Box | Cylinder | Sphere) or capsule_size(shape) is not None:
+        return True
+    vertices, triangles = surface(shape)
+    try:
+        hull = _volume(*hull_surface(vertices))
+    except InputError:
+        return True  # a flat mesh
+    return hull <= (1 + CONVEX) * _volume(vertices, triangles)
+
+
+def _volume(vertices: Array, triangles: Index) -> float:
+    """Volume inside a closed surface of triangles."""
+    a, b, c = np.moveaxis((vertices - vertices.mean(axis=0))[triangles], 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def capsule_size(shape: Shape) -> tuple[float, float] | None:
+    """Radius and length of the cylinder of a capsule about z; None for another shape."""
+    members = shape.members if isinstance(shape, Mesh) else ()
+    if [type(member) for member, _ in members] != [Cylinder, Sphere, Sphere]:
+        return None
+    (rod, middle), *balls = members
+    assert isinstance(rod, Cylinder)
+    ends = [pose.position.tolist() for _, pose in balls]
+    half = rod.height / 2
+    fits = all(getattr(ball, "radius", None) == rod.radius for ball, _ in balls)
+    fits = fits and middle == Pose() and ends == [[0, 0, -half], [0, 0, half]]
+    return (rod.radius, rod.height) if fits else None
+
+
+def _members(shape: Shape, outer: Pose | None = None) -> Iterator[tuple[Shape, Pose, int | None]]:
+    """Shapes of which a shape is the union, with their poses in its frame and their pieces."""
+    place = Pose() if outer is None else outer
+    if not isinstance(shape, Mesh) or not shape.members or capsule_size(shape) is not None:
+        several = isinstance(shape, Mesh) and shape.pieces is not None
+        yield shape, place, None if several else 0
+        return
+    for (member, pose), piece in zip(shape.members, shape.member_pieces, strict=True):
+        for inner, at, _ in _members(member, compose(place, pose)):
+            yield inner, at, piece
+
+
+def _geoms(assembly: Assembly) -> dict[str, list[Geom]]:
+    """The geoms of each part by its name; the only geom of a part has the part's name."""
+    members = {part.name: list(_members(part.shape)) for part in assembly.parts}
+    wanted = list(members) + [
+        f"{name}/{k}" for name, each in members.items() for k in range(len(each)) if len(each) > 1
+    ]
+    names = iter(distinct(wanted)[len(members) :])
+    return {
+        name: [Geom(name if len(each) == 1 else next(names), *member) for member in each]
+        for name, each in members.items()
+    }
+
+
+def _body(world: Element, assembly: Assembly, k: int, part: Part, metres: float) -> Element:
+    """Add part k to the MJCF world as a body without geoms, and return the body."""
     body = ElementTree.SubElement(
         world,
         "body",
@@ -82,26 +173,31 @@ def _body(
     if not part.grounded:
         ElementTree.SubElement(body, "freejoint", name=f"{part.name}/free")
     ElementTree.SubElement(body, "inertial", _inertial(assembly, k, part, metres))
-    shape = part.shape
-    kind, size = "mesh", ""
+    return body
+
+
+def _add_geom(body: Element, assets: Element, geom: Geom, friction: str, metres: float) -> None:
+    """Add a geom to a body, and its mesh to the assets."""
+    shape, capsule = geom.shape, capsule_size(geom.shape)
+    words = {"name": geom.name}
+    if geom.pose != Pose():
+        words |= {"pos": _words(geom.pose.position * metres), "quat": _words(geom.pose.rotation)}
     if isinstance(shape, Box):
-        kind, size = "box", _words(shape.size / 2 * metres)
+        words |= {"type": "box", "size": _words(shape.size / 2 * metres)}
     elif isinstance(shape, Cylinder):
-        kind, size = "cylinder", _words([shape.radius * metres, shape.height / 2 * metres])
+        size = _words([shape.radius * metres, shape.height / 2 * metres])
+        words |= {"type": "cylinder", "size": size}
     elif isinstance(shape, Sphere):
-        kind, size = "sphere", _words([shape.radius * metres])
-    geom = {"name": part.name, "type": kind, **({"size": size} if size else {})}
-    if kind == "mesh":
+        words |= {"type": "sphere", "size": _words([shape.radius * metres])}
+    elif capsule is not None:
+        size = _words([capsule[0] * metres, capsule[1] / 2 * metres])
+        words |= {"type": "capsule", "size": size}
+    else:
         vertices, triangles = surface(shape)
-        ElementTree.SubElement(
-            assets,
-            "mesh",
-            name=part.name,
-            vertex=_words((vertices * metres).ravel()),
-            face=_words(triangles.ravel()),
-        )
-        geom["mesh"] = part.name
-    ElementTree.SubElement(body, "geom", geom, friction=_friction(assembly.friction))
+        corners = {"vertex": _words((vertices * metres).ravel()), "face": _words(triangles.ravel())}
+        ElementTree.SubElement(assets, "mesh", {"name": geom.name, **corners})
+        words |= {"type": "mesh", "mesh": geom.name}
+    ElementTree.SubElement(body, "geom", words, friction=friction)
 
 
 def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str, str]:
@@ -120,30 +216,60 @@ def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str
     }
 
 
-def _pairs(root: Element, assembly: Assembly) -> None:
-    """Add friction pairs to the MJCF scene, and exclude contact between jointed parts."""
+def _pairs(root: Element, assembly: Assembly, geoms: dict[str, list[Geom]]) -> None:
+    """Add friction pairs to the MJCF scene, and exclude contact between jointed parts.
+
+    Pairs of parts that never touch are excluded, too.
+    """
     contact = ElementTree.SubElement(root, "contact")
-    least: dict[frozenset[str], float] = {}
-    whole = {frozenset(entry.parts) for entry in assembly.friction_pairs if entry.pieces is None}
+    entries: dict[tuple[str, str], list[FrictionPair]] = {}
     for entry in assembly.friction_pairs:
-        pair = frozenset(entry.parts)
-        usual = entry.mu if pair in whole else assembly.friction
-        least[pair] = min(entry.mu, least.get(pair, usual))
-    for pair, value in least.items():
-        first, second = sorted(pair, key=assembly.index_of)
-        mu = f"{max(value, LEAST):.17g}"
-        ElementTree.SubElement(
-            contact,
-            "pair",
-            geom1=first,
-            geom2=second,
-            friction=f"{mu} {mu} {LEAST} {LEAST} {LEAST}",
-        )
+        ordered = _in_order(assembly, entry)
+        entries.setdefault(ordered.parts, []).append(ordered)
+    for parts, given in entries.items():
+        for a, b in product(geoms[parts[0]], geoms[parts[1]]):
+            mu = f"{max(_pair_friction(given, (a.piece, b.piece), assembly.friction), LEAST):.17g}"
+            ElementTree.SubElement(
+                contact,
+                "pair",
+                geom1=a.name,
+                geom2=b.name,
+                friction=f"{mu} {mu} {LEAST} {LEAST} {LEAST}",
+            )
     connected = {frozenset(joint.parts) for joint in assembly.joints if GROUND not in joint.parts}
+    apart = [given for given in assembly.contacts if not len(given.points)]
+    connected |= {frozenset(given.parts) for given in apart if given.pieces is None}
     held = {part.name for part in assembly.parts if part.grounded}
-    for first, second in combinations(assembly.names, 2) if connected else ():
-        if {first, second} in connected and not {first, second} <= held:
-            ElementTree.SubElement(contact, "exclude", body1=first, body2=second)
+    for one, other in combinations(assembly.names, 2) if connected else ():
+        if {one, other} in connected and not {one, other} <= held:
+            ElementTree.SubElement(contact, "exclude", body1=one, body2=other)
+
+
+def _in_order(assembly: Assembly, entry: FrictionPair) -> FrictionPair:
+    """A friction pair with its parts in the order of the assembly."""
+    if assembly.index_of(entry.parts[0]) <= assembly.index_of(entry.parts[1]):
+        return entry
+    pieces = None if entry.pieces is None else entry.pieces[::-1]
+    return FrictionPair(entry.parts[::-1], entry.mu, pieces)
+
+
+def _pair_friction(
+    entries: list[FrictionPair], pieces: tuple[int | None, int | None], usual: float
+) -> float:
+    """Friction coefficient of two geoms with given pieces, from the entries of their parts.
+
+    Entries of pieces that a geom contains beside others count with the least value.
+    """
+    whole = [entry.mu for entry in entries if entry.pieces is None]
+    own = [
+        entry.mu
+        for entry in entries
+        if entry.pieces is not None
+        and all(p is None or p == q for p, q in zip(pieces, entry.pieces, strict=True))
+    ]
+    if None not in pieces and own:
+        return min(own)
+    return min([*own, *(whole or [usual])])
 
 
 def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: float) -> None:

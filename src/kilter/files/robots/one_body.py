@@ -106,7 +106,8 @@ def one_body(
     runs = np.diff(np.asarray(mesh.run_index)) // 3
     numbers = np.repeat([piece_of[k] for k in mesh.run_original_id], runs)
     triangles = np.asarray(mesh.tri_verts).astype(np.int64)
-    return Mesh(vertices, triangles, pieces=numbers, members=shapes), Pose()
+    mesh_of = Mesh(vertices, triangles, pieces=numbers, members=shapes, member_pieces=pieces)
+    return mesh_of, Pose()
 
 
 def capsule(radius: float, height: float) -> Shape:

@@ -32,13 +32,15 @@ from kilter.threads import make_no_threads
 
 if TYPE_CHECKING:
     from kilter.files.format_options import FormatOptions
+    from kilter.files.objects.mujoco_snapshot import StateRows
 
 
-LIBRARIES = {"mjcf": "MuJoCo", "usd": "USD"}
+LIBRARIES = {"mjcf": "MuJoCo", "usd": "USD", "why": "MuJoCo"}
 """Name of the library for each kind of scene."""
 RAISES = {
     "mjcf": ("mujoco.FatalError", "mujoco.UnexpectedError"),
     "usd": ("pxr.Tf.ErrorException",),
+    "why": ("mujoco.FatalError", "mujoco.UnexpectedError"),
 }
 """Exceptions of each library for damaged files."""
 MEMORY = 1_700_000_000
@@ -50,6 +52,9 @@ STALLS = 12.0
 STALLS_PER_MEGABYTE = 12.0
 """CPU time allowed in addition for each megabyte of a scene and its meshes [s/MB]."""
 
+SIMULATION = 120.0
+"""CPU time allowed in addition for simulations [s]."""
+
 _kept: list[ReaderProcess] = []
 
 
@@ -57,7 +62,7 @@ def begin_early(kind: str, path: Path) -> None:
     """Start the process, and let it read a file in advance with the default options."""
     if not _kept and can_start():
         _begin()
-        _kept[0].ask_ahead(_request(kind, path, None, None))
+        _kept[0].ask_ahead(_request(kind, path, None, None, None))
 
 
 def is_mjcf(path: Path) -> bool:
@@ -82,12 +87,20 @@ def _end() -> None:
         _kept.pop().end()
 
 
-def _request(kind: str, path: Path, units: str | None, keyframe: str | None) -> Request:
+def _request(
+    kind: str,
+    path: Path,
+    units: str | None,
+    keyframe: str | None,
+    states: StateRows | None,
+    *more: Any,
+) -> Request:
     """Request to the process; another state of the file is another request."""
     state = path.stat()
     changed = (state.st_mtime_ns, state.st_size)
     place = (str(path.absolute()), str(path), changed)
-    return _seconds(state.st_size), (kind, place, units, keyframe, start_folder())
+    seconds = _seconds(state.st_size) + (SIMULATION if kind == "why" else 0.0)
+    return seconds, (kind, place, units, keyframe, states, start_folder(), *more)
 
 
 def _seconds(size: int) -> float:
@@ -101,16 +114,34 @@ def read_scene(kind: str, path: Path, choices: FormatOptions) -> Any:
     Returns the assembly of a USD file, or the MuJoCo model of an MJCF file. Raises `InputError` if
     the library is not installed, crashes or does not finish, or if the file is damaged.
     """
+    return _ask(kind, path, choices)
+
+
+def read_engine_state(path: Path, choices: FormatOptions, run: tuple[int, float]) -> Any:
+    """Read the state of an MJCF file with the contacts of the engine.
+
+    Arguments: `run`: time steps before the state is taken, and time of simulations after it [s].
+    Raises `InputError` as `read_scene`, and for other files.
+    """
+    if path.is_file() and not is_mjcf(path):
+        raise InputError(
+            "this is no MJCF file, the format of MuJoCo", file=str(path), hint="give such a scene"
+        )
+    return _ask("why", path, choices, run)
+
+
+def _ask(kind: str, path: Path, choices: FormatOptions, *more: Any) -> Any:
+    """The answer of the process to a request."""
     from kilter.arrays import sealed
 
     try:
-        request = _request(kind, path, choices.units, choices.keyframe)
+        request = _request(kind, path, choices.units, choices.keyframe, choices.states, *more)
     except FileNotFoundError:
         raise InputError("no such file", file=str(path), hint="check the path") from None
     except (OSError, ValueError) as error:
         raise InputError(f"cannot be read: {error}", file=str(path), hint="check it") from None
     if not can_start():
-        return _read(lambda size: None, *request[1])
+        return _read(lambda *size: None, *request[1])
     killed = False
     while True:
         if _kept and _kept[0].ahead not in (None, request):
@@ -165,9 +196,9 @@ def _load() -> Answer:
     return lambda tell, *arguments: _read(_allow_time, *arguments)
 
 
-def _allow_time(size: int) -> None:
+def _allow_time(size: int, more: float = 0.0) -> None:
     """Limit the CPU time of this process for files with a number of bytes."""
-    allow_seconds(_seconds(size))
+    allow_seconds(_seconds(size) + more)
 
 
 def _leave_folder() -> None:
@@ -182,12 +213,14 @@ def _leave_folder() -> None:
 
 
 def _read(
-    allow_time: Callable[[int], None],
+    allow_time: Callable[..., None],
     kind: str,
     place: tuple[str, str, tuple[int, int]],
     units: str | None,
     keyframe: str | None,
+    states: StateRows | None,
     start: tuple[str, str] | None,
+    *more: Any,
 ) -> Any:
     """Read a scene in this process.
 
@@ -199,7 +232,14 @@ def _read(
         if kind == "mjcf":
             from kilter.files.objects.mjcf_scenes import read_mjcf
 
-            return read_mjcf(Path(path), keyframe, allow_time)
+            return read_mjcf(Path(path), keyframe, states, allow_time)
+        if kind == "why":
+            from kilter.files.objects.mjcf_states import read_state
+
+            (run,) = more
+            return read_state(
+                Path(path), keyframe, states, run, lambda size: allow_time(size, SIMULATION)
+            )
         from kilter.files.usd.usd_assembly import read_usd
 
         return read_usd(Path(path), shown, units, allow_time)

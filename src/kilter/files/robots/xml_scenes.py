@@ -22,6 +22,10 @@ def load_xml(path: Path, choices: FormatOptions) -> tuple[Assembly, bool]:
     """
     root = xml_root(path)
     with reader_guard(path):
+        if root.tag == "robot" and choices.states is not None:
+            raise InputError(
+                "states belong to an MJCF scene, and this is URDF", hint="leave the state out"
+            )
         if root.tag == "robot":
             return read_urdf(root, path, choices), True
         if root.tag == "mujoco":

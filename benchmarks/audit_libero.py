@@ -1,0 +1,340 @@
+"""Audit of the start states of a robot benchmark: LIBERO, or any folder of scenes with states.
+
+    python benchmarks/audit_libero.py FOLDER --rows 1        the first state of each task
+    python benchmarks/audit_libero.py FOLDER                 all states
+    python benchmarks/audit_libero.py FOLDER --engine OLD/bin/python --engine NEW/bin/python
+    python benchmarks/audit_libero.py FOLDER --table         the table of what is done
+
+The folder is not shipped. For each task it has TASK.xml, an MJCF file that MuJoCo compiles, and
+TASK.npy with a state in each row, (time, positions, velocities) or positions alone. The docs state
+how to write both from LIBERO (docs/start-states.md).
+
+For each state, the audit measures
+
+    stored   how far each object moves in 2 s of simulation from the state as stored
+    kilter   whether each object is at rest, its largest way there, and CPU seconds
+    rest     how far each object moves in 2 s from the pose at rest
+
+An object is a body with a free joint. `--engine` names an interpreter with NumPy and MuJoCo; each
+runs `drift_of_states.py` in a process of its own, so that versions can be compared. Without it, the
+interpreter of the audit simulates. Results are stored under FOLDER/audit as soon as they are known,
+and an interrupted audit continues: a state is not settled twice, unless `--again` is given, and a
+pose is not simulated twice by the same version. The exit code is 1 if an object that is reported at
+rest moves by more than `DRIFT`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+import kilter
+from kilter.rigid import Pose
+
+Array = NDArray[np.float64]
+DRIFT = 1e-4
+"""Displacement above which an object reported at rest is listed [m]."""
+PATIENCE = 120.0
+"""Time limit of kilter for a state [s]."""
+ENGINE = Path(__file__).with_name("drift_of_states.py")
+
+
+@dataclass(frozen=True)
+class Task:
+    """A scene with its states, and the files of its results."""
+
+    name: str
+    scene: Path
+    states: Array
+    """Positions of the joints; shape (n, nq)."""
+    objects: tuple[str, ...]
+    """Bodies with a free joint."""
+    results: Path
+
+    def settled(self) -> dict[int, dict[str, Any]]:
+        """The answers of kilter until now, by the row of the state."""
+        lines = _lines(self.results / f"{self.name}.settled.jsonl")
+        return {line["row"]: line for line in lines}
+
+    def drifts(self, version: str) -> dict[str, dict[str, float]]:
+        """Displacements [m] of objects in a version of MuJoCo, by the key of the first pose."""
+        lines = _lines(self.results / f"{self.name}.drift-{version}.jsonl")
+        return {line["pose"]: line["moved"] for line in lines}
+
+
+def read_task(scene: Path, results: Path) -> Task:
+    """Read the scene and the states of a task."""
+    model = mujoco.MjModel.from_xml_path(str(scene))
+    rows = np.load(scene.with_suffix(".npy"))
+    if rows.shape[1] != model.nq:
+        if rows.shape[1] != 1 + model.nq + model.nv + model.na:
+            raise SystemExit(f"{scene.stem}: states of {rows.shape[1]} numbers do not fit")
+        rows = rows[:, 1 : 1 + model.nq]
+    free = model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE]
+    names = tuple(model.body(body).name for body in free)
+    return Task(scene.stem, scene, rows, names, results)
+
+
+def _lines(path: Path) -> list[dict[str, Any]]:
+    """The complete lines of a file of results; an interrupted writer may leave a broken one."""
+    lines = []
+    for line in path.read_text().splitlines() if path.exists() else ():
+        try:
+            lines.append(json.loads(line))
+        except json.JSONDecodeError:
+            continue
+    return lines
+
+
+def _append(path: Path, line: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a") as file:
+        file.write(json.dumps(line) + "\n")
+
+
+def _key(state: Array) -> str:
+    """A short name of a pose."""
+    return hashlib.sha256(np.ascontiguousarray(state).tobytes()).hexdigest()[:16]
+
+
+# kilter ----------------------------------------------------------------------------------------
+
+
+def settle(task: Task, rows: list[int]) -> Iterator[dict[str, Any]]:
+    """Bring states to rest by kilter, and yield a line of results for each."""
+    model = mujoco.MjModel.from_xml_path(str(task.scene))
+    data = mujoco.MjData(model)
+    for row in rows:
+        state = task.states[row]
+        data.qpos[:] = state
+        mujoco.mj_forward(model, data)
+        begun = time.process_time()
+        robots = _robots(model)
+        drawn = kilter.load((model, data), ground=robots)
+        read = time.process_time() - begun
+        report = kilter.scene(drawn, settle=True, time_limit=PATIENCE)
+        cpu = time.process_time() - begun
+        rest = state.copy()
+        found, moved = {}, {}
+        for name in task.objects:
+            found[name] = report[name].state
+            joint = model.body(name).jntadr[0]
+            at = model.jnt_qposadr[joint]
+            before, after = drawn.parts[drawn.index[name]].pose, report.assembly[name].pose
+            turn = after.matrix @ before.matrix.T
+            place = after.position + turn @ (state[at : at + 3] - before.position)
+            held = Pose(state[at : at + 3], state[at + 3 : at + 7])
+            rest[at : at + 3] = place
+            rest[at + 3 : at + 7] = Pose.of(turn @ held.matrix).rotation
+            moved[name] = float(np.linalg.norm(place - state[at : at + 3]))
+        yield {
+            "row": row,
+            "read": read,
+            "cpu": cpu,
+            "states": found,
+            "moved": moved,
+            "qpos": rest.tolist(),
+        }
+
+
+def _each(task: Task, rows: list[int]) -> Iterator[dict[str, Any]]:
+    """Results for each state; a state that kilter refuses has the sentence of the error."""
+    for row in rows:
+        try:
+            yield from settle(task, [row])
+        except kilter.InputError as error:
+            yield {
+                "row": row, "cpu": 0.0, "states": dict.fromkeys(task.objects, "refused"),
+                "moved": dict.fromkeys(task.objects, 0.0), "qpos": task.states[row].tolist(),
+                "why": str(error),
+            }  # fmt: skip
+
+
+def _robots(model: Any) -> list[str]:
+    """Bodies of the kinematic trees with motors."""
+    driven = model.jnt_bodyid[model.actuator_trnid[:, 0]]
+    roots = set(model.body_rootid[driven].tolist())
+    chosen = [k for k in range(1, model.nbody) if model.body_rootid[k] in roots]
+    return [model.body(k).name for k in chosen if model.body_geomnum[k]]
+
+
+# MuJoCo ----------------------------------------------------------------------------------------
+
+
+def simulate(task: Task, interpreter: str, version: str, states: list[Array]) -> None:
+    """Simulate poses that this version of MuJoCo has not simulated yet, and store the drifts."""
+    known = task.drifts(version)
+    todo = {_key(state): state for state in states if _key(state) not in known}
+    if not todo:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "states.npy"
+        np.save(path, np.array(list(todo.values())))
+        command = [interpreter, str(ENGINE), str(task.scene), str(path)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            process.stdout.readline()
+            for key, line in zip(todo, process.stdout, strict=False):
+                moved = json.loads(line)["moved"]
+                target = task.results / f"{task.name}.drift-{version}.jsonl"
+                _append(target, {"pose": key, "moved": moved})
+
+
+def version_of(interpreter: str) -> str:
+    """Version of MuJoCo in an interpreter."""
+    command = [interpreter, "-c", "import mujoco; print(mujoco.__version__)"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+# table -----------------------------------------------------------------------------------------
+
+
+@dataclass
+class Counts:
+    """Numbers of a row of the table."""
+
+    states: int = 0
+    objects: int = 0
+    at_rest: int = 0
+    way: list[float] = field(default_factory=list)
+    """Distances that objects at rest were moved [m]."""
+    cpu: list[float] = field(default_factory=list)
+    stored: dict[str, list[float]] = field(default_factory=dict)
+    """Displacements from the stored states, by version [m]."""
+    rest: dict[str, list[float]] = field(default_factory=dict)
+    """Displacements of objects that are reported at rest, by version [m]."""
+    moving: list[str] = field(default_factory=list)
+    """Objects reported at rest that move by more than `DRIFT`."""
+
+    def add(self, task: Task, versions: list[str]) -> None:
+        """Count the results of a task."""
+        drifts = {version: task.drifts(version) for version in versions}
+        for row, line in sorted(task.settled().items()):
+            pose, begun = _key(np.array(line["qpos"])), _key(task.states[row])
+            self.states += 1
+            self.cpu.append(line["cpu"])
+            resting = [name for name in task.objects if line["states"][name] == "at-rest"]
+            self.objects += len(task.objects)
+            self.at_rest += len(resting)
+            self.way += [line["moved"][name] for name in resting]
+            for version, known in drifts.items():
+                before, after = known.get(begun, {}), known.get(pose, {})
+                self.stored.setdefault(version, []).extend(
+                    before[name] for name in task.objects if name in before
+                )
+                still = {name: after[name] for name in resting if name in after}
+                self.rest.setdefault(version, []).extend(still.values())
+                self.moving += [
+                    f"{task.name} row {row}: {name} moves {1000 * far:.3g} mm in {version}"
+                    for name, far in still.items()
+                    if far > DRIFT
+                ]
+
+    def row(self, name: str, versions: list[str]) -> str:
+        """The counts as a row of a table."""
+        if not self.states:
+            return f"{name:18} nothing is settled yet"
+        cells = [f"{name:18} {self.states:6} {self.objects:7} {self.at_rest:7}"]
+        cells.append(f"{1000 * max(self.way, default=0.0):9.3g}")
+        cells.append(f"{np.median(self.cpu):7.2f} {max(self.cpu):7.2f}")
+        for version in versions:
+            for values in (self.stored.get(version, []), self.rest.get(version, [])):
+                cells.append(f"{1000 * np.median(values):8.3g}" if values else f"{'-':>8}")
+                cells.append(f"{1000 * max(values):8.3g}" if values else f"{'-':>8}")
+        return " ".join(cells)
+
+
+def print_table(tasks: list[Task], versions: list[str]) -> int:
+    """Print the counts by task and in total, and return the number of moving objects."""
+    head = f"{'task':18} {'states':>6} {'objects':>7} {'at rest':>7} {'moved mm':>9} {'CPU s':>15}"
+    for version in versions:
+        head += f" {'stored ' + version:>17} {'at rest ' + version:>17}"
+    print(
+        head
+        + "\n"
+        + f"{'':50} {'median':>8} {'max':>7}"
+        + f"{'  median      max' * 2}" * len(versions)
+    )
+    total = Counts()
+    for task in tasks:
+        counts = Counts()
+        counts.add(task, versions)
+        total.add(task, versions)
+        print(counts.row(task.name, versions))
+    print(total.row("all", versions))
+    for version in versions:
+        stored, rest = (
+            np.array(total.stored.get(version, [])),
+            np.array(total.rest.get(version, [])),
+        )
+        print(
+            f"MuJoCo {version}, in 2 s: of {len(stored)} stored objects {np.sum(stored > 1e-3)} "
+            f"move by more than 1 mm; of {len(rest)} objects at rest {np.sum(rest > DRIFT)} by "
+            "more than .1 mm"
+        )
+    for line in total.moving:
+        print("  " + line)
+    return len(total.moving)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("folder", type=Path, help="folder of TASK.xml and TASK.npy")
+    parser.add_argument("--rows", type=int, default=None, help="only the first states of each task")
+    parser.add_argument("--only", default="*", help="names of the tasks, with wildcards")
+    parser.add_argument("--engine", action="append", default=[], help="interpreter with MuJoCo")
+    parser.add_argument("--results", type=Path, default=None, help="default: FOLDER/audit")
+    parser.add_argument("--table", action="store_true", help="print the table only")
+    parser.add_argument(
+        "--again",
+        choices=["open", "all"],
+        help="settle the states again that have an object not at rest, or all",
+    )
+    options = parser.parse_args()
+    results = options.results or options.folder / "audit"
+    scenes = [
+        path for path in sorted(options.folder.glob("*.xml")) if fnmatch(path.stem, options.only)
+    ]
+    tasks = [read_task(path, results) for path in scenes if path.with_suffix(".npy").exists()]
+    engines = {version_of(path): path for path in options.engine or [sys.executable]}
+    for task in tasks if not options.table else ():
+        audit(task, engines, options.rows, options.again)
+    return 1 if print_table(tasks, list(engines)) else 0
+
+
+def audit(task: Task, engines: dict[str, str], count: int | None, again: str | None) -> None:
+    """Settle and simulate the first states of a task that have no results yet."""
+    rows = range(len(task.states))[:count]
+    done = task.settled()
+    faulty = {row for row, line in done.items() if set(line["states"].values()) != {"at-rest"}}
+    keep = {None: set(done), "open": set(done) - faulty, "all": set()}[again]
+    for line in _each(task, [row for row in rows if row not in keep]):
+        _append(task.results / f"{task.name}.settled.jsonl", line)
+        faults = [f"{name} {state}" for name, state in line["states"].items() if state != "at-rest"]
+        print(
+            f"{task.name} row {line['row']}: {line['cpu']:.2f} CPU s {'; '.join(faults)}",
+            flush=True,
+        )
+    done = task.settled()
+    for version, interpreter in engines.items():
+        states = [task.states[row] for row in rows]
+        states += [np.array(done[row]["qpos"]) for row in rows if row in done]
+        simulate(task, interpreter, version, states)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Verdicts on the contacts of other engines, without geometry."""
