@@ -59,6 +59,15 @@ def test_the_way_of_a_part_that_falls_and_of_one_that_is_sunk():
     assert ways(sunk, "box-1") == ["pushed-out"]
 
 
+@pytest.mark.parametrize("yaw", [0.0, 0.3])
+def test_a_can_rests_on_its_flat_end_however_it_is_turned(yaw: float):
+    """Its rim lies beyond the sides of the polygon that its triangles form."""
+    can = Part("can", Cylinder(0.03, 0.1), Pose([0, 0, 0.15], turn([0, 0, 1], np.degrees(yaw))))
+    answer = kilter.settle(Assembly([TABLE, can], friction=0.5), require="equilibrium")
+    assert answer.state == "at-rest"
+    assert answer.movement[1] == pytest.approx([0, 0, -0.1, 0, 0, 0], abs=1e-9)
+
+
 @pytest.mark.parametrize("over", [0.49, 0.51])
 def test_a_sunk_stack_topples_if_its_upper_box_overhangs_by_more_than_half(over: float):
     """Answer 12: what is sunk is not glued."""
@@ -119,7 +128,7 @@ def test_a_rod_turns_about_an_edge_until_its_end_meets_the_floor(length, beyond,
     half = 0.5e-3 * length
     center = np.array([beyond * math.cos(angle) + half * math.sin(angle), 0,
                        high - beyond * math.sin(angle) + half * math.cos(angle)])  # fmt: skip
-    rest = shift_of(answer, "rod") + [beyond, 0, high + half]
+    rest = shift_of(answer, "rod") + np.array([beyond, 0, high + half])
     assert rest == pytest.approx(center, abs=1e-6 * length)
 
 
@@ -137,7 +146,7 @@ def test_a_ball_above_a_side_of_a_groove_rolls_to_its_middle(aside: float):
     radius = 0.02
     known = ball_in_groove(radius, 40.0, 0.01)
     parts = list(known.assembly.parts)
-    place = parts[1].pose.position + [aside * radius, 0, radius]
+    place = parts[1].pose.position + np.array([aside * radius, 0, radius])
     parts[1] = Part("ball", parts[1].shape, place)
     answer = kilter.settle(Assembly(parts, friction=0.5), require="equilibrium")
     assert answer.state == "at-rest"

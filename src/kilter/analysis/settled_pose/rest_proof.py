@@ -154,8 +154,10 @@ def _normals_at(geometry: Geometry, facets: Facets, part: int, point: Array, gap
     height = np.einsum("fi,fi->f", point - facets.origin[rows], facets.normal[rows])
     away = np.linalg.norm(point - facets.origin[rows], axis=1)
     near = (np.abs(height) <= gap) & (away <= facets.reach[rows] + gap) & ~facets.curved[rows]
-    on = [row for row in rows[near].tolist() if _on_facet(geometry, facets, row, point, gap)]
     surface = np.arange(*geometry.surfaces.start[part : part + 2])
+    # a flat face that a curved one bounds is an inscribed polygon: its edge is off by the sagitta
+    slack = gap + float(geometry.surfaces.sagitta[surface].max(initial=0.0))
+    on = [row for row in rows[near].tolist() if _on_facet(geometry, facets, row, point, slack)]
     if not len(surface):
         return facets.normal[on]
     each = np.tile(point, (len(surface), 1))
@@ -165,7 +167,10 @@ def _normals_at(geometry: Geometry, facets: Facets, part: int, point: Array, gap
 
 
 def _on_facet(geometry: Geometry, facets: Facets, row: int, point: Array, gap: float) -> bool:
-    """Whether a point near the plane of a facet lies within the facet, or within `gap` beside."""
+    """Whether a point near the plane of a facet lies within the facet, or within `gap` beside.
+
+    The distance from the surface is verified separately (`surface_gaps`).
+    """
     rows = facets.corners[facets.corner_start[row] : facets.corner_start[row + 1]]
     corners = geometry.vertices[rows]
     loops = corners[None] if facets.convex[row] else corners.reshape(-1, 3, 3)
