@@ -92,26 +92,29 @@ def pair_normals(
     """
     pieces = scene.pieces
     size = np.minimum(*(pieces.size[piece] for piece in pair))
-    sharp = pieces.radius[pair[0]] + pieces.radius[pair[1]] == 0
+    curved = [pieces.radius[piece] + pieces.disc[piece] for piece in pair]
+    sharp = curved[0] + curved[1] == 0
     a, b = (scene.cores(piece) for piece in pair)
     result = _core_normals(a, b, (size, limit), sharp, excluded)
-    round_ = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
-    if not len(round_):
-        return result
-    pair, sharp = (pair[0][round_], pair[1][round_]), sharp[round_]
-    size, limit = size[round_], limit[round_]
-    excluded = excluded.take(round_)
-    found = result.take(round_)
-    normal, separation = _exact_normals(scene, pair, found, size, excluded)
-    for _ in range(ROUNDS):
-        a, b = (scene.cores(piece, normal) for piece in pair)
-        found = _core_normals(a, b, (size, limit), sharp, excluded)
-        again, apart = _exact_normals(scene, pair, found, size, excluded)
-        better = np.isfinite(apart) & (apart > separation + EXACT * size)
-        normal[better], separation[better] = again[better], apart[better]
-    result.normal[round_], result.separation[round_] = normal, separation
-    result.regular[round_], result.on_b[round_] = True, found.on_b
-    result.on_a[round_] = found.on_b - separation[:, None] * normal
+    left = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
+    for turn in range(ROUNDS + 1):
+        if not len(left):
+            break
+        some, own = (pair[0][left], pair[1][left]), excluded.take(left)
+        found = result.take(left)
+        if turn:
+            a, b = (scene.cores(piece, found.normal) for piece in some)
+            found = _core_normals(a, b, (size[left], limit[left]), sharp[left], own)
+        normal, separation = _exact_normals(scene, some, found, size[left], own)
+        slack = EXACT * size[left]
+        better = np.isfinite(separation) & (separation > result.separation[left] + slack)
+        rows = np.flatnonzero(better | (turn == 0))
+        result.normal[left[rows]], result.separation[left[rows]] = normal[rows], separation[rows]
+        result.on_b[left] = found.on_b
+        result.on_a[left] = found.on_b - result.separation[left, None] * result.normal[left]
+        # no direction separates cylinders more than the prisms inside them
+        rows = rows[separation[rows] < (found.separation - slack)[rows]]
+        left = left[rows]
     return result
 
 
@@ -205,20 +208,36 @@ def _exact_normals(
     excluded: Excluded,
 ) -> tuple[Array, Array]:
     """The direction of the largest exact separation of pairs with cylinders, and its separation."""
-    near = _rim_directions(scene, pair, found)
     faces, allowed = _face_directions(scene, pair)
-    tries = np.concatenate([faces, found.normal[:, None], near], axis=1)
+    tries = np.concatenate([faces, found.normal[:, None]], axis=1)
+    inner = np.concatenate([*excluded.inner, np.zeros((len(size), 1), dtype=bool)], axis=1)
+    allowed = np.concatenate([allowed, np.ones((len(size), 1), dtype=bool)], axis=1)
+    normal, best = _best_direction(scene, pair, tries, (allowed, inner | excluded.near(tries)))
+    rows = np.flatnonzero(best < found.separation - EXACT * size)
+    if len(rows):
+        some, own = (pair[0][rows], pair[1][rows]), excluded.take(rows)
+        tries = _rim_directions(scene, some, found.take(rows))
+        masks = np.ones(tries.shape[:2], dtype=bool), own.near(tries)
+        other, value = _best_direction(scene, some, tries, masks)
+        better = value > best[rows] + EXACT * size[rows]
+        normal[rows[better]], best[rows[better]] = other[better], value[better]
+    return normal, np.where(np.isfinite(best), best, np.inf)
+
+
+def _best_direction(
+    scene: Placed, pair: tuple[Index, Index], tries: Array, masks: tuple[Mask, Mask]
+) -> tuple[Array, Array]:
+    """Direction with the largest separation of each pair, and this separation.
+
+    Arguments: `tries` (K, m, 3); `masks`: directions that count, and directions that do not count
+    in an overlap, shape (K, m).
+    """
     separation = exact_separation(scene, pair, tries)
-    none = np.zeros((len(size), tries.shape[1] - faces.shape[1]), dtype=bool)
-    shut = np.concatenate([*excluded.inner, none], axis=1) | excluded.near(tries)
-    shut &= separation < 0
-    allowed = np.concatenate([allowed, ~none], axis=1) & ~shut
+    allowed = masks[0] & ~(masks[1] & (separation < 0))
     separation = np.where(allowed, separation, -np.inf)
-    best = separation.max(axis=1)
-    # of equal directions the first one: a face
-    k = (separation >= (best - EXACT * size)[:, None]).argmax(axis=1)
-    rows = np.arange(len(size))
-    return tries[rows, k], np.where(np.isfinite(best), separation[rows, k], np.inf)
+    k = separation.argmax(axis=1)
+    rows = np.arange(len(k))
+    return tries[rows, k], separation[rows, k]
 
 
 def _face_directions(scene: Placed, pair: tuple[Index, Index]) -> tuple[Array, Mask]:
@@ -364,4 +383,6 @@ def _stationary(n: Array, w: Array, along: Array, rims: list[tuple[Array, Array]
         far = np.hypot(s, t)
         limit = np.minimum(1.0, LONGEST / np.where(far > 0, far, 1.0))
         n = _unit(n + ((s * limit)[:, None] * x + (t * limit)[:, None] * y))
+        if far.max(initial=0.0) < EXACT:
+            break
     return n
