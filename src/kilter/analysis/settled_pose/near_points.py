@@ -422,7 +422,8 @@ def _curved_points(search: ContactSearch, reach: float, down: Array) -> list[Nea
     """Points of pairs of parts with curved faces."""
     geometry = search.geometry
     found = find_families(search)
-    blocks = [_flat_points(search, reach, found)[0], _patches_of(search, found.smooth.patches)]
+    flat = _flat_points(search, reach, found)[0]
+    blocks = [_patches_of(search, found.smooth.patches)]
     shafts = shafts_in_holes(geometry, search.pairs)
     curved = _without(found.curved, shafts)
     surface = np.repeat(curved.surface, np.diff(curved.patches.start), axis=0)
@@ -432,12 +433,13 @@ def _curved_points(search: ContactSearch, reach: float, down: Array) -> list[Nea
     row, point, normal, gap = bore_points(geometry, shafts, down, reach)
     a, b = search.pairs[shafts.pair[row]].T
     blocks.append(_seen(search, _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))))
-    sharp = _patches_of(search, found.sharp.patches)
+    blocks.append(_patches_of(search, found.sharp.patches))
     exact = np.zeros(len(geometry.mass), dtype=bool)
     exact[geometry.surfaces.part[geometry.surfaces.doubt == 0.0]] = True
-    # the corners of a mesh are deeper or less deep than the round faces recognised in it
-    sure = (sharp.gap >= 0.0) | exact[sharp.part_a] | exact[sharp.part_b]
-    return [*blocks, sharp.take(sure)]
+    # the corners of a mesh penetrate by another depth than the round faces recognised in it
+    points = NearPoints.join(blocks)
+    sure = (points.gap >= 0.0) | exact[points.part_a] | exact[points.part_b]
+    return [flat, points.take(sure)]
 
 
 def _patches_of(search: ContactSearch, patches: Patches) -> NearPoints:
