@@ -232,10 +232,11 @@ def test_points_of_a_pin_in_a_hole_lie_between_the_exact_cylinders(tilt, shift):
     pin = Part("pin", Cylinder(0.01, 0.05), Pose(shift, turn([1, 2, 0], tilt)))
     points = find_near_points(Assembly([hole, pin], gravity=[0, -9.81, 0]), 1e-3, 1e-3)
     on_both(points, [hole, pin], [0.0103, 0.01])
+    # the hole is below the pin, at both sides and above; its normals differ by the play
     angle = np.degrees(np.arctan2(points.normal[:, 0], points.normal[:, 1]))
-    assert np.abs(angle).min() < 1e-9 + tilt  # the hole is below the pin
-    for side in (-90, 90, 180):
-        assert np.abs((angle - side + 180) % 360 - 180).min() < 1e-9 + tilt
+    for side in (0, -90, 90, 180):
+        off = np.abs((angle - side + 180) % 360 - 180).min()
+        assert off < np.degrees(2 * np.linalg.norm(shift[:2]) / 0.01) + 2 * tilt + 1e-9
 
 
 def test_a_ring_around_a_bar_has_points_at_any_play():
@@ -273,7 +274,7 @@ def test_pairs_that_stay_keep_the_points_of_a_new_search():
     parts = []
     for k, x in enumerate((0.0, 0.1)):
         for part in button(h=2e-4 * (k + 1)).assembly.parts:
-            place = Pose(part.pose.position + [x, 0, 0])
+            place = Pose(part.pose.position + np.array([x, 0, 0]))
             parts.append(replace(part, name=f"{part.name}-{k}", pose=place))
     bodies = rigid_bodies(Assembly(parts, friction=0.3), ())
     kept = CandidatePoints.of(bodies)
@@ -282,7 +283,9 @@ def test_pairs_that_stay_keep_the_points_of_a_new_search():
         step[1 + k % 2, 2] = -1e-5
         bodies = bodies.moved(step)
         old, new = kept.near(bodies, reach), CandidatePoints.of(bodies).near(bodies, reach)
-        assert len(old) == len(new)
-        for name in ("point", "normal", "gap", "mu", "part_a", "part_b"):
-            first, second = getattr(old, name), getattr(new, name)
-            assert np.sort(first, axis=0) == pytest.approx(np.sort(second, axis=0), abs=1e-15)
+        rows = [
+            {tuple(row) for row in np.column_stack([p.part_a, p.point, p.normal, p.gap, p.mu])}
+            for p in (old, new)
+        ]
+        assert rows[1]
+        assert rows[0] >= rows[1]  # points of a wider reach stay

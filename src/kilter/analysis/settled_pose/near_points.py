@@ -402,9 +402,11 @@ def _corner_at(search: ContactSearch, facet: Index, at: Array) -> tuple[Index, M
 def _general_points(search: ContactSearch, reach: float, down: Array) -> list[NearPoints]:
     """Points of pairs of parts of any shape: flat faces, curved faces, edges and corners."""
     geometry = search.geometry
-    pair, point, normal, gap = feature_points(search, reach)
+    pair, point, middle, normal, gap = feature_points(search, reach)
     a, b = search.pairs[pair].T
-    features = _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))
+    features = _points((a, b, middle, normal, gap, np.ones(len(a), dtype=bool)))
+    sound = _truly_inside(geometry, features)
+    features = replace(features, point=point).take(sound)
     curved = np.diff(geometry.surfaces.start) > 0
     a, b = search.pairs.T
     with_curves = curved[a] | curved[b]
