@@ -167,9 +167,11 @@ def _normals_at(
         point = batch[owner]
         off = points[point] - facets.origin[row]
         near = np.abs(np.einsum("fi,fi->f", off, facets.normal[row])) <= gap
-        near &= (lengths(off) <= facets.reach[row] + gap) & ~facets.curved[row]
-        point, row = point[near], row[near]
-        on = _are_on_facets(geometry, facets, row, points[point], gap)
+        # the exact rim of a flat face beside a curved one lies beyond the corners of its polygon
+        beside = gap + geometry.slack[facets.part[row]]
+        near &= (lengths(off) <= facets.reach[row] + beside) & ~facets.curved[row]
+        point, row, beside = point[near], row[near], beside[near]
+        on = _are_on_facets(geometry, facets, row, points[point], beside)
         rows.append(point[on])
         normals.append(facets.normal[row[on]])
     surfaces = geometry.surfaces
@@ -182,9 +184,9 @@ def _normals_at(
 
 
 def _are_on_facets(
-    geometry: Geometry, facets: Facets, row: Index, points: Array, gap: float
+    geometry: Geometry, facets: Facets, row: Index, points: Array, beside: Array
 ) -> Mask:
-    """Mask of points near the planes of facets that lie within them, or within `gap` beside."""
+    """Mask of points near the planes of facets that lie in them, or at most `beside` beside."""
     if not len(row):
         return np.zeros(0, dtype=bool)
     owner, begin = ragged(facets.corner_start, row)
@@ -200,7 +202,7 @@ def _are_on_facets(
     of_loop = np.minimum.reduceat(depth, starts_loop)
     deepest = np.full(len(row), -np.inf)
     np.maximum.at(deepest, owner[starts_loop], of_loop)
-    on: Mask = deepest >= -gap - FIT * facets.reach[row]
+    on: Mask = deepest >= -beside - FIT * facets.reach[row]
     return on
 
 

@@ -23,6 +23,7 @@ from kilter.analysis.settled_pose.nearest_rest import find_nearest_rest
 from kilter.analysis.settled_pose.rest import Rest, RestState, Step
 from kilter.analysis.settled_pose.rest_engine import come_to_rest
 from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_gap
+from kilter.analysis.settled_pose.rest_search import SLACK
 from kilter.analysis.settled_pose.rest_verification import (
     RestingParts,
     parts_without_rest,
@@ -142,7 +143,7 @@ class Settled(Answer):
     """Contacts of `resting` at closed points; None without it."""
     closed_verdict: InPython[Verdict | None] = None
     """Verdict on forces at the closed points alone."""
-    drawn_verdict: InPython[Verdict]
+    drawn_verdict: InPython[Verdict | None]
     """Verdict of `kilter.check` on the drawn pose, decided at the level "equilibrium"."""
     settled_verdict: InPython[Verdict | None] = None
     """The verdict `after`."""
@@ -307,7 +308,10 @@ def _settle(
     reach = valid_reach(reach)
     kept = assembly.matching(keep)
     contacts = detect.touching(asked)
-    before = check_level(asked.but(require=ROUGHLY, contacts=contacts))
+    try:
+        before = check_level(asked.but(require=ROUGHLY, contacts=contacts))
+    except InputError:  # parts in the same place, which this answer moves apart
+        before = None
     bodies = rigid_bodies(assembly, kept)
     if nearest and not refusal(assembly):
         rest, reach = find_nearest_rest(bodies, contacts, reach=reach, tell=tell)
@@ -341,7 +345,13 @@ def rest_of(
     why = refusal(bodies.drawn)
     if why:
         return Rest("not-found", bodies, ways=((),) * len(bodies.mass), why=why)
-    return without_rounding(come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell))
+    rest = come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell)
+    if reach is not None:
+        shift = np.linalg.norm(rest.bodies.movements()[:, :3], axis=1)
+        beyond = [bodies.drawn.names[k] for k in np.flatnonzero(shift > reach * (1 + SLACK))]
+        stay = dict.fromkeys((*rest.parts, *beyond))
+        rest = replace(rest, parts=tuple(name for name in stay if name not in rest.leaves))
+    return without_rounding(rest)
 
 
 def without_rounding(rest: Rest) -> Rest:
@@ -360,7 +370,7 @@ def _answer(
     resting: RestingParts | str,
     asked: Question,
     *,
-    drawn: tuple[Assembly, Verdict],
+    drawn: tuple[Assembly, Verdict | None],
     nearest: bool,
     reach: float | None,
 ) -> Settled:
@@ -368,7 +378,8 @@ def _answer(
     assembly, before = drawn
     fails = parts_without_rest(rest)
     more: dict[str, Any] = {}
-    warned, unproved = before, tuple[str, ...]()
+    warned: Verdict | None = before
+    unproved: tuple[str, ...] = ()
     if isinstance(resting, RestingParts):
         warned, why, unproved = resting.verdict, resting.why or rest.why, resting.unproved
         more = {
@@ -391,13 +402,13 @@ def _answer(
         reach=reach,
         tolerance=closed_gap(more.get("resting", settled)),
         units=assembly.units,
-        before=before.verdict,
+        before=None if before is None else before.verdict,
         leaves=rest.leaves,
         parts=tuple(k for k in dict.fromkeys((*rest.parts, *unproved)) if k not in rest.leaves),
         depth=rest.depth,
         why="" if state == "at-rest" else why,
         require=asked.require,
-        warnings=tuple(dict.fromkeys(warned.notes)),
+        warnings=() if warned is None else tuple(dict.fromkeys(warned.notes)),
         seconds=time.perf_counter() - asked.begun,
         drawn=assembly,
         assembly=settled,
@@ -422,7 +433,7 @@ def way_of(steps: tuple[Step, ...]) -> tuple[Way, ...]:
 
 def refusal(assembly: Assembly) -> str:
     """Reason why an assembly of this kind cannot be settled, as a clause; empty if it can."""
-    if assembly.contacts or not assembly.detect:
+    if any(len(entry.points) for entry in assembly.contacts) or not assembly.detect:
         return "the file lists contacts, whose gaps no geometry shows; use --contacts geometry"
     if assembly.straps:
         return "straps are not settled: their pull changes with the pose"
