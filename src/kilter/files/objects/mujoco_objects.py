@@ -267,11 +267,9 @@ class ModelScene:
             pieces = self.rules.pieces(geoms)
             places = [(id(s), p.position.tobytes(), p.rotation.tobytes()) for s, p in shapes]
             key = (*places, *pieces)
-            if key not in self._same:
-                made = one_body(shapes, name, notes, pieces)
-                if not notes:  # notes name the body
-                    self._same[key] = made
-            made = self._same.get(key, made)
+            made = self._same.get(key) or one_body(shapes, name, notes, pieces)
+            if not notes:  # notes name the body
+                self._same[key] = made
         except InputError as error:
             raise error.located(part=name) from None
         return *made, tuple(notes), self.shapes.hulls - before

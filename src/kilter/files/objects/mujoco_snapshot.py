@@ -26,8 +26,9 @@ ARRAYS = (
     "hfield_nrow", "hfield_size", "jnt_bodyid", "jnt_dofadr", "jnt_limited", "jnt_qposadr",
     "jnt_range", "jnt_stiffness", "jnt_type", "mesh_face", "mesh_faceadr", "mesh_facenum",
     "mesh_graph", "mesh_graphadr", "mesh_vert", "mesh_vertadr", "mesh_vertnum", "pair_dim",
-    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos0", "qpos_spring", "site_bodyid",
-    "tendon_adr", "tendon_limited", "tendon_num", "tendon_stiffness", "wrap_objid", "wrap_type",
+    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos0", "qpos_spring",
+    "site_bodyid", "tendon_adr", "tendon_limited", "tendon_num", "tendon_stiffness", "wrap_objid",
+    "wrap_type",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
 PLACES = ("qpos", "xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")

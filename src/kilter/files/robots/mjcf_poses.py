@@ -22,7 +22,7 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.format_options import FormatOptions
 from kilter.files.limits import read_bytes
-from kilter.files.objects.mujoco_objects import FREE
+from kilter.files.objects.mujoco_joints import FREE
 from kilter.files.objects.mujoco_snapshot import Snapshot
 from kilter.files.objects.mujoco_states import StateScene, open_scene
 from kilter.files.robots.scene_process import is_mjcf
