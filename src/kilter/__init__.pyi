@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from pathlib import Path
 from typing import Any
 from typing import Literal
+from kilter.analysis.engine_contacts.judge import Judged as Judged
 from kilter.analysis.many.batch import Batch as Batch
 from kilter.analysis.many.settle_states import SettledStates as SettledStates
 from kilter.analysis.many.verdicts import Verdicts as Verdicts
@@ -215,6 +216,89 @@ def check(
     >>> verdict = check(scene("paper-figure-8"))
     >>> verdict.verdict, verdict.moving
     ('unstable', ['C2', 'C3'])
+    """
+
+def check_contacts(
+    points: Any,
+    normals: Any,
+    mu: Any,
+    bodies: Any,
+    center_of_mass: Any,
+    *,
+    mass: Any = None,
+    wrenches: Any = None,
+    gravity: Any = (0.0, 0.0, -9.81),
+    curved: Any = None,
+    require: str = "settles",
+    effort: float = 1.0,
+    time_limit: float | None = None,
+) -> Verdict:
+    """Decide whether given contacts hold bodies at rest: arrays in, a verdict with proof out.
+
+    The arrays are those of any physics engine. Only these contacts exist, and shapes are not read.
+    All vectors are in the world frame; lengths are metres. Contact k acts between the bodies
+    ``bodies[k]``, and its Coulomb cone has the axis ``normals[k]``.
+
+    Parameters
+    ----------
+    points : array_like, shape (K, 3)
+        Contact points [m].
+    normals : array_like, shape (K, 3)
+        Normals from the first body to the second, of any length [-].
+    mu : array_like, shape (K,), or float
+        Friction coefficients [-].
+    bodies : array_like of int, shape (K, 2)
+        First and second body of each contact, from 0 to B - 1; -1 is the world, which is held.
+    center_of_mass : array_like, shape (B, 3)
+        Centres of mass [m].
+    mass : array_like, shape (B,), optional
+        Masses [kg]. Without masses `wrenches` are all loads; accelerations then belong to assumed
+        masses in proportion to the wrenches.
+    wrenches : array_like, shape (B, 6), optional
+        Force [N] and torque about the centre of mass [N m] on each body, in addition to the weight.
+    gravity : array_like, shape (3,)
+        Acceleration of gravity [m/s^2].
+    curved : array_like of bool, shape (B,), optional
+        Whether the surface of each body may be curved at its contacts. By default none is: every
+        body touches with corners, edges and flat faces. For a curved body the level is at most
+        "equilibrium" unless friction or further contacts prevent that it rolls.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which the answer is yes.
+    effort : float
+        Work limit; each further unit allows about ten times more work [-]. 0 is quick and
+        1 is usual. Work is counted in operations, not in time.
+    time_limit : float, optional
+        Time limit [s]. The clock is read between steps, so an answer at the limit may
+        differ from run to run.
+
+    Returns
+    -------
+    Verdict
+        Its parts are named "0", "1", ... and "world". The contact points of ``forces`` have the
+        order of the given points.
+
+    Raises
+    ------
+    InputError
+        If an array has another shape, a number is not finite, a normal is zero, a coefficient is
+        negative, a contact is of a body with itself, or there are neither masses nor wrenches.
+
+    See Also
+    --------
+    kilter.judge : the same for a state of MuJoCo, with motors and joints.
+    kilter.check : the verdict on an assembly with shapes.
+
+    Examples
+    --------
+    A block on a plane of friction 0.5, whose slope is below and above atan 0.5:
+
+    >>> corners = [[x, y, -1.0] for x in (-1, 1) for y in (-1, 1)]
+    >>> for slope in (0.49, 0.51):
+    ...     verdict = check_contacts(corners, [[0, 0, 1]] * 4, 0.5, [[-1, 0]] * 4, [[0, 0, 0]],
+    ...                              mass=[2.0], gravity=[9.81 * slope, 0, -9.81])
+    ...     print(verdict.verdict)
+    stable
+    unstable
     """
 
 def check_many(
@@ -638,6 +722,55 @@ def improve(
     (True, True)
     """
 
+def judge(
+    model: Any,
+    data: Any,
+    *,
+    creep: float = 0.0,
+    require: str = "settles",
+    effort: float = 1.0,
+    time_limit: float | None = None,
+) -> Judged:
+    """Decide whether the contacts of MuJoCo hold its bodies in the given state, and why not.
+
+    The contacts are those of the engine's own collision detection at the positions of `data`.
+    Motors, springs and applied forces count with the forces that they have at rest. Robots, which
+    are bodies with motors on the world, are held. The last body of a robot's branch moves if its
+    motor presses it against a loose body, such as the finger of a gripper. `data` does not change.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+    data : mujoco.MjData
+        The state; no call of ``mj_forward`` is needed.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which `Judged.holds` is true.
+    creep : float
+        Time for which the engine simulates the state from rest with several settings of its
+        solver [s]; 0: no simulation. `Judged.creep` compares how far the bodies move.
+    effort : float
+        Work limit; each further unit allows about ten times more work [-]. 0 is quick and
+        1 is usual. Work is counted in operations, not in time.
+    time_limit : float, optional
+        Time limit [s]. The clock is read between steps, so an answer at the limit may
+        differ from run to run.
+
+    Returns
+    -------
+    Judged
+
+    Raises
+    ------
+    InputError
+        If `model` and `data` are not of MuJoCo, the model has no gravity, or an argument is
+        invalid.
+
+    See Also
+    --------
+    kilter.check_contacts : the same from arrays, for any engine.
+    kilter.scene : a verdict from the geometry of a scene, without the engine's contacts.
+    """
+
 def load(
     source: Any,
     *,
@@ -653,6 +786,7 @@ def load(
     keyframe: str | None = None,
     state: str | None = None,
     base: str | None = None,
+    loose_robots: bool = False,
     stud_pull: float | None = None,
     stud_shear: float | str | None = None,
     brick_sides: str | None = None,
@@ -704,6 +838,9 @@ def load(
         that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
+    loose_robots : bool
+        MuJoCo and URDF: free the bodies that motors move, which are held by default. In URDF,
+        joints with a `transmission` have motors.
     stud_pull : float, optional
         Bricks: largest pull at each point of a stud [N]; default .98.
     stud_shear : float or {"unlimited", "mu"}, optional
