@@ -15,7 +15,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import InputError, nearest_name, some_names
 
-COUNTS = ("na", "nbody", "nflex", "nq", "ntendon", "nu", "nv")
+COUNTS = ("na", "nbody", "nflex", "nq", "ntendon", "nv")
 ARRAYS = (
     "actuator_trnid", "actuator_trntype", "body_geomnum", "body_gravcomp", "body_inertia",
     "body_jntadr", "body_jntnum", "body_mass", "body_mocapid", "body_parentid", "body_weldid",
