@@ -243,6 +243,19 @@ def test_adhesion_and_switched_off_motors_hold_nothing():
         assert not kilter.load(made)[name].grounded
 
 
+def test_a_soft_object_is_left_out_and_counted():
+    cloth = (
+        '<flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" pos="0 0 1" dim="2" '
+        'radius=".01"><edge equality="true"/></flexcomp>'
+    )
+    assembly = kilter.load(model(FLOOR + body("b", FREE_BOX, "2 0 .1") + cloth))
+    assert set(assembly.names) == {"floor", "b"}
+    assert not assembly.joints
+    assert any("1 soft bodies" in note for note in assembly.notes)
+    with pytest.raises(InputError, match="the model has soft bodies only"):
+        kilter.load(model(cloth))
+
+
 def test_two_robots_are_one_note():
     many = "".join(ARM.replace('"', f'"r{k}', 0).replace('name="', f'name="{k}') for k in range(7))
     motors = "".join(f'<motor joint="{k}j"/>' for k in range(7))
