@@ -5,6 +5,7 @@ import pytest
 pytest.importorskip("mujoco")
 
 import time
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -21,6 +22,12 @@ FREE_BOX = f"<freejoint/>{BOX}"
 FLOOR = '<geom name="floor" type="plane" size="0 0 1"/>'
 X, Y, Z = np.eye(3)
 U = np.array([1.0, 2.0, -0.5]) / np.linalg.norm([1.0, 2.0, -0.5])
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes its log into the working folder."""
+    monkeypatch.chdir(tmp_path)
 
 
 def model(world: str, rest: str = "") -> mujoco.MjModel:
