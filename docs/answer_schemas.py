@@ -23,7 +23,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
-from kilter.analysis.engine_contacts.judge import Judged
+from kilter.analysis.engine_contacts.judged import Judged
 from kilter.analysis.many.batch import Batch
 from kilter.analysis.many.settle_states import SettledStates
 from kilter.analysis.margins.improve import Improvement

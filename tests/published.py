@@ -28,7 +28,7 @@ WRITERS = {
     "settle-states": "kilter.analysis.many.settle_states.SettledStates",
     "transport": "kilter.analysis.transport.transport_answer.Transport",
     "verify": "kilter.analysis.verification.Verification",
-    "why": "kilter.analysis.engine_contacts.judge.Judged",
+    "why": "kilter.analysis.engine_contacts.judged.Judged",
 }
 """Class of each answer, whose method `to_dict` writes the data."""
 

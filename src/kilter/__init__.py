@@ -23,7 +23,7 @@ __version__ = "0.1.0"
 _NAMES = {
     "kilter.analysis.check": "check",
     "kilter.analysis.engine_contacts.given_contacts": "check_contacts",
-    "kilter.analysis.engine_contacts.judge": "Judged judge",
+    "kilter.analysis.engine_contacts.judged": "Judged judge",
     "kilter.analysis.many.batch": "Batch batch",
     "kilter.analysis.many.settle_states": "SettledStates settle_states",
     "kilter.analysis.many.check_many": "check_many",

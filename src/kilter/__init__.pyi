@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from pathlib import Path
 from typing import Any
 from typing import Literal
-from kilter.analysis.engine_contacts.judge import Judged as Judged
+from kilter.analysis.engine_contacts.judged import Judged as Judged
 from kilter.analysis.many.batch import Batch as Batch
 from kilter.analysis.many.settle_states import SettledStates as SettledStates
 from kilter.analysis.many.verdicts import Verdicts as Verdicts

@@ -157,6 +157,14 @@ def _packing(folder: Path) -> list[str]:
     return ["check-plan", str(path)]
 
 
+def _explaining(folder: Path) -> list[str]:
+    pytest.importorskip("mujoco")
+    path = folder / "ball.xml"
+    ball = '<body name="ball" pos="0 0 1"><freejoint/><geom size=".1"/></body>'
+    path.write_text(f"<mujoco><worldbody>{ball}</worldbody></mujoco>", encoding="utf-8")
+    return ["why", str(path), "--creep", "0.01"]
+
+
 def _placing(folder: Path) -> list[str]:
     path = folder / "tower.kilter.json"
     path.write_text(to_text(kilter.example("tower")), encoding="utf-8")
@@ -175,6 +183,7 @@ COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     "check-plan": _packing,
     "place": _placing,
     "verify": _verifying,
+    "why": _explaining,
     "improve": _improving,
     "batch": _batching,
 }

@@ -24,7 +24,7 @@ from kilter.values.declaration import argument, option
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
-    from kilter.analysis.engine_contacts.judge import Judged
+    from kilter.analysis.engine_contacts.judged import Judged
 
 STATE = "State of the scene"
 LONGEST = 100.0
@@ -94,7 +94,7 @@ def why(options: WhyOptions) -> int:
     Exit code: 0 it holds at the level of --require, 3 it holds only at a lower level, 1 a body
     falls, is pushed out or floats, 4 undecided.
     """
-    from kilter.analysis.engine_contacts.judge import judge_state
+    from kilter.analysis.engine_contacts.judged import judge_state
     from kilter.assembly.question import Question
     from kilter.files.format_options import FormatOptions
     from kilter.files.objects.state_files import state_row

@@ -12,6 +12,9 @@ SHOWN = 3
 """Largest number of bodies that a sentence names."""
 SETTLED = 1e-6
 """Movement in a simulation that is no creep [m]."""
+FAST = 1e-2
+"""Speed above which a body that the contacts hold has not come to rest, and does not creep
+[m/s]."""
 BETTER = 0.5
 """Settings are named if a simulation moves less than this share of that of the model [-]."""
 
@@ -64,6 +67,10 @@ def _holding_sentence(answer: Answer) -> str:
     if factor is not None and factor < 1:
         share = "as given"
     words = f"Holds {share} (level {answer['level']}): a motion is creep of soft contacts."
+    fastest = max(answer["objects"], key=lambda entry: float(entry["speed"]))
+    if fastest["speed"] > FAST:
+        at = f"{plain(fastest['name'])} still moves at {number(fastest['speed'], 3)} m/s"
+        words = f"Holds {share} (level {answer['level']}), but {at}: it has not come to rest."
     if not answer["creep"]:
         return words
     own = answer["creep"][0]["distance"]

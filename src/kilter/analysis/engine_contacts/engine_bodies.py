@@ -48,7 +48,7 @@ FLATS = (FLAT, FLAT)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pressing:
+class PressingBody:
     """A body that a motor presses against loose bodies."""
 
     body: int
@@ -115,13 +115,13 @@ class EngineBodies:
         return bool(rows) and int(self.state.jnt_type[rows[0]]) == FREE
 
     @cached_property
-    def pressing(self) -> dict[int, Pressing]:
+    def pressing(self) -> dict[int, PressingBody]:
         """Bodies of robots that motors press against loose bodies, by body."""
         state = self.state
         weld = state.body_weldid
         parents = {int(weld[state.body_parentid[b]]) for b in np.unique(weld).tolist() if b}
         touching = weld[state.geom_bodyid[state.geoms]]
-        result: dict[int, Pressing] = {}
+        result: dict[int, PressingBody] = {}
         for body in np.unique(weld).tolist():
             rows = self.joints_of(body)
             if self.tree[body] not in self.robots or self._floats_free(body) or body in parents:
@@ -136,7 +136,7 @@ class EngineBodies:
             rest = force - state.qfrc_bias[dof]
             if loose and abs(rest) > PRESSES * abs(state.qfrc_actuator[dof]):
                 slides = int(state.jnt_type[rows[0]]) == SLIDE
-                result[body] = Pressing(body, float(state.qfrc_actuator[dof]), slides)
+                result[body] = PressingBody(body, float(state.qfrc_actuator[dof]), slides)
         return result
 
     def _loose(self, body: int) -> bool:

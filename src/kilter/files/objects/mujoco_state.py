@@ -15,6 +15,8 @@ The module imports neither MuJoCo nor other modules that are slow, as `mujoco_sn
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
 
@@ -37,8 +39,8 @@ ADHESION = 5
 FARTHEST = 10.0
 """Distance up to which the body nearest to a floating body is searched [m]."""
 TOUCHES = 1e-6
-"""Distance below which bodies without any contact count as touching [m]; the engine has a contact
-only of bodies that overlap."""
+"""Distance below which bodies count as touching [m]. Without it, bodies that touch exactly, as
+drawn, would have no contact in the engine."""
 SHORT = 1e-12
 """Push of a contact below which it has no acceleration of its own [m/s^2]."""
 
@@ -76,12 +78,9 @@ def take_state(mujoco: Any, model: Any, data: Any, creep: float = 0.0) -> Engine
     mujoco.mj_comVel(model, placed)
     speed = _speeds(mujoco, model, placed)
     placed.qvel[:] = 0
-    mujoco.mj_forward(model, placed)
-    near = _nearest(mujoco, model, placed)
-    if any(0 <= way < TOUCHES for _, way in near.values()):
-        model = _with_margin(model)
+    with _wide_margins(model):
         mujoco.mj_forward(model, placed)
-        near = _nearest(mujoco, model, placed)
+        contacts = _contacts(mujoco, model, placed)
     off = model.opt.disableflags
     gravity = np.array(model.opt.gravity)
     if off & int(mujoco.mjtDisableBit.mjDSBL_GRAVITY):
@@ -92,26 +91,31 @@ def take_state(mujoco: Any, model: Any, data: Any, creep: float = 0.0) -> Engine
     return EngineState(
         **{name: np.array(getattr(model, name)) for name in MODEL},
         **{name: np.array(getattr(placed, name)) for name in DATA},
-        **_contacts(mujoco, model, placed),
+        **contacts,
         names=[model.body(k).name for k in range(model.nbody)],
         geom_names=[model.geom(k).name for k in range(model.ngeom)],
         gravity=gravity,
         driven=_driven(model, placed),
         active=active,
         speed=speed,
-        near=near,
+        near=_nearest(mujoco, model, placed),
         creep=simulated_creep(mujoco, model, data, creep) if creep > 0 else {},
         notes=_notes(mujoco, model, placed),
     )
 
 
-def _with_margin(model: Any) -> Any:
-    """Copy of a model whose bodies touch if they are nearer than `TOUCHES`."""
-    wide = copy.copy(model)
-    for name in ("geom_margin", "pair_margin"):
-        margin = getattr(wide, name)
-        margin[:] = np.maximum(margin, TOUCHES)
-    return wide
+@contextmanager
+def _wide_margins(model: Any) -> Iterator[None]:
+    """Let bodies of a model touch that are nearer than `TOUCHES`, while the context lasts."""
+    margins = {name: getattr(model, name) for name in ("geom_margin", "pair_margin")}
+    kept = {name: margin.copy() for name, margin in margins.items()}
+    try:
+        for margin in margins.values():
+            np.maximum(margin, TOUCHES, out=margin)
+        yield
+    finally:
+        for name, margin in margins.items():
+            margin[:] = kept[name]
 
 
 def _speeds(mujoco: Any, model: Any, data: Any) -> Any:
@@ -131,7 +135,7 @@ def _contacts(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
     kept = np.flatnonzero((row >= 0) & (geoms >= 0).all(axis=1))
     friction = np.array(listed.friction).reshape(-1, 5)[kept]
     dim, row = np.array(listed.dim).reshape(-1)[kept], row[kept]
-    depth = -np.array(listed.dist).reshape(-1)[kept]
+    depth = np.maximum(-np.array(listed.dist).reshape(-1)[kept], 0.0)
     push, unexplained = np.zeros(len(kept)), np.zeros(len(kept))
     if len(kept):
         speed_up = np.zeros(data.nefc)
@@ -149,7 +153,7 @@ def _contacts(mujoco: Any, model: Any, data: Any) -> dict[str, Any]:
         "geoms": geoms[kept],
         "depth": depth,
         "push": push,
-        "unexplained": np.minimum(unexplained, np.maximum(depth, 0.0)),
+        "unexplained": np.minimum(unexplained, depth),
         "turning": int(np.count_nonzero(dim > 3)),
     }
 
@@ -176,6 +180,7 @@ def _nearest(mujoco: Any, model: Any, data: Any) -> dict[int, Any]:
         return {}
     weld = np.asarray(model.body_weldid)
     welded = weld[np.asarray(model.geom_bodyid)]
+    root = np.asarray(model.body_rootid)[np.asarray(model.geom_bodyid)]
     geoms = np.array(data.contact.geom, dtype=np.int64).reshape(-1, 2)
     acts = np.array(data.contact.efc_address).reshape(-1) >= 0
     touching = set(welded[geoms[acts & (geoms >= 0).all(axis=1)]].reshape(-1).tolist())
@@ -183,7 +188,7 @@ def _nearest(mujoco: Any, model: Any, data: Any) -> dict[int, Any]:
     near: dict[int, Any] = {}
     for body in sorted(set(weld.tolist()) - touching - {0}):
         mine = np.flatnonzero((welded == body) & solid).tolist()
-        others = np.flatnonzero((welded != body) & solid).tolist()
+        others = np.flatnonzero((root != model.body_rootid[body]) & solid).tolist()
         best: tuple[int, float] = (-1, FARTHEST)
         for geom in mine:
             for other in others:

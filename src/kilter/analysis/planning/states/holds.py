@@ -46,7 +46,7 @@ def members(bits: int, count: int) -> Index:
     return np.flatnonzero(mask_of(bits, count))
 
 
-class Judged(Protocol):
+class JudgedParts(Protocol):
     """Interface of a verdict on a state: whether it holds, and which parts move."""
 
     @property
@@ -58,7 +58,7 @@ class Judged(Protocol):
         """Mask of the parts that move in a state that falls, shape (N,)."""
 
 
-Found = TypeVar("Found", bound=Judged)
+Found = TypeVar("Found", bound=JudgedParts)
 Judge = Callable[[Mask, Mask], Found]
 
 
@@ -175,7 +175,7 @@ def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
     return Cut(free, judge(present, held))
 
 
-def _moving(state: Judged) -> set[int]:
+def _moving(state: JudgedParts) -> set[int]:
     """Indices of the parts that move in a state that falls."""
     return set(np.flatnonzero(state.moves).tolist())
 

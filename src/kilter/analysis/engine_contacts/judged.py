@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from kilter.analysis.analysis_tolerances import NO_SHARE
+from kilter.analysis.analysis_tolerances import LIMIT_AGREES
 from kilter.analysis.engine_contacts.engine_bodies import EngineBodies
 from kilter.analysis.engine_contacts.given_contacts import verdict_on
 from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
@@ -263,7 +263,7 @@ def _factor(verdict: Verdict) -> float:
     if isinstance(limit, NoLimit):
         return np.nan
     factor = 1.0 + limit.value
-    return factor if factor > NO_SHARE else 0.0
+    return factor if factor > LIMIT_AGREES else 0.0
 
 
 def _objects(bodies: EngineBodies, verdict: Verdict) -> tuple[JudgedObject, ...]:
@@ -271,7 +271,9 @@ def _objects(bodies: EngineBodies, verdict: Verdict) -> tuple[JudgedObject, ...]
     state, names = bodies.state, bodies.part_names
     depth, ends = state.depth[bodies.kept], bodies.ends
     decided = verdict.level is not None or verdict.verdict == VerdictWord.UNSTABLE
-    moves = verdict.motion.moves if verdict.motion.known else verdict.moved_by_proof
+    moves = verdict.motion.moves
+    if not (verdict.motion.known and moves.any()):  # barely unstable, or the motion is not known
+        moves = verdict.moved_by_proof
     linked = _linked_to_held(verdict)
     rows = []
     for k, body in enumerate(bodies.movers):
