@@ -201,9 +201,11 @@ def _exact_normals(
     excluded: Excluded,
 ) -> tuple[Array, Array]:
     """The direction of the largest exact separation of pairs with cylinders, and its separation."""
-    faces, allowed = _face_directions(scene, pair)
+    faces, allowed, widths = _face_directions(scene, pair)
     tries = np.concatenate([faces, found.normal[:, None]], axis=1)
-    inner = np.concatenate([*excluded.inner, np.zeros((len(size), 1), dtype=bool)], axis=1)
+    # the rows of a few pairs may be shorter than those of all
+    faces_inside = [mask[:, :width] for mask, width in zip(excluded.inner, widths, strict=True)]
+    inner = np.concatenate([*faces_inside, np.zeros((len(size), 1), dtype=bool)], axis=1)
     allowed = np.concatenate([allowed, np.ones((len(size), 1), dtype=bool)], axis=1)
     normal, best = _best_direction(scene, pair, tries, (allowed, inner | excluded.near(tries)))
     rows = np.flatnonzero(best < found.separation - EXACT * size)
@@ -233,8 +235,10 @@ def _best_direction(
     return tries[rows, k], separation[rows, k]
 
 
-def _face_directions(scene: Placed, pair: tuple[Index, Index]) -> tuple[Array, Mask]:
-    """Face normals of both pieces, from a to b, (K, Fa + Fb, 3), and whether they are exact."""
+def _face_directions(
+    scene: Placed, pair: tuple[Index, Index]
+) -> tuple[Array, Mask, tuple[int, int]]:
+    """Face normals of both pieces, from a to b, (K, Fa + Fb, 3), whether exact, and Fa, Fb."""
     normals, exact = [], []
     for piece, sign in zip(pair, (1.0, -1.0), strict=True):
         core = scene.cores(piece)
@@ -242,7 +246,8 @@ def _face_directions(scene: Placed, pair: tuple[Index, Index]) -> tuple[Array, M
         side = np.arange(real.shape[1]) < core.sides[:, None]
         normals.append(sign * core.normal)
         exact.append(real & ~side)
-    return np.concatenate(normals, axis=1), np.concatenate(exact, axis=1)
+    widths = exact[0].shape[1], exact[1].shape[1]
+    return np.concatenate(normals, axis=1), np.concatenate(exact, axis=1), widths
 
 
 def exact_separation(scene: Placed, pair: tuple[Index, Index], n: Array) -> Array:
