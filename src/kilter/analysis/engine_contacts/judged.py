@@ -178,7 +178,8 @@ def judge(model: Any, data: Any, *, asked: Question, creep: float = 0.0) -> Judg
     data : mujoco.MjData
         The state; no call of ``mj_forward`` is needed.
     require : {"equilibrium", "settles", "proved", "strict"}
-        Level from which `Judged.holds` is true.
+        Level from which `Judged.holds` is true. "equilibrium" is the quickest: it decides only
+        whether forces at the contacts balance every body.
     creep : float
         Time for which the engine simulates the state from rest with several settings of its
         solver [s]; 0: no simulation. `Judged.creep` compares how far the bodies move.
