@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 SOFT = '<option timestep="0.002"/>'
 ROBOTS = '<option timestep="0.002" cone="elliptic" impratio="20"/>'
 STIFF = (
-    '<option timestep="0.002" cone="elliptic" impratio="100" tolerance="1e-10" iterations="200" '
-    'noslip_iterations="20"/><default><geom solref="0.004 1"/></default>'
+    '<option timestep="0.0005" cone="elliptic" impratio="100" tolerance="1e-10" iterations="200" '
+    'noslip_iterations="20"/><default><geom solref="0.001 1"/></default>'
 )
 """Settings of the simulator: its own, those of many robot benchmarks, and contacts as stiff as two
-time steps allow."""
+short time steps allow: with .002 s, a stack of six hulls rocks by 1 mm before it sinks in."""
 
 
 @dataclass(slots=True)

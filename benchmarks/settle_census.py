@@ -212,7 +212,7 @@ def examine(
         drawn, most = disturbed(made, rng)
         started = time.process_time()
         with stop_after(limit):
-            answer = kilter.settle(drawn, require=require)
+            answer = kilter.settle(drawn, require=require, nearest=True)
     except kilter.KilterError as error:
         return str(error)
     row.seconds.append(time.process_time() - started)

@@ -73,7 +73,7 @@ def main() -> None:
         seed += 1
         if drawn.geometry.grounded.all():
             continue
-        settled = kilter.settle(drawn)
+        settled = kilter.settle(drawn, nearest=True)
         if settled.state != "at-rest" or not holds(settled.level, "settles"):
             print(f"  {kind} {seed - 1}: not simulated, {settled.state} {settled.level}")
             continue

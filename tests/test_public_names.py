@@ -26,6 +26,7 @@ BESIDE = {
     "dump",
     "load",
     "load_answer",
+    "settle_states",
     "states",
 }
 BESIDE |= {"load_answer"}

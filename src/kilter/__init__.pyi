@@ -788,6 +788,7 @@ def load(
     keyframe: str | None = None,
     state: str | None = None,
     base: str | None = None,
+    loose_robots: bool = False,
     stud_pull: float | None = None,
     stud_shear: float | str | None = None,
     brick_sides: str | None = None,
@@ -839,6 +840,9 @@ def load(
         that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
+    loose_robots : bool
+        MuJoCo and URDF: free the bodies that motors move, which are held by default. In URDF,
+        joints with a `transmission` have motors.
     stud_pull : float, optional
         Bricks: largest pull at each point of a stud [N]; default .98.
     stud_shear : float or {"unlimited", "mu"}, optional

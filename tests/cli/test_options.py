@@ -275,6 +275,7 @@ SAVED: dict[str, dict[str, Any]] = {
     "contacts": {"contacts": "geometry"},
     "keyframe": {"keyframe": "home"},
     "base": {"base": "floating"},
+    "loose_robots": {"loose_robots": True},
     "stud_pull": {"studs": {"pull": 2}},
     "stud_shear": {"studs": {"shear": "mu"}},
     "brick_sides": {"studs": {"sides": "face"}},
@@ -286,7 +287,7 @@ SAVED: dict[str, dict[str, Any]] = {
     "open": {"open_pairs": [{"parts": ["b", "c"], "as": "joined"}]},
 }
 """A saved value of each option."""
-ACTING = [name for name in SAVED if name not in ("ground", "keyframe", "base")]
+ACTING = [name for name in SAVED if name not in ("ground", "keyframe", "base", "loose_robots")]
 """Options with an effect on kilter's own files, beside the held part."""
 
 

@@ -70,9 +70,9 @@ DAMAGED = {
     "a height field in use": (
         mjcf(
             '<geom type="hfield" hfield="h"/>',
-            '<asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/></asset>',
+            '<asset><hfield name="h" nrow="600" ncol="600" size="1 1 1 1"/></asset>',
         ),
-        "it has a height field or a distance field; replace it by a mesh",
+        "the file has more than 250,000 points of height fields; make it coarser",
     ),
     "a mesh without volume": (
         mjcf(

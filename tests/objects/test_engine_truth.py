@@ -204,7 +204,7 @@ NOTES = {
     "1 tendons with limits or springs, which may hold": ("", TENDON.format('range="0 1"'), ""),
     "ignored: 1 other tendons": ("", TENDON.format(""), ""),
     "the model disables all contacts": ("", "", "contact"),
-    "whose visible geoms count: 1": ('contype="0" conaffinity="0"', "", ""),
+    "no objects, since nothing can touch them: 1 bodies": ('contype="0" conaffinity="0"', "", ""),
 }
 
 
@@ -220,10 +220,11 @@ def test_a_note_names_a_feature_that_kilter_does_not_have(note):
         assert len(kilter.contacts(found)) == 0
 
 
-def test_a_model_without_gravity_is_refused():
+def test_a_model_without_gravity_has_that_of_the_default():
     for rest, option in (
         ('<option><flag gravity="disable"/></option>', ""),
         ("", 'gravity="0 0 0"'),
     ):
-        with pytest.raises(InputError, match="the model has no gravity"):
-            kilter.load(model_of(FREE.format(""), rest, option))
+        found = kilter.load(model_of(FREE.format(""), rest, option))
+        assert found.gravity.tolist() == [0.0, 0.0, -9.81]
+        assert any("the model has no gravity: MuJoCo's default" in note for note in found.notes)

@@ -124,7 +124,12 @@ def test_what_is_not_counted_is_said():
              '<joint name="j" axis="0 1 0" stiffness="3" range="-1 1" limited="true"/>'),
         '<compiler angle="radian"/><actuator><motor joint="j"/></actuator>',
     )  # fmt: skip
-    found = kilter.load(mujoco.MjModel.from_xml_string(made))
+    model = mujoco.MjModel.from_xml_string(made)
+    held = kilter.load(model)
+    assert held.notes == ("held: robot of 1 body with motors; --loose-robots frees it",)
+    assert held["arm"].grounded
+    assert not held.joints
+    found = kilter.load(model, loose_robots=True)
     assert found.notes == ("ignored: 1 motors",)
     assert found.joints[0].guide == {"limits": [-1.0, 1.0], "stiffness": 3.0, "rest": 0.0}
 
@@ -133,19 +138,6 @@ def test_what_is_not_counted_is_said():
     ("value", "words"),
     [
         (lambda: mujoco.MjOption(), "a mujoco MjOption is not a model; give an MjModel"),
-        (
-            lambda: mujoco.MjModel.from_xml_string(
-                text(
-                    body(
-                        "b",
-                        "0 0 0",
-                        BOX,
-                        '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>',
-                    )
-                )
-            ),
-            "part 'b': it has 2 joints; give it a single hinge",
-        ),
     ],
 )
 def test_what_is_no_model_or_has_no_likeness_is_refused(value, words):

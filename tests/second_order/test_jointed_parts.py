@@ -54,7 +54,25 @@ def test_the_forms_of_a_joint_are_the_second_derivatives_of_its_equations(kind, 
     parts = [bar("a", (0, 0, 0), (0.3, 0, 1)), bar("b", (0.3, 0.1, 1), (1, 0.1, 1.4))]
     joint = Joint(("a", "b"), kind, point=[0.3, 0.05, 1], axis=axis)
     held = Part("held", Box([1, 1, 1]), Pose([9, 9, 9]), grounded=True)
-    assembly = Assembly([*parts, held], joints=[joint], planar=planar)
+    require_second_derivatives(Assembly([*parts, held], joints=[joint], planar=planar), random)
+
+
+@pytest.mark.parametrize("slides", range(4))
+@pytest.mark.parametrize("turns", range(4))
+def test_the_forms_of_a_general_joint_are_the_second_derivatives_of_its_equations(slides, turns):
+    random = np.random.default_rng(10 * slides + turns)
+    parts = [bar("a", (0, 0, 0), (0.3, 0, 1)), bar("b", (0.3, 0.1, 1), (1, 0.1, 1.4))]
+    directions = {
+        "slides": random.normal(size=(slides, 3)),
+        "turns": random.normal(size=(turns, 3)),
+    }
+    joint = Joint(("a", "b"), "general", point=[0.3, 0.05, 1], **directions)
+    held = Part("held", Box([1, 1, 1]), Pose([9, 9, 9]), grounded=True)
+    require_second_derivatives(Assembly([*parts, held], joints=[joint]), random)
+
+
+def require_second_derivatives(assembly: Assembly, random: np.random.Generator) -> None:
+    """The forms of the rows of joints are second derivatives, by differences in five directions."""
     program = build_program(assembly, kilter.contacts(assembly))
     forms = joint_forms(program, assembly.joints)
     step = 1e-3

@@ -20,8 +20,9 @@ scene. d, D: diameters; c: play on each side; h: height above the seat; all in l
     key_in_slot          length L, breadth b, c on each side, turned by a torque about its middle:
                          turns by asin((b + 2 c) / sqrt(L^2 + b^2)) - atan(b / L)
     ring_on_bar          a ring around a bar, drawn concentric: down by (D - d) / 2
-    cabinet              six boards that touch, without glue or friction: the shelf slides down to
-                         the bottom board, the others stay
+    cabinet              six boards that touch, without glue; the shelf touches one side and the
+                         back, which press it against nothing: it slides down to the bottom board,
+                         the others stay
 """
 
 from collections.abc import Callable, Sequence
@@ -360,7 +361,10 @@ def ring_on_bar(d: float = 0.01, D: float = 0.03, width: float = 0.005) -> Known
 def cabinet(
     size: Sequence[float] = (0.6, 0.3, 0.8), t: float = 0.02, shelf: float = 0.4
 ) -> KnownRest:
-    """Six boards that touch, without friction; the bottom of the shelf is at the height `shelf`."""
+    """Six boards that touch; the bottom of the shelf is at the height `shelf`.
+
+    The shelf is narrower than the space between the sides by a hundredth of a board.
+    """
     x, y, z = size
     low, high = [-x / 2, 0.0], [x / 2, y]
     parts = [
@@ -370,10 +374,10 @@ def cabinet(
         block("right", [high[0] - t, 0, t], [high[0], y, z - t]),
         block("top", [*low, z - t], [*high, z]),
         block("back", [low[0], y, 0], [high[0], y + 3 * t, z]),
-        block("shelf", [low[0] + t, 0, shelf], [high[0] - t, y, shelf + t]),
+        block("shelf", [low[0] + t, 0, shelf], [high[0] - 1.01 * t, y, shelf + t]),
     ]
     shift = dict.fromkeys(("bottom", "left", "right", "top", "back"), STILL)
-    drawn = Assembly(parts, friction=0.0)
+    drawn = Assembly(parts, friction=0.4)
     return KnownRest("cabinet", drawn, {**shift, "shelf": (0.0, 0.0, t - shelf)})
 
 

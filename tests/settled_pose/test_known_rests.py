@@ -314,7 +314,7 @@ def test_an_undecided_check_offers_the_pose_at_rest(height, tmp_path, capsys):
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, height])])
     verdict = kilter.check(drawn)
     assert verdict.verdict == "undecided"
-    words = "kilter settle FILE: at rest after moving 0.0005 m, then stable"
+    words = "kilter settle FILE --nearest: at rest after moving 0.0005 m, then stable"
     (offered,) = [remedy for remedy in verdict.to_dict()["remedies"] if remedy["moved"] is not None]
     assert offered["moved"] == pytest.approx(5e-4, abs=1e-8)
     assert (offered["option"], offered["leads_to"], offered["level"]) == (

@@ -35,10 +35,36 @@ def test_a_box_that_hangs_and_one_that_is_sunk_move_by_their_gap():
 
 
 def test_a_box_falls_by_its_height_above_the_table():
-    (moved,) = settled(box("a", [0, 0, 80]))["moved"]
+    answer = settled(box("a", [0, 0, 80]))
+    (moved,) = answer["moved"]
     (way,) = moved["way"]
     assert moved["distance"] == way["distance"] == pytest.approx(30, abs=1e-6)
-    assert (way["how"], way["angle_deg"]) == ("fell", pytest.approx(0, abs=1e-9))
+    assert (way["how"], way["angle_deg"], answer["rests"]) == (
+        "fell",
+        pytest.approx(0, abs=1e-9),
+        1,
+    )
+    scene = kilter.scene(Assembly([TABLE, box("a", [0, 0, 80])], units="mm"), settle=True)
+    assert scene.to_dict()["objects"][1]["way"] == [way]
+
+
+@pytest.mark.parametrize("tilt", [10, 40])
+def test_a_tilted_box_turns_back_about_its_edge(tilt):
+    """Its lower edge touches the table; friction 1 holds the edge."""
+    angle = math.radians(tilt)
+    height = 50 * (math.sin(angle) + math.cos(angle))
+    pose = Pose([0, 0, height], [math.cos(angle / 2), 0, math.sin(angle / 2), 0])
+    drawn = Assembly([TABLE, Part("a", Box(100, 100, 100), pose)], units="mm", friction=1.0)
+    answer = kilter.settle(drawn, require="equilibrium").to_dict()
+    (moved,) = answer["moved"]
+    (way,) = moved["way"]
+    assert (answer["state"], way["how"]) == ("at-rest", "tipped")
+    assert way["angle_deg"] == pytest.approx(tilt, abs=1e-5)
+    assert moved["angle_deg"] == pytest.approx(tilt, abs=1e-5)
+    # the centre turns about the edge, at a distance of half a diagonal
+    assert moved["distance"] == pytest.approx(100 * math.sqrt(2) * math.sin(angle / 2), abs=1e-4)
+    report = kilter.scene(drawn, settle=True, require="equilibrium").to_dict()
+    assert report["objects"][1]["way"] == [way]
 
 
 def test_a_box_between_two_walls_that_are_closer_overlaps_each_by_half_of_the_rest():

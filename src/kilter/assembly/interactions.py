@@ -17,12 +17,16 @@ from kilter.validate import finite, frozen, in_range, number
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
-JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
+JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical", "general"]
 KINDS: tuple[JointKind, ...] = get_args(JointKind)
 NEEDS_POINT = ("revolute", "cylindrical", "spherical")
 """Kinds of joints that need a point."""
 NEEDS_AXIS = ("revolute", "prismatic", "cylindrical")
 """Kinds of joints that need an axis."""
+FREE_AXES = ("slides", "turns")
+"""Members of a general joint: the directions along which, and axes about which it moves."""
+INDEPENDENT = 1e-6
+"""Least singular value of the independent directions of a general joint [-]."""
 GUIDED = ("revolute", "prismatic")
 """Kinds of joints with a single free motion, which may have limits, friction and a spring."""
 
@@ -236,7 +240,14 @@ class Joint(Value):
     prismatic      sliding along the axis           optional           needed
     cylindrical    sliding along, turning about it  on the axis        needed
     spherical      turning about the point          centre             unused
+    general        sliding along each of `slides`,  common to all      unused
+                   turning about each of `turns`    axes of `turns`
     =============  ===============================  =================  =======
+
+    The directions of `slides` move with the first part. They end in a frame in which the second
+    part turns about each of `turns` in sequence: the first of these axes moves with the first part,
+    the last with the second part. Two slides and a turn across them are a planar joint, two turns
+    a universal joint.
 
     The position q of a revolute or prismatic joint is how far the first part has turned about the
     axis, or slid along it, relative to the second part. It is 0 in the drawn pose, in [rad] or
@@ -263,12 +274,15 @@ class Joint(Value):
         Position at which the spring has no force [rad] or [length unit].
     why : str
         Reason of a joint that `kilter.fastened` has added without naming the pair.
+    slides, turns : array_like, shape (k, 3)
+        Directions of a general joint, world frame, up to three independent ones of each.
 
     Raises
     ------
     InputError
         If the kind is unknown, or the kind needs a point or axis that is missing; if another kind
-        has limits, friction or a spring, or if these are no valid numbers.
+        has limits, friction or a spring, or if these are no valid numbers; if the directions of a
+        general joint depend on each other, or another kind has such directions.
 
     Examples
     --------
@@ -287,6 +301,8 @@ class Joint(Value):
     friction: float = 0.0
     stiffness: float = 0.0
     rest: float = 0.0
+    slides: Any = ()
+    turns: Any = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
@@ -306,7 +322,27 @@ class Joint(Value):
             object.__setattr__(self, "point", finite(self.point, (3,), f"point of the {label}"))
         if self.axis is not None:
             object.__setattr__(self, "axis", unit(self.axis, f"axis of the {label}"))
+        self._require_free_axes(label)
         self._require_guide(label)
+
+    def _require_free_axes(self, label: str) -> None:
+        """Verify the directions of a general joint; `label` names the joint in error messages."""
+        for name in FREE_AXES:
+            rows = [unit(row, f"direction in {name} of the {label}") for row in getattr(self, name)]
+            axes = frozen(np.array(rows).reshape(-1, 3), (-1, 3))
+            if rows and self.kind != "general":
+                raise InputError(
+                    f"the {label} has {name}", hint="only joints of the kind general have them"
+                )
+            sizes = np.linalg.svd(axes, compute_uv=False) if rows else np.ones(1)
+            if len(rows) > 3 or sizes.min() < INDEPENDENT:
+                raise InputError(
+                    f"the {name} of the {label} depend on each other",
+                    hint="give up to three independent directions",
+                )
+            object.__setattr__(self, name, axes)
+        if self.kind == "general" and len(self.turns) and self.point is None:
+            raise InputError(f"{label} has no point", hint='give "point", on all axes of its turns')
 
     def _require_guide(self, label: str) -> None:
         """Verify limits, friction and spring; `label` names the joint in error messages."""
@@ -339,6 +375,19 @@ class Joint(Value):
             given |= {"stiffness": self.stiffness, "rest": self.rest}
         return given
 
+    @property
+    def free_axes(self) -> dict[str, list[list[float]]]:
+        """The `slides` and `turns` of a general joint as lists; empty for another joint."""
+        if self.kind != "general":
+            return {}
+        return {name: getattr(self, name).tolist() for name in FREE_AXES}
+
+    def moved(self, point: Any, turn: Any) -> Joint:
+        """The joint with another point, and with its directions turned by a matrix (3, 3)."""
+        axis = None if self.axis is None else turn @ self.axis
+        slides, turns = (getattr(self, name) @ np.asarray(turn).T for name in FREE_AXES)
+        return dataclasses.replace(self, point=point, axis=axis, slides=slides, turns=turns)
+
     def without(self, *names: str) -> Joint:
         """The joint without its "limits", "friction" or "stiffness"."""
         none: dict[str, Any] = {"limits": None, "friction": 0.0, "stiffness": 0.0}
@@ -348,6 +397,7 @@ class Joint(Value):
         places = {"point": self.point, "axis": self.axis, "limits": self.limits}
         words = [f", {k}={in_brackets(v)}" for k, v in places.items() if v is not None]
         words += [f", {k}={v:g}" for k, v in self.guide.items() if k != "limits"]
+        words += [f", {k}={v}" for k, v in self.free_axes.items() if v]
         return f"Joint({self.parts}, {self.kind!r}{''.join(words)})"
 
     def require_planar(self) -> None:
@@ -359,6 +409,11 @@ class Joint(Value):
             If a revolute joint does not turn about y, a prismatic joint slides out of the
             plane, or the axis of a cylindrical joint is neither along y nor in the plane.
         """
+        if self.kind == "general":
+            raise InputError(
+                f"general joint of {' and '.join(map(repr, self.parts))} in a planar assembly",
+                hint="give a revolute, prismatic or cylindrical joint",
+            )
         if self.kind not in NEEDS_AXIS:
             return
         along_y = float(np.hypot(self.axis[0], self.axis[2])) <= PLANAR_AXIS

@@ -86,7 +86,18 @@ def require_plain_joints(assembly: Assembly, what: str) -> None:
 
 
 AssemblyOrPath = Assembly | str | os.PathLike[str]
-"""The first argument of a verb: an assembly, or the path of a file that `kilter.load` reads."""
+"""The first argument of a verb: an assembly, or the path of a file that `kilter.load` reads. A
+model of MuJoCo is also accepted, alone or as the pair (model, data)."""
+SIMULATORS = ("mujoco",)
+"""Packages whose models are read without `kilter.load`: a model is a whole scene with its pose."""
+
+
+def is_scene(value: object) -> bool:
+    """Whether a value is a model of a simulator, or the pair (model, data)."""
+    model = value[0] if isinstance(value, tuple) and len(value) == 2 else value
+    return type(model).__module__.partition(".")[0] in SIMULATORS
+
+
 Answer = TypeVar("Answer")
 
 
@@ -220,7 +231,7 @@ class Question:
         return {name: getattr(self, name) for name in CHANGES}
 
     def read(self, subject: object) -> Assembly:
-        """An assembly, or that of a path, with the changes of the keywords.
+        """An assembly, or that of a path or a model, with the changes of the keywords.
 
         Raises `InputError` if it is neither, the file cannot be read, a name matches no part, or
         contacts are given beside a keyword that changes them.
@@ -240,7 +251,7 @@ class Question:
                 f"{self.verb} got contacts and {changing[0]}, which changes the contacts",
                 hint=f"leave out one of them, or find the contacts with the same {changing[0]}",
             )
-        if isinstance(subject, str | os.PathLike):
+        if isinstance(subject, str | os.PathLike) or is_scene(subject):
             loaded: Assembly = hook("load")(subject, **self.changes)
             return plain_joints(loaded, self.verb)
         require_assembly(subject, self.verb)

@@ -23,7 +23,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "improve": "which toy brick makes it stand?",
         "place": "where does the next part stand?",
         "check-plan": "does each item of a packing plan stand?",
-        "settle": "where do parts rest that overlap or hang by a little?",
+        "settle": "where do parts come to rest that overlap or hang?",
     },
     "show": {
         "report": "write an offline page in 3D with all answers",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import HOLDS, LOWER, SCENE, SETTLE
@@ -20,6 +20,7 @@ from kilter.cli.output import (
     write_whole,
 )
 from kilter.cli.simulator_poses import with_key, write_simulator_pose
+from kilter.cli.state_settling import settle_many
 from kilter.errors import InputError
 from kilter.values.declaration import option
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from kilter.analysis.scene_states.scene_report import SceneReport
     from kilter.analysis.settled_pose.settle import Settled
     from kilter.assembly import Assembly
+    from kilter.files.reading import Reading
 
 
 MOVED = "Movement"
@@ -90,9 +92,16 @@ def settle(asked: Asked, options: SettleOptions) -> int:
     results; 1 some rows are errors.
     """
     if options.states is not None:
-        from kilter.cli.state_settling import settle_many
-
-        return settle_many(asked, options, options.states)
+        keywords = {
+            "reach": options.reach,
+            "keep": options.keep or (),
+            "nearest": options.nearest,
+            "require": options.require,
+        }
+        return settle_many(
+            asked, options.states, keywords,
+            processes=options.processes, json=options.json, output=options.output,
+        )  # fmt: skip
     from kilter.analysis.settled_pose.settle import settle as find
     from kilter.tell.text import text_of
 
@@ -116,7 +125,7 @@ def settle(asked: Asked, options: SettleOptions) -> int:
         if options.output is not None and (rests or options.output.suffix in PICTURES):
             progress("output")
             told = write_pose(answer, asked, options.output, key)
-    posed = replace(asked, reading=_with_poses(asked, answer))
+    posed = replace(asked, reading=_proved_reading(asked, answer))
     after = posed.keep_proof(answer.proof if rests else None, data)
     tell_warnings(data["warnings"], asked.quiet or options.json)
     if options.json:
@@ -170,7 +179,7 @@ def require_pose_form(output: Path, asked: Asked) -> None:
         )  # fmt: skip
 
 
-def _with_poses(asked: Asked, answer: Settled | SceneReport) -> Any:
+def _with_poses(asked: Asked, answer: Settled | SceneReport) -> Reading:
     """The options of reading with the settled poses of all moved parts."""
     poses = {
         part.name: {
@@ -184,6 +193,18 @@ def _with_poses(asked: Asked, answer: Settled | SceneReport) -> Any:
     if poses:
         entries["poses"] = {**entries.get("poses", {}), **poses}
     return replace(asked.reading, entries=entries)
+
+
+def _proved_reading(asked: Asked, answer: Settled) -> Reading:
+    """The options of reading with the settled poses, without the parts that are not at rest."""
+    reading = _with_poses(asked, answer)
+    if answer.resting is None or len(answer.resting) == len(answer.assembly):
+        return reading
+    left_out = [name for name in answer.assembly.names if name not in answer.resting.index]
+    kept = {k: v for k, v in reading.entries.get("poses", {}).items() if k not in left_out}
+    entries = {key: value for key, value in reading.entries.items() if key != "poses"}
+    entries |= {"poses": kept} if kept else {}
+    return replace(reading, entries=entries, without=(*reading.without, *left_out))
 
 
 def _drawn(answer: Settled | SceneReport) -> Assembly:

@@ -52,7 +52,7 @@ def write_simulator_pose(
     source = source_of(asked)
     if not is_mjcf_file(source):
         return _write_all(settled, output, asked)
-    from kilter.files.objects.mujoco_states import open_scene
+    from kilter.files.objects.state_scenes import open_scene
 
     scene = open_scene(source, asked.reading.format_options)
     drawn = scene.assembly()

@@ -10,50 +10,58 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.exit_codes import SOME_ERRORS, WRITTEN
 from kilter.cli.output import as_json, emit, tell_written
 from kilter.errors import InputError
+from kilter.tell.levels import require_level
 from kilter.tell.numbers import count, number
 
 if TYPE_CHECKING:
     from kilter.cli.asked import Asked
-    from kilter.cli.resting import SettleOptions
 
 SHOWN = 60
 """Largest number of states in the table of a terminal."""
 HEAD = ("state", "result", "at rest", "farthest", "time", "notes")
 
 
-def settle_many(asked: Asked, options: SettleOptions, states: Path) -> int:
-    """Settle the states of a file, and print a row for each; return the exit code."""
+def settle_many(
+    asked: Asked,
+    states: Path,
+    options: Mapping[str, Any],
+    *,
+    processes: int,
+    json: bool,
+    output: Path | None,
+) -> int:
+    """Settle the states of a file, and print a row for each; return the exit code.
+
+    Arguments: `options`: keywords of `kilter.settle` from the command line.
+    """
     from kilter.analysis.many.settle_states import run_states
     from kilter.cli.file_commands import RateLine
     from kilter.contact import Tolerance
-    from kilter.tell.levels import require_level
 
-    _require_suitable(asked, options)
+    _require_suitable(asked, output)
     quiet = asked.quiet or not sys.stderr.isatty()
     answer = run_states(
         asked.source or Path(asked.file),
         states,
         asked.reading,
         {
-            "reach": options.reach,
-            "keep": options.keep or (),
-            "nearest": options.nearest,
-            "require": require_level(options.require, strict=True),
+            **options,
+            "require": require_level(options["require"], strict=True),
             "effort": asked.effort or 0.0,
             "time_limit": asked.limit,
         },
         tolerance=None if asked.tolerance == Tolerance() else asked.tolerance,
-        output=options.output,
-        processes=options.processes,
+        output=output,
+        processes=processes,
         progress=None if quiet else RateLine("states"),
     )
     data = answer.to_dict()
-    emit(as_json(data) if options.json else states_text(data), None)
-    tell_written(options.output, "states at rest", asked.quiet)
+    emit(as_json(data) if json else states_text(data), None)
+    tell_written(output, "states at rest", asked.quiet)
     return SOME_ERRORS if answer.counts.get("error") else WRITTEN
 
 
-def _require_suitable(asked: Asked, options: SettleOptions) -> None:
+def _require_suitable(asked: Asked, output: Path | None) -> None:
     """Raise an error for options that belong to a single state."""
     if asked.proof is not None:
         raise InputError(
@@ -61,9 +69,9 @@ def _require_suitable(asked: Asked, options: SettleOptions) -> None:
         )
     if asked.file == "-":
         raise InputError("states belong to an MJCF file", hint="give its path")
-    if options.output is not None and options.output.suffix.lower() != ".npy":
+    if output is not None and output.suffix.lower() != ".npy":
         raise InputError(
-            "many states are written to a NumPy file", file=str(options.output), hint="give X.npy"
+            "many states are written to a NumPy file", file=str(output), hint="give X.npy"
         )
 
 

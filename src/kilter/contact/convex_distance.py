@@ -25,14 +25,14 @@ TOUCHING = 1e-10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Nearest:
-    """Nearest points of pairs of cores."""
+class NearestPoints:
+    """NearestPoints points of pairs of cores."""
 
     apart: Mask
     """Whether the cores are apart by more than rounding, shape (K,)."""
     on_a: Array
     on_b: Array
-    """Nearest points, shape (K, 3)."""
+    """NearestPoints points, shape (K, 3)."""
     corner_a: Index
     corner_b: Index
     """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
@@ -40,8 +40,8 @@ class Nearest:
     """Whether the nearest points are a corner and a corner, or a corner and a point of an edge."""
 
 
-def nearest_points(a: Cores, b: Cores, size: Array, limit: Array) -> Nearest:
-    """Nearest points of pairs of cores.
+def nearest_points(a: Cores, b: Cores, size: Array, limit: Array) -> NearestPoints:
+    """NearestPoints points of pairs of cores.
 
     Arguments: `size` (K,): size of each pair [length unit]; `limit` (K,): the search for a pair
     ends if its distance is larger [length unit].
@@ -92,7 +92,7 @@ def nearest_points(a: Cores, b: Cores, size: Array, limit: Array) -> Nearest:
     on_b = np.einsum("kc,kci->ki", final[0], b.vertex[rows, final[2]])
     pair_a, number_a = _two_corners(final[0], final[1])
     pair_b, number_b = _two_corners(final[0], final[2])
-    return Nearest(apart, on_a, on_b, pair_a, pair_b, number_a + number_b <= 3)
+    return NearestPoints(apart, on_a, on_b, pair_a, pair_b, number_a + number_b <= 3)
 
 
 def _two_corners(weight: Array, corner: Index) -> tuple[Index, Index]:

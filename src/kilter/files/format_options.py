@@ -25,5 +25,7 @@ class FormatOptions:
     """MuJoCo: states in place of the pose of a keyframe; the first is that of the assembly."""
     base: str | None = None
     """One of "fixed", "floating". URDF: whether the root link is held."""
+    loose_robots: bool = False
+    """MuJoCo: whether bodies that motors move are free."""
     studs: StudRules | None = None
     """Bricks: strength of studs, and points at which sides push each other."""

@@ -20,6 +20,7 @@ from kilter.assembly.question import holding, on_floor
 from kilter.errors import InputError, some_names
 from kilter.files.file_content import UP, FileContent, note_on_up, read_path
 from kilter.files.format_options import BASES, FormatOptions
+from kilter.files.objects.state_files import state_row
 from kilter.files.own.choices import LOWEST, Choices, digest, find_choices
 from kilter.files.own.choices_writing import (
     released_in_part,
@@ -98,14 +99,15 @@ class Reading(ReadingOptions):
     @property
     def format_options(self) -> FormatOptions:
         """The options of this reading that only specific file formats use."""
-        states = None
-        if self.state is not None:
-            # imported late: only states need these modules
-            from kilter.files.objects.state_files import state_row
-
-            states = state_row(self.state)
+        states = None if self.state is None else state_row(self.state)
         return FormatOptions(
-            self.units, self.contacts, self.keyframe, states, self.base, self.studs
+            self.units,
+            self.contacts,
+            self.keyframe,
+            states,
+            self.base,
+            self.loose_robots,
+            self.studs,
         )
 
     @property
@@ -137,7 +139,7 @@ class Reading(ReadingOptions):
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
             bonds = values.get("bond", ())
             values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
-            for key in ("fasten_suggested", "fasten_overlaps"):
+            for key in ("fasten_suggested", "fasten_overlaps", "loose_robots"):
                 values[key] = bool(values.get(key, False))
             values["mass"] = tuple((str(a), float(kg)) for a, kg in values.get("mass", ()))
             loads = values.get("load", ())

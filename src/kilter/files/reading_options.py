@@ -119,6 +119,11 @@ class ReadingOptions:
     base: str | None = option(
         "--base fixed|floating", "URDF only: whether the root link is held; fixed by default.", HELD
     )
+    loose_robots: bool = option(
+        "--loose-robots",
+        "MJCF and URDF: free the bodies that motors move; by default they are held.",
+        HELD,
+    )
     stud_pull: float | None = option(
         "--stud-pull N",
         "Bricks only: pull that each of the three or four points of a stud resists [N]; 0.98 "

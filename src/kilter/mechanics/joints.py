@@ -13,6 +13,7 @@ A joint forbids some relative motions of its parts at a point and leaves the oth
     prismatic      both across the axis   x, y, z
     cylindrical    both across the axis   both across the axis
     spherical      x, y, z                none
+    general        across all slides      across all turns
     =============  =====================  =====================
 
 The rows are taken at that point of the joint that is nearest to the centre of the smaller free
@@ -28,6 +29,7 @@ import numpy as np
 from kilter.arrays import Array, Mask, across, cross
 from kilter.assembly import GROUND, Assembly, Joint
 from kilter.assembly.geometry import Geometry
+from kilter.rigid import unit
 
 
 def joint_constraints(
@@ -54,6 +56,8 @@ def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
     >>> [len(directions) for directions in constraints(hinge, planar=True)]
     [2, 0]
     """
+    if joint.kind == "general":
+        return _across_all(joint.slides), _across_all(joint.turns)
     all_axes, no_axes = np.eye(3), np.empty((0, 3))
     transverse = no_axes if joint.axis is None else _transverse(joint.axis, planar)
     linear = transverse if joint.kind in ("prismatic", "cylindrical") else all_axes
@@ -63,6 +67,15 @@ def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
     if planar:  # directions are along y or across it: see `Joint.require_planar`
         return linear[np.abs(linear[:, 1]) < 0.5], angular[np.abs(angular[:, 1]) > 0.5]
     return linear, angular
+
+
+def _across_all(directions: Array) -> Array:
+    """Orthonormal vectors perpendicular to up to three independent directions, (3 - k, 3)."""
+    if len(directions) == 1:
+        return np.stack(across(directions[0]))
+    if len(directions) == 2:
+        return unit(cross(*directions), "normal of two directions")[None]
+    return np.eye(3) if not len(directions) else np.empty((0, 3))
 
 
 def _transverse(axis: Array, planar: bool) -> Array:
@@ -87,10 +100,10 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
     free = [k for k in parts if not geometry.grounded[k]] or parts
     center: Array = geometry.center[min(reversed(free), key=lambda k: geometry.radius[k])]
     # these joints transmit every torque, so their rows may act at any point
-    if joint.kind in ("fixed", "prismatic"):
+    if joint.kind in ("fixed", "prismatic") or joint.point is None:
         return center
     point = np.asarray(joint.point)
-    if joint.kind == "spherical":
+    if joint.axis is None:
         return point
     # the point of the axis nearest to the centre keeps the lever arms short
     along: Array = point + joint.axis * float(joint.axis @ (center - point))

@@ -214,6 +214,7 @@ def joints_of(
                 "kind": joint.kind,
                 "point": about.tolist(),
                 "axis": None if joint.axis is None else joint.axis.tolist(),
+                **joint.free_axes,
                 **joint.guide,
                 "wrench": wrench,
             }

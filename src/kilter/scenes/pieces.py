@@ -284,8 +284,7 @@ def _moved_load(load: Load, pose: Pose) -> Load:
 
 def _moved_joint(joint: Joint, pose: Pose) -> Joint:
     point = None if joint.point is None else pose.apply([joint.point])[0]
-    axis = None if joint.axis is None else pose.matrix @ joint.axis
-    return dataclasses.replace(joint, point=point, axis=axis)
+    return joint.moved(point, pose.matrix)
 
 
 def moved_features(

@@ -168,12 +168,13 @@ def remedy_words(option: str, leads_to: str | None, moved: float | None, units: 
     >>> remedy_words("--loose", "stable", None, "mm")
     '--loose: stable'
     >>> remedy_words("--settle", "stable", 0.41, "mm")
-    'kilter settle FILE: at rest after moving 0.41 mm, then stable'
+    'kilter settle FILE --nearest: at rest after moving 0.41 mm, then stable'
     """
     result = REMEDY_RESULTS.get(leads_to, leads_to)
     if moved is None:
         return f"{option}: {result}"
-    return f"kilter settle FILE: at rest after moving {number(moved, 3)} {units}, then {result}"
+    far = f"{number(moved, 3)} {units}"
+    return f"kilter settle FILE --nearest: at rest after moving {far}, then {result}"
 
 
 def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:

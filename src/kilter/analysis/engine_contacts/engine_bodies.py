@@ -28,21 +28,8 @@ from kilter.assembly.interactions import Joint, Load
 from kilter.assembly.part import GROUND, inertia_fault, inertia_numbers
 from kilter.errors import InputError
 from kilter.files.meshes.placed import distinct
-from kilter.files.objects.mujoco_objects import (
-    BALL,
-    BOX,
-    CAPSULE,
-    CONNECT,
-    CYLINDER,
-    FREE,
-    HINGE,
-    KINDS,
-    MESH,
-    PLANE,
-    SLIDE,
-    SPHERE,
-    WELD,
-)
+from kilter.files.objects.mujoco_joints import BALL, CONNECT, FREE, HINGE, KINDS, SLIDE, WELD
+from kilter.files.objects.mujoco_shapes import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE
 from kilter.files.objects.mujoco_state import EngineState
 
 BODY, SITE = 1, 6

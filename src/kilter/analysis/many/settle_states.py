@@ -32,8 +32,8 @@ from kilter.assembly.question import Question, question
 from kilter.contact import Tolerance
 from kilter.errors import InputError
 from kilter.files.objects.mujoco_snapshot import StateRows, first_position
-from kilter.files.objects.mujoco_states import open_scene, places_of
 from kilter.files.objects.state_files import as_rows, read_states
+from kilter.files.objects.state_scenes import open_scene, places_of
 from kilter.files.own.choices import find_choices
 from kilter.files.reading import Reading, chosen
 from kilter.files.writing import write_array
@@ -204,7 +204,7 @@ def run_states(
     if reading.state is not None:
         raise InputError("state and states are both given", hint="give only one of them")
     source, reading, tolerance = _chosen(scene, reading, tolerance)
-    run = _Run(source, rows, reading, tolerance, dict(options))
+    run = _StatesRun(source, rows, reading, tolerance, dict(options))
     with open_journal(output, run.identity) as journal:
         found_there = len(journal.rows)
         run.settle_missing(journal, count, progress or (lambda done, of: None))
@@ -229,7 +229,7 @@ def _chosen(
 
 
 @dataclass(slots=True, eq=False)
-class _Run:
+class _StatesRun:
     """The states to settle, and how."""
 
     source: Any

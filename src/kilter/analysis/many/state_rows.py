@@ -21,7 +21,7 @@ from kilter.contact import Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import TimeLimitReached
 from kilter.files.file_content import FileContent
-from kilter.files.objects.mujoco_states import StateScene
+from kilter.files.objects.state_scenes import StateScene
 from kilter.files.reading import Reading
 
 StateTask = tuple[int, dict[str, Array]]

@@ -15,9 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.analysis.scene_states.object_states import survey, worst_overlaps
-from kilter.analysis.scene_states.scene_graph import chosen_parts
+from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.scene_states.scene_report import SceneObject, SceneReport
+from kilter.analysis.scene_states.survey import survey, worst_overlaps
 from kilter.analysis.settled_pose.rest import Rest
 from kilter.analysis.settled_pose.rest_verification import closed_parts, parts_without_rest
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
+from kilter.analysis.settled_pose.moving_pairs import MovingPairs
+from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Array, Index, distinct_rows
 from kilter.assembly import Assembly
@@ -31,6 +32,8 @@ class CandidatePoints:
     rotation: Array
     position: Array
     """Drawn poses of the parts, shape (N, 3, 3) and (N, 3)."""
+    others: MovingPairs
+    """Pairs of parts that convex pieces do not cover."""
 
     @staticmethod
     def of(bodies: RigidBodies) -> CandidatePoints:
@@ -38,10 +41,12 @@ class CandidatePoints:
         assembly = bodies.drawn
         apart = [entry.parts for entry in assembly.contacts if not len(entry.points)]
         pairs = [[assembly.index[name] for name in names] for names in apart]
+        pieces, ignored = convex_pieces(assembly), np.array(pairs, np.int64).reshape(-1, 2)
         return CandidatePoints(
-            assembly, convex_pieces(assembly), np.array(pairs, np.int64).reshape(-1, 2),
+            assembly, pieces, ignored,
             np.array([part.pose.matrix for part in assembly.parts]),
             np.array([part.pose.position for part in assembly.parts]),
+            MovingPairs.of(assembly, pieces.whole, ignored),
         )  # fmt: skip
 
     def near(self, bodies: RigidBodies, reach: float) -> NearPoints:
@@ -58,13 +63,9 @@ class CandidatePoints:
             np.zeros(len(found)), found.bears,
         )  # fmt: skip
         points = points.take(body[points.part_a] != body[points.part_b])
+        if not self.pieces.whole.all():
+            points = NearPoints.join([points, self.others.near(rotation, position, body, reach)])
         points = replace(points, mu=self._friction(points))
-        whole = self.pieces.whole
-        if not whole.all():
-            others = find_near_points(bodies.assembly(), reach, reach)
-            other = ~(whole[others.part_a] & whole[others.part_b])
-            other &= body[others.part_a] != body[others.part_b]
-            points = NearPoints.join([points, others.take(other)])
         if self.assembly.planar:
             points = points.take(np.abs(points.normal[:, 1]) < 0.5)
         return points

@@ -28,8 +28,8 @@ SEAM = 1e-9
 def are_clear(search: ContactSearch, pair: Index, start: Array, end: Array) -> Mask:
     """Mask of segments that cross no triangle of their parts between their ends, shape (n,).
 
-    Triangles lie off the exact surface of a curved face by up to the sagitta, so crossings within
-    twice the sagittas of an end do not count.
+    Triangles lie off the exact surface of a curved face by up to the sagitta, so triangles whose
+    planes are within twice the sagittas of an end do not count.
 
     Arguments: `pair` (n,): row of each segment in `search.pairs`; `start`, `end` (n, 3) [length
     unit].
@@ -39,8 +39,7 @@ def are_clear(search: ContactSearch, pair: Index, start: Array, end: Array) -> M
     length = lengths(end - start)
     a, b = search.pairs[pair].T
     slack = geometry.slack[a] + geometry.slack[b]
-    exact = SAME_PLACE * np.minimum(geometry.size[a], geometry.size[b])
-    margin = np.maximum(AT_END * length, 2 * slack + exact)
+    margin = 2 * slack + SAME_PLACE * np.minimum(geometry.size[a], geometry.size[b])
     rows = np.flatnonzero(length > 2 * margin)
     if not len(rows):
         return clear
@@ -85,15 +84,16 @@ def _near_triangles(
 
 
 def _crosses(start: Array, end: Array, corners: Array, margin: Array) -> Mask:
-    """Mask of segments that cross their triangle farther than a margin from both ends, (n,)."""
+    """Mask of segments that cross their triangle, both ends a margin off its plane, shape (n,)."""
     along, length = end - start, lengths(end - start)
     double = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = lengths(double)
     rise = np.einsum("ij,ij->i", along, double)
-    share = ratio(np.einsum("ij,ij->i", corners[:, 0] - start, double), rise)
-    far = share * length
+    height = np.einsum("ij,ij->i", corners[:, 0] - start, double)
+    share = ratio(height, rise)
     crosses: Mask = np.abs(rise) > PARALLEL * length * area
-    crosses &= (far > margin) & (length - far > margin)
+    crosses &= (share > AT_END) & (share < 1 - AT_END)
+    crosses &= np.minimum(np.abs(height), np.abs(rise - height)) > margin * area
     foot = start + share[:, None] * along
     for k in range(3):
         p, q = corners[:, k], corners[:, (k + 1) % 3]

@@ -24,6 +24,7 @@ import numpy as np
 
 from kilter.analysis.settled_pose.bore_points import Shafts, bore_points, shafts_in_holes
 from kilter.analysis.settled_pose.clear_segments import are_clear
+from kilter.analysis.settled_pose.feature_points import feature_points
 from kilter.analysis.settled_pose.settle_tolerances import (
     BESIDE,
     COINCIDES,
@@ -51,7 +52,7 @@ from kilter.assembly.geometry import Geometry
 from kilter.contact.common.broad import facet_pairs
 from kilter.contact.common.contact_search import ContactSearch, begin_search
 from kilter.contact.common.distances import surface_distance
-from kilter.contact.common.findings import CurvedFindings, FacePatches
+from kilter.contact.common.findings import CurvedFindings, FacePatches, may_be_smooth
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import Patches
 from kilter.contact.common.polygons import (
@@ -67,9 +68,15 @@ from kilter.contact.convex_points import near_points
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.overlap import inside_part
 from kilter.contact.pair_findings import find_families
+from kilter.contact.smooth.smooth_joints import find_smooth
 
 BETWEEN = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 """Places along the normal of a penetrating point that are examined, over its penetration [-]."""
+TWICE = 1e-7
+"""Distance within which a corner or edge is a known point, over the size of the smallest part
+[-]."""
+SAME_WAY = 0.3
+"""Largest angle between the normals of penetrating points that one motion opens [rad]."""
 OBLIQUE = 0.6
 """Slope of the directions beside a point to its tangents [-]."""
 
@@ -94,18 +101,19 @@ class NearPoints(Rows):
 
 
 def find_near_points(
-    assembly: Assembly, reach: float, fine_reach: float, *, covered: Mask | None = None
+    assembly: Assembly, reach: float, fine_reach: float, *, pairs: Index | None = None
 ) -> NearPoints:
     """Find the points of an assembly that lie within a reach of contact.
 
     Arguments: `reach`: largest gap of a point between convex parts with flat faces [length unit];
-    `fine_reach`: the same for all other pairs [length unit]; `covered` (N,): parts whose pairs with
-    each other are left out.
+    `fine_reach`: the same for all other pairs [length unit]; `pairs` (n, 2): parts a < b of the
+    pairs that are examined; None: all.
     """
     search = begin_search(assembly, Tolerance(gap=reach / CLUSTER), lambda stage: None)
     facets, geometry = search.facets, search.geometry
-    if covered is not None and covered.any():
-        search = _restricted(search, ~both_of(covered, search.pairs), reach)
+    if pairs is not None:
+        keys = np.array([len(geometry.mass), 1])
+        search = _restricted(search, np.isin(search.pairs @ keys, pairs @ keys), reach)
     plain = facets.convex_part & (np.diff(geometry.surfaces.start) == 0)
     simple = both_of(plain, search.pairs)
     flat, faced = _flat_points(_restricted(search, simple, reach), reach)
@@ -119,9 +127,8 @@ def find_near_points(
         others = _restricted(search, ~simple, fine_reach)
         blocks += _general_points(others, fine_reach, assembly.down)
     points = NearPoints.join(blocks)
-    parts = np.column_stack([points.part_a, points.part_b])
-    pairs, pair = distinct_rows(parts)
-    points = replace(points, mu=friction_coefficients(assembly, pairs)[pair])
+    parts, pair = distinct_rows(np.column_stack([points.part_a, points.part_b]))
+    points = replace(points, mu=friction_coefficients(assembly, parts)[pair])
     return points.take(np.abs(points.gap) <= reach)
 
 
@@ -390,10 +397,32 @@ def _corner_at(search: ContactSearch, facet: Index, at: Array) -> tuple[Index, M
 
 def _general_points(search: ContactSearch, reach: float, down: Array) -> list[NearPoints]:
     """Points of pairs of parts of any shape: flat faces, curved faces, edges and corners."""
-    found = find_families(search)
-    flat, _ = _flat_points(search, reach, found)
-    blocks = [flat]
     geometry = search.geometry
+    pair, point, normal, gap = feature_points(search, reach)
+    a, b = search.pairs[pair].T
+    features = _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))
+    curved = np.diff(geometry.surfaces.start) > 0
+    a, b = search.pairs.T
+    with_curves = curved[a] | curved[b]
+    blocks = []
+    if with_curves.any():
+        blocks += _curved_points(_restricted(search, with_curves, reach), reach, down)
+    if not with_curves.all():
+        flat = _restricted(search, ~with_curves, reach)
+        found = FacePatches(flat)
+        if may_be_smooth(flat).any():
+            found = replace(found, smooth=find_smooth(found))
+        blocks += [_flat_points(flat, reach, found)[0], _patches_of(flat, found.smooth.patches)]
+    faces = NearPoints.join(blocks)
+    points = NearPoints.join([faces, features.take(_not_among(geometry, features, faces))])
+    return [points.take(~_beside_least_depth(geometry, points))]
+
+
+def _curved_points(search: ContactSearch, reach: float, down: Array) -> list[NearPoints]:
+    """Points of pairs of parts with curved faces."""
+    geometry = search.geometry
+    found = find_families(search)
+    blocks = [_flat_points(search, reach, found)[0], _patches_of(search, found.smooth.patches)]
     shafts = shafts_in_holes(geometry, search.pairs)
     curved = _without(found.curved, shafts)
     surface = np.repeat(curved.surface, np.diff(curved.patches.start), axis=0)
@@ -403,11 +432,87 @@ def _general_points(search: ContactSearch, reach: float, down: Array) -> list[Ne
     row, point, normal, gap = bore_points(geometry, shafts, down, reach)
     a, b = search.pairs[shafts.pair[row]].T
     blocks.append(_seen(search, _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))))
-    for patches in (found.smooth.patches, found.sharp.patches):
-        points = _seen(search, _patch_points(patches, _sharp_gaps(geometry, patches)))
-        points = points.take(_truly_inside(geometry, points))
-        blocks.append(points.take(_share_material(geometry, points)))
-    return blocks
+    sharp = _patches_of(search, found.sharp.patches)
+    exact = np.zeros(len(geometry.mass), dtype=bool)
+    exact[geometry.surfaces.part[geometry.surfaces.doubt == 0.0]] = True
+    # the corners of a mesh are deeper or less deep than the round faces recognised in it
+    sure = (sharp.gap >= 0.0) | exact[sharp.part_a] | exact[sharp.part_b]
+    return [*blocks, sharp.take(sure)]
+
+
+def _patches_of(search: ContactSearch, patches: Patches) -> NearPoints:
+    """Points of patches whose surfaces see each other, without false penetrations."""
+    geometry = search.geometry
+    points = _seen(search, _patch_points(patches, _sharp_gaps(geometry, patches)))
+    points = points.take(_truly_inside(geometry, points))
+    return points.take(_share_material(geometry, points))
+
+
+def _not_among(geometry: Geometry, points: NearPoints, known: NearPoints) -> Mask:
+    """Mask of points that are no known point of the same pair with a similar normal."""
+    new = np.ones(len(points), dtype=bool)
+    if not len(points) or not len(known):
+        return new
+    from scipy.spatial import cKDTree
+
+    near = TWICE * float(geometry.size.min())
+    for k, rows in enumerate(cKDTree(known.point).query_ball_point(points.point, near)):
+        same = known.part_a[rows] == points.part_a[k]
+        same &= known.part_b[rows] == points.part_b[k]
+        new[k] = not (same & (known.normal[rows] @ points.normal[k] > np.cos(2 * FACING))).any()
+    return new
+
+
+def _beside_least_depth(geometry: Geometry, points: NearPoints) -> Mask:
+    """Mask of penetrating points of a pair that a shallower direction opens as well.
+
+    Points of a pair with similar normals form a group; its depth is that of its deepest point. Of
+    two groups whose penetrations lie in the same place, only the shallower one counts.
+    """
+    beside = np.zeros(len(points), dtype=bool)
+    deep = np.flatnonzero(points.gap < -SAME_PLACE * geometry.size.min())
+    pairs, pair = distinct_rows(np.column_stack([points.part_a[deep], points.part_b[deep]]))
+    for k in range(len(pairs)):
+        rows = deep[pair == k]
+        groups = _groups(points.normal[rows])
+        if groups.max(initial=0) == 0:
+            continue
+        half = points.gap[rows, None] / 2 * points.normal[rows]
+        ends = np.stack([points.point[rows] - half, points.point[rows] + half], axis=1)
+        members = [np.flatnonzero(groups == g) for g in range(int(groups.max()) + 1)]
+        members.sort(key=lambda group: -float(points.gap[rows[group]].min()))
+        kept: list[tuple[Array, Array]] = []
+        for group in members:
+            low, high = ends[group].min(axis=(0, 1)), ends[group].max(axis=(0, 1))
+            depth = -float(points.gap[rows[group]].min())
+            if any(
+                (np.minimum(high, top) - np.maximum(low, bottom) > -SAME_PLACE * depth).all()
+                and _crosses_box(ends[group], bottom, top)
+                for bottom, top in kept
+            ):
+                beside[rows[group]] = True
+            else:
+                kept.append((low, high))
+    return beside
+
+
+def _crosses_box(ends: Array, low: Array, high: Array) -> bool:
+    """Whether a segment runs inside of a box over more than a part of its length."""
+    share = np.linspace(0.0, 1.0, 9)[1:-1, None, None]
+    inner = ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
+    grow = SAME_PLACE * float(np.ptp(ends, axis=1).max())
+    return bool(((inner > low - grow) & (inner < high + grow)).all(axis=2).any())
+
+
+def _groups(normals: Array) -> Index:
+    """Group of each unit normal: those within the angle `SAME_WAY` of the first of a group."""
+    group = np.full(len(normals), -1)
+    number = 0
+    while (group < 0).any():
+        first = int(np.flatnonzero(group < 0)[0])
+        group[(group < 0) & (normals @ normals[first] > np.cos(SAME_WAY))] = number
+        number += 1
+    return group
 
 
 def _without(found: CurvedFindings, shafts: Shafts) -> CurvedFindings:

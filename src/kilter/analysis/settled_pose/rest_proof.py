@@ -21,7 +21,7 @@ import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
 from kilter.analysis.settled_pose.settle_tolerances import BETWEEN_FACES, CLOSED, NORMAL
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Mask, cross, lengths, ragged
 from kilter.assembly import Assembly, GivenContact
 from kilter.assembly.geometry import Geometry
 from kilter.contact import ContactSet, Tolerance, detect
@@ -36,6 +36,8 @@ from kilter.mechanics.proof_form import NUMBER
 WARPS = 2.0
 """Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
 be warped [-]."""
+BATCH = 1_000_000
+"""Pairs of a point and a facet that are compared at once; a larger value needs more memory."""
 FIT = 1e-9
 """Slack of the sides of a facet for a point on it, over the reach of the facet [-]."""
 
@@ -140,49 +142,84 @@ def closed_points(
     [length unit]; `sound` (n,).
     """
     facets = find_facets(geometry)
-    sound = np.ones(len(points), dtype=bool)
-    for k in range(len(points)):
-        of_a, of_b = (_normals_at(geometry, facets, p, points[k], gap) for p in parts[k].tolist())
-        sound[k] = _in_cone(of_a, normals[k], NORMAL) and _in_cone(of_b, -normals[k], NORMAL)
-        sound[k] &= _in_cone(np.concatenate([of_a, -of_b]), normals[k], BETWEEN_FACES)
+    own, rays_a = _normals_at(geometry, facets, parts[:, 0], points, gap)
+    other, rays_b = _normals_at(geometry, facets, parts[:, 1], points, gap)
+    sound = _in_cones(own, rays_a, normals, NORMAL) & _in_cones(other, rays_b, -normals, NORMAL)
+    both, rays = np.concatenate([own, other]), np.concatenate([rays_a, -rays_b])
+    rows = np.flatnonzero(sound)
+    kept = sound[both]
+    number = np.cumsum(sound) - 1
+    sound[rows] = _in_cones(number[both[kept]], rays[kept], normals[rows], BETWEEN_FACES)
     return surface_gaps(geometry, parts, points), sound
 
 
-def _normals_at(geometry: Geometry, facets: Facets, part: int, point: Array, gap: float) -> Array:
-    """Outward normals of the faces of a part on which a point lies within `gap`, shape (m, 3)."""
-    rows = np.arange(facets.start[part], facets.start[part + 1])
-    height = np.einsum("fi,fi->f", point - facets.origin[rows], facets.normal[rows])
-    away = np.linalg.norm(point - facets.origin[rows], axis=1)
-    near = (np.abs(height) <= gap) & (away <= facets.reach[rows] + gap) & ~facets.curved[rows]
-    on = [row for row in rows[near].tolist() if _on_facet(geometry, facets, row, point, gap)]
-    surface = np.arange(*geometry.surfaces.start[part : part + 2])
-    if not len(surface):
-        return facets.normal[on]
-    each = np.tile(point, (len(surface), 1))
-    surface = surface[np.abs(geometry.surfaces.distance(surface, each)) <= gap]
-    outward = geometry.surfaces.outward(surface, np.tile(point, (len(surface), 1)))
-    return np.concatenate([facets.normal[on], outward])
+def _normals_at(
+    geometry: Geometry, facets: Facets, part: Index, points: Array, gap: float
+) -> tuple[Index, Array]:
+    """Outward normals of the faces of a part for each point that lies on them within `gap`.
+
+    Returns the row of the point, shape (m,), and the normal, shape (m, 3).
+    """
+    rows, normals = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))]
+    width = int(np.diff(facets.start)[part].max(initial=1))
+    for batch in np.array_split(np.arange(len(points)), 1 + len(points) * width // BATCH):
+        owner, row = ragged(facets.start, part[batch])
+        point = batch[owner]
+        off = points[point] - facets.origin[row]
+        near = np.abs(np.einsum("fi,fi->f", off, facets.normal[row])) <= gap
+        # the exact rim of a flat face beside a curved one lies beyond the corners of its polygon
+        beside = gap + geometry.slack[facets.part[row]]
+        near &= (lengths(off) <= facets.reach[row] + beside) & ~facets.curved[row]
+        point, row, beside = point[near], row[near], beside[near]
+        on = _are_on_facets(geometry, facets, row, points[point], beside)
+        rows.append(point[on])
+        normals.append(facets.normal[row[on]])
+    surfaces = geometry.surfaces
+    point, surface = ragged(surfaces.start, part)
+    on = np.abs(surfaces.distance(surface, points[point])) <= gap
+    point, surface = point[on], surface[on]
+    rows.append(point)
+    normals.append(surfaces.outward(surface, points[point]))
+    return np.concatenate(rows), np.concatenate(normals)
 
 
-def _on_facet(geometry: Geometry, facets: Facets, row: int, point: Array, gap: float) -> bool:
-    """Whether a point near the plane of a facet lies within the facet, or within `gap` beside."""
-    rows = facets.corners[facets.corner_start[row] : facets.corner_start[row + 1]]
-    corners = geometry.vertices[rows]
-    loops = corners[None] if facets.convex[row] else corners.reshape(-1, 3, 3)
-    along = np.roll(loops, -1, axis=1) - loops
-    inward = np.cross(facets.normal[row], along)
-    inward /= np.maximum(np.linalg.norm(inward, axis=2), 1e-300)[..., None]
-    depth = np.einsum("lci,lci->lc", point - loops, inward).min(axis=1)
-    return bool(depth.max() >= -gap - FIT * facets.reach[row])
+def _are_on_facets(
+    geometry: Geometry, facets: Facets, row: Index, points: Array, beside: Array
+) -> Mask:
+    """Mask of points near the planes of facets that lie in them, or at most `beside` beside."""
+    if not len(row):
+        return np.zeros(0, dtype=bool)
+    owner, begin = ragged(facets.corner_start, row)
+    first = facets.corner_start[row][owner]
+    loop = np.where(facets.convex[row], np.diff(facets.corner_start)[row], 3)[owner]
+    place = (begin - first) % loop
+    end = begin + np.where(place + 1 < loop, 1, 1 - loop)
+    corner, after = (geometry.vertices[facets.corners[k]] for k in (begin, end))
+    inward = cross(facets.normal[row][owner], after - corner)
+    inward /= np.maximum(lengths(inward), 1e-300)[:, None]
+    depth = np.einsum("ci,ci->c", points[owner] - corner, inward)
+    starts_loop = np.flatnonzero(place == 0)
+    of_loop = np.minimum.reduceat(depth, starts_loop)
+    deepest = np.full(len(row), -np.inf)
+    np.maximum.at(deepest, owner[starts_loop], of_loop)
+    on: Mask = deepest >= -beside - FIT * facets.reach[row]
+    return on
 
 
-def _in_cone(rays: Array, direction: Array, angle: float) -> bool:
-    """Whether a unit direction lies in the cone of unit rays, within an angle [rad]."""
-    if not len(rays):
-        return False
-    if float(np.linalg.norm(rays - direction, axis=1).min()) <= angle:
-        return True
-    return nonnegative(rays, direction)[1] <= angle
+def _in_cones(owner: Index, rays: Array, directions: Array, angle: float) -> Mask:
+    """Mask of unit directions that lie in the cones of their unit rays, within an angle [rad].
+
+    Arguments: `owner` (m,), `rays` (m, 3): the direction of each ray, and the ray.
+    """
+    apart = np.full(len(directions), np.inf)
+    np.minimum.at(apart, owner, lengths(rays - directions[owner]))
+    inside: Mask = apart <= angle
+    order = np.argsort(owner, kind="stable")
+    start = np.searchsorted(owner[order], np.arange(len(directions) + 1))
+    for k in np.flatnonzero(~inside & np.isfinite(apart)).tolist():
+        of_point = rays[order[start[k] : start[k + 1]]]
+        inside[k] = nonnegative(of_point, directions[k])[1] <= angle
+    return inside
 
 
 def _with_contacts(assembly: Assembly, parts: Index, points: NearPoints) -> Assembly:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.check import check, check_level
-from kilter.analysis.scene_states.scene_graph import chosen_parts
+from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.settled_pose.rest import Rest
 from kilter.analysis.settled_pose.rest_proof import (
     ClosedContacts,
@@ -62,6 +62,22 @@ def parts_without_rest(rest: Rest) -> Mask:
     return mask
 
 
+def held_aside(assembly: Assembly) -> Mask:
+    """Held parts whose boxes lie apart from those of all free parts, so that none touches; (N,)."""
+    geometry = assembly.geometry
+    start, room = geometry.vertex_start[:-1], (geometry.slack + 1e-3 * geometry.size)[:, None]
+    low = np.minimum.reduceat(geometry.vertices, start) - room
+    high = np.maximum.reduceat(geometry.vertices, start) + room
+    free, held = np.flatnonzero(~geometry.grounded), np.flatnonzero(geometry.grounded)
+    apart = (low[held, None] > high[None, free]) | (high[held, None] < low[None, free])
+    aside = np.zeros(len(geometry.grounded), dtype=bool)
+    aside[held] = np.asarray(apart.any(axis=2)).all(axis=1)
+    linked = [name for joint in assembly.joints for name in joint.parts]
+    linked += [name for bond in assembly.bonds for name in bond.parts]
+    aside[[assembly.index[name] for name in linked if name in assembly.index]] = False
+    return aside
+
+
 def closed_parts(
     rest: Rest, settled: Assembly, chosen: Mask, detected: ContactSet | None, asked: Question
 ) -> tuple[ClosedContacts, ContactSet]:
@@ -90,6 +106,7 @@ def verify_rest(rest: Rest, settled: Assembly, asked: Question) -> RestingParts 
         return rest.why
     bodies, free = rest.bodies, ~settled.geometry.grounded
     left, detected, why = parts_without_rest(rest), None, rest.why
+    left |= held_aside(settled)
     unproved: list[str] = []
     fault = ""
     while (free & ~left).any():

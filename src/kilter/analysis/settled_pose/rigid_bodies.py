@@ -6,13 +6,13 @@ point x of the drawn assembly to R (x - c0) + c, where c0 is the drawn centre of
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected
-from kilter.assembly import GROUND, Assembly
+from kilter.assembly import GROUND, Assembly, Part
 from kilter.rigid import Pose, matrix_to_quaternion
 
 
@@ -86,18 +86,12 @@ class RigidBodies:
         A joint follows its first part, or its second part if the first is the ground.
         """
         drawn = self.drawn
-        parts = list(drawn.parts)
-        for k, body in enumerate(self.of_part.tolist()):
-            if self.moves[body]:
-                pose = parts[k].pose
-                turned = matrix_to_quaternion(self.rotation[body] @ pose.matrix)
-                parts[k] = replace(parts[k], pose=Pose(self.placed(body, pose.position), turned))
+        parts = self.parts(range(len(drawn.parts)))
         joints, loads, bonds = list(drawn.joints), list(drawn.loads), list(drawn.bonds)
         for k, joint in enumerate(joints):
             body = self.body_of(joint.parts[1 if joint.parts[0] == GROUND else 0])
             point = None if joint.point is None else self.placed(body, joint.point)
-            axis = None if joint.axis is None else self.rotation[body] @ joint.axis
-            joints[k] = replace(joint, point=point, axis=axis)
+            joints[k] = joint.moved(point, self.rotation[body])
         for k, load in enumerate(loads):
             if load.point is not None:
                 loads[k] = replace(load, point=self.placed(self.body_of(load.part), load.point))
@@ -107,6 +101,17 @@ class RigidBodies:
                 points = np.array([self.placed(body, point) for point in bond.points])
                 bonds[k] = replace(bond, points=points, normal=self.rotation[body] @ bond.normal)
         return replace(drawn, parts=parts, joints=joints, loads=loads, bonds=bonds)
+
+    def parts(self, chosen: Iterable[int]) -> list[Part]:
+        """Some of the parts in the current pose."""
+        parts = []
+        for k in chosen:
+            part, body = self.drawn.parts[k], int(self.of_part[k])
+            if self.moves[body]:
+                turned = matrix_to_quaternion(self.rotation[body] @ part.pose.matrix)
+                part = replace(part, pose=Pose(self.placed(body, part.pose.position), turned))
+            parts.append(part)
+        return parts
 
     def body_of(self, name: str) -> int:
         """Body of a part, by name; 0 for the ground."""

@@ -23,6 +23,7 @@ from kilter.analysis.settled_pose.nearest_rest import find_nearest_rest
 from kilter.analysis.settled_pose.rest import Rest, RestState, Step
 from kilter.analysis.settled_pose.rest_engine import come_to_rest
 from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_gap
+from kilter.analysis.settled_pose.rest_search import SLACK
 from kilter.analysis.settled_pose.rest_verification import (
     RestingParts,
     parts_without_rest,
@@ -341,7 +342,13 @@ def rest_of(
     why = refusal(bodies.drawn)
     if why:
         return Rest("not-found", bodies, ways=((),) * len(bodies.mass), why=why)
-    return without_rounding(come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell))
+    rest = come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell)
+    if reach is not None:
+        shift = np.linalg.norm(rest.bodies.movements()[:, :3], axis=1)
+        beyond = [bodies.drawn.names[k] for k in np.flatnonzero(shift > reach * (1 + SLACK))]
+        stay = dict.fromkeys((*rest.parts, *beyond))
+        rest = replace(rest, parts=tuple(name for name in stay if name not in rest.leaves))
+    return without_rounding(rest)
 
 
 def without_rounding(rest: Rest) -> Rest:

@@ -83,8 +83,25 @@ class Facets:
         return len(self.part)
 
 
+MOST_KEPT = 100_000
+"""Largest number of triangles of a geometry whose facets are kept."""
+_last: tuple[Geometry, Facets] | None = None
+
+
 def find_facets(geometry: Geometry) -> Facets:
-    """Find the flat facets of every part; those of boxes have closed forms."""
+    """Find the flat facets of every part; those of boxes have closed forms.
+
+    Those of the last geometry are kept.
+    """
+    global _last
+    last = _last
+    if last is None or last[0] is not geometry:
+        last = geometry, _find_facets(geometry)
+        _last = last if len(geometry.triangles) <= MOST_KEPT else None
+    return last[1]
+
+
+def _find_facets(geometry: Geometry) -> Facets:
     blocks: list[Block] = []
     boxes = np.flatnonzero(geometry.is_box)
     if len(boxes) == len(geometry.mass):

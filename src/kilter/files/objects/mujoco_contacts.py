@@ -87,12 +87,12 @@ class GeomRules:
     def _filtered(self, g: Index, h: Index) -> Mask:
         """Mask of the pairs of geoms that the model filters.
 
-        Geoms without bits, which represent a body without colliders, are not filtered by bits.
+        Bits filter nothing in a model without colliding geoms, whose visible geoms count.
         """
         model = self.model
         types, bits = model.geom_contype, model.geom_conaffinity
         masked: Mask = ((types[g] & bits[h]) | (types[h] & bits[g])) == 0
-        masked &= self.collides[g] & self.collides[h]
+        masked &= bool(self.collides.any())
         bodies = model.geom_bodyid.astype(np.int64)
         weld = model.body_weldid[bodies]
         above = model.body_weldid[model.body_parentid[weld]]
@@ -139,7 +139,8 @@ def contact_entries(
 
 def _representatives(pieces: Sequence[int], geoms: Sequence[int]) -> Index:
     """The first geom of each piece of a part."""
-    return np.array([geoms[pieces.index(piece)] for piece in range(max(pieces) + 1)])
+    chosen = [geoms[pieces.index(piece)] for piece in range(max(pieces, default=-1) + 1)]
+    return np.array(chosen, dtype=np.int64)
 
 
 class _PairEntries:

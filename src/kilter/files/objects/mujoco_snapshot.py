@@ -15,17 +15,20 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import InputError, nearest_name, some_names
 
-COUNTS = ("na", "nbody", "nflex", "nq", "ntendon", "nu", "nv")
+COUNTS = ("na", "nbody", "nflex", "nq", "ntendon", "nv")
 ARRAYS = (
-    "body_geomnum", "body_gravcomp", "body_inertia", "body_jntadr", "body_jntnum", "body_mass",
-    "body_mocapid", "body_parentid", "body_weldid", "dof_frictionloss", "eq_active0", "eq_data",
-    "eq_obj1id", "eq_obj2id", "eq_objtype", "eq_type", "exclude_signature", "geom_bodyid",
-    "geom_conaffinity", "geom_condim", "geom_contype", "geom_dataid", "geom_friction",
-    "geom_margin", "geom_pos", "geom_priority", "geom_quat", "geom_size", "geom_type", "jnt_bodyid",
-    "jnt_dofadr", "jnt_limited", "jnt_qposadr", "jnt_range", "jnt_stiffness", "jnt_type",
-    "mesh_face", "mesh_faceadr", "mesh_facenum", "mesh_vert", "mesh_vertadr", "mesh_vertnum",
-    "pair_dim", "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos0", "qpos_spring",
-    "tendon_limited", "tendon_stiffness",
+    "actuator_trnid", "actuator_trntype", "body_geomnum", "body_gravcomp", "body_inertia",
+    "body_jntadr", "body_jntnum", "body_mass", "body_mocapid", "body_parentid", "body_weldid",
+    "dof_bodyid", "dof_frictionloss", "eq_active0", "eq_data", "eq_obj1id", "eq_obj2id",
+    "eq_objtype", "eq_type", "exclude_signature", "geom_bodyid", "geom_conaffinity", "geom_condim",
+    "geom_contype", "geom_dataid", "geom_friction", "geom_margin", "geom_pos", "geom_priority",
+    "geom_quat", "geom_size", "geom_type", "hfield_adr", "hfield_data", "hfield_ncol",
+    "hfield_nrow", "hfield_size", "jnt_bodyid", "jnt_dofadr", "jnt_limited", "jnt_qposadr",
+    "jnt_range", "jnt_stiffness", "jnt_type", "mesh_face", "mesh_faceadr", "mesh_facenum",
+    "mesh_graph", "mesh_graphadr", "mesh_vert", "mesh_vertadr", "mesh_vertnum", "pair_dim",
+    "pair_friction", "pair_geom1", "pair_geom2", "pair_margin", "qpos0", "qpos_spring",
+    "site_bodyid", "tendon_adr", "tendon_limited", "tendon_num", "tendon_stiffness", "wrap_objid",
+    "wrap_type",
 )  # fmt: skip
 """Fields of a model that kilter reads."""
 PLACES = ("qpos", "xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")
@@ -43,7 +46,7 @@ DISABLED = {
     "eq_active0": ("EQUALITY", "CONSTRAINT"),
 }
 """Fields that flags of a model switch off."""
-FLAGS = ("CONSTRAINT", "CONTACT", "FILTERPARENT", "GRAVITY")
+FLAGS = ("ACTUATION", "CONSTRAINT", "CONTACT", "FILTERPARENT", "GRAVITY")
 """Further flags of a model that kilter obeys if they are disabled."""
 
 

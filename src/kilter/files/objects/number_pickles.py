@@ -11,7 +11,6 @@ from __future__ import annotations
 import io
 import math
 import pickle
-import zipfile
 from collections.abc import Callable
 from typing import Any
 
@@ -136,7 +135,7 @@ MAKERS: dict[tuple[str, str], Callable[..., Any]] = {
 _PURE: Any = pickle._Unpickler
 
 
-class _Reader(_PURE):  # type: ignore[misc]
+class _NumberReader(_PURE):  # type: ignore[misc]
     """An unpickler that knows only the makers of arrays."""
 
     def __init__(self, data: bytes, stored: Callable[[str], bytes]) -> None:
@@ -144,7 +143,7 @@ class _Reader(_PURE):  # type: ignore[misc]
         self._stored, self._size = stored, len(data)
         left_out = {code[0] for code in NOT_NEEDED}
         acts = {code: act for code, act in super().dispatch.items() if code not in left_out}
-        self.dispatch = {**acts, pickle.BYTEARRAY8[0]: _Reader._load_bytes}
+        self.dispatch = {**acts, pickle.BYTEARRAY8[0]: _NumberReader._load_bytes}
 
     def _load_bytes(self) -> None:
         """Read bytes after their number; the standard library reserves memory for any number."""
@@ -182,7 +181,7 @@ def unpickled(data: bytes, stored: Callable[[str], bytes] | None = None) -> Arra
         raise InputError("the pickle names an object outside of it", hint=REFUSED)
 
     try:
-        value = _Reader(data, stored or nothing).load()
+        value = _NumberReader(data, stored or nothing).load()
     except InputError:
         raise
     except KeyError:  # an opcode that arrays do not need
@@ -203,6 +202,8 @@ def archived(data: bytes) -> Array:
 
     Raises `InputError` if the archive is damaged, too large, or holds anything else.
     """
+    import zipfile
+
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         require_unfolded(sum(entry.file_size for entry in archive.infolist()), len(data))
         names = archive.namelist()

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import re
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +68,8 @@ def _numbers(data: bytes) -> Array:
             "it is neither a NumPy file nor a pickle of an array nor an archive of PyTorch",
             hint="write the states by numpy.save",
         )
+    import zipfile
+
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         require_unfolded(sum(entry.file_size for entry in archive.infolist()), len(data))
         arrays = [name for name in archive.namelist() if name.endswith(".npy")]

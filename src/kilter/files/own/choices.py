@@ -43,6 +43,7 @@ OPTIONS = {
             "keyframe",
             "state",
             "base",
+            "loose_robots",
             "friction",
             "contacts",
         )
@@ -97,6 +98,8 @@ class Choices:
         Density of parts without density and mass [kg/m^3].
     keyframe, state, base : str, optional
         Options of MJCF and URDF, see `kilter.load`.
+    loose_robots : bool
+        MJCF and URDF: bodies that motors move are free.
     studs : mapping, optional
         Bricks: `pull` [N], `shear` and `sides`.
     joined : sequence of pairs of str
@@ -150,6 +153,7 @@ class Choices:
     keyframe: str | None = None
     state: str | None = None
     base: str | None = None
+    loose_robots: bool = False
     studs: Any = None
     left_out: Any = ()
     joined: Any = ()

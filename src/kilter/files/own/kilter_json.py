@@ -25,6 +25,7 @@ from kilter.assembly import (
     Part,
     Strap,
 )
+from kilter.assembly.interactions import FREE_AXES
 from kilter.assembly.part import BRICK_PLATES, Brick
 from kilter.errors import InputError, nearest_name
 from kilter.files.cad.checked_solid import checked_solid
@@ -260,9 +261,14 @@ def _joint(entry: Any) -> Joint:
         friction=entry.friction,
         stiffness=entry.stiffness,
         rest=entry.rest,
+        slides=entry.slides,
+        turns=entry.turns,
     )
     if entry.axis is not None:
         _keep(joint, "axis", entry.axis)
+    for name in FREE_AXES:
+        if getattr(entry, name):
+            _keep(joint, name, getattr(entry, name))
     return joint
 
 
@@ -288,15 +294,16 @@ def _strap(entry: Any) -> Strap:
 
 
 def _keep(
-    value: Feature | GivenContact | Joint | Bond | Surface, name: str, numbers: list[float]
+    value: Feature | GivenContact | Joint | Bond | Surface, name: str, numbers: list[Any]
 ) -> None:
-    """Keep the digits of a unit vector as written in the file, instead of normalising it again.
+    """Keep the digits of a unit vector, or of several, as in the file, not normalised again.
 
     A second division by the length may change the last digit, but a file that is read and
     written again must be the same.
     """
-    if abs(float(np.linalg.norm(numbers)) - 1.0) <= 4 * np.finfo(float).eps:
-        object.__setattr__(value, name, frozen(numbers, (3,)))
+    lengths = np.linalg.norm(numbers, axis=-1)
+    if np.abs(lengths - 1.0).max() <= 4 * np.finfo(float).eps:
+        object.__setattr__(value, name, frozen(numbers, np.shape(numbers)))
 
 
 # writing -------------------------------------------------------------------------------
@@ -334,7 +341,14 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
             for c in assembly.contacts
         ],
         "joints": [
-            _without_none(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis, **j.guide)
+            _without_none(
+                parts=list(j.parts),
+                kind=j.kind,
+                point=j.point,
+                axis=j.axis,
+                **j.free_axes,
+                **j.guide,
+            )
             for j in assembly.joints
         ],
         "bonds": [

@@ -23,6 +23,7 @@ Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Curvatures = Annotated[list[Number], Field(min_length=2, max_length=2)]
 PlanePoint = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Size = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+Axes = Annotated[list[Vector], Field(max_length=3)]
 SixNumbers = Annotated[list[Number], Field(min_length=6, max_length=6)]
 Quaternion = Annotated[list[Number], Field(min_length=4, max_length=4)]
 Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
@@ -273,10 +274,11 @@ class JointEntry(Entry):
     """A joint between two parts, or between a part and "ground", that pushes and pulls."""
 
     parts: Pair
-    kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
+    kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical", "general"]
     point: Vector | None = Field(
         None,
-        description="required: a point on the axis (revolute, cylindrical), the centre (spherical)",
+        description="required: a point on the axis (revolute, cylindrical), the centre "
+        "(spherical), a point on all axes of turns (general)",
     )
     axis: Vector | None = Field(
         None, description="direction of the axis; required for revolute, prismatic, cylindrical"
@@ -293,6 +295,8 @@ class JointEntry(Entry):
     rest: Number = Field(
         0.0, description="position without a force of the spring [rad] or [length unit]"
     )
+    slides: Axes = Field([], description="general: directions along which it slides")
+    turns: Axes = Field([], description="general: axes about which it turns, in sequence")
 
 
 class BondEntry(Entry):
@@ -423,6 +427,7 @@ class ChoicesFile(Entry):
         None, description="FILE:ROW, a state of a simulator; the file is relative to the choices"
     )
     base: Literal["fixed", "floating"] | None = None
+    loose_robots: Flag | None = None
     studs: StudsEntry | None = None
     left_out: list[Name] | None = Field(None, description="names; * and ? are wildcards")
     joined: list[Pair] | None = None

@@ -22,9 +22,9 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.format_options import FormatOptions
 from kilter.files.limits import read_bytes
-from kilter.files.objects.mujoco_objects import FREE
+from kilter.files.objects.mujoco_joints import FREE
 from kilter.files.objects.mujoco_snapshot import Snapshot
-from kilter.files.objects.mujoco_states import StateScene, open_scene
+from kilter.files.objects.state_scenes import StateScene, open_scene
 from kilter.files.robots.scene_process import is_mjcf
 from kilter.files.writing import write_bytes
 
@@ -196,7 +196,7 @@ def _move_bodies(copy: XmlText, model: Snapshot, qpos: Array) -> bool:
 
 
 def _stated(element: Element, copy: XmlText, names: Sequence[str]) -> list[str]:
-    """Those of some attributes that an element has."""
+    """The given attributes that an element has."""
     given = element.attributes(copy.text)
     return [name for name in names if name in given]
 

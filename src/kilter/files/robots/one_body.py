@@ -55,6 +55,19 @@ def near_pairs(parts: Sequence[Part], reach: float) -> tuple[Index, Index]:
     return pairs[order, 0], pairs[order, 1]
 
 
+def held_note(robots: int, bodies: int) -> str:
+    """Note about held robots.
+
+    Examples
+    --------
+    >>> held_note(1, 9)
+    'held: robot of 9 bodies with motors; --loose-robots frees them'
+    """
+    kind = "robot of" if robots == 1 else f"{robots} robots,"
+    each, them = ("body", "it") if bodies == 1 else ("bodies", "them")
+    return f"held: {kind} {bodies} {each} with motors; --loose-robots frees {them}"
+
+
 def compose(outer: Pose, inner: Pose) -> Pose:
     """Pose that applies the inner pose first, then the outer pose.
 

@@ -33,7 +33,7 @@ from kilter.files.format_options import FormatOptions
 from kilter.files.formats import MESHES, read_bodies
 from kilter.files.limits import Tally, named_path, require_regular
 from kilter.files.meshes.placed import join_meshes, transform_mesh
-from kilter.files.robots.one_body import capsule, compose, one_body
+from kilter.files.robots.one_body import capsule, compose, held_note, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 from kilter.validate import number
@@ -172,7 +172,9 @@ def read_urdf(root: Element, path: Path, choices: FormatOptions) -> Assembly:
             f"URDF is in m, but the units given are {choices.units}", hint="leave the units out"
         )
     robot = _Robot(root, path)
-    return robot.assembly(held=choices.base != "floating", source=str(path))
+    return robot.assembly(
+        held=choices.base != "floating", loose=choices.loose_robots, source=str(path)
+    )
 
 
 class _Robot:
@@ -190,6 +192,10 @@ class _Robot:
             raise InputError("the robot has no links", hint="give it at least one link")
         self.leads = joints_by_child(root.findall("joint"), lambda joint: self._end(joint, "child"))
         """The joint whose child is a link."""
+        self.motors = {
+            text_of(joint, "name") for joint in root.findall("transmission/joint[@name]")
+        }
+        """Names of the joints with motors."""
         roots = [name for name in self.links if name not in self.leads]
         if len(roots) > 1:
             raise InputError(
@@ -231,20 +237,48 @@ class _Robot:
                 parent = self.frames[self._end(joint, "parent")]
                 self.frames[below] = compose(parent, origin_of(joint))
 
-    def assembly(self, *, held: bool, source: str) -> Assembly:
-        """The robot as a kilter assembly; `held` states whether its root link is held."""
+    def _driven(self, held: bool) -> set[str]:
+        """Links of the kinematic trees that motors move; a held root belongs to none."""
+        top: dict[str, str] = {}
+        for name in self.links:
+            link, tree = name, ""
+            while link in self.leads:
+                if self.leads[link].get("type") != "fixed":
+                    tree = link
+                link = self._end(self.leads[link], "parent")
+            top[name] = tree if held else link
+        moved = {
+            top[link]
+            for link, joint in self.leads.items()
+            if joint.get("name") in self.motors and joint.get("type") in MOVING
+        }
+        return {name for name in self.links if top[name] and top[name] in moved}
+
+    def assembly(self, *, held: bool, loose: bool, source: str) -> Assembly:
+        """The robot as a kilter assembly.
+
+        Arguments: `held`: whether its root link is held; `loose`: whether motors hold nothing.
+        """
         shapes = {name: self._shapes(link) for name, link in self.links.items()}
         solid = [name for name in self.links if shapes[name]]
         if not solid:
             raise InputError("no link has a shape", hint="give its links <collision> or <visual>")
+        driven = set[str]() if loose else self._driven(held)
+        if driven:
+            self.notes.append(held_note(1, len(driven)))
         bearers = self._bearers(solid, held)
         carried = self._carried(bearers)
         parts = [
-            self._part(name, shapes[name], carried.get(name, []), held=held and name == self.root)
+            self._part(
+                name,
+                shapes[name],
+                carried.get(name, []),
+                held=(held and name == self.root) or name in driven,
+            )
             for name in solid
         ]
         joints = [joint for name in solid for joint in self._joint(name, bearers)]
-        moving = sum(joint.kind != "fixed" for joint in joints)
+        moving = sum(j.kind != "fixed" and not set(j.parts) & driven for j in joints)
         if moving:
             self.notes.append(
                 f"joints without motors, which move within their limits: {moving}; "
@@ -253,6 +287,7 @@ class _Robot:
         if held and len(parts) == 1:
             self.notes.append("the robot is its held root link: --base floating frees it")
         apart = [GivenContact(pair, [], [0, 0, 1]) for pair in _near_pairs(solid, joints)]
+        joints = [joint for joint in joints if joint.parts[0] not in driven]
         return Assembly(
             parts, units="m", joints=joints, contacts=apart, source=source, notes=self.notes
         )

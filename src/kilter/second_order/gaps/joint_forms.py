@@ -13,6 +13,9 @@ the axis d of the joint, the equations and their second derivatives are
     no turn of b over a          n . log(exp(-ta) exp(tb))
         -n . (ta x tb)
 
+A joint of two turns about d1, fixed in a, and d2, fixed in b, has the third equation with d = d2
+and e along d1, of which the constant e . d is subtracted: n is across both.
+
 with ta, tb the turns and v = v_b - v_a the velocity of b past a at x. Rows about turns are
 multiplied by a length (`Program.arm`), so that all gaps are lengths.
 
@@ -74,7 +77,8 @@ def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
     rows = np.flatnonzero(of_joints(program))
     if not len(rows):
         return result
-    slides, axes, has_axis = _kinds(program, joints, rows)
+    slides, axes, across = _kinds(program, joints, rows)
+    has_axis: Mask = np.asarray(np.any(axes != 0, axis=1))
     normal = program.normal[rows]
     arm_a, arm_b = arms_of(program, rows)
     slip, _ = relative_motion(arm_a, arm_b)
@@ -84,7 +88,6 @@ def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
     form[:, 3:6, 3:6] -= swing(normal, arm_a)
     form[:, 9:, 9:] += swing(normal, arm_b)
     turn = np.zeros((len(rows), 12, 12))
-    across = cross(normal, axes)
     mixed = np.where(has_axis[:, None, None], -skew(across) @ skew(axes), skew(normal) / 2)
     turn[:, 3:6, 9:] = mixed
     turn[:, 9:, 3:6] = mixed.swapaxes(1, 2)
@@ -98,7 +101,7 @@ def joint_forms(program: Program, joints: Sequence[Joint]) -> Array:
 def joint_errors(program: Program, joints: Sequence[Joint], motion: Array) -> Array:
     """Gaps of joints and stops after a motion, shape (N, 6), exactly; (k,) [length unit]."""
     rows = np.flatnonzero(of_joints(program))
-    slides, axes, has_axis = _kinds(program, joints, rows)
+    slides, axes, across = _kinds(program, joints, rows)
     normal, padded = program.normal[rows], np.vstack([motion, np.zeros((1, 6))])
     turns = np.array([turn_of(six[3:]) for six in padded])
     a, b = program.part_a[rows], program.part_b[rows]
@@ -118,9 +121,8 @@ def joint_errors(program: Program, joints: Sequence[Joint], motion: Array) -> Ar
         ],
         axis=1,
     )
-    across = cross(normal, axes)
-    leaning = np.einsum("ki,kij,kj->k", across, over, axes)
-    turned = np.where(has_axis, leaning, np.einsum("ki,ki->k", normal, vee) / 2)
+    leaning = np.einsum("ki,kij,kj->k", across, over, axes) - np.einsum("ki,ki->k", across, axes)
+    turned = np.where(np.any(axes != 0, axis=1), leaning, np.einsum("ki,ki->k", normal, vee) / 2)
     errors: Array = np.where(program.angular[rows], turned * program.arm[rows], shifted)
     return errors
 
@@ -159,19 +161,33 @@ def close_joints(
     return None
 
 
-def _kinds(program: Program, joints: Sequence[Joint], rows: Index) -> tuple[Mask, Array, Mask]:
-    """For joint rows: whether b slides along an axis of a, the axis, and whether b turns about it.
+SLIDING = ("prismatic", "cylindrical", "general")
+"""Kinds of joints whose linear rows have directions of the first part."""
 
-    The axis is 0 for joints without an axis of rotation; shapes (k,), (k, 3), (k,).
+
+def _kinds(program: Program, joints: Sequence[Joint], rows: Index) -> tuple[Mask, Array, Array]:
+    """For joint rows: whether b slides past a; the axis of b that turns, and e in a across it.
+
+    Both vectors are 0 for joints without an axis of rotation; shapes (k,), (k, 3), (k, 3).
     """
     chosen = [joints[k] for k in program.source[rows]]
-    slides = np.array([joint.kind in ("prismatic", "cylindrical") for joint in chosen], dtype=bool)
-    turns = np.array([joint.kind in ("revolute", "cylindrical") for joint in chosen], dtype=bool)
-    turns &= program.kind[rows] == JOINT
-    axes = np.array(
-        [joint.axis if turn else np.zeros(3) for joint, turn in zip(chosen, turns, strict=True)]
-    ).reshape(-1, 3)
-    return slides, axes, turns
+    slides = np.array([joint.kind in SLIDING for joint in chosen], dtype=bool)
+    axes = np.array([_last_axis(joint) for joint in chosen]).reshape(-1, 3)
+    axes[program.kind[rows] != JOINT] = 0.0
+    normal = program.normal[rows]
+    across = cross(normal, axes)
+    for k, joint in enumerate(chosen):
+        if len(joint.turns) == 2:
+            both = cross(joint.turns[1], joint.turns[0])
+            across[k] = joint.turns[0] * float(normal[k] @ both) / float(both @ both)
+    return slides, axes, across
+
+
+def _last_axis(joint: Joint) -> Array:
+    """The axis of rotation of a joint that moves with its second part, (3,); 0 without one."""
+    if joint.kind in ("revolute", "cylindrical"):
+        return np.asarray(joint.axis)
+    return joint.turns[-1] if len(joint.turns) in (1, 2) else np.zeros(3)
 
 
 # Energy of the springs of joints, to second order and exactly.

@@ -19,13 +19,8 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.format_options import FormatOptions
-from kilter.files.objects.mujoco_objects import (
-    BALL,
-    FREE,
-    SLIDE,
-    KnownShapes,
-    ModelScene,
-)
+from kilter.files.objects.mujoco_joints import BALL, FREE, SLIDE
+from kilter.files.objects.mujoco_objects import KnownShapes, ModelScene
 from kilter.files.objects.mujoco_snapshot import Snapshot, StateRows, take_snapshot
 from kilter.files.robots.scene_process import is_mjcf, read_scene
 from kilter.rigid import Pose

@@ -1,0 +1,138 @@
+"""Candidate points of pairs of parts that convex pieces do not cover, while bodies move.
+
+In a step, few parts move. A pair whose parts have kept their poses keeps its points. All other
+pairs within reach are examined in a small assembly of their parts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kilter.analysis.settled_pose.near_points import NearPoints, both_of, find_near_points
+from kilter.arrays import Array, Index, Mask, ragged
+from kilter.assembly import Assembly, Part
+from kilter.contact.convex_points import box_pairs
+from kilter.rigid import Pose, matrix_to_quaternion
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """Points of examined pairs: their keys, ascending, with the poses and the reach."""
+
+    key: Index
+    pose: Array
+    """Poses of both parts, shape (P, 24)."""
+    reach: Array
+    start: Index
+    """The points of pair k are rows ``start[k]`` to ``start[k + 1]`` of `points`."""
+    points: NearPoints
+
+    @staticmethod
+    def none() -> _Known:
+        """No pair."""
+        empty = np.empty(0, dtype=np.int64)
+        start = np.zeros(1, dtype=np.int64)
+        return _Known(empty, np.empty((0, 24)), np.empty(0), start, NearPoints.none())
+
+
+@dataclass(slots=True, eq=False)
+class MovingPairs:
+    """The pairs of parts of an assembly that convex pieces do not cover."""
+
+    assembly: Assembly
+    covered: Mask
+    """Parts that convex pieces cover, shape (N,)."""
+    ignored: Index
+    """Keys of pairs without contact: a N + b for parts a < b."""
+    low: Array
+    high: Array
+    """Boxes of the parts in their own frames, shape (N, 3)."""
+    known: _Known = field(default_factory=_Known.none)
+
+    @staticmethod
+    def of(assembly: Assembly, covered: Mask, ignored: Index) -> MovingPairs:
+        """Prepare the pairs of an assembly.
+
+        Arguments: `covered` (N,); `ignored` (n, 2): pairs of parts without contact.
+        """
+        geometry = assembly.geometry
+        local = [
+            (geometry.vertices[geometry.vertex_start[k] : geometry.vertex_start[k + 1]]
+             - part.pose.position) @ part.pose.matrix
+            for k, part in enumerate(assembly.parts)
+        ]  # fmt: skip
+        grow = geometry.slack[:, None]
+        ends = np.sort(np.asarray(ignored, dtype=np.int64).reshape(-1, 2), axis=1)
+        return MovingPairs(
+            assembly, covered, ends @ np.array([len(local), 1]),
+            np.array([points.min(axis=0) for points in local]) - grow,
+            np.array([points.max(axis=0) for points in local]) + grow,
+        )  # fmt: skip
+
+    def near(self, rotation: Array, position: Array, body: Index, reach: float) -> NearPoints:
+        """Points of pairs of parts of different bodies, without friction.
+
+        Arguments: `rotation` (N, 3, 3), `position` (N, 3): poses of the parts; `body` (N,): body of
+        each part; `reach`: largest gap of a point [length unit].
+        """
+        a, b = self._pairs(rotation, position, body, reach)
+        flat = np.concatenate([rotation.reshape(-1, 9), position], axis=1)
+        key, pose = a * len(body) + b, np.concatenate([flat[a], flat[b]], axis=1)
+        place = np.searchsorted(self.known.key, key)
+        place = np.minimum(place, max(len(self.known.key) - 1, 0))
+        same = np.zeros(len(key), dtype=bool)
+        if len(self.known.key):
+            same = (self.known.key[place] == key) & (self.known.reach[place] >= reach)
+            same &= (self.known.pose[place] == pose).all(axis=1)
+        new = np.flatnonzero(~same)
+        found = self._examined(rotation, position, np.column_stack([a, b])[new], reach)
+        kept = self.known.points.take(ragged(self.known.start, place[same])[1])
+        points = NearPoints.join([kept, found])
+        used = np.full(len(key), reach)
+        if same.any():
+            used[same] = self.known.reach[place[same]]
+        self.known = _sorted(key, pose, used, points, len(body))
+        return points.take(np.abs(points.gap) <= reach)
+
+    def _pairs(
+        self, rotation: Array, position: Array, body: Index, reach: float
+    ) -> tuple[Index, Index]:
+        """Parts a < b of different bodies whose boxes are within a reach, not both covered."""
+        middle, half = (self.low + self.high) / 2, (self.high - self.low) / 2
+        center = np.einsum("nij,nj->ni", rotation, middle) + position
+        grown = np.einsum("nij,nj->ni", np.abs(rotation), half) + reach / 2
+        i, j = box_pairs(center - grown, center + grown)
+        pairs = np.sort(np.column_stack([i, j]), axis=1)
+        held = self.assembly.geometry.grounded
+        keep = ~both_of(self.covered, pairs) & ~both_of(held, pairs)
+        a, b = pairs.T
+        keep &= (body[a] != body[b]) & ~np.isin(a * len(body) + b, self.ignored)
+        return a[keep], b[keep]
+
+    def _examined(self, rotation: Array, position: Array, pairs: Index, reach: float) -> NearPoints:
+        """Points of pairs of parts in a small assembly of only these parts."""
+        if not len(pairs):
+            return NearPoints.none()
+        used, number = np.unique(pairs, return_inverse=True)
+        quaternion = matrix_to_quaternion
+        parts = [
+            Part(part.name, part.shape, Pose(position[k], quaternion(rotation[k])), mass=1.0)
+            for k, part in ((k, self.assembly.parts[k]) for k in used.tolist())
+        ]
+        small = Assembly(parts, units=self.assembly.units)
+        points = find_near_points(small, reach, reach, pairs=number.reshape(-1, 2))
+        a, b = used[points.part_a], used[points.part_b]
+        return NearPoints(
+            a, b, points.point, points.normal, points.gap, np.zeros(len(a)), points.bears
+        )
+
+
+def _sorted(key: Index, pose: Array, reach: Array, points: NearPoints, count: int) -> _Known:
+    """Pairs in the order of their keys, with their points."""
+    order = np.argsort(key)
+    of_point = points.part_a * count + points.part_b
+    points = points.take(np.argsort(of_point, kind="stable"))
+    start = np.searchsorted(np.sort(of_point), key[order])
+    return _Known(key[order], pose[order], reach[order], np.append(start, len(points)), points)
