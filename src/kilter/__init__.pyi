@@ -728,6 +728,7 @@ def judge(
     data: Any,
     *,
     creep: float = 0.0,
+    loose_robots: bool = False,
     require: str = "settles",
     effort: float = 1.0,
     time_limit: float | None = None,
@@ -750,6 +751,8 @@ def judge(
     creep : float
         Time for which the engine simulates the state from rest with several settings of its
         solver [s]; 0: no simulation. `Judged.creep` compares how far the bodies move.
+    loose_robots : bool
+        Whether robots move, with the forces of their motors as loads.
     effort : float
         Work limit; each further unit allows about ten times more work [-]. 0 is quick and
         1 is usual. Work is counted in operations, not in time.

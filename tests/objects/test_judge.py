@@ -97,6 +97,8 @@ def test_pads_with_unequal_forces_move_and_pads_without_force_are_held():
     assert judged(pinch(), ctrl=[-1, 1]).state == "falls"
     resting = judged(pinch(), ctrl=[0, 0])
     assert set(resting.held_by_motors) == {"left", "right"}
+    loose = judged(pinch(), ctrl=[0, 0], loose_robots=True)
+    assert (loose.state, loose.held_by_motors) == ("falls", ())
 
 
 def test_a_pinch_on_a_hand_holds_by_the_same_factor():
