@@ -167,6 +167,12 @@ def test_a_deep_body_is_pushed_out_by_the_depth_that_its_load_does_not_explain(c
     assert 0.05 - data.qpos[2] == pytest.approx(rest, rel=1e-3)
 
 
+def test_bodies_that_float_together_are_named():
+    answer = judged(scene(FLOOR + loose("a", "0 0 .06") + loose("b", "0 0 .15999")))
+    assert [entry.state for entry in answer.objects] == ["floats", "floats"]
+    assert answer.sentence == "Float: 'a', 'b' are in contact with nothing that is held."
+
+
 def test_stiff_contacts_explain_less():
     soft, stiff = '<geom type="box" size=".05 .05 .05" solref="{} 1"/>', "0 0 .0495"
     assert judged(scene(FLOOR + loose("a", stiff, soft.format(0.06)))).state == "holds"

@@ -211,6 +211,7 @@ def _notes(mujoco: Any, model: Any, data: Any) -> list[str]:
     flex = sum(min(entry) < 0 for entry in np.asarray(data.contact.geom).reshape(-1, 2).tolist())
     ends = np.asarray(model.jnt_type) == int(mujoco.mjtJoint.mjJNT_BALL)
     counts = {
+        "soft bodies": int(getattr(model, "nflex", 0)),
         "contacts of soft bodies": flex,
         "limits of tendons": int(np.count_nonzero(model.tendon_limited)),
         "frictions of tendons": int(np.count_nonzero(model.tendon_frictionloss)),
