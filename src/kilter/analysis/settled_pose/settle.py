@@ -35,6 +35,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
+from kilter.contact.fits.suggestions import require_apart
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.tell.levels import holds, level_rank, require_level
@@ -97,7 +98,7 @@ class Settled(Answer):
     units: UnitWord
     """Length unit."""
     before: str | None
-    """Verdict on the drawn pose."""
+    """Verdict on the drawn pose; null if parts share most of their volume with a table."""
     leaves: tuple[str, ...]
     """Parts that leave the scene."""
     parts: tuple[str, ...]
@@ -143,8 +144,9 @@ class Settled(Answer):
     """Contacts of `resting` at closed points; None without it."""
     closed_verdict: InPython[Verdict | None] = None
     """Verdict on forces at the closed points alone."""
-    drawn_verdict: InPython[Verdict]
-    """Verdict of `kilter.check` on the drawn pose, decided at the level "equilibrium"."""
+    drawn_verdict: InPython[Verdict | None]
+    """Verdict of `kilter.check` on the drawn pose, decided at the level "equilibrium"; None if
+    `before` is null."""
     settled_verdict: InPython[Verdict | None] = None
     """The verdict `after`."""
 
@@ -308,7 +310,7 @@ def _settle(
     reach = valid_reach(reach)
     kept = assembly.matching(keep)
     contacts = detect.touching(asked)
-    before = check_level(asked.but(require=ROUGHLY, contacts=contacts))
+    before = _drawn_verdict(asked.but(require=ROUGHLY, contacts=contacts))
     bodies = rigid_bodies(assembly, kept)
     if nearest and not refusal(assembly):
         rest, reach = find_nearest_rest(bodies, contacts, reach=reach, tell=tell)
@@ -322,6 +324,15 @@ def _settle(
         resting = verify_rest(rest, settled, asked)
     return _answer(rest, settled, resting, asked, drawn=(assembly, before), nearest=nearest,
                    reach=reach)  # fmt: skip
+
+
+def _drawn_verdict(asked: Question) -> Verdict | None:
+    """The verdict on the drawn pose; None if parts share most of their volume with a table."""
+    try:
+        require_apart(asked.assembly, asked.contacts.of(asked.assembly))
+    except InputError:
+        return None
+    return check_level(asked)
 
 
 def valid_reach(reach: float | None) -> float | None:
@@ -367,7 +378,7 @@ def _answer(
     resting: RestingParts | str,
     asked: Question,
     *,
-    drawn: tuple[Assembly, Verdict],
+    drawn: tuple[Assembly, Verdict | None],
     nearest: bool,
     reach: float | None,
 ) -> Settled:
@@ -375,7 +386,8 @@ def _answer(
     assembly, before = drawn
     fails = parts_without_rest(rest)
     more: dict[str, Any] = {}
-    warned, unproved = before, tuple[str, ...]()
+    warned: Verdict | None = before
+    unproved: tuple[str, ...] = ()
     if isinstance(resting, RestingParts):
         warned, why, unproved = resting.verdict, resting.why or rest.why, resting.unproved
         more = {
@@ -398,13 +410,13 @@ def _answer(
         reach=reach,
         tolerance=closed_gap(more.get("resting", settled)),
         units=assembly.units,
-        before=before.verdict,
+        before=None if before is None else before.verdict,
         leaves=rest.leaves,
         parts=tuple(k for k in dict.fromkeys((*rest.parts, *unproved)) if k not in rest.leaves),
         depth=rest.depth,
         why="" if state == "at-rest" else why,
         require=asked.require,
-        warnings=tuple(dict.fromkeys(warned.notes)),
+        warnings=tuple(dict.fromkeys(() if warned is None else warned.notes)),
         seconds=time.perf_counter() - asked.begun,
         drawn=assembly,
         assembly=settled,
