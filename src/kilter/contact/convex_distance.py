@@ -33,9 +33,6 @@ class NearestPoints:
     on_a: Array
     on_b: Array
     """NearestPoints points, shape (K, 3)."""
-    corner_a: Index
-    corner_b: Index
-    """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
     at_corner: Mask
     """Whether the nearest points are a corner and a corner, or a corner and a point of an edge."""
 
@@ -90,21 +87,18 @@ def nearest_points(a: Cores, b: Cores, size: Array, limit: Array) -> NearestPoin
     rows = np.arange(count)[:, None]
     on_a = np.einsum("kc,kci->ki", final[0], a.vertex[rows, final[1]])
     on_b = np.einsum("kc,kci->ki", final[0], b.vertex[rows, final[2]])
-    pair_a, number_a = _two_corners(final[0], final[1])
-    pair_b, number_b = _two_corners(final[0], final[2])
-    return NearestPoints(apart, on_a, on_b, pair_a, pair_b, number_a + number_b <= 3)
+    number = sum(_corner_count(final[0], corners) for corners in final[1:])
+    return NearestPoints(apart, on_a, on_b, np.less_equal(number, 3))
 
 
-def _two_corners(weight: Array, corner: Index) -> tuple[Index, Index]:
-    """The two corners with the largest weights, and the number of different corners up to 3."""
-    rows = np.arange(len(weight))
-    first = corner[rows, weight.argmax(axis=1)]
-    rest = np.where(corner == first[:, None], 0.0, weight)
-    k = rest.argmax(axis=1)
-    second = np.where(rest[rows, k] > 0, corner[rows, k], first)
-    more = np.where(corner == second[:, None], 0.0, rest).max(axis=1) > 0
-    number = 1 + (second != first) + more
-    return np.stack([first, second], axis=1), number.astype(np.int64)
+def _corner_count(weight: Array, corner: Index) -> Index:
+    """Number of different corners with a weight, up to 3, of each row, shape (K,)."""
+    first = np.take_along_axis(corner, weight.argmax(axis=1)[:, None], axis=1)
+    rest = np.where(corner == first, 0.0, weight)
+    second = np.take_along_axis(corner, rest.argmax(axis=1)[:, None], axis=1)
+    others = np.where(corner == second, 0.0, rest)
+    count: Index = 1 + (rest.max(axis=1) > 0).astype(np.int64) + (others.max(axis=1) > 0)
+    return count
 
 
 EDGES = np.array(list(combinations(range(4), 2)))

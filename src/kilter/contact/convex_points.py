@@ -31,6 +31,8 @@ SLOPE = 1e-6
 """A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
 BEYOND = 0.15
 """Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
+DIRECTIONS = 16
+"""Number of directions across a normal in which points of a pair are extreme [-]."""
 CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
@@ -79,7 +81,7 @@ def near_points(
     kept = []
     for _ in range(TRIES):
         points, row = _points_in_groups(scene, pair, tried, reach)
-        shown = on_surface(scene, points)
+        shown = _shown_points(scene, points, row)
         kept.append(points.take(shown))
         again = _hidden_pairs(pieces, pair, points, row, shown)
         if not len(again):
@@ -89,6 +91,22 @@ def near_points(
         pair = pair[0][again], pair[1][again]
         tried = np.concatenate([tried[again], normal[again, None]], axis=1)
     return distinct_points(PiecePoints.join(kept), pieces)
+
+
+def _shown_points(scene: Placed, points: PiecePoints, row: Index) -> Mask:
+    """Points on the surfaces of both parts, of pairs whose nearest points are among them.
+
+    A pair whose nearest points are at a seam has a normal that is none of the whole part.
+    """
+    shown = on_surface(scene, points)
+    count = int(row.max(initial=-1)) + 1
+    least = np.full(count, np.inf)
+    np.minimum.at(least, row, points.gap)
+    slack = BESIDE * scene.pieces.size[points.piece_a]
+    nearest = shown & (points.gap <= least[row] + slack)
+    sound = np.zeros(count, dtype=bool)
+    sound[row[nearest]] = True
+    return shown & sound[row]
 
 
 def _hidden_pairs(
@@ -394,7 +412,7 @@ def _corners_on_edges(
 
 
 def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Index:
-    """Extreme points of each pair in eight directions across n, of all and of closed points."""
+    """Extreme points of each pair in directions across n, of all and of closed points."""
     if not len(row):
         return np.empty(0, dtype=np.int64)
     order = np.argsort(row, kind="stable")
@@ -405,7 +423,7 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
     flat = np.stack([np.einsum("ki,ki->k", point, y[of]) for y in (u, v)], axis=1)
     least = np.minimum.reduceat(gap, first)
     closed = gap <= (least + CLOSED * size[row[first]])[of]
-    angle = np.arange(8) * (np.pi / 4) + 0.1
+    angle = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS) + 0.1
     ahead = flat @ np.stack([np.cos(angle), np.sin(angle)])
     # of points at the same place, the one with the least gap
     ahead -= 1e-3 * gap[:, None]

@@ -331,7 +331,7 @@ class _StatesRun:
             if qpos is not None:
                 new[k, positions], new[k, velocities] = qpos, 0.0
             lost = {name: tuple(entry.pop(name)) for name in ("leaves", "parts")}
-            entries.append(StateRow(**entry, **lost))
+            entries.append(StateRow(**{**entry, **lost}))
         counts = Counter(entry.state for entry in entries)
         return SettledStates(
             states=tuple(entries),

@@ -75,7 +75,8 @@ def failed_row(index: int, why: str, *, state: str = "error") -> dict[str, Any]:
     """The row of a state for which no pose at rest is known."""
     return {
         "index": index, "state": state, "level": None, "free": 0, "rests": 0,
-        "leaves": [], "parts": [], "moved": 0.0, "farthest": None, "why": why, "seconds": 0.0, "qpos": None,
+        "leaves": [], "parts": [], "moved": 0.0,
+        "farthest": None, "why": why, "seconds": 0.0, "qpos": None,
     }  # fmt: skip
 
 

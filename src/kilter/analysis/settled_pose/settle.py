@@ -35,7 +35,6 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
-from kilter.contact.fits.suggestions import require_apart
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.tell.levels import holds, level_rank, require_level
@@ -98,7 +97,7 @@ class Settled(Answer):
     units: UnitWord
     """Length unit."""
     before: str | None
-    """Verdict on the drawn pose; null if parts share most of their volume with a table."""
+    """Verdict on the drawn pose."""
     leaves: tuple[str, ...]
     """Parts that leave the scene."""
     parts: tuple[str, ...]
@@ -145,8 +144,7 @@ class Settled(Answer):
     closed_verdict: InPython[Verdict | None] = None
     """Verdict on forces at the closed points alone."""
     drawn_verdict: InPython[Verdict | None]
-    """Verdict of `kilter.check` on the drawn pose, decided at the level "equilibrium"; None if
-    `before` is null."""
+    """Verdict of `kilter.check` on the drawn pose, decided at the level "equilibrium"."""
     settled_verdict: InPython[Verdict | None] = None
     """The verdict `after`."""
 
@@ -310,7 +308,10 @@ def _settle(
     reach = valid_reach(reach)
     kept = assembly.matching(keep)
     contacts = detect.touching(asked)
-    before = _drawn_verdict(asked.but(require=ROUGHLY, contacts=contacts))
+    try:
+        before = check_level(asked.but(require=ROUGHLY, contacts=contacts))
+    except InputError:  # parts in the same place, which this answer moves apart
+        before = None
     bodies = rigid_bodies(assembly, kept)
     if nearest and not refusal(assembly):
         rest, reach = find_nearest_rest(bodies, contacts, reach=reach, tell=tell)
@@ -324,15 +325,6 @@ def _settle(
         resting = verify_rest(rest, settled, asked)
     return _answer(rest, settled, resting, asked, drawn=(assembly, before), nearest=nearest,
                    reach=reach)  # fmt: skip
-
-
-def _drawn_verdict(asked: Question) -> Verdict | None:
-    """The verdict on the drawn pose; None if parts share most of their volume with a table."""
-    try:
-        require_apart(asked.assembly, asked.contacts.of(asked.assembly))
-    except InputError:
-        return None
-    return check_level(asked)
 
 
 def valid_reach(reach: float | None) -> float | None:
@@ -416,7 +408,7 @@ def _answer(
         depth=rest.depth,
         why="" if state == "at-rest" else why,
         require=asked.require,
-        warnings=tuple(dict.fromkeys(() if warned is None else warned.notes)),
+        warnings=() if warned is None else tuple(dict.fromkeys(warned.notes)),
         seconds=time.perf_counter() - asked.begun,
         drawn=assembly,
         assembly=settled,
