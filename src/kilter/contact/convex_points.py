@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
-from kilter.contact.convex_distance import face_separations, products
+from kilter.contact.convex_distance import face_separations, product_blocks, products
 from kilter.contact.convex_normals import Excluded, pair_normals
 from kilter.contact.convex_pieces import (
     ConvexPieces,
@@ -170,7 +170,8 @@ def piece_pairs(scene: Placed, reach: float, ignore: Index) -> tuple[Index, Inde
         piece = start[has[own]][row] + place
         near = _boxes_meet(lower, upper, piece, low, high, other[row])
         lists.append((row[near], piece[near]))
-    _, a, b = products(len(i), *lists)
+    k, m = products(len(i), lists[0][0], lists[1][0])
+    a, b = lists[0][1][k], lists[1][1][m]
     near = _boxes_meet(lower, upper, a, lower, upper, b)
     return a[near], b[near]
 
@@ -348,53 +349,56 @@ def _crossings(
     a: Cores, b: Cores, cos: tuple[Array, Array], n: Array, room: Array, slack: Array
 ) -> tuple[Index, Array, Array]:
     """Crossings of edges of both surfaces seen along n: row, middle of the gap, gap."""
-    lists = []
-    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
-        facing = _facing_edges(core, c, n, sign, room)
-        row, k = np.nonzero(facing)
-        ends = core.edge[row, k]
-        p, q = core.vertex[row, ends[:, 0]], core.vertex[row, ends[:, 1]]
-        lists.append((row, k, p, q))
-    row, i, j = products(
-        len(n),
-        (lists[0][0], np.arange(len(lists[0][0]))),
-        (lists[1][0], np.arange(len(lists[1][0]))),
-    )
     u, v = across(n)
-    flat = []
-    for own, _, p, q in lists:
-        flat.append([np.einsum("ki,ki->k", x, y[own]) for x in (p, q) for y in (u, v)])
-    pu, pv, qu, qv = (x[i] for x in flat[0])
-    ru, rv, su, sv = (x[j] for x in flat[1])
-    du, dv, eu, ev = qu - pu, qv - pv, su - ru, sv - rv
-    det = du * ev - dv * eu
-    length, width = np.hypot(du, dv), np.hypot(eu, ev)
+    frame = np.stack([u, v, n], axis=1)
+    rows: list[Index] = []
+    starts_, steps = [], []
+    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
+        row, k = np.nonzero(_facing_edges(core, c, n, sign, room))
+        p, q = (core.vertex[row, core.edge[row, k, end]] for end in range(2))
+        rows.append(row)
+        starts_.append(np.einsum("kai,ki->ka", frame[row], p))
+        steps.append(np.einsum("kai,ki->ka", frame[row], q - p))
+    blocks = []
+    for i, j in product_blocks(len(n), *rows):
+        row = rows[0][i]
+        hit, s, t = _crossing_shares(
+            (starts_[1][j] - starts_[0][i])[:, :2], steps[0][i, :2], steps[1][j, :2], slack[row]
+        )
+        i, j, row = i[hit], j[hit], row[hit]
+        on_a = starts_[0][i] + s[:, None] * steps[0][i]
+        on_b = starts_[1][j] + t[:, None] * steps[1][j]
+        middle = np.einsum("kai,ka->ki", frame[row], (on_a + on_b) / 2)
+        blocks.append((row, middle, on_b[:, 2] - on_a[:, 2]))
+    row, middle, gap = (np.concatenate([block[k] for block in blocks]) for k in range(3))
+    return row, middle, gap
+
+
+def _crossing_shares(w: Array, d: Array, e: Array, slack: Array) -> tuple[Index, Array, Array]:
+    """Crossings of segments p + s d and p + w + t e in the plane: rows, s, t.
+
+    Arguments: `w`, `d`, `e` (K, 2); `slack` (K,): distance beyond an end that still counts.
+    """
+    det = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
+    length, width = np.hypot(d[:, 0], d[:, 1]), np.hypot(e[:, 0], e[:, 1])
     crossing = np.abs(det) > BESIDE * length * width
     safe = np.where(crossing, det, 1.0)
-    s = ((ru - pu) * ev - (rv - pv) * eu) / safe
-    t = ((ru - pu) * dv - (rv - pv) * du) / safe
-    tol = slack[row]
-    crossing &= (s * length >= -tol) & ((1 - s) * length >= -tol)
-    crossing &= (t * width >= -tol) & ((1 - t) * width >= -tol)
+    s = (w[:, 0] * e[:, 1] - w[:, 1] * e[:, 0]) / safe
+    t = (w[:, 0] * d[:, 1] - w[:, 1] * d[:, 0]) / safe
+    for share, size in ((s, length), (t, width)):
+        crossing &= (share * size >= -slack) & ((1 - share) * size >= -slack)
     rows = np.flatnonzero(crossing)
-    row, i, j = row[rows], i[rows], j[rows]
-    s, t = np.clip(s[rows], 0, 1)[:, None], np.clip(t[rows], 0, 1)[:, None]
-    on_a = lists[0][2][i] * (1 - s) + lists[0][3][i] * s
-    on_b = lists[1][2][j] * (1 - t) + lists[1][3][j] * t
-    gap = np.einsum("ki,ki->k", on_b - on_a, n[row])
-    return row, (on_a + on_b) / 2, gap
+    return rows, np.clip(s[rows], 0, 1), np.clip(t[rows], 0, 1)
 
 
 def _corners_on_edges(
     own: Cores, other: Cores, which: Mask, n: Array, slack: Array, sign: float
 ) -> tuple[Index, Array, Array]:
     """Corners over edges of the other core where a core has no faces: row, middle, gap."""
-    pick = np.flatnonzero(which)
-    row, e, k = products(
-        len(n),
-        tuple(x[np.isin(np.nonzero(other.edges)[0], pick)] for x in np.nonzero(other.edges)),  # type: ignore[arg-type]
-        (np.repeat(pick, own.vertex.shape[1]), np.tile(np.arange(own.vertex.shape[1]), len(pick))),
-    )
+    rows, edges = np.nonzero(other.edges & which[:, None])
+    corners = np.repeat(np.flatnonzero(which), own.vertex.shape[1])
+    i, j = products(len(n), rows, corners)
+    row, e, k = rows[i], edges[i], j % own.vertex.shape[1]
     ends = other.edge[row, e]
     p, q = other.vertex[row, ends[:, 0]], other.vertex[row, ends[:, 1]]
     x, d, m = own.vertex[row, k], q - p, n[row]
