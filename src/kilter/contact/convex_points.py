@@ -68,15 +68,21 @@ class PiecePoints(Rows):
 
 
 def near_points(
-    pieces: ConvexPieces, rotation: Array, position: Array, reach: float, ignore: Index
+    pieces: ConvexPieces,
+    rotation: Array,
+    position: Array,
+    reach: float,
+    ignore: Index,
+    body: Index | None = None,
 ) -> PiecePoints:
     """Find the candidate contact points within a reach between pieces of different parts.
 
     Arguments: `rotation` (N, 3, 3), `position` (N, 3): part k is at rotation[k] x + position[k];
-    `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact.
+    `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact;
+    `body` (N,): parts with the same number move as one, and have no points between them.
     """
     scene = placed(pieces, rotation, position)
-    pair = piece_pairs(scene, reach, ignore)
+    pair = piece_pairs(scene, reach, ignore, body)
     tried = np.empty((len(pair[0]), 0, 3))
     kept = []
     for _ in range(TRIES):
@@ -149,7 +155,9 @@ def _points_in_groups(
 # near pairs of boxes -----------------------------------------------------------------------
 
 
-def piece_pairs(scene: Placed, reach: float, ignore: Index) -> tuple[Index, Index]:
+def piece_pairs(
+    scene: Placed, reach: float, ignore: Index, body: Index | None = None
+) -> tuple[Index, Index]:
     """Pairs of pieces of different parts whose boxes are within reach; a is of the lower part."""
     pieces = scene.pieces
     count = len(pieces.whole)
@@ -163,6 +171,8 @@ def piece_pairs(scene: Placed, reach: float, ignore: Index) -> tuple[Index, Inde
     i, j = np.minimum(i, j), np.maximum(i, j)
     ignored = np.sort(np.asarray(ignore, dtype=np.int64).reshape(-1, 2), axis=1)
     kept = ~np.isin(has[i] * count + has[j], ignored @ np.array([count, 1]))
+    if body is not None:
+        kept &= body[has[i]] != body[has[j]]
     i, j = i[kept], j[kept]
     lists = []
     for own, other in ((i, j), (j, i)):
@@ -446,10 +456,13 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
 def on_surface(scene: Placed, points: PiecePoints) -> Mask:
     """Whether points lie on the surfaces of both parts, and not at a seam of their pieces."""
     hidden = np.zeros(len(points), dtype=bool)
+    several = np.bincount(scene.pieces.part)[scene.pieces.part] > 1
     sides = (points.piece_a, -1.0), (points.piece_b, 1.0)
-    for piece, sign in sides:
-        n = -sign * points.normal
-        on = points.point + (sign * points.gap / 2)[:, None] * points.normal
+    for pieces, sign in sides:
+        some = np.flatnonzero(several[pieces])
+        piece, gap = pieces[some], points.gap[some]
+        n = -sign * points.normal[some]
+        on = points.point[some] - (gap / 2)[:, None] * n
         size = scene.pieces.size[piece]
         row, other = others_at(scene, piece, on, SUNK * size)
         # a corner of a face counts as covered if the face beside it is
@@ -466,17 +479,15 @@ def on_surface(scene: Placed, points: PiecePoints) -> Mask:
         height = support_height(scene, other[beside], n[row[beside]])
         level = np.einsum("ki,ki->k", on[row[beside]], n[row[beside]])
         deep[beside] |= height > level + SUNK * size[row[beside]]
-        hidden[row[deep]] = True
+        hidden[some[row[deep]]] = True
     return ~hidden
 
 
 def _along_face(scene: Placed, piece: Index, n: Array) -> Mask:
     """Whether directions are normals of a face of their piece, shape (K,)."""
-    face, has = padded_rows(scene.pieces.face_start, piece)
-    if not len(scene.normal):
-        return np.zeros(len(piece), dtype=bool)
-    cosine = np.einsum("kfi,ki->kf", scene.normal[face], n)
-    result: Mask = (has & (cosine > 1 - BESIDE)).any(axis=1)
+    row, face = ragged(scene.pieces.face_start, piece)
+    result = np.zeros(len(piece), dtype=bool)
+    result[row[np.einsum("ki,ki->k", scene.normal[face], n[row]) > 1 - BESIDE]] = True
     return result
 
 
