@@ -84,6 +84,17 @@ def test_corner_over_face() -> None:
     np.testing.assert_allclose(found.gap, 0.01, atol=1e-14)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_the_lowest_corner_of_a_polyhedron_counts_wherever_its_faces_look(seed: int) -> None:
+    """The face that looks down most does not always contain the lowest corner."""
+    corners = np.random.default_rng(seed).normal(size=(8, 3)) * [1.0, 1.0, 2.0]
+    lowest = float(corners[:, 2].min())
+    for gap in (0.01, -0.01):
+        plate = (Box([20, 20, 2]), pose([0, 0, lowest - gap - 1]))
+        found = points(plate, (Mesh.convex_hull(corners), Pose()))
+        assert found.gap.min() == pytest.approx(gap, abs=1e-9)
+
+
 @pytest.mark.parametrize("gap", [0.01, -0.01])
 def test_edges_that_cross(gap: float) -> None:
     ridge = Rotation.from_euler("x", 45, degrees=True)

@@ -387,7 +387,10 @@ def _corners_over(
     touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
     along = cos_own >= least_cosine(cos_own)[:, None]
     on = (touches <= slack[:, None, None]) & along[:, None]
-    facing: Mask = on.any(axis=2) | own.bare[:, None]
+    # the face nearest to the direction does not always contain the corner that lies farthest
+    height = sign * (own.vertex @ n[..., None])[..., 0]
+    facing: Mask = on.any(axis=2) | (height >= height.max(axis=1, keepdims=True) - slack[:, None])
+    facing |= own.bare[:, None]
     facing &= ~other.bare[:, None]
     row, k = np.nonzero(facing)
     x = own.vertex[row, k]
