@@ -5,6 +5,7 @@ import pytest
 pytest.importorskip("mujoco")
 
 import time
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -21,6 +22,12 @@ FREE_BOX = f"<freejoint/>{BOX}"
 FLOOR = '<geom name="floor" type="plane" size="0 0 1"/>'
 X, Y, Z = np.eye(3)
 U = np.array([1.0, 2.0, -0.5]) / np.linalg.norm([1.0, 2.0, -0.5])
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes its log into the working folder."""
+    monkeypatch.chdir(tmp_path)
 
 
 def model(world: str, rest: str = "") -> mujoco.MjModel:
@@ -241,6 +248,19 @@ def test_adhesion_and_switched_off_motors_hold_nothing():
     off = '<option><flag actuation="disable"/></option>' + MOTORS["a joint"]
     for made, name in ((sticky, "b"), (model(ARM, off), "arm")):
         assert not kilter.load(made)[name].grounded
+
+
+def test_a_soft_object_is_left_out_and_counted():
+    cloth = (
+        '<flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" pos="0 0 1" dim="2" '
+        'radius=".01"><edge equality="true"/></flexcomp>'
+    )
+    assembly = kilter.load(model(FLOOR + body("b", FREE_BOX, "2 0 .1") + cloth))
+    assert set(assembly.names) == {"floor", "b"}
+    assert not assembly.joints
+    assert any("1 soft bodies" in note for note in assembly.notes)
+    with pytest.raises(InputError, match="the model has soft bodies only"):
+        kilter.load(model(cloth))
 
 
 def test_two_robots_are_one_note():
