@@ -95,6 +95,15 @@ def closed_contacts(
     gap = closed_gap(assembly)
     parts = np.column_stack([points.part_a, points.part_b])
     apart, sound = closed_points(assembly.geometry, parts, points.point, points.normal, gap)
+    off = np.flatnonzero(~sound & (apart <= gap))
+    if len(off):
+        # pieces of a part whose poses are rounded in its file have normals beside those of its face
+        normal = points.normal.copy()
+        normal[off] = _nearest_normals(assembly.geometry, parts[off], points.take(off), gap)
+        points = replace(points, normal=normal)
+        sound[off] = closed_points(
+            assembly.geometry, parts[off], points.point[off], normal[off], gap
+        )[1]
     closed = (apart <= gap) & sound
     points, parts = points.take(closed), parts[closed]
     if detected is None:
@@ -151,6 +160,20 @@ def closed_points(
     number = np.cumsum(sound) - 1
     sound[rows] = _in_cones(number[both[kept]], rays[kept], normals[rows], BETWEEN_FACES)
     return surface_gaps(geometry, parts, points), sound
+
+
+def _nearest_normals(geometry: Geometry, parts: Index, points: NearPoints, gap: float) -> Array:
+    """The normal of a face at each point nearest to its normal, if within `NORMAL`; (n, 3)."""
+    facets = find_facets(geometry)
+    own, rays_a = _normals_at(geometry, facets, parts[:, 0], points.point, gap)
+    other, rays_b = _normals_at(geometry, facets, parts[:, 1], points.point, gap)
+    owner, rays = np.concatenate([own, other]), np.concatenate([rays_a, -rays_b])
+    apart = lengths(rays - points.normal[owner])
+    order = np.argsort(-apart, kind="stable")
+    order = order[apart[order] <= NORMAL]
+    normal = points.normal.copy()
+    normal[owner[order]] = rays[order]
+    return normal
 
 
 def _normals_at(
