@@ -55,6 +55,10 @@ DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
 """Length of a movement that corrects the step before it [sizes]."""
+FREELY = 0.9
+"""Fall in a step from which a body falls freely [strides]."""
+SIDEWAYS = 1e-6
+"""Component of a normal along gravity up to which a contact is at a side [-]."""
 STRAIGHT = 0.999
 """Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
 FLOATS = 1e-6
@@ -217,21 +221,43 @@ def _fall(state: _State) -> None:
         group = _floating_groups(state, _points(state, gap), gap)
         if not group.any():
             return
-        assembly = state.bodies.assembly()
-        sweeps = Sweeps(replace(state.contacts, assembly=assembly))
         state.tell("falls")
-        fall = straight_falls(sweeps, assembly, group[state.bodies.of_part])
-        lost = np.isinf(fall)[group]
-        state.gone |= lost
-        step = np.zeros((len(state.bodies.mass), 6))
-        step[:, :3] = (
-            np.where(lost, 0.0, np.where(np.isinf(fall), 0.0, fall)[group])[:, None] * assembly.down
-        )
-        state.move(step, "fell")
-        moved = np.linalg.norm(step[:, :3], axis=1)
-        state.asleep[moved > 0] = False
-        if not lost.any() and moved.max(initial=0.0) <= gap:
+        before = int(state.gone.sum())
+        if _drop(state, group) <= gap and before == state.gone.sum():
             return
+
+
+def _drop(state: _State, group: Index) -> float:
+    """Let groups of bodies (B,) fall until they land; returns the longest fall [length unit]."""
+    assembly = state.bodies.assembly()
+    sweeps = Sweeps(replace(state.contacts, assembly=assembly))
+    fall = straight_falls(sweeps, assembly, group[state.bodies.of_part])
+    lost = np.isinf(fall)[group]
+    state.gone |= lost
+    length = np.where(np.isinf(fall), 0.0, fall)[group]
+    step = np.zeros((len(state.bodies.mass), 6))
+    step[:, :3] = length[:, None] * assembly.down
+    state.move(step, "fell")
+    state.asleep[length > 0] = False
+    return float(length.max(initial=0.0))
+
+
+def _falling_freely(
+    state: _State, points: NearPoints, step: Array, stride: Array, island: Index
+) -> Index:
+    """Group of each body that a step lets fall beside others without friction; else 0; (B,)."""
+    down = state.bodies.drawn.down
+    free = (step[:, :3] @ down >= FREELY * stride) & (island >= 0)
+    touching = points.take(np.abs(points.gap) <= FLOATS * state.length)
+    a, b = state.bodies.of_part[touching.part_a], state.bodies.of_part[touching.part_b]
+    ends = np.concatenate([np.column_stack([a, b]), state.joined])
+    # a body that touches one that does not fall, other than sideways, does not fall freely
+    across = np.append(np.abs(touching.normal @ down) < SIDEWAYS, np.zeros(len(state.joined), bool))
+    mixed = free[ends[:, 0]] != free[ends[:, 1]]
+    free[ends[mixed & ~across]] = False
+    both = free[ends].all(axis=1) & ~across
+    label = connected(len(free), *ends[both].T) + 1
+    return np.unique(np.append(np.where(free, label, 0), 0), return_inverse=True)[1][:-1]
 
 
 def _floating_groups(state: _State, points: NearPoints, gap: float) -> Index:
@@ -291,6 +317,10 @@ def _settle_down(state: _State) -> bool:
         if step is None:
             state.stride[active] /= 4
             state.asleep |= active & (state.stride < SHORTEST * state.length)
+            continue
+        group = _falling_freely(state, points, step, stride, island)
+        if group.any() and _drop(state, group) > FLOATS * state.length:
+            last = None
             continue
         last = _Last(state.bodies, island, stride, -float(points.gap.min(initial=0.0)))
         _advance(state, island, stride, step)
