@@ -401,6 +401,27 @@ def test_seams_hold_nothing_up() -> None:
             np.testing.assert_allclose(np.ptp(found.point[:, 0]), 0.06, atol=1e-12)
 
 
+def test_tiles_of_a_slab_give_the_points_of_the_slab() -> None:
+    rng = np.random.default_rng(3)
+    boards = [
+        (Box([0.4, 0.3, 0.1]), pose([0.4 * i, 0.3 * j, -0.05]))
+        for i in (-1, 0, 1)
+        for j in (-1, 0, 1)
+    ]
+    tiles = one_body(boards, "tiles", [])[0]
+    shapes = [Box([0.3, 0.2, 0.1]), Sphere(0.1), Cylinder(0.1, 0.2)]
+    for _ in range(25):
+        shape, turn = shapes[rng.integers(3)], Rotation.random(random_state=int(rng.integers(1000)))
+        place = [rng.uniform(-0.4, 0.4), rng.uniform(-0.3, 0.3), 0]
+        low = height_along(shape, pose([0, 0, 0], turn), np.array([0, 0, -1.0]))
+        place[2] = low + rng.uniform(-0.02, 0.02)
+        whole = points((Box([1.2, 0.9, 0.1]), pose([0, 0, -0.05])), (shape, pose(place, turn)))
+        parts = points((tiles, pose([0, 0, 0])), (shape, pose(place, turn)))
+        np.testing.assert_allclose(parts.gap.min(), whole.gap.min(), atol=1e-12)
+        np.testing.assert_allclose(parts.gap.min(), place[2] - low, atol=1e-12)
+        np.testing.assert_allclose(parts.normal[:, 2], 1, atol=1e-12)
+
+
 def test_block_in_the_corner_of_a_tray() -> None:
     boards = [(Box([0.4, 0.4, 0.02]), pose([0, 0, -0.01]))]
     boards += [(Box([0.02, 0.4, 0.1]), pose([x, 0, 0.03])) for x in (-0.21, 0.21)]

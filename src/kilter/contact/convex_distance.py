@@ -8,18 +8,23 @@ edges whose arcs on the Gaussian sphere cross.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, counted, cross
+from kilter.arrays import Array, Index, Mask, Rows, columns, counted, cross
 from kilter.contact.convex_pieces import Cores
 
 ROUNDS = 64
 """Largest number of support points of a pair."""
 CONVERGED = 1e-14
 """A distance is final if its square exceeds a lower bound by less than this fraction [-]."""
+PARALLEL = 1e-9
+"""Sine of the angle between two edges below which they are parallel [-]."""
+PRODUCTS = 500_000
+"""Largest number of pairs of edges that are compared together."""
 TOUCHING = 1e-10
 """Cores nearer than this fraction of their size have no sure direction of nearest points [-]."""
 
@@ -33,9 +38,6 @@ class NearestPoints:
     on_a: Array
     on_b: Array
     """NearestPoints points, shape (K, 3)."""
-    corner_a: Index
-    corner_b: Index
-    """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
     at_corner: Mask
     """Whether the nearest points are a corner and a corner, or a corner and a point of an edge."""
 
@@ -90,21 +92,18 @@ def nearest_points(a: Cores, b: Cores, size: Array, limit: Array) -> NearestPoin
     rows = np.arange(count)[:, None]
     on_a = np.einsum("kc,kci->ki", final[0], a.vertex[rows, final[1]])
     on_b = np.einsum("kc,kci->ki", final[0], b.vertex[rows, final[2]])
-    pair_a, number_a = _two_corners(final[0], final[1])
-    pair_b, number_b = _two_corners(final[0], final[2])
-    return NearestPoints(apart, on_a, on_b, pair_a, pair_b, number_a + number_b <= 3)
+    number = sum(_corner_count(final[0], corners) for corners in final[1:])
+    return NearestPoints(apart, on_a, on_b, np.less_equal(number, 3))
 
 
-def _two_corners(weight: Array, corner: Index) -> tuple[Index, Index]:
-    """The two corners with the largest weights, and the number of different corners up to 3."""
-    rows = np.arange(len(weight))
-    first = corner[rows, weight.argmax(axis=1)]
-    rest = np.where(corner == first[:, None], 0.0, weight)
-    k = rest.argmax(axis=1)
-    second = np.where(rest[rows, k] > 0, corner[rows, k], first)
-    more = np.where(corner == second[:, None], 0.0, rest).max(axis=1) > 0
-    number = 1 + (second != first) + more
-    return np.stack([first, second], axis=1), number.astype(np.int64)
+def _corner_count(weight: Array, corner: Index) -> Index:
+    """Number of different corners with a weight, up to 3, of each row, shape (K,)."""
+    first = np.take_along_axis(corner, weight.argmax(axis=1)[:, None], axis=1)
+    rest = np.where(corner == first, 0.0, weight)
+    second = np.take_along_axis(corner, rest.argmax(axis=1)[:, None], axis=1)
+    others = np.where(corner == second, 0.0, rest)
+    count: Index = 1 + (rest.max(axis=1) > 0).astype(np.int64) + (others.max(axis=1) > 0)
+    return count
 
 
 EDGES = np.array(list(combinations(range(4), 2)))
@@ -200,14 +199,15 @@ def face_separations(a: Cores, b: Cores) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class EdgeDirections:
-    """Directions across pairs of edges: pair, edges, unit normal from a to b, separation."""
+class EdgeDirections(Rows):
+    """Directions across pairs of edges."""
 
     row: Index
-    edge_a: Index
-    edge_b: Index
-    normal: Array
-    separation: Array
+    """Pair of cores of each direction, shape (n,)."""
+    normal: Array = columns(3)
+    """Unit vectors from a to b, shape (n, 3)."""
+    separation: Array = columns()
+    """Distance of the edges along them [length unit], shape (n,)."""
 
 
 def edge_separations(a: Cores, b: Cores, bound: Array) -> EdgeDirections:
@@ -216,61 +216,87 @@ def edge_separations(a: Cores, b: Cores, bound: Array) -> EdgeDirections:
     Arguments: `bound` (K,): absolute value of a known separation; edges farther than that from the
     other core are left out.
     """
-    row, i, j = _edge_pairs(a, b, bound)
-    p, d, fa = _edges_of(a, row, i)
-    q, e, fb = _edges_of(b, row, j)
+    first, second = _near_edges(a, b, bound, 1.0), _near_edges(b, a, bound, -1.0)
+    blocks = product_blocks(len(bound), first.row, second.row)
+    return EdgeDirections.join(_across_arcs(first, second, i, j) for i, j in blocks)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Edges(Rows):
+    """Edges of cores."""
+
+    row: Index
+    """Pair of each edge, shape (n,)."""
+    start: Array = columns(3)
+    step: Array = columns(3)
+    low: Array = columns(3)
+    high: Array = columns(3)
+    """Normals of the faces beside each edge, of the second core with the opposite sign, (n, 3)."""
+    bare: Mask = columns()
+    """Whether there are no faces beside it, shape (n,)."""
+
+
+def _near_edges(core: Cores, other: Cores, bound: Array, sign: float) -> _Edges:
+    """Edges of a core within a distance of the box around the other core."""
+    low = other.vertex.min(axis=1) - bound[:, None]
+    high = other.vertex.max(axis=1) + bound[:, None]
+    rows = np.arange(len(bound))[:, None]
+    ends = core.vertex[rows, core.edge[..., 0]], core.vertex[rows, core.edge[..., 1]]
+    near = (np.maximum(*ends) >= low[:, None]) & (np.minimum(*ends) <= high[:, None])
+    row, k = np.nonzero(near.all(axis=2) & core.edges)
+    faces = core.edge_face[row, k]
+    left, right = (sign * core.normal[row, faces[:, side]] for side in range(2))
+    start = ends[0][row, k]
+    return _Edges(row, start, ends[1][row, k] - start, left, right, faces[:, 0] < 0)
+
+
+def _across_arcs(first: _Edges, second: _Edges, i: Index, j: Index) -> EdgeDirections:
+    """Directions across edges whose arcs of normals cross each other on the Gaussian sphere."""
+
+    def dot(x: Array, y: Array) -> Array:
+        result: Array = np.einsum("ki,ki->k", x, y)
+        return result
+
+    # each arc crosses the great circle of the other ...
+    d = first.step[i]
+    kept = second.bare[j] | (dot(second.low[j], d) * dot(second.high[j], d) < 0)
+    i, j = i[kept], j[kept]
+    e = second.step[j]
+    kept = first.bare[i] | (dot(first.low[i], e) * dot(first.high[i], e) < 0)
+    i, j, d, e = i[kept], j[kept], first.step[i[kept]], e[kept]
     n = cross(d, e)
-    length = np.linalg.norm(n, axis=1)
-    sine = length / (np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1))
+    length = np.sqrt(dot(n, n))
+    sine = length / np.sqrt(dot(d, d) * dot(e, e))
     n = n / np.where(length > 0, length, 1.0)[:, None]
-    # arcs of the normals beside a, and of the opposite normals beside b
-    left, right = -b.normal[row, fb[:, 0]], -b.normal[row, fb[:, 1]]
-    low, high = a.normal[row, fa[:, 0]], a.normal[row, fa[:, 1]]
-    c, f = (np.einsum("ki,ki->k", x, d) for x in (left, right))
-    g, h = (np.einsum("ki,ki->k", x, e) for x in (low, high))
-    bare_a, bare_b = fa[:, 0] < 0, fb[:, 0] < 0
-    # both arcs cross the great circle of the other, on the same side of the sphere
-    cuts_b = (c * f < 0) | bare_b
-    cuts_a = (g * h < 0) | bare_a
-    side = np.einsum("ki,ki->k", low + high, n)
-    other = np.einsum("ki,ki->k", left + right, n)
-    agree = bare_a | bare_b | (side * other > 0)
-    kept = cuts_a & cuts_b & agree & (sine > 1e-9)
-    between = np.einsum("ki,ki->k", q - p, n)
+    # ... on the same side of the sphere
+    side = dot(first.low[i] + first.high[i], n)
+    other = dot(second.low[j] + second.high[j], n)
+    bare_a, bare_b = first.bare[i], second.bare[j]
+    kept = (sine > PARALLEL) & (bare_a | bare_b | (side * other > 0))
+    between = dot(second.start[j] - first.start[i], n)
     sign = np.where(bare_a, np.where(bare_b, between, other), side)
-    n = np.where((sign < 0)[:, None], -n, n)
+    turn = np.where(sign < 0, -1.0, 1.0)
     rows = np.flatnonzero(kept)
-    between = between * np.where(sign < 0, -1.0, 1.0)
-    return EdgeDirections(row[rows], i[rows], j[rows], n[rows], between[rows])
+    turned = turn[rows, None] * n[rows]
+    return EdgeDirections(first.row[i[rows]], turned, (between * turn)[rows])
 
 
-def _edges_of(core: Cores, row: Index, edge: Index) -> tuple[Array, Array, Index]:
-    """Start and step of edges, shape (n, 3), and the faces beside them, shape (n, 2)."""
-    ends = core.edge[row, edge]
-    start = core.vertex[row, ends[:, 0]]
-    return start, core.vertex[row, ends[:, 1]] - start, core.edge_face[row, edge]
+def product_blocks(count: int, first: Index, second: Index) -> Iterator[tuple[Index, Index]]:
+    """Pairs of entries of two lists with the same row, as places in both lists, in blocks.
+
+    Arguments: `count`: number of rows; `first`, `second`: row of each entry, ascending.
+    """
+    start = np.searchsorted(second, np.arange(count + 1))
+    number = np.diff(start)[first]
+    total = np.cumsum(number)
+    limits = np.arange(PRODUCTS, int(total[-1]) if len(total) else 0, PRODUCTS)
+    ends = np.searchsorted(total, limits, side="right")
+    for block in np.split(np.arange(len(first)), np.unique(ends)):
+        owner, place = counted(number[block])
+        yield block[owner], start[first[block[owner]]] + place
 
 
-def _edge_pairs(a: Cores, b: Cores, bound: Array) -> tuple[Index, Index, Index]:
-    """Pairs of edges of both cores near the other core: row, edge of a, edge of b."""
-    lists: list[tuple[Index, Index]] = []
-    for core, other in ((a, b), (b, a)):
-        low = other.vertex.min(axis=1) - bound[:, None]
-        high = other.vertex.max(axis=1) + bound[:, None]
-        rows = np.arange(len(bound))[:, None]
-        ends = core.vertex[rows, core.edge[..., 0]], core.vertex[rows, core.edge[..., 1]]
-        near = (np.maximum(*ends) >= low[:, None]) & (np.minimum(*ends) <= high[:, None])
-        row, edge = np.nonzero(near.all(axis=2) & core.edges)
-        lists.append((row, edge))
-    return products(len(bound), lists[0], lists[1])
-
-
-def products(
-    count: int, first: tuple[Index, Index], second: tuple[Index, Index]
-) -> tuple[Index, Index, Index]:
-    """All pairs of entries of two lists with the same row; rows ascend in both lists."""
-    start = np.searchsorted(second[0], np.arange(count + 1))
-    number = np.diff(start)[first[0]]
-    owner, place = counted(number)
-    row = first[0][owner]
-    return row, first[1][owner], second[1][start[row] + place]
+def products(count: int, first: Index, second: Index) -> tuple[Index, Index]:
+    """All pairs of entries of two lists with the same row, as places in both lists."""
+    blocks = list(product_blocks(count, first, second))
+    return np.concatenate([i for i, _ in blocks]), np.concatenate([j for _, j in blocks])

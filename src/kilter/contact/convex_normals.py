@@ -47,13 +47,10 @@ class PairNormals:
     """Nearest points, or a support point and its place on the other core, shape (K, 3)."""
     regular: Mask
     """False where a corner is nearest to a corner or an edge: no force along such a normal."""
-    corner_a: Index
-    corner_b: Index
-    """Two corners of the nearest feature of each core, (K, 2); twice the same for a corner."""
 
     def take(self, rows: Index) -> PairNormals:
         """Normals of some of the pairs."""
-        names = ("normal", "separation", "on_a", "on_b", "regular", "corner_a", "corner_b")
+        names = ("normal", "separation", "on_a", "on_b", "regular")
         return PairNormals(*(getattr(self, name)[rows] for name in names))
 
 
@@ -92,26 +89,29 @@ def pair_normals(
     """
     pieces = scene.pieces
     size = np.minimum(*(pieces.size[piece] for piece in pair))
-    sharp = pieces.radius[pair[0]] + pieces.radius[pair[1]] == 0
+    curved = [pieces.radius[piece] + pieces.disc[piece] for piece in pair]
+    sharp = curved[0] + curved[1] == 0
     a, b = (scene.cores(piece) for piece in pair)
     result = _core_normals(a, b, (size, limit), sharp, excluded)
-    round_ = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
-    if not len(round_):
-        return result
-    pair, sharp = (pair[0][round_], pair[1][round_]), sharp[round_]
-    size, limit = size[round_], limit[round_]
-    excluded = excluded.take(round_)
-    found = result.take(round_)
-    normal, separation = _exact_normals(scene, pair, found, size, excluded)
-    for _ in range(ROUNDS):
-        a, b = (scene.cores(piece, normal) for piece in pair)
-        found = _core_normals(a, b, (size, limit), sharp, excluded)
-        again, apart = _exact_normals(scene, pair, found, size, excluded)
-        better = np.isfinite(apart) & (apart > separation + EXACT * size)
-        normal[better], separation[better] = again[better], apart[better]
-    result.normal[round_], result.separation[round_] = normal, separation
-    result.regular[round_], result.on_b[round_] = True, found.on_b
-    result.on_a[round_] = found.on_b - separation[:, None] * normal
+    left = np.flatnonzero((pieces.disc[pair[0]] > 0) | (pieces.disc[pair[1]] > 0))
+    for turn in range(ROUNDS + 1):
+        if not len(left):
+            break
+        some, own = (pair[0][left], pair[1][left]), excluded.take(left)
+        found = result.take(left)
+        if turn:
+            a, b = (scene.cores(piece, found.normal) for piece in some)
+            found = _core_normals(a, b, (size[left], limit[left]), sharp[left], own)
+        normal, separation = _exact_normals(scene, some, found, size[left], own)
+        slack = EXACT * size[left]
+        better = np.isfinite(separation) & (separation > result.separation[left] + slack)
+        rows = np.flatnonzero(better | (turn == 0))
+        result.normal[left[rows]], result.separation[left[rows]] = normal[rows], separation[rows]
+        result.on_b[left] = found.on_b
+        result.on_a[left] = found.on_b - result.separation[left, None] * result.normal[left]
+        # no direction separates cylinders more than the prisms inside them
+        rows = rows[separation[rows] < (found.separation - slack)[rows]]
+        left = left[rows]
     return result
 
 
@@ -148,8 +148,6 @@ def _core_normals(
         near.on_a,
         near.on_b,
         by_face | ~near.at_corner | ~sharp,
-        near.corner_a,
-        near.corner_b,
     )
     _try_edges(a, b, result, near.apart & ~by_face, ~near.apart, size, excluded)
     support = np.flatnonzero(~near.apart)
@@ -187,11 +185,9 @@ def _try_edges(
     least = np.where(apart, separation - EXACT * size, separation + EXACT * size)
     least[lost] = -np.inf
     take = (value == best[row]) & (value > least[row])
-    row, where = row[take], edges.row[take]
+    row = row[take]
     result.normal[row], separation[row] = edges.normal[take], value[take]
     result.regular[row] = True
-    result.corner_a[row] = a.edge[doubt[where], edges.edge_a[take]]
-    result.corner_b[row] = b.edge[doubt[where], edges.edge_b[take]]
 
 
 # exact directions of cylinders ---------------------------------------------------------------
@@ -205,24 +201,44 @@ def _exact_normals(
     excluded: Excluded,
 ) -> tuple[Array, Array]:
     """The direction of the largest exact separation of pairs with cylinders, and its separation."""
-    near = _rim_directions(scene, pair, found)
-    faces, allowed = _face_directions(scene, pair)
-    tries = np.concatenate([faces, found.normal[:, None], near], axis=1)
+    faces, allowed, widths = _face_directions(scene, pair)
+    tries = np.concatenate([faces, found.normal[:, None]], axis=1)
+    # the rows of a few pairs may be shorter than those of all
+    faces_inside = [mask[:, :width] for mask, width in zip(excluded.inner, widths, strict=True)]
+    inner = np.concatenate([*faces_inside, np.zeros((len(size), 1), dtype=bool)], axis=1)
+    allowed = np.concatenate([allowed, np.ones((len(size), 1), dtype=bool)], axis=1)
+    normal, best = _best_direction(scene, pair, tries, (allowed, inner | excluded.near(tries)))
+    rows = np.flatnonzero(best < found.separation - EXACT * size)
+    if len(rows):
+        some, own = (pair[0][rows], pair[1][rows]), excluded.take(rows)
+        tries = _rim_directions(scene, some, found.take(rows))
+        masks = np.ones(tries.shape[:2], dtype=bool), own.near(tries)
+        other, value = _best_direction(scene, some, tries, masks)
+        better = value > best[rows] + EXACT * size[rows]
+        normal[rows[better]], best[rows[better]] = other[better], value[better]
+    return normal, np.where(np.isfinite(best), best, np.inf)
+
+
+def _best_direction(
+    scene: Placed, pair: tuple[Index, Index], tries: Array, masks: tuple[Mask, Mask]
+) -> tuple[Array, Array]:
+    """Direction with the largest separation of each pair, and this separation.
+
+    Arguments: `tries` (K, m, 3); `masks`: directions that count, and directions that do not count
+    in an overlap, shape (K, m).
+    """
     separation = exact_separation(scene, pair, tries)
-    none = np.zeros((len(size), tries.shape[1] - faces.shape[1]), dtype=bool)
-    shut = np.concatenate([*excluded.inner, none], axis=1) | excluded.near(tries)
-    shut &= separation < 0
-    allowed = np.concatenate([allowed, ~none], axis=1) & ~shut
+    allowed = masks[0] & ~(masks[1] & (separation < 0))
     separation = np.where(allowed, separation, -np.inf)
-    best = separation.max(axis=1)
-    # of equal directions the first one: a face
-    k = (separation >= (best - EXACT * size)[:, None]).argmax(axis=1)
-    rows = np.arange(len(size))
-    return tries[rows, k], np.where(np.isfinite(best), separation[rows, k], np.inf)
+    k = separation.argmax(axis=1)
+    rows = np.arange(len(k))
+    return tries[rows, k], separation[rows, k]
 
 
-def _face_directions(scene: Placed, pair: tuple[Index, Index]) -> tuple[Array, Mask]:
-    """Face normals of both pieces, from a to b, (K, Fa + Fb, 3), and whether they are exact."""
+def _face_directions(
+    scene: Placed, pair: tuple[Index, Index]
+) -> tuple[Array, Mask, tuple[int, int]]:
+    """Face normals of both pieces, from a to b, (K, Fa + Fb, 3), whether exact, and Fa, Fb."""
     normals, exact = [], []
     for piece, sign in zip(pair, (1.0, -1.0), strict=True):
         core = scene.cores(piece)
@@ -230,7 +246,8 @@ def _face_directions(scene: Placed, pair: tuple[Index, Index]) -> tuple[Array, M
         side = np.arange(real.shape[1]) < core.sides[:, None]
         normals.append(sign * core.normal)
         exact.append(real & ~side)
-    return np.concatenate(normals, axis=1), np.concatenate(exact, axis=1)
+    widths = exact[0].shape[1], exact[1].shape[1]
+    return np.concatenate(normals, axis=1), np.concatenate(exact, axis=1), widths
 
 
 def exact_separation(scene: Placed, pair: tuple[Index, Index], n: Array) -> Array:
@@ -269,57 +286,108 @@ class _Features:
     """Radius of a rim, else 0, shape (K, m)."""
 
 
-def _features(scene: Placed, piece: Index, corners: Index) -> _Features:
-    """Three features of each core: corner, edge, other corner; or side, upper and lower rim."""
+def _features(scene: Placed, piece: Index, n: Array) -> _Features:
+    """Four features of each core near its support plane across n, shape (K, 3).
+
+    Polytope: the support corner and the three edges there that are most nearly across n. Cylinder:
+    the side and both rims.
+    """
     core = scene.cores(piece)
     rows = np.arange(len(piece))
-    p, q = core.vertex[rows, corners[:, 0]], core.vertex[rows, corners[:, 1]]
-    length = np.linalg.norm(q - p, axis=1, keepdims=True)
-    d = (q - p) / np.where(length > 0, length, 1.0)
-    zero = np.zeros_like(d)
-    disc, middle, half = scene.pieces.disc[piece], scene.middle[piece], scene.axis[piece]
-    round_ = (disc > 0)[:, None]
-    height = np.linalg.norm(half, axis=1, keepdims=True)
-    u = half / np.where(height > 0, height, 1.0)
-    point = np.stack(
-        [
-            np.where(round_, middle, p),
-            np.where(round_, middle + half, p),
-            np.where(round_, middle - half, q),
-        ],
-        axis=1,
-    )
-    along = np.stack([np.where(round_, u, zero), np.where(round_, zero, d), zero], axis=1)
-    axis = np.stack([zero, u, u], axis=1)
-    radius = disc[:, None] * np.array([0.0, 1.0, 1.0])
+    corner = (core.vertex @ n[..., None])[..., 0].argmax(axis=1)
+    p = core.vertex[rows, corner]
+    ends = core.edge
+    step = core.vertex[rows[:, None], ends[..., 1]] - core.vertex[rows[:, None], ends[..., 0]]
+    d = _unit(step)
+    slope = np.abs(d @ n[..., None])[..., 0]
+    at = core.edges & (ends == corner[:, None, None]).any(axis=2)
+    slope = np.where(at, slope, np.inf)
+    order = np.argsort(slope, axis=1)[:, :3]
+    order = np.pad(order, ((0, 0), (0, 3 - order.shape[1])), mode="edge")
+    beside = np.isfinite(np.take_along_axis(slope, order, axis=1))
+    zero = np.zeros((len(piece), 1, 3))
+    edges = np.where(beside[..., None], np.take_along_axis(d, order[..., None], axis=1), 0.0)
+    point, along = np.repeat(p[:, None], 4, axis=1), np.concatenate([zero, edges], axis=1)
+    axis, radius = np.zeros_like(point), np.zeros((len(piece), 4))
+    round_ = np.flatnonzero(scene.pieces.disc[piece] > 0)
+    middle, half = scene.middle[piece[round_]], scene.axis[piece[round_]]
+    point[round_] = np.stack([middle, middle + half, middle - half, middle], axis=1)
+    along[round_] = axis[round_] = _unit(half)[:, None]
+    along[round_, 1:3] = axis[round_, 0] = axis[round_, 3] = 0.0
+    radius[round_, 1:3] = scene.pieces.disc[piece[round_], None]
     return _Features(point, along, axis, radius)
 
 
 def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals) -> Array:
-    """Stationary directions of the separation of pairs of features, shape (K, 9, 3).
+    """Stationary directions of the separation of pairs of features, shape (K, 32, 3).
 
-    A direction that Newton's method does not find stays as it is.
+    Half of them come from Newton's method for the direction, the others from Newton's method for
+    the nearest points of the features: near the axis of a rim, or near touch, only one is sure.
     """
-    a = _features(scene, pair[0], found.corner_a)
-    b = _features(scene, pair[1], found.corner_b)
-    count = len(found.normal)
-    i, j = (x.ravel() for x in np.indices((3, 3)))
-    w = (b.point[:, j] - a.point[:, i]).reshape(-1, 3)
-    d, e = a.along[:, i].reshape(-1, 3), b.along[:, j].reshape(-1, 3)
-    n = np.repeat(found.normal, 9, axis=0)
-    both = cross(d, e)
-    sine = np.linalg.norm(both, axis=1)
-    two = sine > 1e-9
-    one = np.where((np.abs(d).max(axis=1) > 0)[:, None], d, e)
-    n = n - np.einsum("ki,ki->k", n, one)[:, None] * one
+    i, j = (x.ravel() for x in np.indices((4, 4)))
+    count, several = len(found.normal), len(i)
+    a, b = (
+        _Features(x.point[:, k].reshape(-1, 3), x.along[:, k].reshape(-1, 3),
+                  x.axis[:, k].reshape(-1, 3), x.radius[:, k].ravel())
+        for x, k in ((_features(scene, pair[0], found.normal), i),
+                     (_features(scene, pair[1], -found.normal), j))
+    )  # fmt: skip
+    start = np.repeat(found.normal, several, axis=0)
+    both = cross(a.along, b.along)
+    two = np.linalg.norm(both, axis=1) > 1e-9
+    one = np.where((np.abs(a.along).max(axis=1) > 0)[:, None], a.along, b.along)
+    n = start - np.einsum("ki,ki->k", start, one)[:, None] * one
     n[two] = both[two] * np.sign(np.einsum("ki,ki->k", both[two], n[two]))[:, None]
     n = _unit(n)
-    rims = [(x.axis[:, k].reshape(-1, 3), x.radius[:, k].ravel()) for x, k in ((a, i), (b, j))]
     moving = np.flatnonzero(~two)
-    n[moving] = _stationary(
-        n[moving], w[moving], one[moving], [(u[moving], r[moving]) for u, r in rims]
-    )
-    return n.reshape(count, 9, 3)
+    rims = [(x.axis[moving], x.radius[moving]) for x in (a, b)]
+    n[moving] = _stationary(n[moving], (b.point - a.point)[moving], one[moving], rims)
+    points = (np.repeat(x, several, axis=0) for x in (found.on_a, found.on_b))
+    step = _between_curves(a, b, *points)
+    step *= np.sign(np.einsum("ki,ki->k", step, start))[:, None]
+    tries = [n.reshape(count, several, 3), _unit(step).reshape(count, several, 3)]
+    return np.concatenate(tries, axis=1)
+
+
+def _between_curves(a: _Features, b: _Features, on_a: Array, on_b: Array) -> Array:
+    """Steps from a to b between points of two features at which the distance is stationary, (K, 3).
+
+    Arguments: `a`, `b`: one feature for each row; `on_a`, `on_b` (K, 3): points near the start.
+    """
+    frames = [across(_unit(x.axis)) for x in (a, b)]
+    value = []
+    for x, (u, v), on in zip((a, b), frames, (on_a, on_b), strict=True):
+        off = on - x.point
+        y = [np.einsum("ki,ki->k", off, e) for e in (u, v, x.along)]
+        value.append(np.where(x.radius > 0, np.arctan2(y[1], y[0]), y[2]))
+    w = on_b - on_a
+    for _ in range(STEPS):
+        points, slopes, bends = [], [], []
+        for x, (u, v), t in zip((a, b), frames, value, strict=True):
+            c, s = (x.radius * f(t) for f in (np.cos, np.sin))
+            out, turn = c[:, None] * u + s[:, None] * v, c[:, None] * v - s[:, None] * u
+            round_ = (x.radius > 0)[:, None]
+            points.append(x.point + np.where(round_, out, t[:, None] * x.along))
+            slopes.append(np.where(round_, turn, x.along))
+            bends.append(np.where(round_, -out, 0.0))
+        w = points[1] - points[0]
+
+        def dot(x: Array, y: Array) -> Array:
+            result: Array = np.einsum("ki,ki->k", x, y)
+            return result
+
+        g, h = -dot(w, slopes[0]), dot(w, slopes[1])
+        p = dot(slopes[0], slopes[0]) - dot(w, bends[0])
+        q = dot(slopes[1], slopes[1]) + dot(w, bends[1])
+        m = -dot(slopes[0], slopes[1])
+        still = [np.abs(slope).max(axis=1) == 0 for slope in slopes]
+        p, q = np.where(still[0], 1.0, p), np.where(still[1], 1.0, q)
+        det = p * q - m * m
+        safe = np.where(det != 0, det, 1.0)
+        change = (m * h - q * g) / safe, (m * g - p * h) / safe
+        for k, (x, step) in enumerate(zip((a, b), change, strict=True)):
+            value[k] = value[k] + np.where(x.radius > 0, np.clip(step, -LONGEST, LONGEST), step)
+    return w
 
 
 def _unit(n: Array) -> Array:
@@ -364,4 +432,6 @@ def _stationary(n: Array, w: Array, along: Array, rims: list[tuple[Array, Array]
         far = np.hypot(s, t)
         limit = np.minimum(1.0, LONGEST / np.where(far > 0, far, 1.0))
         n = _unit(n + ((s * limit)[:, None] * x + (t * limit)[:, None] * y))
+        if far.max(initial=0.0) < EXACT:
+            break
     return n

@@ -202,20 +202,12 @@ def _pieces_of(shape: Shape) -> list[Polytope] | None:
     if isinstance(shape, Solid) and any(surface.kind != "plane" for surface in shape.surfaces):
         return None
     vertices, triangles = surface(shape)
-    piece = _hull(vertices)
-    if piece is None:
+    hull = _hull(vertices)
+    if hull is None:
         return None
-    volume = signed_volume(vertices, triangles)
-    content = shape.volume if isinstance(shape, Solid) else abs(volume)
-    sound = abs(content - _volume(vertices)) <= CONVEX_VOLUME * content
-    return [piece] if sound else None
-
-
-def _volume(vertices: Array) -> float:
-    """Volume of the convex hull of points."""
-    from scipy.spatial import ConvexHull
-
-    return float(ConvexHull(vertices).volume)
+    piece, filled = hull
+    content = shape.volume if isinstance(shape, Solid) else abs(signed_volume(vertices, triangles))
+    return [piece] if abs(content - filled) <= CONVEX_VOLUME * filled else None
 
 
 def _capsule_ends(mesh: Mesh) -> tuple[Array, float] | None:
@@ -319,8 +311,8 @@ def _prism_edges() -> tuple[Index, Index]:
     return edge, np.column_stack([np.tile(k, 3), np.concatenate(beside)])
 
 
-def _hull(points: Array) -> Polytope | None:
-    """Convex hull of points with coplanar triangles united; None if it has no volume."""
+def _hull(points: Array) -> tuple[Polytope, float] | None:
+    """Convex hull of points with coplanar triangles united, and its volume; None without volume."""
     try:
         vertex, triangles = hull_surface(points)
     except InputError:
@@ -349,7 +341,8 @@ def _hull(points: Array) -> Polytope | None:
     sharp = ~flat & (label[i] != label[j])
     edge, face = sides[first[sharp]], np.column_stack([label[i], label[j]])[sharp]
     used, compact = np.unique(edge, return_inverse=True)
-    return _oriented(vertex[used], normals, offset, compact.reshape(-1, 2), face)
+    piece = _oriented(vertex[used], normals, offset, compact.reshape(-1, 2), face)
+    return piece, abs(signed_volume(vertex, triangles))
 
 
 def _moved(piece: Polytope, pose: Pose) -> Polytope:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
-from kilter.contact.convex_distance import face_separations, products
+from kilter.contact.convex_distance import face_separations, product_blocks, products
 from kilter.contact.convex_normals import Excluded, pair_normals
 from kilter.contact.convex_pieces import (
     ConvexPieces,
@@ -31,6 +31,8 @@ SLOPE = 1e-6
 """A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
 BEYOND = 0.15
 """Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
+DIRECTIONS = 16
+"""Number of directions across a normal in which points of a pair are extreme [-]."""
 CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
@@ -66,20 +68,26 @@ class PiecePoints(Rows):
 
 
 def near_points(
-    pieces: ConvexPieces, rotation: Array, position: Array, reach: float, ignore: Index
+    pieces: ConvexPieces,
+    rotation: Array,
+    position: Array,
+    reach: float,
+    ignore: Index,
+    body: Index | None = None,
 ) -> PiecePoints:
     """Find the candidate contact points within a reach between pieces of different parts.
 
     Arguments: `rotation` (N, 3, 3), `position` (N, 3): part k is at rotation[k] x + position[k];
-    `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact.
+    `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact;
+    `body` (N,): parts with the same number move as one, and have no points between them.
     """
     scene = placed(pieces, rotation, position)
-    pair = piece_pairs(scene, reach, ignore)
+    pair = piece_pairs(scene, reach, ignore, body)
     tried = np.empty((len(pair[0]), 0, 3))
     kept = []
     for _ in range(TRIES):
         points, row = _points_in_groups(scene, pair, tried, reach)
-        shown = on_surface(scene, points)
+        shown = _shown_points(scene, points, row)
         kept.append(points.take(shown))
         again = _hidden_pairs(pieces, pair, points, row, shown)
         if not len(again):
@@ -89,6 +97,22 @@ def near_points(
         pair = pair[0][again], pair[1][again]
         tried = np.concatenate([tried[again], normal[again, None]], axis=1)
     return distinct_points(PiecePoints.join(kept), pieces)
+
+
+def _shown_points(scene: Placed, points: PiecePoints, row: Index) -> Mask:
+    """Points on the surfaces of both parts, of pairs whose nearest points are among them.
+
+    A pair whose nearest points are at a seam has a normal that is none of the whole part.
+    """
+    shown = on_surface(scene, points)
+    count = int(row.max(initial=-1)) + 1
+    least = np.full(count, np.inf)
+    np.minimum.at(least, row, points.gap)
+    slack = BESIDE * scene.pieces.size[points.piece_a]
+    nearest = shown & (points.gap <= least[row] + slack)
+    sound = np.zeros(count, dtype=bool)
+    sound[row[nearest]] = True
+    return shown & sound[row]
 
 
 def _hidden_pairs(
@@ -131,7 +155,9 @@ def _points_in_groups(
 # near pairs of boxes -----------------------------------------------------------------------
 
 
-def piece_pairs(scene: Placed, reach: float, ignore: Index) -> tuple[Index, Index]:
+def piece_pairs(
+    scene: Placed, reach: float, ignore: Index, body: Index | None = None
+) -> tuple[Index, Index]:
     """Pairs of pieces of different parts whose boxes are within reach; a is of the lower part."""
     pieces = scene.pieces
     count = len(pieces.whole)
@@ -145,6 +171,8 @@ def piece_pairs(scene: Placed, reach: float, ignore: Index) -> tuple[Index, Inde
     i, j = np.minimum(i, j), np.maximum(i, j)
     ignored = np.sort(np.asarray(ignore, dtype=np.int64).reshape(-1, 2), axis=1)
     kept = ~np.isin(has[i] * count + has[j], ignored @ np.array([count, 1]))
+    if body is not None:
+        kept &= body[has[i]] != body[has[j]]
     i, j = i[kept], j[kept]
     lists = []
     for own, other in ((i, j), (j, i)):
@@ -152,7 +180,8 @@ def piece_pairs(scene: Placed, reach: float, ignore: Index) -> tuple[Index, Inde
         piece = start[has[own]][row] + place
         near = _boxes_meet(lower, upper, piece, low, high, other[row])
         lists.append((row[near], piece[near]))
-    _, a, b = products(len(i), *lists)
+    k, m = products(len(i), lists[0][0], lists[1][0])
+    a, b = lists[0][1][k], lists[1][1][m]
     near = _boxes_meet(lower, upper, a, lower, upper, b)
     return a[near], b[near]
 
@@ -330,53 +359,56 @@ def _crossings(
     a: Cores, b: Cores, cos: tuple[Array, Array], n: Array, room: Array, slack: Array
 ) -> tuple[Index, Array, Array]:
     """Crossings of edges of both surfaces seen along n: row, middle of the gap, gap."""
-    lists = []
-    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
-        facing = _facing_edges(core, c, n, sign, room)
-        row, k = np.nonzero(facing)
-        ends = core.edge[row, k]
-        p, q = core.vertex[row, ends[:, 0]], core.vertex[row, ends[:, 1]]
-        lists.append((row, k, p, q))
-    row, i, j = products(
-        len(n),
-        (lists[0][0], np.arange(len(lists[0][0]))),
-        (lists[1][0], np.arange(len(lists[1][0]))),
-    )
     u, v = across(n)
-    flat = []
-    for own, _, p, q in lists:
-        flat.append([np.einsum("ki,ki->k", x, y[own]) for x in (p, q) for y in (u, v)])
-    pu, pv, qu, qv = (x[i] for x in flat[0])
-    ru, rv, su, sv = (x[j] for x in flat[1])
-    du, dv, eu, ev = qu - pu, qv - pv, su - ru, sv - rv
-    det = du * ev - dv * eu
-    length, width = np.hypot(du, dv), np.hypot(eu, ev)
+    frame = np.stack([u, v, n], axis=1)
+    rows: list[Index] = []
+    starts_, steps = [], []
+    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
+        row, k = np.nonzero(_facing_edges(core, c, n, sign, room))
+        p, q = (core.vertex[row, core.edge[row, k, end]] for end in range(2))
+        rows.append(row)
+        starts_.append(np.einsum("kai,ki->ka", frame[row], p))
+        steps.append(np.einsum("kai,ki->ka", frame[row], q - p))
+    blocks = []
+    for i, j in product_blocks(len(n), *rows):
+        row = rows[0][i]
+        hit, s, t = _crossing_shares(
+            (starts_[1][j] - starts_[0][i])[:, :2], steps[0][i, :2], steps[1][j, :2], slack[row]
+        )
+        i, j, row = i[hit], j[hit], row[hit]
+        on_a = starts_[0][i] + s[:, None] * steps[0][i]
+        on_b = starts_[1][j] + t[:, None] * steps[1][j]
+        middle = np.einsum("kai,ka->ki", frame[row], (on_a + on_b) / 2)
+        blocks.append((row, middle, on_b[:, 2] - on_a[:, 2]))
+    row, middle, gap = (np.concatenate([block[k] for block in blocks]) for k in range(3))
+    return row, middle, gap
+
+
+def _crossing_shares(w: Array, d: Array, e: Array, slack: Array) -> tuple[Index, Array, Array]:
+    """Crossings of segments p + s d and p + w + t e in the plane: rows, s, t.
+
+    Arguments: `w`, `d`, `e` (K, 2); `slack` (K,): distance beyond an end that still counts.
+    """
+    det = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
+    length, width = np.hypot(d[:, 0], d[:, 1]), np.hypot(e[:, 0], e[:, 1])
     crossing = np.abs(det) > BESIDE * length * width
     safe = np.where(crossing, det, 1.0)
-    s = ((ru - pu) * ev - (rv - pv) * eu) / safe
-    t = ((ru - pu) * dv - (rv - pv) * du) / safe
-    tol = slack[row]
-    crossing &= (s * length >= -tol) & ((1 - s) * length >= -tol)
-    crossing &= (t * width >= -tol) & ((1 - t) * width >= -tol)
+    s = (w[:, 0] * e[:, 1] - w[:, 1] * e[:, 0]) / safe
+    t = (w[:, 0] * d[:, 1] - w[:, 1] * d[:, 0]) / safe
+    for share, size in ((s, length), (t, width)):
+        crossing &= (share * size >= -slack) & ((1 - share) * size >= -slack)
     rows = np.flatnonzero(crossing)
-    row, i, j = row[rows], i[rows], j[rows]
-    s, t = np.clip(s[rows], 0, 1)[:, None], np.clip(t[rows], 0, 1)[:, None]
-    on_a = lists[0][2][i] * (1 - s) + lists[0][3][i] * s
-    on_b = lists[1][2][j] * (1 - t) + lists[1][3][j] * t
-    gap = np.einsum("ki,ki->k", on_b - on_a, n[row])
-    return row, (on_a + on_b) / 2, gap
+    return rows, np.clip(s[rows], 0, 1), np.clip(t[rows], 0, 1)
 
 
 def _corners_on_edges(
     own: Cores, other: Cores, which: Mask, n: Array, slack: Array, sign: float
 ) -> tuple[Index, Array, Array]:
     """Corners over edges of the other core where a core has no faces: row, middle, gap."""
-    pick = np.flatnonzero(which)
-    row, e, k = products(
-        len(n),
-        tuple(x[np.isin(np.nonzero(other.edges)[0], pick)] for x in np.nonzero(other.edges)),  # type: ignore[arg-type]
-        (np.repeat(pick, own.vertex.shape[1]), np.tile(np.arange(own.vertex.shape[1]), len(pick))),
-    )
+    rows, edges = np.nonzero(other.edges & which[:, None])
+    corners = np.repeat(np.flatnonzero(which), own.vertex.shape[1])
+    i, j = products(len(n), rows, corners)
+    row, e, k = rows[i], edges[i], j % own.vertex.shape[1]
     ends = other.edge[row, e]
     p, q = other.vertex[row, ends[:, 0]], other.vertex[row, ends[:, 1]]
     x, d, m = own.vertex[row, k], q - p, n[row]
@@ -394,7 +426,7 @@ def _corners_on_edges(
 
 
 def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Index:
-    """Extreme points of each pair in eight directions across n, of all and of closed points."""
+    """Extreme points of each pair in directions across n, of all and of closed points."""
     if not len(row):
         return np.empty(0, dtype=np.int64)
     order = np.argsort(row, kind="stable")
@@ -405,7 +437,7 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
     flat = np.stack([np.einsum("ki,ki->k", point, y[of]) for y in (u, v)], axis=1)
     least = np.minimum.reduceat(gap, first)
     closed = gap <= (least + CLOSED * size[row[first]])[of]
-    angle = np.arange(8) * (np.pi / 4) + 0.1
+    angle = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS) + 0.1
     ahead = flat @ np.stack([np.cos(angle), np.sin(angle)])
     # of points at the same place, the one with the least gap
     ahead -= 1e-3 * gap[:, None]
@@ -424,10 +456,13 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
 def on_surface(scene: Placed, points: PiecePoints) -> Mask:
     """Whether points lie on the surfaces of both parts, and not at a seam of their pieces."""
     hidden = np.zeros(len(points), dtype=bool)
+    several = np.bincount(scene.pieces.part)[scene.pieces.part] > 1
     sides = (points.piece_a, -1.0), (points.piece_b, 1.0)
-    for piece, sign in sides:
-        n = -sign * points.normal
-        on = points.point + (sign * points.gap / 2)[:, None] * points.normal
+    for pieces, sign in sides:
+        some = np.flatnonzero(several[pieces])
+        piece, gap = pieces[some], points.gap[some]
+        n = -sign * points.normal[some]
+        on = points.point[some] - (gap / 2)[:, None] * n
         size = scene.pieces.size[piece]
         row, other = others_at(scene, piece, on, SUNK * size)
         # a corner of a face counts as covered if the face beside it is
@@ -444,17 +479,15 @@ def on_surface(scene: Placed, points: PiecePoints) -> Mask:
         height = support_height(scene, other[beside], n[row[beside]])
         level = np.einsum("ki,ki->k", on[row[beside]], n[row[beside]])
         deep[beside] |= height > level + SUNK * size[row[beside]]
-        hidden[row[deep]] = True
+        hidden[some[row[deep]]] = True
     return ~hidden
 
 
 def _along_face(scene: Placed, piece: Index, n: Array) -> Mask:
     """Whether directions are normals of a face of their piece, shape (K,)."""
-    face, has = padded_rows(scene.pieces.face_start, piece)
-    if not len(scene.normal):
-        return np.zeros(len(piece), dtype=bool)
-    cosine = np.einsum("kfi,ki->kf", scene.normal[face], n)
-    result: Mask = (has & (cosine > 1 - BESIDE)).any(axis=1)
+    row, face = ragged(scene.pieces.face_start, piece)
+    result = np.zeros(len(piece), dtype=bool)
+    result[row[np.einsum("ki,ki->k", scene.normal[face], n[row]) > 1 - BESIDE]] = True
     return result
 
 

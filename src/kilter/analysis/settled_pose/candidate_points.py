@@ -57,7 +57,7 @@ class CandidatePoints:
         position = bodies.center[body] + np.einsum(
             "nij,nj->ni", turn, self.position - bodies.drawn_center[body]
         )
-        found = near_points(self.pieces, rotation, position, reach, self.ignored)
+        found = near_points(self.pieces, rotation, position, reach, self.ignored, body)
         points = NearPoints(
             found.part_a, found.part_b, found.point, found.normal, found.gap,
             np.zeros(len(found)), found.bears,

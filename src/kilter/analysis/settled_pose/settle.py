@@ -145,7 +145,7 @@ class Settled(Answer):
     """Contacts of `resting` at closed points; None without it."""
     closed_verdict: InPython[Verdict | None] = None
     """Verdict on forces at the closed points alone."""
-    drawn_verdict: InPython[Verdict]
+    drawn_verdict: InPython[Verdict | None]
     """Verdict of `kilter.check` on the drawn pose, decided at the level "equilibrium"."""
     settled_verdict: InPython[Verdict | None] = None
     """The verdict `after`."""
@@ -310,7 +310,10 @@ def _settle(
     reach = valid_reach(reach)
     kept = assembly.matching(keep)
     contacts = detect.touching(asked)
-    before = check_level(asked.but(require=ROUGHLY, contacts=contacts))
+    try:
+        before = check_level(asked.but(require=ROUGHLY, contacts=contacts))
+    except InputError:  # parts in the same place, which this answer moves apart
+        before = None
     bodies = rigid_bodies(assembly, kept)
     if nearest and not refusal(assembly):
         rest, reach = find_nearest_rest(bodies, contacts, reach=reach, tell=tell)
@@ -386,7 +389,7 @@ def _answer(
     resting: RestingParts | str,
     asked: Question,
     *,
-    drawn: tuple[Assembly, Verdict],
+    drawn: tuple[Assembly, Verdict | None],
     nearest: bool,
     reach: float | None,
 ) -> Settled:
@@ -394,7 +397,8 @@ def _answer(
     assembly, before = drawn
     fails = parts_without_rest(rest)
     more: dict[str, Any] = {}
-    warned, unproved = before, tuple[str, ...]()
+    warned: Verdict | None = before
+    unproved: tuple[str, ...] = ()
     if isinstance(resting, RestingParts):
         warned, why, unproved = resting.verdict, resting.why or rest.why, resting.unproved
         more = {
@@ -417,13 +421,13 @@ def _answer(
         rounds=rest.rounds,
         reach=reach,
         units=assembly.units,
-        before=before.verdict,
+        before=None if before is None else before.verdict,
         leaves=rest.leaves,
         parts=tuple(k for k in dict.fromkeys((*rest.parts, *unproved)) if k not in rest.leaves),
         depth=rest.depth,
         why="" if state == "at-rest" else why,
         require=asked.require,
-        warnings=tuple(dict.fromkeys(warned.notes)),
+        warnings=() if warned is None else tuple(dict.fromkeys(warned.notes)),
         seconds=time.perf_counter() - asked.begun,
         drawn=assembly,
         assembly=settled,
