@@ -43,13 +43,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kilter
-from kilter.rigid import Pose
 
 Array = NDArray[np.float64]
 DRIFT = 1e-4
 """Displacement above which an object reported at rest is listed [m]."""
 PATIENCE = 120.0
 """Time limit of kilter for a state [s]."""
+CHUNK = 5
+"""Number of states between two reports; an interruption loses at most so many."""
 ENGINE = Path(__file__).with_name("drift_of_states.py")
 
 
@@ -63,6 +64,8 @@ class Task:
     """Positions of the joints; shape (n, nq)."""
     objects: tuple[str, ...]
     """Bodies with a free joint."""
+    places: NDArray[np.int64]
+    """Index of the position of each object in a row."""
     results: Path
 
     def settled(self) -> dict[int, dict[str, Any]]:
@@ -84,9 +87,10 @@ def read_task(scene: Path, results: Path) -> Task:
         if rows.shape[1] != 1 + model.nq + model.nv + model.na:
             raise SystemExit(f"{scene.stem}: states of {rows.shape[1]} numbers do not fit")
         rows = rows[:, 1 : 1 + model.nq]
-    free = model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE]
-    names = tuple(model.body(body).name for body in free)
-    return Task(scene.stem, scene, rows, names, results)
+    free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
+    names = tuple(model.body(body).name for body in model.jnt_bodyid[free])
+    places = model.jnt_qposadr[free].astype(np.int64)
+    return Task(scene.stem, scene, rows, names, places, results)
 
 
 def _lines(path: Path) -> list[dict[str, Any]]:
@@ -115,61 +119,38 @@ def _key(state: Array) -> str:
 
 
 def settle(task: Task, rows: list[int]) -> Iterator[dict[str, Any]]:
-    """Bring states to rest by kilter, and yield a line of results for each."""
-    model = mujoco.MjModel.from_xml_path(str(task.scene))
-    data = mujoco.MjData(model)
-    for row in rows:
-        state = task.states[row]
-        data.qpos[:] = state
-        mujoco.mj_forward(model, data)
-        begun = time.process_time()
-        robots = _robots(model)
-        drawn = kilter.load((model, data), ground=robots)
-        read = time.process_time() - begun
-        report = kilter.scene(drawn, settle=True, time_limit=PATIENCE)
-        cpu = time.process_time() - begun
-        rest = state.copy()
-        found, moved = {}, {}
-        for name in task.objects:
-            found[name] = report[name].state
-            joint = model.body(name).jntadr[0]
-            at = model.jnt_qposadr[joint]
-            before, after = drawn.parts[drawn.index[name]].pose, report.assembly[name].pose
-            turn = after.matrix @ before.matrix.T
-            place = after.position + turn @ (state[at : at + 3] - before.position)
-            held = Pose(state[at : at + 3], state[at + 3 : at + 7])
-            rest[at : at + 3] = place
-            rest[at + 3 : at + 7] = Pose.of(turn @ held.matrix).rotation
-            moved[name] = float(np.linalg.norm(place - state[at : at + 3]))
-        yield {
-            "row": row,
-            "read": read,
-            "cpu": cpu,
-            "states": found,
-            "moved": moved,
-            "qpos": rest.tolist(),
-        }
+    """Bring states to rest, a few at a time, and yield a line of results for each."""
+    for first in range(0, len(rows), CHUNK):
+        some = rows[first : first + CHUNK]
+        clock: list[float] = []
+        answer = kilter.settle_states(
+            task.scene,
+            task.states[some],
+            time_limit=PATIENCE,
+            progress=lambda done, of, clock=clock: clock.append(time.process_time()),
+        )
+        for k, row in enumerate(some):
+            yield _line(task, row, answer.states[k], answer.qpos[k]) | {
+                "cpu": clock[k + 1] - clock[k]
+            }
 
 
-def _each(task: Task, rows: list[int]) -> Iterator[dict[str, Any]]:
-    """Results for each state; a state that kilter refuses has the sentence of the error."""
-    for row in rows:
-        try:
-            yield from settle(task, [row])
-        except kilter.InputError as error:
-            yield {
-                "row": row, "cpu": 0.0, "states": dict.fromkeys(task.objects, "refused"),
-                "moved": dict.fromkeys(task.objects, 0.0), "qpos": task.states[row].tolist(),
-                "why": str(error),
-            }  # fmt: skip
-
-
-def _robots(model: Any) -> list[str]:
-    """Bodies of the kinematic trees with motors."""
-    driven = model.jnt_bodyid[model.actuator_trnid[:, 0]]
-    roots = set(model.body_rootid[driven].tolist())
-    chosen = [k for k in range(1, model.nbody) if model.body_rootid[k] in roots]
-    return [model.body(k).name for k in chosen if model.body_geomnum[k]]
+def _line(task: Task, row: int, found: Any, rest: Array) -> dict[str, Any]:
+    """The results of kilter for a state."""
+    states = dict.fromkeys(task.objects, "at-rest" if found.rests else found.state)
+    states |= dict.fromkeys(set(found.parts) & set(states), "no pose")
+    states |= dict.fromkeys(set(found.leaves) & set(states), "leaves")
+    places = task.places[:, None] + np.arange(3)
+    far = np.linalg.norm(rest[places] - task.states[row][places], axis=1)
+    moved = dict(zip(task.objects, far.tolist(), strict=True))
+    return {
+        "row": row,
+        "states": states,
+        "level": found.level,
+        "why": found.why,
+        "moved": moved,
+        "qpos": rest.tolist(),
+    }
 
 
 # MuJoCo ----------------------------------------------------------------------------------------
@@ -269,13 +250,15 @@ def print_table(tasks: list[Task], versions: list[str]) -> int:
         + f"{'':50} {'median':>8} {'max':>7}"
         + f"{'  median      max' * 2}" * len(versions)
     )
-    total = Counts()
+    total, suites = Counts(), dict[str, Counts]()
     for task in tasks:
         counts = Counts()
-        counts.add(task, versions)
-        total.add(task, versions)
+        suite = suites.setdefault(task.name.rpartition("_")[0] or task.name, Counts())
+        for sums in (counts, suite, total):
+            sums.add(task, versions)
         print(counts.row(task.name, versions))
-    print(total.row("all", versions))
+    for name, sums in [*suites.items(), ("all", total)]:
+        print(sums.row(name, versions))
     for version in versions:
         stored, rest = (
             np.array(total.stored.get(version, [])),
@@ -322,7 +305,7 @@ def audit(task: Task, engines: dict[str, str], count: int | None, again: str | N
     done = task.settled()
     faulty = {row for row, line in done.items() if set(line["states"].values()) != {"at-rest"}}
     keep = {None: set(done), "open": set(done) - faulty, "all": set()}[again]
-    for line in _each(task, [row for row in rows if row not in keep]):
+    for line in settle(task, [row for row in rows if row not in keep]):
         _append(task.results / f"{task.name}.settled.jsonl", line)
         faults = [f"{name} {state}" for name, state in line["states"].items() if state != "at-rest"]
         print(

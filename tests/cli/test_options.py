@@ -169,7 +169,7 @@ WRONG = {
     "place a.kilter.json --floor --box 1x1 --mass 1": "--box is '1x1'; give --box 400x300x250",
     "place a.kilter.json --floor --box 1x1x1": "mass of the box is not given; give",
     "place a.kilter.json --floor --box 1x1x1 --mass 1 --at 0 nan": "give finite numbers",
-    "settle a.kilter.json --floor -o rest.txt": "give X.kilter.json, X.xml, X.glb, X.usda",
+    "settle a.kilter.json --floor -o rest.txt": "give X.kilter.json, X.xml, X.npy, X.glb",
     "hold a.kilter.json --candidates legs": "give grips, props, fingers or a file of supports",
     "plan a.kilter.json --floor --base plate": "use fixed or floating",
     "plan a.kilter.json --floor --before plate plate": "has a cycle: 'plate'; leave a pair out",
@@ -274,6 +274,7 @@ SAVED: dict[str, dict[str, Any]] = {
     "fasten_overlaps": {"fasten_overlaps": True},
     "contacts": {"contacts": "geometry"},
     "keyframe": {"keyframe": "home"},
+    "state": {"state": "S.npy:3"},
     "base": {"base": "floating"},
     "loose_robots": {"loose_robots": True},
     "stud_pull": {"studs": {"pull": 2}},
@@ -287,7 +288,9 @@ SAVED: dict[str, dict[str, Any]] = {
     "open": {"open_pairs": [{"parts": ["b", "c"], "as": "joined"}]},
 }
 """A saved value of each option."""
-ACTING = [name for name in SAVED if name not in ("ground", "keyframe", "base", "loose_robots")]
+ACTING = [
+    name for name in SAVED if name not in ("ground", "keyframe", "state", "base", "loose_robots")
+]
 """Options with an effect on kilter's own files, beside the held part."""
 
 

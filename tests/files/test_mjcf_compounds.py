@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kilter
+from kilter.files.own.kilter_json import from_dict
 from kilter.files.robots.mjcf import hull_notes
 
 mujoco = pytest.importorskip("mujoco")
@@ -109,3 +110,36 @@ def test_bodies_that_a_scene_excludes_stay_excluded():
     model = mujoco.MjModel.from_xml_string(read(text).to_mjcf())
     signs = {(s >> 16, s & 0xFFFF) for s in model.exclude_signature.tolist()}
     assert {tuple(sorted((model.body("cube").id, model.body("rod").id)))} == signs
+
+
+def test_a_kilter_file_keeps_the_shapes_of_a_compound(tmp_path):
+    text = BIN.format(mu=0.25, rank=1).replace(
+        "</body>", '<geom type="capsule" size=".02 .05" pos="0 0 .3"/></body>', 1
+    )
+    scene = read(text)
+    path = tmp_path / "bin.kilter.json"
+    kilter.dump(scene, path)
+    again = kilter.load(path)
+    mine, own = again["bin"].shape, scene["bin"].shape
+    assert mine == own
+    assert mine.members == own.members
+    assert mine.member_pieces == own.member_pieces
+    assert again.to_mjcf() == scene.to_mjcf()
+    kilter.dump(again, tmp_path / "again.kilter.json")
+    assert (tmp_path / "again.kilter.json").read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("member", "words"),
+    [
+        ({}, "has 0 shapes; give exactly one of box, cylinder, sphere and mesh"),
+        ({"box": [1, 1, 1], "sphere": {"radius": 1}}, "has 2 shapes; give exactly one of box"),
+        ({"prism": 1}, r"unknown key 'mesh.members\[0\].prism'"),
+    ],
+)
+def test_a_wrong_shape_of_a_compound_is_a_sentence(member, words):
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    mesh = {"vertices": corners, "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}
+    part = {"name": "a", "mesh": {**mesh, "members": [member]}}
+    with pytest.raises(kilter.InputError, match=words):
+        from_dict({"kilter": 1, "parts": [part]})

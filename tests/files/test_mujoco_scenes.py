@@ -5,6 +5,7 @@ import pytest
 pytest.importorskip("mujoco")
 
 import time
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -21,6 +22,12 @@ FREE_BOX = f"<freejoint/>{BOX}"
 FLOOR = '<geom name="floor" type="plane" size="0 0 1"/>'
 X, Y, Z = np.eye(3)
 U = np.array([1.0, 2.0, -0.5]) / np.linalg.norm([1.0, 2.0, -0.5])
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes its log into the working folder."""
+    monkeypatch.chdir(tmp_path)
 
 
 def model(world: str, rest: str = "") -> mujoco.MjModel:
@@ -243,6 +250,19 @@ def test_adhesion_and_switched_off_motors_hold_nothing():
         assert not kilter.load(made)[name].grounded
 
 
+def test_a_soft_object_is_left_out_and_counted():
+    cloth = (
+        '<flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" pos="0 0 1" dim="2" '
+        'radius=".01"><edge equality="true"/></flexcomp>'
+    )
+    assembly = kilter.load(model(FLOOR + body("b", FREE_BOX, "2 0 .1") + cloth))
+    assert set(assembly.names) == {"floor", "b"}
+    assert not assembly.joints
+    assert any("1 soft bodies" in note for note in assembly.notes)
+    with pytest.raises(InputError, match="the model has soft bodies only"):
+        kilter.load(model(cloth))
+
+
 def test_two_robots_are_one_note():
     many = "".join(ARM.replace('"', f'"r{k}', 0).replace('name="', f'name="{k}') for k in range(7))
     motors = "".join(f'<motor joint="{k}j"/>' for k in range(7))
@@ -327,26 +347,23 @@ L_SHAPE = np.array([[x, y, z] for x, y in ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2
                     for z in (0, 1)]) * 0.1  # fmt: skip
 
 
-def mesh_scene(collides: bool) -> mujoco.MjModel:
-    """An L of a mesh, whose hull is a pentagon, on the floor."""
-    rings = [[0, 2, 4, 6, 8, 10], [1, 3, 5, 7, 9, 11]]
-    faces = [
-        [rings[1][a], rings[1][b], rings[1][c]]
-        for a, b, c in ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5))
-    ]
-    faces += [
-        [rings[0][a], rings[0][c], rings[0][b]]
-        for a, b, c in ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5))
-    ]
+def l_asset() -> str:
+    """An L of a mesh, whose hull is a pentagon."""
+    fan = ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5))
+    faces = [[2 * k + 1 for k in three] for three in fan]
+    faces += [[2 * k for k in reversed(three)] for three in fan]
     for k in range(6):
         a, b = 2 * k, 2 * ((k + 1) % 6)
         faces += [[a, b, b + 1], [a, b + 1, a + 1]]
-    asset = (
+    return (
         f'<asset><mesh name="m" vertex="{" ".join(map(str, L_SHAPE.ravel()))}" '
         f'face="{" ".join(str(i) for face in faces for i in face)}"/></asset>'
     )
+
+
+def mesh_scene(collides: bool) -> mujoco.MjModel:
     bits = "" if collides else 'contype="0" conaffinity="0"'
-    return model(body("b", f'<freejoint/><geom type="mesh" mesh="m" {bits}/>', "0 0 .05"), asset)
+    return model(body("b", f'<freejoint/><geom type="mesh" mesh="m" {bits}/>'), l_asset())
 
 
 def test_a_mesh_that_collides_is_its_convex_hull_and_a_visible_one_keeps_its_shape():
@@ -356,6 +373,18 @@ def test_a_mesh_that_collides_is_its_convex_hull_and_a_visible_one_keeps_its_sha
     assert "meshes that collide as their convex hull: 1" in hulled.notes
     assert not any("hull" in note for note in visible.notes)
     assert hulled.geometry.mass[0] == pytest.approx(3.0, rel=1e-5)
+
+
+def test_a_box_in_the_corner_of_an_l_touches_its_hull_as_in_the_engine():
+    for at, touching in ((0.12, True), (0.2, False)):
+        world = body("l", '<geom type="mesh" mesh="m"/>')
+        world += body("b", '<freejoint/><geom type="box" size=".01 .01 .01"/>', f"{at} {at} .05")
+        made = model(world, l_asset())
+        data = mujoco.MjData(made)
+        mujoco.mj_forward(made, data)
+        found = kilter.contacts(made)
+        assert bool(data.ncon) is touching
+        assert bool(found.overlaps or len(found)) is touching
 
 
 def test_a_convex_mesh_keeps_its_triangles():

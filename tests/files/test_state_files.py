@@ -157,7 +157,15 @@ def test_every_command_reads_a_state(tmp_path, capsys):
     assert main(["save", str(scene), "--state", f"{states}:1", "-o", f"{tmp_path}/c.json"]) == 0
     assert '"state": "S.npy:1"' in (tmp_path / "c.json").read_text()
     assert kilter.load(tmp_path / "c.json")["a"].pose == second["a"].pose
+    # a given keyframe replaces a saved state
+    scene.write_text(SCENE.replace("</mujoco>", f"<keyframe>{KEY}</keyframe></mujoco>"))
+    keyed = kilter.load(tmp_path / "c.json", keyframe="k")
+    assert keyed["a"].pose.position.tolist() == [0, 0, 2]
+    assert any('keyframe "k" replaces state' in note for note in keyed.notes)
     capsys.readouterr()
+
+
+KEY = '<key name="k" qpos="0 0 2 1 0 0 0 0"/>'
 
 
 @pytest.mark.parametrize(

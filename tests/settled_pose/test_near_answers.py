@@ -9,6 +9,7 @@ from play_scenes import EXACT, KnownRest, ball_in_groove, sunk_stack
 
 import kilter
 from kilter import Assembly, Box, Cylinder, FrictionPair, Part, Pose
+from kilter.files.robots.one_body import one_body
 from kilter.rigid import rotation_between
 from kilter.scenes.pieces import block, floor, moved, turn
 
@@ -66,6 +67,17 @@ def test_a_can_rests_on_its_flat_end_however_it_is_turned(yaw: float):
     answer = kilter.settle(Assembly([TABLE, can], friction=0.5), require="equilibrium")
     assert answer.state == "at-rest"
     assert answer.movement[1] == pytest.approx([0, 0, -0.1, 0, 0, 0], abs=1e-9)
+
+
+def test_a_compound_rests_on_the_exact_rim_of_a_member():
+    """A saucer of a simulator: a disc with two boxes; its triangles form a polygon."""
+    members = [(Cylinder(0.04, 0.006), Pose([0, 0, 0.003])),
+               *((Box(0.004, 0.02, 0.03), Pose([x, 0, 0.018])) for x in (-0.03, 0.03))]  # fmt: skip
+    shape, _ = one_body(members, "saucer", [])
+    cup = Part("saucer", shape, Pose([0, 0, -1e-5], turn([0, 0, 1], 17)))
+    answer = kilter.settle(Assembly([TABLE, cup], friction=0.5), require="equilibrium")
+    assert answer.state == "at-rest"
+    assert answer.movement[1] == pytest.approx([0, 0, 1e-5, 0, 0, 0], abs=1e-9)
 
 
 @pytest.mark.parametrize("over", [0.49, 0.51])

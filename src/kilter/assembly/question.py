@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
 from time import perf_counter
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,9 +85,17 @@ def require_plain_joints(assembly: Assembly, what: str) -> None:
             )
 
 
-AssemblyOrPath = Assembly | str | os.PathLike[str]
-"""The first argument of a verb: an assembly, or the path of a file that `kilter.load` reads. A
-model of MuJoCo is also accepted, alone or as the pair (model, data)."""
+class SceneModel(Protocol):
+    """A model of MuJoCo: a whole scene in its default pose."""
+
+    @property
+    def nbody(self) -> Any:
+        """Number of bodies."""
+
+
+AssemblyOrPath = Assembly | str | os.PathLike[str] | SceneModel | tuple[SceneModel, Any]
+"""First argument of a verb: an assembly, the path of a file that `kilter.load` reads, or a model
+of MuJoCo, alone or as the pair (model, data)."""
 SIMULATORS = ("mujoco",)
 """Packages whose models are read without `kilter.load`: a model is a whole scene with its pose."""
 

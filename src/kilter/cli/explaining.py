@@ -55,6 +55,11 @@ class WhyOptions:
         STATE,
         default=0.0,
     )
+    loose_robots: bool = option(
+        "--loose-robots",
+        "Let robots move, with the forces of their motors as loads; they are held by default.",
+        STATE,
+    )
     effort: float = option(
         "--effort N",
         "Limit of the work for finding a motion or proving that none exists, as of 'kilter check'.",
@@ -94,7 +99,8 @@ def why(options: WhyOptions) -> int:
     Exit code: 0 it holds at the level of --require, 3 it holds only at a lower level, 1 a body
     falls, is pushed out or floats, 4 undecided.
     """
-    from kilter.analysis.engine_contacts.judged import judge_state
+    from kilter.analysis.engine_contacts.engine_bodies import EngineBodies
+    from kilter.analysis.engine_contacts.judged import judge_bodies
     from kilter.assembly.question import Question
     from kilter.files.format_options import FormatOptions
     from kilter.files.objects.state_files import state_row
@@ -117,7 +123,8 @@ def why(options: WhyOptions) -> int:
         choices = FormatOptions(keyframe=options.keyframe, states=states)
         state = read_engine_state(Path(options.file), choices, (options.steps, options.creep))
         progress("verdict")
-        judged = judge_state(state, asked, options.creep)
+        bodies = EngineBodies(state, options.loose_robots)
+        judged = judge_bodies(bodies, asked, options.creep)
         data = judged.to_dict()
     after = _write_files(options, judged)
     tell_warnings(data["warnings"], options.quiet or options.json)

@@ -75,7 +75,11 @@ class Excluded:
 
     def faces(self, a: Cores, b: Cores) -> tuple[Mask, Mask]:
         """Excluded faces of each core, shapes (K, Fa), (K, Fb)."""
-        return self.inner[0] | self.near(a.normal), self.inner[1] | self.near(-b.normal)
+        # fewer pairs have shorter padded rows
+        of_a, of_b = (
+            inner[:, : core.normal.shape[1]] for inner, core in zip(self.inner, (a, b), strict=True)
+        )
+        return of_a | self.near(a.normal), of_b | self.near(-b.normal)
 
 
 def pair_normals(

@@ -84,19 +84,48 @@ def near_points(
     scene = placed(pieces, rotation, position)
     pair = piece_pairs(scene, reach, ignore, body)
     tried = np.empty((len(pair[0]), 0, 3))
-    kept = []
-    for _ in range(TRIES):
+    kept, hidden = [], PiecePoints.none()
+    for turn in range(TRIES):
         points, row = _points_in_groups(scene, pair, tried, reach)
         shown = _shown_points(scene, points, row)
+        if turn:
+            shown &= _meets_surfaces(scene, points)
+        else:
+            hidden = points.take(~shown)
         kept.append(points.take(shown))
-        again = _hidden_pairs(pieces, pair, points, row, shown)
+        again = _hidden_pairs(pieces, pair, (points, row, shown), PiecePoints.join(kept))
         if not len(again):
             break
         normal = np.zeros((len(pair[0]), 3))
         normal[row] = points.normal
         pair = pair[0][again], pair[1][again]
         tried = np.concatenate([tried[again], normal[again, None]], axis=1)
-    return distinct_points(PiecePoints.join(kept), pieces)
+    found = PiecePoints.join(kept)
+    return distinct_points(PiecePoints.join([found, _lost(pieces, hidden, found)]), pieces)
+
+
+def _lost(pieces: ConvexPieces, hidden: PiecePoints, found: PiecePoints) -> PiecePoints:
+    """The deepest hidden overlap of each two parts without an overlap among the points found.
+
+    Its direction does not leave the compound, but an overlap is never left out.
+    """
+    hidden = hidden.take(hidden.gap < -SUNK * pieces.size[hidden.piece_a])
+    if not len(hidden):
+        return hidden
+    count = len(pieces.whole)
+    overlaps = found.take(found.gap < 0)
+    known = np.isin(
+        hidden.part_a * count + hidden.part_b, overlaps.part_a * count + overlaps.part_b
+    )
+    hidden = hidden.take(~known)
+    order = np.argsort(hidden.gap, kind="stable")
+    _, first, of = np.unique(
+        (hidden.part_a * count + hidden.part_b)[order], return_index=True, return_inverse=True
+    )
+    deepest = order[first][of]
+    same = hidden.piece_a[order] == hidden.piece_a[deepest]
+    same &= hidden.piece_b[order] == hidden.piece_b[deepest]
+    return hidden.take(order[same])
 
 
 def _shown_points(scene: Placed, points: PiecePoints, row: Index) -> Mask:
@@ -115,20 +144,41 @@ def _shown_points(scene: Placed, points: PiecePoints, row: Index) -> Mask:
     return shown & sound[row]
 
 
+def _meets_surfaces(scene: Placed, points: PiecePoints) -> Mask:
+    """Whether both ends of the gap belong to the pieces.
+
+    Along a direction that is not the least overlap, the support features of both pieces may lie
+    beside each other: the pieces do not meet there.
+    """
+    shown = np.ones(len(points), dtype=bool)
+    for piece, sign in ((points.piece_a, -0.5), (points.piece_b, 0.5)):
+        on = points.point + (sign * points.gap)[:, None] * points.normal
+        slack = SUNK * scene.pieces.size[piece] + ROUND * scene.pieces.disc[piece]
+        shown &= depth_in(scene, piece, on) >= -slack
+    return shown
+
+
 def _hidden_pairs(
-    pieces: ConvexPieces, pair: tuple[Index, Index], points: PiecePoints, row: Index, shown: Mask
+    pieces: ConvexPieces,
+    pair: tuple[Index, Index],
+    last: tuple[PiecePoints, Index, Mask],
+    found: PiecePoints,
 ) -> Index:
-    """Overlaps whose points are all hidden and that are deeper than others of both parts."""
-    depth, open_ = np.zeros(len(pair[0])), np.zeros(len(pair[0]))
+    """Overlaps whose points are all hidden and that are deeper than others of both parts.
+
+    Arguments: `last`: points of the pairs, their pairs, and whether they are shown; `found`: points
+    that are shown.
+    """
+    points, row, shown = last
+    depth, seen = np.zeros(len(pair[0])), np.zeros(len(pair[0]), dtype=bool)
     np.maximum.at(depth, row, -points.gap)
-    np.maximum.at(open_, row[shown], -points.gap[shown])
-    seen = np.zeros(len(depth), dtype=bool)
     seen[row[shown]] = True
-    code = pieces.part[pair[0]] * len(pieces.whole) + pieces.part[pair[1]]
-    parts, of = np.unique(code, return_inverse=True)
+    count = len(pieces.whole)
+    code = pieces.part[pair[0]] * count + pieces.part[pair[1]]
+    parts, of = np.unique(np.append(code, found.part_a * count + found.part_b), return_inverse=True)
     deepest = np.zeros(len(parts))
-    np.maximum.at(deepest, of, open_)
-    return np.flatnonzero(~seen & (depth > deepest[of]))
+    np.maximum.at(deepest, of[len(code) :], -found.gap)
+    return np.flatnonzero(~seen & (depth > deepest[of[: len(code)]]))
 
 
 def _points_in_groups(

@@ -54,6 +54,8 @@ __all__ = ["LOWEST", "Chosen", "Reading", "chosen"]
 
 SOURCES = ("file", "geometry")
 """Values of the option `contacts`: the sources of the contacts."""
+POSES = {"keyframe": "state", "state": "keyframe"}
+"""Options that name the pose of a MuJoCo scene; a given one replaces the other one."""
 NAMED = ("ground", "without", "fasten", "bond")
 """Options that name parts."""
 _OR = " or "
@@ -241,6 +243,7 @@ class Reading(ReadingOptions):
         for key, old in {**saved, **entries}.items():
             new = direction if key in ("up", "gravity") and direction else key
             new = "bond" if key == "bonds" else new
+            new = POSES.get(key, new) if POSES.get(key) in given else new
             if new not in given:
                 kept[key] = old
             elif new != key or given[new] != lists(old):

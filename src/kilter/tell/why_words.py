@@ -57,7 +57,8 @@ def why_sentence(answer: Answer) -> str:
     entry = mine[0]
     if len(mine) == 1 and entry["height"] is not None:
         return f"Floats: {names} is {_metres(entry['height'])} from {plain(entry['other'])}."
-    return f"{'Floats' if len(mine) == 1 else 'Float'}: nothing below {names} is in contact."
+    verbs = ("Floats", "is") if len(mine) == 1 else ("Float", "are")
+    return f"{verbs[0]}: {names} {verbs[1]} in contact with nothing that is held."
 
 
 def _holding_sentence(answer: Answer) -> str:

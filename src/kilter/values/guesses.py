@@ -101,6 +101,7 @@ RIGHT: dict[str, dict[str, str]] = {
         "stable holds": "report.at_rest",
         "verdict": 'report["name"].state, or report.verdicts',
     },
+    "Judged": {"stable at_rest": "answer.holds"},
     "Order": {"order sequence": "[step.part for step in answer.steps]", "stable": "answer.found"},
     "Margin": {"angle tilt_angle": "answer.tilt_deg", "factor": "answer.load_factor"},
     "Transport": {"stable holds": "answer.carried"},

@@ -62,6 +62,8 @@ class EngineBodies:
     """Bodies of a state, as parts of an assembly of given contacts."""
 
     state: EngineState
+    loose_robots: bool = False
+    """Whether robots move, with the forces of all their motors as loads."""
     notes: list[str] = field(default_factory=list)
     """Features that are left out."""
 
@@ -106,6 +108,8 @@ class EngineBodies:
     @cached_property
     def robots(self) -> set[int]:
         """First bodies of the trees with driven joints."""
+        if self.loose_robots:
+            return set()
         driven = filter(self._driven, range(len(self.state.jnt_type)))
         return {self.tree[int(self.state.jnt_bodyid[joint])] for joint in driven}
 
@@ -308,7 +312,8 @@ class EngineBodies:
 
     def _locked(self, joint: int) -> bool:
         """Whether a joint is driven, in a tree on a free joint."""
-        return self._driven(joint) and self._floats_free(int(self.state.jnt_bodyid[joint]))
+        body = int(self.state.jnt_bodyid[joint])
+        return self._driven(joint) and self._floats_free(body) and not self.loose_robots
 
     def _link(self, name: str, body: int) -> Part:
         """A part of almost no mass at the anchor of a body's joints."""

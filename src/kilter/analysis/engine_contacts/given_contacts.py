@@ -14,21 +14,28 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.check import check
+from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.verdict.remarks import loose_parts, remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index, Mask, read_only
 from kilter.assembly import Assembly, Feature, Part
 from kilter.assembly.interactions import GivenContact, Load
 from kilter.assembly.question import Question, question
+from kilter.contact.detect import contacts
 from kilter.errors import InputError
 from kilter.shape.primitives import Box, Shape, Sphere
+from kilter.tell.levels import VerdictWord
 from kilter.validate import finite, number
 
 WORLD = "world"
 """Name of the held part that stands for all bodies with the index -1."""
 STANDARD = 9.80665
 """Acceleration that relates the assumed masses of bodies to their wrenches [m/s^2]."""
+ONLY_FORCES = (
+    "Potentially stable: forces that hold it exist. Small pushes and other motions were not "
+    "examined at the level equilibrium."
+)
+"""Sentence of a verdict at the level equilibrium."""
 NO_SIZE = 1e-9
 """Bodies smaller than this share of the largest one have no size of their own [-]."""
 
@@ -72,6 +79,9 @@ def check_contacts(
         Force [N] and torque about the centre of mass [N m] on each body, in addition to the weight.
     gravity : array_like, shape (3,)
         Acceleration of gravity [m/s^2].
+    require : {"equilibrium", "settles", "proved", "strict"}
+        Level from which the answer is yes. "equilibrium" is the quickest: it decides only whether
+        forces at the contacts balance every body, in about 10 ms for 20 bodies.
     curved : array_like of bool, shape (B,), optional
         Whether the surface of each body may be curved at its contacts. By default none is: every
         body touches with corners, edges and flat faces. For a curved body the level is at most
@@ -106,19 +116,19 @@ def check_contacts(
     stable
     unstable
     """
-    contacts = ContactArrays.of(points, normals, mu, bodies)
+    given = ContactArrays.of(points, normals, mu, bodies)
     center = _array(center_of_mass, (None, 3), "center_of_mass")
     count = len(center)
     if not count:
         raise InputError("there are no bodies", hint="give at least one centre of mass")
-    contacts.require_bodies(count)
+    given.require_bodies(count)
     down = finite(gravity, (3,), "gravity")
     loads = np.zeros((count, 6))
     if wrenches is not None:
         loads = _array(wrenches, (count, 6), "wrenches")
     elif mass is None:
         raise InputError("there are neither masses nor wrenches", hint="give mass, or wrenches")
-    sizes = contacts.sizes(center)
+    sizes = given.sizes(center)
     if mass is None:  # weights that the wrenches replace, so that all loads are the wrenches
         down = np.array([0.0, 0.0, -STANDARD])
         force = np.linalg.norm(loads[:, :3], axis=1)
@@ -141,19 +151,29 @@ def check_contacts(
             zip(sizes, round_bodies.tolist(), center, masses.tolist(), strict=True)
         )
     ]
-    given = [
+    pushes = [
         Load(str(k), force=loads[k, :3], torque=loads[k, 3:])
         for k in np.flatnonzero(loads.any(axis=1)).tolist()
     ]
-    assembly = contacts.with_world(count).assembly(parts, [WORLD], gravity=down, loads=given)
+    assembly = given.with_world(count).assembly(parts, [WORLD], gravity=down, loads=pushes)
     return verdict_on(assembly, asked)
 
 
 def verdict_on(assembly: Assembly, asked: Question) -> Verdict:
-    """The verdict on bodies with stand-in shapes, without warnings about these shapes."""
-    verdict = check(
-        assembly, require=asked.require, effort=asked.effort, time_limit=asked.seconds_left
-    )
+    """The verdict on bodies with stand-in shapes, without warnings about these shapes.
+
+    At the level equilibrium, only forces are sought: small pushes and other motions, which take ten
+    times longer, are not examined, and the verdict does not claim more.
+    """
+    if asked.require == "equilibrium":
+        verdict = check_equilibrium(assembly, contacts(assembly))
+        verdict = replace(verdict, require=asked.require)
+        if verdict.level not in (None, asked.require):
+            verdict = replace(verdict, verdict=VerdictWord.POTENTIALLY_STABLE, sentence=ONLY_FORCES)
+    else:
+        verdict = check(
+            assembly, require=asked.require, effort=asked.effort, time_limit=asked.seconds_left
+        )
     shapes = {*remarks(assembly, verdict.contact_set), *loose_parts(assembly, verdict.contact_set)}
     return replace(verdict, notes=tuple(note for note in verdict.notes if note not in shapes))
 

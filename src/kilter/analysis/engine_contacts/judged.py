@@ -17,7 +17,7 @@ from kilter.arrays import Array, Mask, connected
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question, question
 from kilter.errors import InputError
-from kilter.files.objects.mujoco_state import EngineState, take_state
+from kilter.files.objects.mujoco_state import take_state
 from kilter.mechanics.program import build_program
 from kilter.tell.levels import REQUIRE, VerdictWord, holds
 from kilter.tell.record import (
@@ -164,7 +164,9 @@ class Judged(Answer):
 
 
 @question(lacks="friction down ground floor contacts tolerance progress")
-def judge(model: Any, data: Any, *, asked: Question, creep: float = 0.0) -> Judged:
+def judge(
+    model: Any, data: Any, *, asked: Question, creep: float = 0.0, loose_robots: bool = False
+) -> Judged:
     """Decide whether the contacts of MuJoCo hold its bodies in the given state, and why not.
 
     The contacts are those of the engine's own collision detection at the positions of `data`.
@@ -178,10 +180,13 @@ def judge(model: Any, data: Any, *, asked: Question, creep: float = 0.0) -> Judg
     data : mujoco.MjData
         The state; no call of ``mj_forward`` is needed.
     require : {"equilibrium", "settles", "proved", "strict"}
-        Level from which `Judged.holds` is true.
+        Level from which `Judged.holds` is true. "equilibrium" is the quickest: it decides only
+        whether forces at the contacts balance every body.
     creep : float
         Time for which the engine simulates the state from rest with several settings of its
         solver [s]; 0: no simulation. `Judged.creep` compares how far the bodies move.
+    loose_robots : bool
+        Whether robots move, with the forces of their motors as loads.
 
     Returns
     -------
@@ -206,16 +211,16 @@ def judge(model: Any, data: Any, *, asked: Question, creep: float = 0.0) -> Judg
     if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData):
         kinds = f"{type(model).__name__} and {type(data).__name__}"
         raise InputError(f"judge got {kinds}", hint="give an MjModel and its MjData")
-    return judge_state(take_state(mujoco, model, data, seconds), asked, seconds)
+    state = take_state(mujoco, model, data, seconds)
+    return judge_bodies(EngineBodies(state, loose_robots), asked, seconds)
 
 
-def judge_state(state: EngineState, asked: Question, simulated: float = 0.0) -> Judged:
-    """Judge a state of an engine.
+def judge_bodies(bodies: EngineBodies, asked: Question, simulated: float = 0.0) -> Judged:
+    """Judge the bodies of a state of an engine.
 
     Arguments: `simulated`: time of each simulation in the state [s].
     """
     started = time.perf_counter()
-    bodies = EngineBodies(state)
     assembly = bodies.assembly()
     verdict, factor = None, np.inf
     rows: tuple[JudgedObject, ...] = ()
@@ -241,7 +246,7 @@ def judge_state(state: EngineState, asked: Question, simulated: float = 0.0) -> 
         ),
         seconds_simulated=simulated,
         creep=_creep(bodies),
-        gravity=state.gravity,
+        gravity=bodies.state.gravity,
         warnings=(*bodies.notes, *(verdict.notes if verdict is not None else ())),
         seconds=time.perf_counter() - started,
         verdict=verdict,

@@ -61,6 +61,8 @@ class StateRow(Record):
     """Number of free objects at rest."""
     leaves: tuple[str, ...]
     """Objects that leave the scene."""
+    parts: tuple[str, ...]
+    """Other objects without a pose at rest."""
     moved: float
     """Largest way of the centre of mass of an object that stays in the scene [length unit]."""
     farthest: str | None
@@ -328,7 +330,8 @@ class _StatesRun:
             qpos = entry.pop("qpos")
             if qpos is not None:
                 new[k, positions], new[k, velocities] = qpos, 0.0
-            entries.append(StateRow(**{**entry, "leaves": tuple(entry["leaves"])}))
+            lost = {name: tuple(entry.pop(name)) for name in ("leaves", "parts")}
+            entries.append(StateRow(**{**entry, **lost}))
         counts = Counter(entry.state for entry in entries)
         return SettledStates(
             states=tuple(entries),

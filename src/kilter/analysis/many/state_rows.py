@@ -74,8 +74,9 @@ def _settled_row(index: int, places: dict[str, Array], question: StateQuestion) 
 def failed_row(index: int, why: str, *, state: str = "error") -> dict[str, Any]:
     """The row of a state for which no pose at rest is known."""
     return {
-        "index": index, "state": state, "level": None, "free": 0, "rests": 0, "leaves": [],
-        "moved": 0.0, "farthest": None, "why": why, "seconds": 0.0, "qpos": None,
+        "index": index, "state": state, "level": None, "free": 0, "rests": 0,
+        "leaves": [], "parts": [], "moved": 0.0,
+        "farthest": None, "why": why, "seconds": 0.0, "qpos": None,
     }  # fmt: skip
 
 
@@ -94,6 +95,7 @@ def _row(answer: Settled, scene: StateScene) -> dict[str, Any]:
         "level": answer.level,
         "rests": answer.rests,
         "leaves": list(answer.leaves),
+        "parts": list(answer.parts),
         "moved": float(way.max(initial=0.0)),
         "farthest": None if farthest is None else answer.drawn.names[farthest],
         "why": answer.why or None,

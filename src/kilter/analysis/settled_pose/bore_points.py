@@ -10,8 +10,8 @@ direction n across the axis of the other surface, the point of the circle toward
 
 where c', C' are the middles of the circles, m is n without its component along the own axis, as a
 unit vector, and | |_across the distance from the axis. The gap is exact for every pose. The
-directions are the direction in which both come nearest, the direction of gravity, and others with
-equal angles between them, so that the body stops at the wall in whatever direction it moves.
+directions are the direction in which both come nearest, the direction of gravity, and others at
+both sides of them, so that the body stops at the wall in whatever direction it moves.
 """
 
 from __future__ import annotations
@@ -27,8 +27,11 @@ from kilter.assembly.surfaces import CYLINDER, Surfaces
 from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.shape.covering import covered
 
-AROUND = 8
-"""Number of directions around the axis, beside the nearest one."""
+BESIDE_NEAREST = (0.0, 0.2, 2.0)
+BESIDE_DOWN = (0.0, 0.2, 2.0, 10.0, 25.0, 45.0, 90.0, 135.0, 180.0)
+"""Angles of the directions to the nearest direction and to that of gravity, on both sides [deg]. A
+body that slides along the wall stays inside of the polygon of the walls across these directions;
+small angles keep it near to the wall itself."""
 LENGTHS = 4.0
 """Distance over which triangles may lie off the surface that they cover, in sagittas [-]."""
 INSIDE = 1e-3
@@ -135,19 +138,26 @@ def _directions(s: Surfaces, other: Index, middle: Array, down: Array, sense: fl
     """Directions across the axes of surfaces: to the nearest wall, and around.
 
     The nearest wall lies away from the axis (`sense` 1) or towards it (-1), seen from the middles.
-    Shape (n, AROUND + 1, 3).
+    Shape (n, m, 3).
     """
     axis = s.axis[other]
     u = down - (axis @ down)[:, None] * axis
     flat = lengths(u) < FACING
     u[flat] = across(axis[flat])[0]
     u = unit_rows(u)
-    v = np.cross(axis, u)
-    angle = np.arange(AROUND) * (2 * np.pi / AROUND)
-    around = np.cos(angle)[:, None] * u[:, None] + np.sin(angle)[:, None] * v[:, None]
     nearest = sense * s.polar(other, middle)[2]
     nearest = np.where(lengths(nearest)[:, None] > 0.5, nearest, u)
-    return np.concatenate([nearest[:, None], around], axis=1)
+    fans = [_fan(nearest, axis, BESIDE_NEAREST), _fan(u, axis, BESIDE_DOWN)]
+    return np.concatenate(fans, axis=1)
+
+
+def _fan(first: Array, axis: Array, degrees: tuple[float, ...]) -> Array:
+    """Unit vectors at angles to the first direction on both sides, about an axis, (n, m, 3)."""
+    both = sorted({sign * angle for angle in degrees for sign in (-1.0, 1.0)} - {-180.0})
+    angle = np.radians(both)[:, None]
+    aside = np.cross(axis, first)
+    fan: Array = np.cos(angle) * first[:, None] + np.sin(angle) * aside[:, None]
+    return fan
 
 
 def _on_face(geometry: Geometry, rows: Index, points: Array, normals: Array) -> Mask:

@@ -34,14 +34,14 @@ Found = tuple[Index, Array, Array, Array]
 NONE: Found = (np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)))
 
 
-def feature_points(search: ContactSearch, reach: float) -> tuple[Index, Array, Array, Array]:
+def feature_points(search: ContactSearch, reach: float) -> tuple[Index, Array, Array, Array, Array]:
     """Points of corners, edges and rims within a reach [length unit], for all pairs of a search.
 
-    Returns the row of the pair, shape (n,), the point and the normal from part a to part b, shape
-    (n, 3), and the gap, shape (n,).
+    Returns the row of the pair, shape (n,), the point, the middle of its gap and the normal from
+    part a to part b, shape (n, 3), and the gap, shape (n,).
     """
     if not len(search.pairs):
-        return NONE[0], NONE[1], NONE[2], np.empty(0)
+        return *NONE, np.empty(0)
     edges = find_edges(search.geometry, search.facets, np.unique(search.pairs))
     near = [_near_edges(search, edges, side, reach) for side in (0, 1)]
     blocks = [_edge_points(search, edges, near, reach)]
@@ -50,7 +50,7 @@ def feature_points(search: ContactSearch, reach: float) -> tuple[Index, Array, A
         point = search.geometry.vertices[vertex]
         row, facet = _over_facets(search, owner, point, side, reach)
         normal = search.facets.normal[facet]
-        opens = _opens(search.geometry, edges, vertex[row], normal)
+        opens = _opens(search, edges, vertex[row], normal)
         blocks.append(_over_face(search, owner, point, row[opens], facet[opens], side, reach))
         blocks.append(_rim_points(search, side, reach))
     pair, on_a, on_b, normal = (np.concatenate([block[k] for block in blocks]) for k in range(4))
@@ -59,7 +59,7 @@ def feature_points(search: ContactSearch, reach: float) -> tuple[Index, Array, A
     point = on_a + share[:, None] * (on_b - on_a)
     seen = are_clear(search, pair, on_a, on_b)
     gap = np.einsum("ij,ij->i", on_b - on_a, normal)
-    return pair[seen], point[seen], normal[seen], gap[seen]
+    return pair[seen], point[seen], (on_a + on_b)[seen] / 2, normal[seen], gap[seen]
 
 
 def _box(search: ContactSearch, reach: float) -> tuple[Array, Array]:
@@ -141,14 +141,29 @@ def _in_triangle(points: Array, triangle: Array, normal: Array, slack: Array) ->
     return inside
 
 
-def _opens(geometry: Geometry, edges: Edges, vertex: Index, normal: Array) -> Mask:
-    """Mask of vertices whose edges rise along a normal, or fall by the angle of opposed faces."""
+def _opens(search: ContactSearch, edges: Edges, vertex: Index, normal: Array) -> Mask:
+    """Mask of vertices whose edges rise along a normal, or fall by the angle of opposed faces.
+
+    A vertex with an edge that bends inwards has material beside that edge, and does not count. If
+    an edge goes on straight beyond the vertex, its faces must rise as well.
+    """
+    facets, vertices = search.facets, search.geometry.vertices
     owner, ray = ragged(edges.ray_start, vertex)
-    ends = edges.ends_of[edges.ray_edge[ray]]
+    used = edges.ray_edge[ray]
+    ends = edges.ends_of[used]
     other = np.where(ends[:, 0] == vertex[owner], ends[:, 1], ends[:, 0])
-    along = unit_rows(geometry.vertices[other] - geometry.vertices[vertex[owner]])
+    along = unit_rows(vertices[other] - vertices[vertex[owner]])
     rise = np.full(len(vertex), np.inf)
     np.minimum.at(rise, owner, np.einsum("ij,ij->i", along, normal[owner]))
+    rise[owner[edges.reflex(facets, search.geometry, used, np.sin(FACING))]] = -np.inf
+    first = np.searchsorted(owner, np.arange(len(vertex) + 1))
+    row, mate = ragged(first, owner)
+    straight = np.einsum("ij,ij->i", along[row], along[mate]) < LEVEL - 1
+    row = np.unique(row[straight])
+    for side, sense in ((0, 1.0), (1, -1.0)):
+        facet = edges.facet[used[row], side]
+        into = sense * cross(facets.normal[facet], edges.direction(search.geometry, used[row]))
+        np.minimum.at(rise, owner[row], np.einsum("ij,ij->i", into, normal[owner[row]]))
     opens: Mask = rise >= -np.sin(FACING)
     return opens
 
@@ -180,10 +195,11 @@ def _edge_points(
         pair, i, j, n = pair[skew], i[skew], j[skew], across[skew] / sine[skew, None]
         ends = *edges.ends(geometry, i), *edges.ends(geometry, j)
         apart, on_a, on_b = segment_distance(*ends)
-        # the nearest points of the lines lie inside of both segments if their distance is along n
-        gap = np.einsum("ij,ij->i", on_b - on_a, n)
+        # at an end of an edge its other edges count, too: that is a corner
         size = np.minimum(lengths(ends[1] - ends[0]), lengths(ends[3] - ends[2]))
-        inner = lengths(on_b - on_a - gap[:, None] * n) <= COINCIDES * size
+        inner = lengths(np.cross(on_b - on_a, n)) <= COINCIDES * size
+        for on, end in zip((on_a, on_a, on_b, on_b), ends, strict=True):
+            inner &= lengths(on - end) > COINCIDES * size
         k = np.flatnonzero(inner & (apart <= reach))
         for sign in (1.0, -1.0):
             away = sign * n[k]

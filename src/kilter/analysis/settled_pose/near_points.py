@@ -65,9 +65,11 @@ from kilter.contact.common.polygons import (
 from kilter.contact.contact_tolerances import CLUSTER, SAME_PLACE
 from kilter.contact.convex_pieces import convex_pieces
 from kilter.contact.convex_points import near_points
+from kilter.contact.curved.curved_contacts import find_curved
+from kilter.contact.flat_contacts import find_flat
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.overlap import inside_part
-from kilter.contact.pair_findings import find_families
+from kilter.contact.sharp.sharp_contacts import find_sharp
 from kilter.contact.smooth.smooth_joints import find_smooth
 
 BETWEEN = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
@@ -75,6 +77,8 @@ BETWEEN = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
 TWICE = 1e-7
 """Distance within which a corner or edge is a known point, over the size of the smallest part
 [-]."""
+SHARP = 0.01
+"""Largest gap of edges and corners on curved faces, over the size of the smaller part [-]."""
 SAME_WAY = 0.3
 """Largest angle between the normals of penetrating points that one motion opens [rad]."""
 OBLIQUE = 0.6
@@ -159,7 +163,7 @@ def both_of(of_part: Mask, pairs: Index) -> Mask:
     return both
 
 
-def _restricted(search: ContactSearch, rows: Mask, reach: float) -> ContactSearch:
+def _restricted(search: ContactSearch, rows: Mask, reach: float | Array) -> ContactSearch:
     """The search for only some pairs, with the reach as the largest gap of a contact."""
     limits = search.limits.take(np.flatnonzero(rows))
     wide = np.full(len(limits), reach)
@@ -398,9 +402,11 @@ def _corner_at(search: ContactSearch, facet: Index, at: Array) -> tuple[Index, M
 def _general_points(search: ContactSearch, reach: float, down: Array) -> list[NearPoints]:
     """Points of pairs of parts of any shape: flat faces, curved faces, edges and corners."""
     geometry = search.geometry
-    pair, point, normal, gap = feature_points(search, reach)
+    pair, point, middle, normal, gap = feature_points(search, reach)
     a, b = search.pairs[pair].T
-    features = _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))
+    features = _points((a, b, middle, normal, gap, np.ones(len(a), dtype=bool)))
+    sound = _truly_inside(geometry, features)
+    features = replace(features, point=point).take(sound)
     curved = np.diff(geometry.surfaces.start) > 0
     a, b = search.pairs.T
     with_curves = curved[a] | curved[b]
@@ -421,8 +427,9 @@ def _general_points(search: ContactSearch, reach: float, down: Array) -> list[Ne
 def _curved_points(search: ContactSearch, reach: float, down: Array) -> list[NearPoints]:
     """Points of pairs of parts with curved faces."""
     geometry = search.geometry
-    found = find_families(search)
-    blocks = [_flat_points(search, reach, found)[0], _patches_of(search, found.smooth.patches)]
+    found = _families(search, reach)
+    flat = _flat_points(search, reach, found)[0]
+    blocks = [_patches_of(search, found.smooth.patches)]
     shafts = shafts_in_holes(geometry, search.pairs)
     curved = _without(found.curved, shafts)
     surface = np.repeat(curved.surface, np.diff(curved.patches.start), axis=0)
@@ -432,12 +439,31 @@ def _curved_points(search: ContactSearch, reach: float, down: Array) -> list[Nea
     row, point, normal, gap = bore_points(geometry, shafts, down, reach)
     a, b = search.pairs[shafts.pair[row]].T
     blocks.append(_seen(search, _points((a, b, point, normal, gap, np.ones(len(a), dtype=bool)))))
-    sharp = _patches_of(search, found.sharp.patches)
+    blocks.append(_patches_of(search, found.sharp.patches))
     exact = np.zeros(len(geometry.mass), dtype=bool)
     exact[geometry.surfaces.part[geometry.surfaces.doubt == 0.0]] = True
-    # the corners of a mesh are deeper or less deep than the round faces recognised in it
-    sure = (sharp.gap >= 0.0) | exact[sharp.part_a] | exact[sharp.part_b]
-    return [*blocks, sharp.take(sure)]
+    # the corners of a mesh penetrate by another depth than the round faces recognised in it
+    points = NearPoints.join(blocks)
+    sure = (points.gap >= 0.0) | exact[points.part_a] | exact[points.part_b]
+    return [flat, points.take(sure)]
+
+
+def _families(search: ContactSearch, reach: float) -> FacePatches:
+    """The families of contacts of parts with curved faces.
+
+    Edges and corners on curved faces are searched for within a smaller reach, since most of their
+    work grows with it: a longer step may lead into them, and is taken back.
+    """
+    found = FacePatches(search)
+    if may_be_smooth(search).any():
+        found = replace(found, smooth=find_smooth(found))
+    found = replace(found, curved=find_curved(found))
+    size = search.geometry.size[search.pairs].min(axis=1, initial=np.inf)
+    limit = np.minimum(reach, SHARP * size)
+    every = np.ones(len(search.pairs), dtype=bool)
+    near = replace(found, search=_restricted(search, every, limit))
+    near = replace(near, flat=find_flat(near))
+    return replace(found, sharp=find_sharp(near))
 
 
 def _patches_of(search: ContactSearch, patches: Patches) -> NearPoints:

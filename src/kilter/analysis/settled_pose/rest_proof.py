@@ -21,17 +21,20 @@ import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
 from kilter.analysis.settled_pose.settle_tolerances import BETWEEN_FACES, CLOSED, NORMAL
-from kilter.arrays import Array, Index, Mask, cross, lengths, ragged
-from kilter.assembly import Assembly, GivenContact
+from kilter.arrays import Array, Index, Mask, cross, lengths, ragged, starts
+from kilter.assembly import Assembly, GivenContact, Part
 from kilter.assembly.geometry import Geometry
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.common.facets import Facets, find_facets
 from kilter.contact.contact_tolerances import ROUNDINGS
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.errors import some_names
+from kilter.files.robots.one_body import compose
 from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.nonnegative import nonnegative
 from kilter.mechanics.proof_form import NUMBER
+from kilter.rigid import Pose
+from kilter.shape.primitives import Mesh, Shape, surface
 
 WARPS = 2.0
 """Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
@@ -94,7 +97,7 @@ def closed_contacts(
     """
     gap = closed_gap(assembly)
     parts = np.column_stack([points.part_a, points.part_b])
-    apart, sound = closed_points(assembly.geometry, parts, points.point, points.normal, gap)
+    apart, sound = closed_points(assembly, parts, points.point, points.normal, gap)
     closed = (apart <= gap) & sound
     points, parts = points.take(closed), parts[closed]
     if detected is None:
@@ -132,25 +135,68 @@ def deepest_overlap(contacts: ContactSet, gap: float) -> tuple[float, str, tuple
 
 
 def closed_points(
-    geometry: Geometry, parts: Index, points: Array, normals: Array, gap: float
+    assembly: Assembly, parts: Index, points: Array, normals: Array, gap: float
 ) -> tuple[Array, Mask]:
     """Gap of each point, and whether its normal fits the faces of both parts there.
+
+    A compound is measured on its members (`Mesh.members`): they are exact, its triangles are not.
+    A point on a member within another member is an overlap, which the detection lists.
 
     Arguments: `parts` (n, 2): parts a and b; `points`, `normals` (n, 3): points [length unit] and
     unit normals from a to b; `gap`: largest distance of a point from a face on which it lies
     [length unit]. Returns `apart` (n,): sum of the distances from the surfaces of both parts
     [length unit]; `sound` (n,).
     """
+    geometry, start = _member_geometry(assembly, parts, points, gap)
     facets = find_facets(geometry)
-    own, rays_a = _normals_at(geometry, facets, parts[:, 0], points, gap)
-    other, rays_b = _normals_at(geometry, facets, parts[:, 1], points, gap)
+    apart = np.zeros(len(points))
+    owners, outward = [], []
+    for part in parts.T:
+        point, member = ragged(start, part)
+        away = surface_gaps(geometry, member[:, None], points[point])
+        nearest = np.full(len(points), np.inf)
+        np.minimum.at(nearest, point, away)
+        apart += nearest
+        row, rays = _normals_at(geometry, facets, member, points[point], gap)
+        owners.append(point[row])
+        outward.append(rays)
+    (own, other), (rays_a, rays_b) = owners, outward
     sound = _in_cones(own, rays_a, normals, NORMAL) & _in_cones(other, rays_b, -normals, NORMAL)
     both, rays = np.concatenate([own, other]), np.concatenate([rays_a, -rays_b])
     rows = np.flatnonzero(sound)
     kept = sound[both]
     number = np.cumsum(sound) - 1
     sound[rows] = _in_cones(number[both[kept]], rays[kept], normals[rows], BETWEEN_FACES)
-    return surface_gaps(geometry, parts, points), sound
+    return apart, sound
+
+
+def _member_geometry(
+    assembly: Assembly, parts: Index, points: Array, gap: float
+) -> tuple[Geometry, Index]:
+    """Geometry in which the members of compounds near the points are parts of their own.
+
+    Arguments as of `closed_points`. Returns also the first member of each part, shape (N + 1,).
+    """
+    if not any(isinstance(part.shape, Mesh) and part.shape.members for part in assembly.parts):
+        return assembly.geometry, np.arange(len(assembly) + 1)
+    placed, count = [], []
+    for k, part in enumerate(assembly.parts):
+        found = [(part.shape, part.pose)]
+        if isinstance(part.shape, Mesh) and part.shape.members:
+            near = points[(parts == k).any(axis=1)]
+            members = [(shape, compose(part.pose, pose)) for shape, pose in part.shape.members]
+            found = [each for each in members if _comes_near(*each, near, gap)] or members[:1]
+        placed += [Part(f"{k} {j}", *each, mass=1.0) for j, each in enumerate(found)]
+        count.append(len(found))
+    return Assembly(placed).geometry, starts(np.array(count))
+
+
+def _comes_near(shape: Shape, pose: Pose, points: Array, gap: float) -> bool:
+    """Whether the sphere around the corners of a shape contains one of the points."""
+    corners = surface(shape)[0]
+    middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    radius = (1 + FIT) * float(lengths(corners - middle).max()) + gap
+    return bool((lengths(points - pose.apply([middle])) <= radius).any())
 
 
 def _normals_at(
@@ -262,7 +308,7 @@ def open_point_objections(assembly: Assembly, proof: Mapping[str, Any]) -> list[
     parts = np.array([[assembly.index_of(name) for name in pair] for pair in names], dtype=np.int64)
     points = np.array([entry["x"] for entry in entries], dtype=np.float64).reshape(-1, 3)
     normals = np.array([entry["normal"] for entry in entries], dtype=np.float64).reshape(-1, 3)
-    apart, sound = closed_points(assembly.geometry, parts.reshape(-1, 2), points, normals, gap)
+    apart, sound = closed_points(assembly, parts.reshape(-1, 2), points, normals, gap)
     objections = []
     if (apart > gap).any():
         k = int(apart.argmax())

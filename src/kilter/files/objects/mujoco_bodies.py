@@ -118,7 +118,10 @@ def groups(model: Snapshot, held: Mask, collides: Mask) -> Groups:
 
 
 def _connecting(model: Snapshot, held: Mask) -> set[int]:
-    """The first bodies of the groups that joints or equalities connect to others."""
+    """The first bodies of the groups that joints or equalities connect to others.
+
+    Bodies of the points of soft objects do not count.
+    """
     weld = model.body_weldid
     parent = weld[model.body_parentid]
     jointed = (model.body_jntnum > 0) & ~held
@@ -129,6 +132,8 @@ def _connecting(model: Snapshot, held: Mask) -> set[int]:
     tied = np.flatnonzero((model.eq_active0 != 0) & (model.eq_objtype == 1))
     for ends in (model.eq_obj1id, model.eq_obj2id):
         needed.update(weld[ends[tied]].tolist())
+    for soft in (model.flex_vertbodyid, model.flex_nodebodyid):
+        needed.difference_update(weld[soft[soft >= 0].astype(np.int64)].tolist())
     return needed - {0}
 
 

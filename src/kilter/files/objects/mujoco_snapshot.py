@@ -33,7 +33,7 @@ ARRAYS = (
 """Fields of a model that kilter reads."""
 PLACES = ("qpos", "xpos", "xquat", "xipos", "ximat", "xanchor", "xaxis")
 """Fields of the data: positions of joints; poses and principal axes of bodies, and joints."""
-NEWER = ("geom_adhesion", "geom_surfacevel", "pair_adhesion")
+NEWER = ("flex_nodebodyid", "flex_vertbodyid", "geom_adhesion", "geom_surfacevel", "pair_adhesion")
 """Fields that older versions of MuJoCo do not have."""
 KEY_VALUES = ("act", "ctrl", "mpos", "mquat")
 """Values of a keyframe besides positions and velocities of joints."""

@@ -34,8 +34,8 @@ DATA = (
     "site_xpos", "xanchor", "xaxis", "xfrc_applied", "ximat", "xipos", "xmat", "xpos",
 )  # fmt: skip
 """Fields of the data in a state."""
-ADHESION = 5
-"""MuJoCo's number of actuators that act at contacts."""
+FREE, ADHESION = 0, 5
+"""MuJoCo's numbers of free joints, and of actuators that act at contacts."""
 FARTHEST = 10.0
 """Distance up to which the body nearest to a floating body is searched [m]."""
 TOUCHES = 1e-6
@@ -60,8 +60,8 @@ class EngineState(SimpleNamespace):
     - `driven` (V,): whether an actuator acts on each degree of freedom.
     - `active` (neq,): whether each equality is active.
     - `speed` (N,): speed of each body before its velocity counted as zero [m/s].
-    - `near`: for each moving body without a contact, a pair: the nearest geom, -1 for none, and
-      its distance [m].
+    - `near`: for each body without a contact in a tree on a free joint, a pair: the nearest geom,
+      -1 for none, and its distance [m].
     - `creep`: how far each body moves in simulations, by the changed settings (`simulated_creep`).
     - `notes`: features that are left out.
     """
@@ -175,7 +175,7 @@ def _driven(model: Any, data: Any) -> Any:
 
 
 def _nearest(mujoco: Any, model: Any, data: Any) -> dict[int, Any]:
-    """The nearest geom and its distance, for each body that moves and has no contact."""
+    """Nearest geom and its distance, for bodies without contact in trees on free joints."""
     if not hasattr(mujoco, "mj_geomDistance"):
         return {}
     weld = np.asarray(model.body_weldid)
@@ -186,26 +186,24 @@ def _nearest(mujoco: Any, model: Any, data: Any) -> dict[int, Any]:
     touching = set(welded[geoms[acts & (geoms >= 0).all(axis=1)]].reshape(-1).tolist())
     solid = (np.asarray(model.geom_contype) | np.asarray(model.geom_conaffinity)) != 0
     near: dict[int, Any] = {}
-    for body in sorted(set(weld.tolist()) - touching - {0}):
-        mine = np.flatnonzero((welded == body) & solid).tolist()
-        others = np.flatnonzero((root != model.body_rootid[body]) & solid).tolist()
+    reach, at = np.asarray(model.geom_rbound), np.asarray(data.geom_xpos)
+    first = np.asarray(model.body_jntadr)[np.asarray(model.body_rootid)]
+    loose = (first >= 0) & (np.asarray(model.jnt_type)[first] == FREE) if model.njnt else first > 0
+    for body in sorted(set(weld[loose].tolist()) - touching - {0}):
+        others = np.flatnonzero((root != model.body_rootid[body]) & solid)
         best: tuple[int, float] = (-1, FARTHEST)
-        for geom in mine:
-            for other in others:
-                if _apart(model, data, geom, other) < best[1]:
-                    way = mujoco.mj_geomDistance(model, data, geom, other, best[1], None)
-                    best = (other, float(way)) if way < best[1] else best
+        for geom in np.flatnonzero((welded == body) & solid).tolist():
+            # bounding balls give a lower bound of the distance; a plane has none
+            bound = np.linalg.norm(at[others] - at[geom], axis=1) - reach[others] - reach[geom]
+            bound[reach[others] == 0] = -np.inf
+            for k in np.argsort(bound).tolist():
+                if bound[k] >= best[1]:
+                    break
+                other = int(others[k])
+                way = mujoco.mj_geomDistance(model, data, geom, other, best[1], None)
+                best = (other, float(way)) if way < best[1] else best
         near[body] = best
     return near
-
-
-def _apart(model: Any, data: Any, first: int, second: int) -> float:
-    """Lower bound of the distance between two geoms [m]; bounding balls, and none of a plane."""
-    reach = model.geom_rbound[first], model.geom_rbound[second]
-    if not all(reach):  # a plane has no bounding ball
-        return -np.inf
-    apart = np.linalg.norm(data.geom_xpos[first] - data.geom_xpos[second])
-    return float(apart - sum(reach))
 
 
 def _notes(mujoco: Any, model: Any, data: Any) -> list[str]:
@@ -213,6 +211,7 @@ def _notes(mujoco: Any, model: Any, data: Any) -> list[str]:
     flex = sum(min(entry) < 0 for entry in np.asarray(data.contact.geom).reshape(-1, 2).tolist())
     ends = np.asarray(model.jnt_type) == int(mujoco.mjtJoint.mjJNT_BALL)
     counts = {
+        "soft bodies": int(getattr(model, "nflex", 0)),
         "contacts of soft bodies": flex,
         "limits of tendons": int(np.count_nonzero(model.tendon_limited)),
         "frictions of tendons": int(np.count_nonzero(model.tendon_frictionloss)),

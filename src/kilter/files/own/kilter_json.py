@@ -39,7 +39,14 @@ from kilter.shape.solid import Solid, Surface
 from kilter.validate import frozen
 
 if TYPE_CHECKING:
-    from kilter.files.own.models import AssemblyFile, BrickEntry, PartEntry, SolidEntry
+    from kilter.files.own.models import (
+        AssemblyFile,
+        BrickEntry,
+        MemberEntry,
+        MeshEntry,
+        PartEntry,
+        SolidEntry,
+    )
 
 
 VERSION = 1
@@ -192,8 +199,39 @@ def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
     if isinstance(entry.mesh, str):
         return named.mesh(entry.mesh)
     assert entry.mesh is not None
-    mesh = entry.mesh
-    return Mesh(mesh.vertices, mesh.faces, accuracy=mesh.accuracy, pieces=mesh.pieces)
+    return _mesh(entry.mesh)
+
+
+def _mesh(entry: MeshEntry) -> Mesh:
+    """Build the mesh of a file entry, with the shapes that it unites."""
+    members = entry.members or []
+    return Mesh(
+        entry.vertices,
+        entry.faces,
+        accuracy=entry.accuracy,
+        pieces=entry.pieces,
+        members=_each("members", members, _member),
+        member_pieces=[member.piece for member in members],
+    )
+
+
+def _member(entry: MemberEntry) -> tuple[Shape, Pose]:
+    """Build a shape of a compound and its pose; raises `InputError` unless it has one shape."""
+    pose = Pose() if entry.pose is None else Pose(entry.pose.position, entry.pose.rotation)
+    built: list[Shape] = []
+    if entry.box is not None:
+        built.append(Box(entry.box))
+    if entry.cylinder is not None:
+        built.append(Cylinder(entry.cylinder.radius, entry.cylinder.height))
+    if entry.sphere is not None:
+        built.append(Sphere(entry.sphere.radius))
+    if entry.mesh is not None:
+        built.append(_mesh(entry.mesh))
+    if len(built) != 1:
+        raise InputError(
+            f"has {len(built)} shapes", hint="give exactly one of box, cylinder, sphere and mesh"
+        )
+    return built[0], pose
 
 
 def _solid(entry: SolidEntry) -> Solid:
@@ -384,15 +422,11 @@ def _without_none(**entries: Any) -> dict[str, Any]:
 
 def _part_dict(part: Part) -> dict[str, Any]:
     """JSON data of a part."""
-    pose = _without_none(
-        position=part.pose.position if part.pose.position.any() else None,
-        rotation=None if part.pose.rotation.tolist() == [1, 0, 0, 0] else part.pose.rotation,
-    )
     return {
         "name": part.name,
         **_shape_dict(part.shape),
         **_without_none(
-            pose=pose or None,
+            pose=_pose_dict(part.pose) or None,
             grounded=bool(part.grounded) or None,
             density=part.density,
             mass=part.given_mass,
@@ -404,6 +438,14 @@ def _part_dict(part: Part) -> dict[str, Any]:
             layer=part.layer,
         ),
     }
+
+
+def _pose_dict(pose: Pose) -> dict[str, Any]:
+    """JSON data of a pose, without position and rotation if they are those of the frame."""
+    return _without_none(
+        position=pose.position if pose.position.any() else None,
+        rotation=None if pose.rotation.tolist() == [1, 0, 0, 0] else pose.rotation,
+    )
 
 
 def _brick_dict(brick: Brick) -> dict[str, Any]:
@@ -430,8 +472,20 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
         faces=shape.triangles,
         accuracy=None if shape.accuracy == largest * 2.0**-53 else shape.accuracy,
         pieces=shape.pieces,
+        members=_member_dicts(shape) or None,
     )
     return {"mesh": mesh}
+
+
+def _member_dicts(shape: Mesh) -> list[dict[str, Any]]:
+    """JSON data of the shapes of a compound; none if a shape has no entry."""
+    kinds = (Box, Cylinder, Sphere, Mesh)
+    if not all(isinstance(member, kinds) for member, _ in shape.members):
+        return []
+    return [
+        {**_shape_dict(member), **_without_none(pose=_pose_dict(pose) or None, piece=piece or None)}
+        for (member, pose), piece in zip(shape.members, shape.member_pieces, strict=True)
+    ]
 
 
 def _solid_dict(solid: Solid) -> dict[str, Any]:

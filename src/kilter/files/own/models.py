@@ -59,6 +59,20 @@ class MeshEntry(Entry):
         description="number of the piece of each triangle, for friction pairs with pieces; "
         "default 0; all faces are triangles then",
     )
+    members: list[MemberEntry] | None = Field(
+        None, description="shapes of which the surface is the union, as a table of five boxes"
+    )
+
+
+class MemberEntry(Entry):
+    """A shape of a compound, with exactly one of box, cylinder, sphere and mesh."""
+
+    box: Size | None = Field(None, description="lengths along x, y, z")
+    cylinder: CylinderEntry | None = None
+    sphere: SphereEntry | None = None
+    mesh: MeshEntry | None = None
+    pose: PoseEntry | None = Field(None, description="in the frame of the compound")
+    piece: Whole = Field(0, description="number of its piece, for friction pairs with pieces")
 
 
 class StepEntry(Entry):

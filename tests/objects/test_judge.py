@@ -97,6 +97,8 @@ def test_pads_with_unequal_forces_move_and_pads_without_force_are_held():
     assert judged(pinch(), ctrl=[-1, 1]).state == "falls"
     resting = judged(pinch(), ctrl=[0, 0])
     assert set(resting.held_by_motors) == {"left", "right"}
+    loose = judged(pinch(), ctrl=[0, 0], loose_robots=True)
+    assert (loose.state, loose.held_by_motors) == ("falls", ())
 
 
 def test_a_pinch_on_a_hand_holds_by_the_same_factor():
@@ -163,6 +165,12 @@ def test_a_deep_body_is_pushed_out_by_the_depth_that_its_load_does_not_explain(c
     for _ in range(1000):
         mujoco.mj_step(model, data)
     assert 0.05 - data.qpos[2] == pytest.approx(rest, rel=1e-3)
+
+
+def test_bodies_that_float_together_are_named():
+    answer = judged(scene(FLOOR + loose("a", "0 0 .06") + loose("b", "0 0 .15999")))
+    assert [entry.state for entry in answer.objects] == ["floats", "floats"]
+    assert answer.sentence == "Float: 'a', 'b' are in contact with nothing that is held."
 
 
 def test_stiff_contacts_explain_less():
