@@ -196,3 +196,31 @@ def test_a_reach_limits_the_way_of_a_part():
     assert settle(floating(), reach=0.25).at_rest
     with pytest.raises(kilter.InputError, match="reach is 0"):
         settle(floating(), reach=0.0)
+
+
+def test_held_parts_far_away_belong_to_the_proof():
+    far = box("far", [50, 0, 0], grounded=True)
+    answer = settle(floating(far))
+    assert answer.resting is answer.assembly
+    assert kilter.verify(answer.assembly, answer.proof()).holds
+    assert settle(floating(far, BESIDE)).resting.names == ("table", "lower", "upper", "far")
+
+
+def test_an_engine_that_stops_early_is_closed_up_by_the_least_motion(monkeypatch):
+    """An engine that leaves a box 1e-6 above the table."""
+    from kilter.analysis.settled_pose import settle as module
+
+    run = module.come_to_rest
+
+    def stops(bodies, contacts, **more):
+        settled = run(bodies, contacts, **more)
+        step = np.zeros((2, 6))
+        step[1, 2] = 1e-6
+        return replace(settled, bodies=settled.bodies.moved(step))
+
+    monkeypatch.setattr(module, "come_to_rest", stops)
+    drawn = Assembly([TABLE, box("a", [0, 0, 0.7])])
+    answer = settle(drawn)
+    assert answer.at_rest
+    assert answer.movement[1, 2] == pytest.approx(-0.2, abs=1e-8)
+    assert scene(drawn, settle=True).at_rest

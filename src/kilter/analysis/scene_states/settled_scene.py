@@ -18,6 +18,7 @@ import numpy as np
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.scene_states.scene_report import SceneObject, SceneReport
 from kilter.analysis.scene_states.survey import survey, worst_overlaps
+from kilter.analysis.settled_pose.closing_motion import closed_up
 from kilter.analysis.settled_pose.rest import Rest
 from kilter.analysis.settled_pose.rest_verification import closed_parts, parts_without_rest
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
@@ -44,10 +45,10 @@ def settled_scene(asked: Question) -> SceneReport:
             contacts = contacts_among(contacts, once)
         bodies = rigid_bodies(plain_joints(once, "settle"), ())
         rest = rest_of(bodies, contacts, reach=None, tell=asked.tell)
-        after = _in_poses(drawn, once, rest)
         asked.tell("states")
-        first = _on_closed_points(rest, asked)
-        good = {} if first is None else {e.name: e for e in first if e.state == "at-rest"}
+        rest, first = _judged(rest, asked)
+        good = _resting(first)
+        after = _in_poses(drawn, once, rest)
         free = [part.name for part in drawn if not part.grounded]
         second = None
         if not all(name in good and holds(good[name].level, asked.require) for name in free):
@@ -73,6 +74,23 @@ def _in_poses(drawn: Assembly, once: Assembly, rest: Rest) -> Assembly:
     poses = {part.name: part.pose for part in rest.bodies.assembly()}
     parts = [replace(part, pose=poses.get(part.name, part.pose)) for part in drawn]
     return replace(drawn, parts=parts)
+
+
+def _judged(rest: Rest, asked: Question) -> tuple[Rest, SceneReport | None]:
+    """The result of the engine and its states on closed points; closed up if more objects rest."""
+    first = _on_closed_points(rest, asked)
+    claimed = ~parts_without_rest(rest) & ~rest.bodies.drawn.geometry.grounded
+    if len(_resting(first)) < claimed.sum():
+        closed = closed_up(rest)
+        again = None if closed is None else _on_closed_points(closed, asked)
+        if closed is not None and len(_resting(again)) > len(_resting(first)):
+            return closed, again
+    return rest, first
+
+
+def _resting(report: SceneReport | None) -> dict[str, SceneObject]:
+    """The objects at rest, by name."""
+    return {} if report is None else {e.name: e for e in report if e.state == "at-rest"}
 
 
 def _on_closed_points(rest: Rest, asked: Question) -> SceneReport | None:

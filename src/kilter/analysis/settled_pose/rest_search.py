@@ -102,12 +102,18 @@ class _Progress:
 
 
 def search_rest(
-    bodies: RigidBodies, *, reach: float, most: float | None, progress: Callable[[str], None]
+    bodies: RigidBodies,
+    *,
+    reach: float,
+    most: float | None,
+    progress: Callable[[str], None],
+    near: Callable[[RigidBodies, float], NearPoints] | None = None,
 ) -> SearchResult:
     """Search for a pose at rest near the current pose.
 
     Arguments: `reach`: largest gap of the points that are considered [length unit]; `most`: largest
-    permitted movement of a part [length unit]; None: no limit.
+    permitted movement of a part [length unit]; None: no limit; `near`: function that finds the
+    points within a reach; by default `find_near_points`.
     """
     length, weight = _units(bodies)
     closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)
@@ -115,7 +121,11 @@ def search_rest(
     for rounds in range(ROUNDS + 1):
         stop_if_late()
         assembly = bodies.assembly()
-        every = find_near_points(assembly, reach, state.fine_reach)
+        every = (
+            find_near_points(assembly, reach, state.fine_reach)
+            if near is None
+            else near(bodies, reach)
+        )
         points = _between_bodies(bodies, every)
         if not len(points):
             why = "no two parts come within reach"

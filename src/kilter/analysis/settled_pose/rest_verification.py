@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.check import check, check_level
+from kilter.analysis.check import check, check_equilibrium, check_level
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.settled_pose.rest import Rest
 from kilter.analysis.settled_pose.rest_proof import (
@@ -24,7 +24,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question
-from kilter.contact import ContactSet
+from kilter.contact import ContactSet, detect
 from kilter.contact.kept_contacts import contacts_among
 from kilter.tell.levels import holds
 
@@ -41,6 +41,8 @@ class RestingParts:
     """These parts in the pose."""
     closed: ClosedContacts
     """Their contacts at closed points."""
+    gap: float
+    """Gap that counts as closed [length unit]."""
     closed_verdict: Verdict
     """Verdict on forces at the closed points alone; its level may be None."""
     verdict: Verdict
@@ -101,24 +103,26 @@ def closed_parts(
 
 
 def verify_rest(rest: Rest, settled: Assembly, asked: Question) -> RestingParts | str:
-    """Verify the parts that rest in a pose; a clause with the reason if no free part rests."""
+    """Verify the parts that rest in a pose; a clause with the reason if no free part rests.
+
+    The verdicts only say that forces exist; `with_level` decides the level.
+    """
     if rest.points is None:
         return rest.why
     bodies, free = rest.bodies, ~settled.geometry.grounded
-    left, detected, why = parts_without_rest(rest), None, rest.why
-    left |= held_aside(settled)
+    left, aside, detected = parts_without_rest(rest), held_aside(settled), None
     unproved: list[str] = []
     fault = ""
     while (free & ~left).any():
-        closed, detected = closed_parts(rest, settled, ~left, detected, asked)
-        sub = closed.assembly
+        closed, detected = closed_parts(rest, settled, ~left & ~aside, detected, asked)
         if closed.fault:
-            names, fault = [sub.names[k] for k in closed.overlapping], fault or closed.fault
+            names = [closed.assembly.names[k] for k in closed.overlapping]
+            fault = fault or closed.fault
         else:
-            verdict = check_level(asked.but(assembly=sub, contacts=closed.contacts))
+            verdict = check_equilibrium(closed.assembly, closed.contacts)
             if verdict.level is not None:
-                return _resting(closed, verdict, unproved, fault, asked)
-            names, fault = verdict.moving or list(sub.names), fault or UNBALANCED
+                return _resting(settled, ~left, closed, verdict, (tuple(unproved), fault))
+            names, fault = verdict.moving or list(closed.assembly.names), fault or UNBALANCED
         more = np.zeros(len(bodies.mass), dtype=bool)
         more[[bodies.body_of(name) for name in names]] = True
         more[0] = False
@@ -127,15 +131,30 @@ def verify_rest(rest: Rest, settled: Assembly, asked: Question) -> RestingParts 
             break
         unproved += [settled.names[k] for k in np.flatnonzero(now).tolist()]
         left |= now
-    return f"the search ended at rest, but {fault}" if fault else why
+    return f"the search ended at rest, but {fault}" if fault else rest.why
 
 
 def _resting(
-    closed: ClosedContacts, verdict: Verdict, unproved: list[str], fault: str, asked: Question
+    settled: Assembly,
+    chosen: Mask,
+    closed: ClosedContacts,
+    verdict: Verdict,
+    left_out: tuple[tuple[str, ...], str],
 ) -> RestingParts:
-    """The resting parts with the verdict on the pose."""
-    assembly = replace(closed.assembly, contacts=(), detect=True)
+    """The resting parts with all held parts, and their closed points."""
+    assembly = settled if chosen.all() else chosen_parts(settled, np.flatnonzero(chosen), [])
+    listed = replace(assembly, contacts=closed.assembly.contacts, detect=False)
+    contacts = detect.contacts(listed)
+    gap = closed_gap(closed.assembly)
+    closed = replace(closed, assembly=listed, contacts=contacts)
+    return RestingParts(assembly, closed, gap, verdict, verdict, *left_out)
+
+
+def with_level(resting: RestingParts, asked: Question) -> RestingParts:
+    """The resting parts with their level, as far as the question requires it."""
+    closed = resting.closed
+    verdict = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
     after = verdict
     if not holds(verdict.level, asked.require):
-        after = check(asked.but(assembly=assembly, contacts=None))
-    return RestingParts(assembly, closed, verdict, after, tuple(unproved), fault)
+        after = check(asked.but(assembly=resting.assembly, contacts=None))
+    return replace(resting, closed_verdict=verdict, verdict=after)

@@ -41,6 +41,14 @@ class RigidBodies:
         """Mask of the bodies that are not held, shape (B,)."""
         return np.arange(len(self.mass)) > 0
 
+    @property
+    def changed(self) -> Mask:
+        """Mask of the bodies that may move and are not in their drawn pose, shape (B,)."""
+        shifted = (self.center != self.drawn_center).any(axis=1)
+        turned = (self.rotation != np.eye(3)).any(axis=(1, 2))
+        mask: Mask = self.moves & (shifted | turned)
+        return mask
+
     def placed(self, body: int, point: Array) -> Array:
         """A drawn point of a body in the current pose."""
         result: Array = self.rotation[body] @ (point - self.drawn_center[body]) + self.center[body]
@@ -104,10 +112,10 @@ class RigidBodies:
 
     def parts(self, chosen: Iterable[int]) -> list[Part]:
         """Some of the parts in the current pose."""
-        parts = []
+        parts, changed = [], self.changed
         for k in chosen:
             part, body = self.drawn.parts[k], int(self.of_part[k])
-            if self.moves[body]:
+            if changed[body]:
                 turned = matrix_to_quaternion(self.rotation[body] @ part.pose.matrix)
                 part = replace(part, pose=Pose(self.placed(body, part.pose.position), turned))
             parts.append(part)
@@ -126,7 +134,7 @@ class RigidBodies:
         shift += self.center[body] - center
         turn = Rotation.from_matrix(self.rotation).as_rotvec()[body]
         six = np.concatenate([shift, turn], axis=1)
-        return np.where(self.moves[body, None], six, 0.0)
+        return np.where(self.changed[body, None], six, 0.0)
 
 
 def rigid_bodies(assembly: Assembly, keep: Collection[str]) -> RigidBodies:

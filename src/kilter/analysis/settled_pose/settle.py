@@ -19,6 +19,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from kilter.analysis.check import check_level
+from kilter.analysis.settled_pose.closing_motion import closed_up
 from kilter.analysis.settled_pose.nearest_rest import find_nearest_rest
 from kilter.analysis.settled_pose.rest import Rest, RestState, Step
 from kilter.analysis.settled_pose.rest_engine import come_to_rest
@@ -28,6 +29,7 @@ from kilter.analysis.settled_pose.rest_verification import (
     RestingParts,
     parts_without_rest,
     verify_rest,
+    with_level,
 )
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.verdict.verdict import Verdict
@@ -323,8 +325,23 @@ def _settle(
     if rest.state == "at-rest" or not nearest:
         tell("verification")
         resting = verify_rest(rest, settled, asked)
+        closed = None if nearest or is_verified(rest, resting) else closed_up(rest)
+        if closed is not None:
+            again = verify_rest(closed, closed.bodies.assembly(), asked)
+            if is_verified(closed, again):
+                rest, settled, resting = closed, closed.bodies.assembly(), again
+        if isinstance(resting, RestingParts):
+            tell("level of the pose")
+            resting = with_level(resting, asked)
     return _answer(rest, settled, resting, asked, drawn=(assembly, before), nearest=nearest,
                    reach=reach)  # fmt: skip
+
+
+def is_verified(rest: Rest, resting: RestingParts | str) -> bool:
+    """Whether the verification confirms the rest of all parts of which the engine claims it."""
+    if isinstance(resting, RestingParts):
+        return not resting.unproved
+    return rest.state not in ("at-rest", "partly")
 
 
 def valid_reach(reach: float | None) -> float | None:
@@ -361,7 +378,9 @@ def without_rounding(rest: Rest) -> Rest:
     turn = np.linalg.norm(bodies.rotation - np.eye(3), axis=(1, 2)) / np.sqrt(2)
     far = (shift > UNMOVED * closed_gap(bodies.drawn)) | (turn > np.radians(NO_ANGLE))
     ways = tuple(way if moved else () for way, moved in zip(rest.ways, far.tolist(), strict=True))
-    return replace(rest, bodies=replace(bodies, moves=bodies.moves & far), ways=ways)
+    center = np.where(far[:, None], bodies.center, bodies.drawn_center)
+    rotation = np.where(far[:, None, None], bodies.rotation, np.eye(3))
+    return replace(rest, bodies=replace(bodies, center=center, rotation=rotation), ways=ways)
 
 
 def _answer(
@@ -383,6 +402,7 @@ def _answer(
     if isinstance(resting, RestingParts):
         warned, why, unproved = resting.verdict, resting.why or rest.why, resting.unproved
         more = {
+            "tolerance": resting.gap,
             "resting": resting.assembly,
             "closed": resting.closed,
             "widest_gap": resting.closed.widest_gap,
@@ -393,14 +413,13 @@ def _answer(
             "after": resting.verdict.verdict,
         }
     else:
-        why = resting
+        why, more = resting, {"tolerance": closed_gap(settled)}
     state = _state(rest, isinstance(resting, RestingParts), bool(fails.any() or unproved))
     return Settled(
         state=state,
         nearest=nearest,
         rounds=rest.rounds,
         reach=reach,
-        tolerance=closed_gap(more.get("resting", settled)),
         units=assembly.units,
         before=None if before is None else before.verdict,
         leaves=rest.leaves,
