@@ -96,6 +96,7 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     """The cells of the row of a state."""
     far = "" if row["farthest"] is None else f"{row['farthest']} {number(row['moved'], 3)} m"
     leaves = f"leaves: {', '.join(row['leaves'])}" if row["leaves"] else ""
-    notes = "; ".join(filter(None, [leaves, row["why"]]))
+    parts = f"without a pose: {', '.join(row['parts'])}" if row["parts"] else ""
+    notes = "; ".join(filter(None, [leaves, parts, row["why"]]))
     rests = f"{row['rests']} of {row['free']}"
     return str(row["index"]), row["state"], rests, far, f"{row['seconds']:.2f} s", notes
