@@ -84,10 +84,12 @@ def test_corner_over_face() -> None:
     np.testing.assert_allclose(found.gap, 0.01, atol=1e-14)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", [0, 217, 246, 307, 348])
 def test_the_lowest_corner_of_a_polyhedron_counts_wherever_its_faces_look(seed: int) -> None:
     """The face that looks down most does not always contain the lowest corner."""
-    corners = np.random.default_rng(seed).normal(size=(8, 3)) * [1.0, 1.0, 2.0]
+    corners = np.random.default_rng(seed).normal(size=(10, 3))
+    corners *= np.array([1.0, 0.4, 0.3]) / np.linalg.norm(corners, axis=1)[:, None]
+    corners = Rotation.random(random_state=seed).apply(corners)
     lowest = float(corners[:, 2].min())
     for gap in (0.01, -0.01):
         plate = (Box([20, 20, 2]), pose([0, 0, lowest - gap - 1]))
