@@ -84,6 +84,17 @@ def test_corner_over_face() -> None:
     np.testing.assert_allclose(found.gap, 0.01, atol=1e-14)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_the_lowest_corner_of_a_polyhedron_counts_wherever_its_faces_look(seed: int) -> None:
+    """The face that looks down most does not always contain the lowest corner."""
+    corners = np.random.default_rng(seed).normal(size=(8, 3)) * [1.0, 1.0, 2.0]
+    lowest = float(corners[:, 2].min())
+    for gap in (0.01, -0.01):
+        plate = (Box([20, 20, 2]), pose([0, 0, lowest - gap - 1]))
+        found = points(plate, (Mesh.convex_hull(corners), Pose()))
+        assert found.gap.min() == pytest.approx(gap, abs=1e-9)
+
+
 @pytest.mark.parametrize("gap", [0.01, -0.01])
 def test_edges_that_cross(gap: float) -> None:
     ridge = Rotation.from_euler("x", 45, degrees=True)
@@ -432,6 +443,32 @@ def test_block_in_the_corner_of_a_tray() -> None:
     up = found.normal[:, 2] > 0.5
     assert up.sum() == 4
     np.testing.assert_allclose(found.normal[~up], np.tile([-1.0, 0, 0], (4, 1)), atol=1e-15)
+
+
+def test_far_pieces_in_other_directions_are_kept() -> None:
+    boards = [
+        (Box([0.6, 0.02, 0.6]), pose([0, 0.31, 0])),
+        (Box([0.6, 0.6, 0.02]), pose([0, 0, -0.31])),
+    ]
+    shelf = one_body(boards, "shelf", [])[0]
+    block = (Box([0.1, 0.1, 0.1]), pose([0, 0.245, -0.05]))
+    found = points((shelf, pose([0, 0, 0])), block, reach=0.3)
+    up = found.normal[:, 2] > 1 - 1e-12
+    np.testing.assert_allclose(found.gap[up], 0.2, atol=1e-15)
+    np.testing.assert_allclose(found.gap[~up], 0.005, atol=1e-15)
+    assert up.sum() == 4
+    assert (~up).sum() == 4
+
+
+def test_pieces_behind_others_wait_until_the_parts_come_nearer() -> None:
+    boards = [(Box([0.6, 0.6, 0.02]), pose([0, 0, -0.2 * k])) for k in range(3)]
+    shelf = Mesh(*surface(CUBE), members=boards)
+    block = Box([0.1, 0.1, 0.1])
+    for height, gap in ((0.1, 0.04), (-0.1, 0.04)):
+        found = points((shelf, pose([0, 0, 0])), (block, pose([0, 0, height])), reach=1.0)
+        below = found.normal[:, 2] > 0
+        np.testing.assert_allclose(found.gap[below], gap, atol=1e-15)
+        assert below.sum() == 4
 
 
 def test_bowl_of_boxes_over_a_ramekin_of_boxes() -> None:

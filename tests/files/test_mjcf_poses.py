@@ -116,6 +116,19 @@ def test_the_first_keyframe_is_that_of_the_pose(tmp_path, capsys):
     capsys.readouterr()
 
 
+def test_a_state_is_written_into_the_named_keyframe(tmp_path, capsys):
+    own, out = scene(tmp_path, KEYS), tmp_path / "out.xml"
+    qpos = [0.5, 0, 0.2, 1, 0, 0, 0, 0.3, 0, 0.03, 1, 0, 0, 0, 0.4]
+    np.save(tmp_path / "S.npy", qpos)
+    for name, keys in (("rest", ["home", "rest"]), ("home", ["home"])):
+        words = ("--state", tmp_path / "S.npy", "--keyframe", name)
+        assert settle(own, *words, "-o", out) == 0
+        model = mujoco.MjModel.from_xml_path(str(out))
+        assert [model.key(k).name for k in range(model.nkey)] == keys
+        assert model.key(name).qpos[:3] == pytest.approx([0.5, 0, 0.03], abs=1e-9)
+    capsys.readouterr()
+
+
 def test_line_ends_and_a_file_without_lines_stay(tmp_path, capsys):
     out = tmp_path / "out.xml"
     own = scene(tmp_path)

@@ -107,7 +107,8 @@ def _read_ahead(words: list[str]) -> None:
             every = not any(word.startswith("--without") for word in words)
             step_process.begin_early(path if every else None)
         elif ending != "xml" or scene_process.is_mjcf(path):
-            scene_process.begin_early(READ_APART[ending], path)
+            # the state of `why` depends on its options, so only the process starts early
+            scene_process.begin_early(READ_APART[ending], None if words[0] == "why" else path)
         return
 
 

@@ -35,6 +35,8 @@ def with_key(asked: Asked, output: Path | None) -> tuple[Asked, str | None]:
 
     if not is_mjcf_file(source_of(asked)):
         return asked, None
+    if asked.reading.state is not None:  # the keyframe is only written
+        return replace(asked, reading=replace(asked.reading, keyframe=None)), name
     there, key = key_to_write(source_of(asked), name)
     return replace(asked, reading=replace(asked.reading, keyframe=there)), key
 

@@ -78,12 +78,7 @@ def _require_suitable(asked: Asked, output: Path | None) -> None:
 def states_text(data: Mapping[str, Any]) -> str:
     """The answer as text: a sentence, and a table with a row for each state."""
     rows = data["states"]
-    whole = data["counts"].get("at-rest", 0)
-    others = [f"{many} {word}" for word, many in data["counts"].items() if word != "at-rest"]
-    words = f"{whole} of {count(len(rows), 'state')} at rest"
-    words += f" ({', '.join(others)})" if others else ""
-    words += f"; {data['rests']} of {count(data['free'], 'object')} at rest."
-    lines = [words]
+    lines = [data["sentence"]]
     if data["found_there"]:
         lines.append(f"{count(data['found_there'], 'state')} from an earlier run.")
     cells = [HEAD, *(_cells(row) for row in rows[:SHOWN])]

@@ -31,6 +31,9 @@ SLOPE = 1e-6
 """A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
 BEYOND = 0.15
 """Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
+LAYER = 0.1
+"""Depth of the layer of pieces of a compound that are compared with another part, over the size of
+the smaller part [-]; pieces behind it follow when the parts come nearer."""
 DIRECTIONS = 16
 """Number of directions across a normal in which points of a pair are extreme [-]."""
 CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
@@ -232,8 +235,31 @@ def piece_pairs(
         lists.append((row[near], piece[near]))
     k, m = products(len(i), lists[0][0], lists[1][0])
     a, b = lists[0][1][k], lists[1][1][m]
+    k = lists[0][0][k]
     near = _boxes_meet(lower, upper, a, lower, upper, b)
-    return a[near], b[near]
+    a, b = a[near], b[near]
+    size = np.linalg.norm(high - low - reach, axis=1)
+    first = _first_layer(scene, a, b, k[near], LAYER * np.minimum(size[i], size[j]))
+    return a[first], b[first]
+
+
+def _first_layer(scene: Placed, a: Index, b: Index, pair: Index, depth: Array) -> Mask:
+    """Pairs of pieces that no nearer pieces of the same parts hide in their direction.
+
+    The signs of the gaps between both boxes along x, y and z divide the pairs of pieces of two
+    parts into 27 directions; those that are farther than the nearest pair by more than `depth` are
+    hidden until the parts come nearer.
+
+    Arguments: `a`, `b`: pieces; `pair`: pair of parts of each; `depth`: for each pair of parts.
+    """
+    after, before = scene.low[b] - scene.high[a], scene.low[a] - scene.high[b]
+    distance = np.linalg.norm(np.maximum(np.maximum(after, before), 0), axis=1)
+    side = (after > 0).astype(np.int64) - (before > 0) + 1
+    key = pair * 27 + side @ np.array([9, 3, 1])
+    least = np.full(27 * len(depth), np.inf)
+    np.minimum.at(least, key, distance)
+    hidden: Mask = distance > least[key] + depth[pair]
+    return ~hidden
 
 
 def box_pairs(low: Array, high: Array) -> tuple[Index, Index]:
@@ -361,7 +387,10 @@ def _corners_over(
     touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
     along = cos_own >= least_cosine(cos_own)[:, None]
     on = (touches <= slack[:, None, None]) & along[:, None]
-    facing: Mask = on.any(axis=2) | own.bare[:, None]
+    # the face nearest to the direction does not always contain the corner that lies farthest
+    height = sign * (own.vertex @ n[..., None])[..., 0]
+    facing: Mask = on.any(axis=2) | (height >= height.max(axis=1, keepdims=True) - slack[:, None])
+    facing |= own.bare[:, None]
     facing &= ~other.bare[:, None]
     row, k = np.nonzero(facing)
     x = own.vertex[row, k]

@@ -84,8 +84,6 @@ class Reading(ReadingOptions):
             raise InputError(f"up is {self.up!r:.40}", hint=f"use {', '.join(UP)}")
         if self.up is not None and self.down is not None:
             raise InputError("up and down are both given", hint="give only up or down")
-        if self.state is not None and self.keyframe is not None:
-            raise InputError("state and keyframe are both given", hint="give only one of them")
         if self.contacts is not None and self.contacts not in SOURCES:
             raise InputError(f"contacts are {self.contacts!r:.40}", hint=f"use {_OR.join(SOURCES)}")
         if self.off or self.release:
@@ -101,6 +99,8 @@ class Reading(ReadingOptions):
     @property
     def format_options(self) -> FormatOptions:
         """The options of this reading that only specific file formats use."""
+        if self.state is not None and self.keyframe is not None:
+            raise InputError("state and keyframe are both given", hint="give only one of them")
         states = None if self.state is None else state_row(self.state)
         return FormatOptions(
             self.units,

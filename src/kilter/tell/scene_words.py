@@ -102,6 +102,24 @@ def scene_sentence(answer: Answer) -> str:
     return f"All {objects} are at rest (level {answer['level']}){moved}."
 
 
+def states_sentence(answer: Answer) -> str:
+    """Return the sentence about settled states.
+
+    Examples
+    --------
+    >>> counts = {"at-rest": 3, "partly": 1}
+    >>> states_sentence({"states": [{}] * 4, "counts": counts, "rests": 7, "free": 8})
+    '3 of 4 states at rest (1 partly); 7 of 8 objects at rest.'
+    """
+    counts = answer["counts"]
+    others = [f"{many} {word}" for word, many in counts.items() if word != "at-rest"]
+    more = f" ({', '.join(others)})" if others else ""
+    states = count(len(answer["states"]), "state")
+    objects = count(answer["free"], "object")
+    whole = counts.get("at-rest", 0)
+    return f"{whole} of {states} at rest{more}; {answer['rests']} of {objects} at rest."
+
+
 def _farthest(answer: Answer) -> str:
     """Return the largest movement of an object of a scene in words."""
     return f"{number(max(answer['moved'].values()), 3)} {answer['units']}"

@@ -39,7 +39,8 @@ from kilter.files.reading import Reading, chosen
 from kilter.files.writing import write_array
 from kilter.loading import reading_for, tolerance_of
 from kilter.tell.levels import holds, require_level
-from kilter.tell.record import Answer, InPython, Record
+from kilter.tell.record import Answer, InPython, Record, key
+from kilter.tell.scene_words import states_sentence
 from kilter.validate import whole
 
 KILLED = "ended the process that settled it"
@@ -102,6 +103,12 @@ class SettledStates(Answer):
 
     A state without an object at rest is unchanged.
     """
+
+    @property
+    @key
+    def sentence(self) -> str:
+        """The answer in a sentence."""
+        return states_sentence(self.data_without("sentence"))
 
     @property
     def at_rest(self) -> bool:

@@ -585,7 +585,7 @@ def _share_material(geometry: Geometry, points: NearPoints) -> Mask:
         places = points.point[k, None, None] + offset
         flat = places.reshape(-1, 3)
         both = inside_part(geometry, a, flat) & inside_part(geometry, b, flat)
-        sound[k] = np.any(np.all(both.reshape(len(k), 4, -1), axis=2), axis=1)
+        sound[k] = both.reshape(len(k), -1).any(axis=1)
     return sound
 
 

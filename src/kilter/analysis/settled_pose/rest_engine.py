@@ -48,8 +48,9 @@ STILL = 1e-10
 """Movement in a step that counts as none [sizes]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter."""
-EXACT = 3e-9
-"""Movement in a step that comes from the solver [strides]."""
+EXACT = 1e-7
+"""Movement in a step that comes from the solver [strides]. A first stride leaves gaps below the
+gap that counts as closed."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -355,7 +356,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
     # a long stride has a coarse step: the pose is confirmed by a short one
-    short = stride <= LONGEST * state.bodies.size
+    short = stride <= (1 + EXACT) * FIRST * state.bodies.size
     state.asleep = np.where(island >= 0, quiet[island] & short, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
     next_stride = _next_stride(state, island, stride, far)

@@ -58,11 +58,12 @@ SIMULATION = 120.0
 _kept: list[ReaderProcess] = []
 
 
-def begin_early(kind: str, path: Path) -> None:
-    """Start the process, and let it read a file in advance with the default options."""
+def begin_early(kind: str, path: Path | None) -> None:
+    """Start the process, and let it read a file, if any, ahead with the default options."""
     if not _kept and can_start():
         _begin()
-        _kept[0].ask_ahead(_request(kind, path, None, None, None))
+        if path is not None:
+            _kept[0].ask_ahead(_request(kind, path, None, None, None))
 
 
 def is_mjcf(path: Path) -> bool:
