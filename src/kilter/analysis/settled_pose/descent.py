@@ -37,6 +37,8 @@ REPEATS = 5
 """Largest number of repetitions that find the opening of sliding contacts."""
 SAME = 1e-3
 """Change of the motion that ends the repetitions, over the motion [-]."""
+PRESSES = 1e-6
+"""Force from which a point presses, over the largest load [-]."""
 HEAVIEST = 1e4
 """Largest inertia of a body, in multiples of the median [-]: heavier ones would spoil the numbers,
 and the inertia decides about the way only, not about rest."""
@@ -126,6 +128,30 @@ class Descent:
         if motion is None:
             return None
         return self._expanded(motion * scale)
+
+    def without_friction(
+        self, times: Array, rough: Mask, smooth: Mask
+    ) -> tuple[Array, Mask] | None:
+        """The motion of a step if some points have no friction, and those of them that press.
+
+        Arguments: `smooth` (K,): these points; others: as of `step`. None if the solver fails.
+        """
+        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
+        scale = float(times[owner].max(initial=0.0))
+        rows = np.flatnonzero(rough & ~smooth & (self.mu > 0))
+        slips = (2 * rows[:, None] + np.arange(2)).ravel()
+        cost = -(times[owner] / max(scale, 1e-300)) * self.load
+        gap = np.maximum(self.gap / max(scale, 1e-300), 0.0)
+        program = self._program(cost, scale, gap, rows, slips, np.zeros(len(rows)))
+        answer = solve_conic(program)
+        if not answer.found:
+            return None
+        others = np.delete(np.arange(len(gap)), rows)
+        begin = self.joint.shape[0]
+        force = np.zeros(len(gap))
+        force[others] = answer.multipliers[begin : begin + len(others)]
+        pressed = smooth & (force > PRESSES * float(np.abs(cost).max(initial=0.0)))
+        return self._expanded(answer.x * scale), pressed
 
     def _solve(
         self, cost: Array, scale: float, rough: Index, slips: Index, opening: Array

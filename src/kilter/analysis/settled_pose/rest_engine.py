@@ -243,20 +243,32 @@ def _drop(state: _State, group: Index) -> float:
 
 
 def _falling_freely(
-    state: _State, points: NearPoints, step: Array, stride: Array, island: Index
+    state: _State, points: NearPoints, program: Descent, stride: Array, rough: Mask
 ) -> Index:
-    """Group of each body that a step lets fall beside others without friction; else 0; (B,)."""
+    """Group of each body that falls beside others, which do not press it; else 0; shape (B,).
+
+    A contact at a side has friction only if something presses it.
+    """
+    none = np.zeros(len(stride), dtype=np.int64)
     down = state.bodies.drawn.down
-    free = (step[:, :3] @ down >= FREELY * stride) & (island >= 0)
-    touching = points.take(np.abs(points.gap) <= FLOATS * state.length)
-    a, b = state.bodies.of_part[touching.part_a], state.bodies.of_part[touching.part_b]
-    ends = np.concatenate([np.column_stack([a, b]), state.joined])
-    # a body that touches one that does not fall, other than sideways, does not fall freely
-    across = np.append(np.abs(touching.normal @ down) < SIDEWAYS, np.zeros(len(state.joined), bool))
-    mixed = free[ends[:, 0]] != free[ends[:, 1]]
-    free[ends[mixed & ~across]] = False
-    both = free[ends].all(axis=1) & ~across
-    label = connected(len(free), *ends[both].T) + 1
+    closed = np.abs(points.gap) <= FLOATS * state.length
+    side = np.abs(points.normal @ down) < SIDEWAYS
+    asked = (side & closed).any()
+    found = program.without_friction(stride / state.length, rough, side) if asked else None
+    if found is None:
+        return none
+    step, pressed = found
+    a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
+    free = (step[:, :3] @ down >= FREELY * stride) & (stride > 0)
+    free[np.concatenate([a[pressed], b[pressed], state.joined.ravel()])] = False
+    held = np.flatnonzero(closed & ~side)
+    ends = np.column_stack([a[held], b[held]])
+    for _ in range(len(free)):  # what rests on a body that does not fall does not fall
+        mixed = free[ends[:, 0]] != free[ends[:, 1]]
+        if not mixed.any():
+            break
+        free[ends[mixed]] = False
+    label = connected(len(free), *ends[free[ends].all(axis=1)].T) + 1
     return np.unique(np.append(np.where(free, label, 0), 0), return_inverse=True)[1][:-1]
 
 
@@ -313,14 +325,15 @@ def _settle_down(state: _State) -> bool:
         island = _islands(state, points, active)
         stride = _stride_of_islands(state, island)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
-        step = program.step(stride / state.length, points.gap <= 0.5 * reach)
+        rough = points.gap <= 0.5 * reach
+        group = _falling_freely(state, points, program, stride, rough)
+        if group.any() and _drop(state, group) > FLOATS * state.length:
+            last = None
+            continue
+        step = program.step(stride / state.length, rough)
         if step is None:
             state.stride[active] /= 4
             state.asleep |= active & (state.stride < SHORTEST * state.length)
-            continue
-        group = _falling_freely(state, points, step, stride, island)
-        if group.any() and _drop(state, group) > FLOATS * state.length:
-            last = None
             continue
         last = _Last(state.bodies, island, stride, -float(points.gap.min(initial=0.0)))
         _advance(state, island, stride, step)
