@@ -168,8 +168,9 @@ def simulate(task: Task, interpreter: str, version: str, states: list[Array]) ->
         command = [interpreter, str(ENGINE), str(task.scene), str(path)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
-            process.stdout.readline()
-            for key, line in zip(todo, process.stdout, strict=False):
+            # MuJoCo prints its warnings among the results
+            results = (line for line in process.stdout if line.startswith("{"))
+            for key, line in zip(todo, results, strict=False):
                 moved = json.loads(line)["moved"]
                 target = task.results / f"{task.name}.drift-{version}.jsonl"
                 _append(target, {"pose": key, "moved": moved})
