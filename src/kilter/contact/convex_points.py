@@ -8,12 +8,13 @@ over the other, and crossings of edges, each with its own gap along n.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
 from kilter.contact.convex_distance import face_separations, product_blocks, products
-from kilter.contact.convex_normals import Excluded, pair_normals
+from kilter.contact.convex_normals import FACE_ANGLE, Excluded, pair_normals
 from kilter.contact.convex_pieces import (
     ConvexPieces,
     Cores,
@@ -36,6 +37,8 @@ LAYER = 0.1
 the smaller part [-]; pieces behind it follow when the parts come nearer."""
 DIRECTIONS = 16
 """Number of directions across a normal in which points of a pair are extreme [-]."""
+FEW = 12
+"""Number of points of a pair that all stay [-]."""
 CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
@@ -309,21 +312,22 @@ def _points_of_pairs(
     a, b = (_lying(scene, piece, n, sign) for piece, sign in zip(pair, (1.0, -1.0), strict=True))
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
     size = np.minimum(pieces.size[pair[0]], pieces.size[pair[1]])
-    row, point, gap = points_along(a, b, n, found.separation, reach + radius, size)
+    row, point, gap, normal = points_along(a, b, n, found.separation, reach + radius, size)
     chosen = reduced(row, point, gap, n, size)
-    row, point, gap = row[chosen], point[chosen], gap[chosen]
+    row, point, gap, normal = row[chosen], point[chosen], gap[chosen], normal[chosen]
     without = np.ones(len(near), dtype=bool)
     without[row] = False
     alone = np.flatnonzero(without)
     row = np.concatenate([row, alone])
     point = np.concatenate([point, (found.on_a + found.on_b)[alone] / 2])
     gap = np.concatenate([gap, found.separation[alone]]) - radius[row]
+    normal = np.concatenate([normal, n[alone]])
     bears = found.regular[row]
     bears[len(row) - len(alone) :] &= radius[alone] > 0
     shift = (pieces.radius[pair[0]] - pieces.radius[pair[1]])[row] / 2
     point += shift[:, None] * n[row]
     i, j = pair[0][row], pair[1][row]
-    points = PiecePoints(pieces.part[i], pieces.part[j], i, j, point, n[row], gap, bears)
+    points = PiecePoints(pieces.part[i], pieces.part[j], i, j, point, normal, gap, bears)
     return points, near[row]
 
 
@@ -355,14 +359,17 @@ def _inner(pieces: ConvexPieces, pair: tuple[Index, Index]) -> tuple[Mask, Mask]
 
 def points_along(
     a: Cores, b: Cores, n: Array, separation: Array, reach: Array, size: Array
-) -> tuple[Index, Array, Array]:
-    """Points between surfaces that lie over each other along n: row, middle, gap.
+) -> tuple[Index, Array, Array, Array]:
+    """Points between surfaces that lie over each other along n: row, middle, gap, normal.
+
+    A corner that almost touches a face across n has the normal of this face, and its distance from
+    it as the gap.
 
     Arguments: `n` (K, 3); `separation` (K,): gap of the support planes; `reach` (K,); `size` (K,).
     """
     slack = BESIDE * size
     cos_a, cos_b = ((core.normal @ n[..., None])[..., 0] for core in (a, b))
-    blocks = [
+    blocks: list[tuple[Any, ...]] = [
         _corners_over(b, a, cos_b, cos_a, n, slack, -1.0),
         _corners_over(a, b, cos_a, cos_b, n, slack, 1.0),
         _crossings(a, b, (cos_a, cos_b), n, reach - separation, slack),
@@ -372,22 +379,22 @@ def points_along(
         blocks += [_corners_on_edges(b, a, bare, n, slack, -1.0)]
         blocks += [_corners_on_edges(a, b, bare, n, slack, 1.0)]
     row, point, gap = (np.concatenate([block[k] for block in blocks]) for k in range(3))
+    normal = np.concatenate([block[3] if len(block) > 3 else n[block[0]] for block in blocks])
     kept = gap <= reach[row]
-    return row[kept], point[kept], gap[kept]
+    return row[kept], point[kept], gap[kept], normal[kept]
 
 
 def _corners_over(
     own: Cores, other: Cores, cos_own: Array, cos: Array, n: Array, slack: Array, sign: float
-) -> tuple[Index, Array, Array]:
-    """Corners of a surface over the other: row, middle of the gap, gap.
+) -> tuple[Index, Array, Array, Array]:
+    """Corners of a surface over the other: row, middle of the gap, gap, normal.
 
     `sign`: 1 if n points from `own` to `other`, else -1.
     """
     cos, cos_own = sign * cos, sign * cos_own
     touches = own.offset[:, None] - own.vertex @ own.normal.transpose(0, 2, 1)
-    along = cos_own >= least_cosine(cos_own)[:, None]
-    on = (touches <= slack[:, None, None]) & along[:, None]
-    # the face nearest to the direction does not always contain the corner that lies farthest
+    # corners of all faces that look along n, however little: a small turn may bring them nearest
+    on = (touches <= slack[:, None, None]) & (cos_own > SLOPE)[:, None]
     height = sign * (own.vertex @ n[..., None])[..., 0]
     facing: Mask = on.any(axis=2) | (height >= height.max(axis=1, keepdims=True) - slack[:, None])
     facing |= own.bare[:, None]
@@ -405,9 +412,15 @@ def _corners_over(
     # a corner beside a face lies over the steep face next to it, which it does not meet along n
     top = height.argmax(axis=1)
     inside &= -c[np.arange(len(c)), top] >= least_cosine(-cos)[row]
-    row, x = row[inside], x[inside]
+    row, x, top = row[inside], x[inside], top[inside]
+    normal = -sign * other.normal[row, top]
+    cosine = np.einsum("ki,ki->k", normal, n[row])
     gap = height.max(axis=1)[inside]
-    return row, x + (sign * gap / 2)[:, None] * n[row], gap
+    near = np.abs(gap) <= CLOSED / BESIDE * slack[row]
+    level = near & (cosine >= np.cos(FACE_ANGLE))
+    normal = np.where(level[:, None], normal, n[row])
+    gap = gap * np.where(level, cosine, 1.0)
+    return row, x + (sign * gap / 2)[:, None] * normal, gap, normal
 
 
 def least_cosine(cosines: Array) -> Array:
@@ -522,7 +535,9 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
     ahead -= 1e-3 * gap[:, None]
     rank = np.concatenate([gap[:, None], -ahead, np.where(closed[:, None], -ahead, np.inf)], axis=1)
     best = np.minimum.reduceat(rank, first)
-    chosen = np.zeros(len(row), dtype=bool)
+    count = np.diff(np.append(first, len(row)))
+    # each corner of a contact counts: without it, a body would rock over it
+    chosen = np.repeat(count <= FEW, count)
     for value, low in zip(rank.T, best.T, strict=True):
         hit = np.flatnonzero(value == low[of])
         chosen[hit[np.diff(of[hit], prepend=-1) > 0]] = True
