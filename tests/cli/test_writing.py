@@ -26,7 +26,13 @@ from kilter.scenes.arches import arch
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
 
 FILE, SLIDES, BRICKS = "tower.kilter.json", "slope.kilter.json", "stair.txt"
-PACKED = "packed.csv"
+PACKED, SIMULATED = "packed.csv", "box.xml"
+BOX = """<mujoco><worldbody>
+  <geom type="plane" size="1 1 1"/>
+  <body name="box" pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+</worldbody></mujoco>
+"""
+"""A box on a floor, for MuJoCo."""
 WRITERS = {
     "proof.json": ["check", FILE, "--quiet", "--proof"],
     "check.json": ["check", FILE, "--quiet", "--json", "-o"],
@@ -45,6 +51,7 @@ WRITERS = {
     "report.html": ["report", FILE, "--quiet", "-o"],
     "place.json": ["place", FILE, "--quiet", "--json", "--box", ".5x.5x.5", "--mass", "1", "-o"],
     "scene.json": ["scene", FILE, "--quiet", "--json", "-o"],
+    "why.json": ["why", SIMULATED, "--quiet", "--json", "-o"],
     "settle.svg": ["settle", FILE, "--quiet", "-o"],
     "packed.json": ["check-plan", PACKED, "--quiet", "--json", "-o"],
     "draw.svg": ["draw", FILE, "--quiet", "-o"],
@@ -77,12 +84,13 @@ def commands() -> Iterator[Commands]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A tower of three cubes, a block that slides, two bricks: all is soon done."""
+    """A tower of three cubes, a block that slides, two bricks, a box on a floor: all is quick."""
     kilter.dump(scene("tower"), tmp_path / FILE)
     kilter.dump(scene("slope"), tmp_path / SLIDES)
     (tmp_path / PACKED).write_text(
         "length,width,height,mass,x,y,z\n1,1,1,1,0,0,0\n", encoding="utf-8"
     )
+    (tmp_path / SIMULATED).write_text(BOX, encoding="utf-8")
     (tmp_path / BRICKS).write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n", encoding="utf-8")
     return tmp_path
 
@@ -196,6 +204,7 @@ def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
             SLIDES,
             BRICKS,
             PACKED,
+            SIMULATED,
             SAID,
             name,
         }

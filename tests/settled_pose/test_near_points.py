@@ -263,9 +263,7 @@ def test_a_ring_around_a_bar_has_points_at_any_play():
 def test_a_closed_point_lies_on_faces_that_its_normal_fits(point, normal, sound):
     assembly = Assembly([floor([-2, -2], [2, 2]), block("box", [-0.5, -0.5, 0], [0.5, 0.5, 1])])
     unit = np.array([normal]) / np.linalg.norm(normal)
-    apart, found = closed_points(
-        assembly.geometry, np.array([[0, 1]]), np.array([point]), unit, 1e-8
-    )
+    apart, found = closed_points(assembly, np.array([[0, 1]]), np.array([point]), unit, 1e-8)
     assert apart[0] == pytest.approx(2 * point[2], abs=1e-15)
     assert found.tolist() == [sound]
 

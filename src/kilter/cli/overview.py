@@ -11,7 +11,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "check": "does it stay together, and which parts move if not?",
         "contacts": "which parts touch, and which nearly touch?",
         "scene": "which objects of a scene are at rest, float, overlap or fall?",
-        "why": "why do the bodies of a MuJoCo state move, by the engine's own contacts?",
+        "why": "why do the bodies of a state of MuJoCo move, by its contacts?",
         "orient": "in which orientation does it stay with the widest margin?",
         "region": "in which directions of gravity does it stay?",
         "margin": "how far may it tilt, how little friction does it need?",
@@ -36,18 +36,17 @@ GROUPS: dict[str, dict[str, str]] = {
         "batch": "check many files, and write a table",
         "example": "list the built-in examples, or write one of them",
         "mcp": "serve these questions as tools for agents",
-        "doctor": "test this installation",
+        "doctor": "test this installation (kilter --version: its version)",
     },
 }
 """Names of the commands by group, each with its summary in a few words."""
-PURPOSE = "Does an assembly of rigid parts stay together under gravity? With a proof."
+PURPOSE = "Does an assembly of rigid parts stay together? Options: kilter COMMAND --help"
 
 
 def overview() -> str:
-    """Help text of the program: its purpose, and its commands in groups."""
+    """Help text of the program: its purpose, the way to its options, its commands in groups."""
     lines = [PURPOSE]
     for group, entries in GROUPS.items():
         for k, (name, summary) in enumerate(entries.items()):
             lines.append(f"{'' if k else group:7}{name:11}{summary}")
-    options = "options: kilter COMMAND --help; kilter --version, kilter --print-completion bash"
-    return "\n".join([*lines, options]) + "\n"
+    return "\n".join(lines) + "\n"

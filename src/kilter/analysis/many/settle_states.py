@@ -169,6 +169,7 @@ def settle_states(
     See Also
     --------
     kilter.settle : one state, with the complete answer.
+    kilter.judge : why the bodies of one state move, by the contacts of MuJoCo.
 
     Examples
     --------

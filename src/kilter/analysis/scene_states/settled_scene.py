@@ -19,7 +19,7 @@ from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.scene_states.scene_report import SceneObject, SceneReport
 from kilter.analysis.scene_states.survey import survey, worst_overlaps
 from kilter.analysis.settled_pose.closing_motion import closed_up
-from kilter.analysis.settled_pose.rest import Rest
+from kilter.analysis.settled_pose.rest import RestResult
 from kilter.analysis.settled_pose.rest_verification import closed_parts, parts_without_rest
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.analysis.settled_pose.settle import rest_of, way_of
@@ -65,7 +65,7 @@ def _drawn_once(assembly: Assembly, contacts: ContactSet) -> Assembly:
     return chosen_parts(assembly, np.setdiff1d(np.arange(len(assembly)), double), [])
 
 
-def _in_poses(drawn: Assembly, once: Assembly, rest: Rest) -> Assembly:
+def _in_poses(drawn: Assembly, once: Assembly, rest: RestResult) -> Assembly:
     """The drawn assembly with the poses of the engine; itself if no part moved."""
     if not rest.bodies.movements().any():
         return drawn
@@ -76,7 +76,7 @@ def _in_poses(drawn: Assembly, once: Assembly, rest: Rest) -> Assembly:
     return replace(drawn, parts=parts)
 
 
-def _judged(rest: Rest, asked: Question) -> tuple[Rest, SceneReport | None]:
+def _judged(rest: RestResult, asked: Question) -> tuple[RestResult, SceneReport | None]:
     """The result of the engine and its states on closed points; closed up if more objects rest."""
     first = _on_closed_points(rest, asked)
     claimed = ~parts_without_rest(rest) & ~rest.bodies.drawn.geometry.grounded
@@ -93,7 +93,7 @@ def _resting(report: SceneReport | None) -> dict[str, SceneObject]:
     return {} if report is None else {e.name: e for e in report if e.state == "at-rest"}
 
 
-def _on_closed_points(rest: Rest, asked: Question) -> SceneReport | None:
+def _on_closed_points(rest: RestResult, asked: Question) -> SceneReport | None:
     """The states of the objects with a pose, on forces at closed points alone.
 
     Overlapping objects are left out; None without points.
@@ -116,7 +116,7 @@ def _on_closed_points(rest: Rest, asked: Question) -> SceneReport | None:
 def _report(
     drawn: Assembly,
     after: Assembly,
-    rest: Rest,
+    rest: RestResult,
     found: tuple[Mapping[str, SceneObject], SceneReport | None, SceneReport | None],
     asked: Question,
 ) -> SceneReport:

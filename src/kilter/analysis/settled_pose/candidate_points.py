@@ -23,7 +23,7 @@ from kilter.contact.friction_coefficients import friction_coefficients
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CandidatePoints:
-    """What the search for candidate points needs of an assembly, made once."""
+    """Data of an assembly for the search for candidate points, computed once."""
 
     assembly: Assembly
     pieces: ConvexPieces

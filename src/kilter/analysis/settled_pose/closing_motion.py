@@ -12,7 +12,7 @@ import numpy as np
 
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
-from kilter.analysis.settled_pose.rest import Rest
+from kilter.analysis.settled_pose.rest import RestResult
 from kilter.analysis.settled_pose.rest_search import search_rest
 from kilter.analysis.settled_pose.rest_verification import parts_without_rest
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
@@ -21,7 +21,7 @@ REACH = 1e-3
 """Reach of the search, over the median size of the parts [-]."""
 
 
-def closed_up(rest: Rest) -> Rest | None:
+def closed_up(rest: RestResult) -> RestResult | None:
     """The result after the least motion that brings its resting bodies to rest; None without one.
 
     Bodies that leave the scene or have no pose do not take part.

@@ -18,7 +18,7 @@ from kilter.rigid import Pose, matrix_to_quaternion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Known:
+class _KnownPairs:
     """Points of examined pairs: their keys, ascending, with the poses and the reach."""
 
     key: Index
@@ -30,11 +30,11 @@ class _Known:
     points: NearPoints
 
     @staticmethod
-    def none() -> _Known:
+    def none() -> _KnownPairs:
         """No pair."""
         empty = np.empty(0, dtype=np.int64)
         start = np.zeros(1, dtype=np.int64)
-        return _Known(empty, np.empty((0, 24)), np.empty(0), start, NearPoints.none())
+        return _KnownPairs(empty, np.empty((0, 24)), np.empty(0), start, NearPoints.none())
 
 
 @dataclass(slots=True, eq=False)
@@ -49,7 +49,7 @@ class MovingPairs:
     low: Array
     high: Array
     """Boxes of the parts in their own frames, shape (N, 3)."""
-    known: _Known = field(default_factory=_Known.none)
+    known: _KnownPairs = field(default_factory=_KnownPairs.none)
 
     @staticmethod
     def of(assembly: Assembly, covered: Mask, ignored: Index) -> MovingPairs:
@@ -129,10 +129,10 @@ class MovingPairs:
         )
 
 
-def _sorted(key: Index, pose: Array, reach: Array, points: NearPoints, count: int) -> _Known:
+def _sorted(key: Index, pose: Array, reach: Array, points: NearPoints, count: int) -> _KnownPairs:
     """Pairs in the order of their keys, with their points."""
     order = np.argsort(key)
     of_point = points.part_a * count + points.part_b
     points = points.take(np.argsort(of_point, kind="stable"))
     start = np.searchsorted(np.sort(of_point), key[order])
-    return _Known(key[order], pose[order], reach[order], np.append(start, len(points)), points)
+    return _KnownPairs(key[order], pose[order], reach[order], np.append(start, len(points)), points)

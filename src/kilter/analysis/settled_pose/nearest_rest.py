@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from kilter.analysis.settled_pose.near_points import find_near_points
-from kilter.analysis.settled_pose.rest import Rest
+from kilter.analysis.settled_pose.rest import RestResult
 from kilter.analysis.settled_pose.rest_search import SearchResult, search_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.settle_tolerances import REACH
@@ -31,7 +31,7 @@ FITS = "the normals of their free-form faces are fits, and change from round to 
 
 def find_nearest_rest(
     bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Callable[[str], None]
-) -> tuple[Rest, float]:
+) -> tuple[RestResult, float]:
     """Search for a pose at rest by the least motion; return it and the reach [length unit].
 
     Arguments: `contacts`: contacts of the drawn pose, whose gaps give the default reach.
@@ -39,7 +39,7 @@ def find_nearest_rest(
     found, used = _search(bodies, contacts, reach, tell)
     if _between_fits(found, contacts):
         found = replace(found, why=f"{found.why}; {FITS}")
-    rest = Rest(
+    rest = RestResult(
         found.state,
         found.bodies,
         ways=((),) * len(bodies.mass),

@@ -15,7 +15,7 @@ WayKind = Literal["pushed-out", "fell", "tipped", "slid", "rolled"]
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class WayStep:
     """A piece of the way of a body: all movements of a kind that follow each other."""
 
     how: WayKind
@@ -26,13 +26,13 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rest:
+class RestResult:
     """Where the bodies came to rest, and how they got there."""
 
     state: RestState
     bodies: RigidBodies
     """The bodies in their last poses; those that leave the scene stay where they left it."""
-    ways: tuple[tuple[Step, ...], ...]
+    ways: tuple[tuple[WayStep, ...], ...]
     """Way of each body, in time; shape (B,)."""
     leaves: tuple[str, ...] = ()
     """Parts that fall out of the scene."""

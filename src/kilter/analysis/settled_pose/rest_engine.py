@@ -22,7 +22,7 @@ from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.descent import Descent
 from kilter.analysis.settled_pose.near_points import NearPoints
-from kilter.analysis.settled_pose.rest import Rest, RestState, Step, WayKind
+from kilter.analysis.settled_pose.rest import RestResult, RestState, WayKind, WayStep
 from kilter.analysis.settled_pose.rest_programs import RestPrograms
 from kilter.analysis.settled_pose.rest_proof import closed_gap
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
@@ -83,7 +83,7 @@ class _State:
     asleep: Mask
     gone: Mask
     """Bodies at rest, and bodies that left the scene, shape (B,)."""
-    ways: list[list[Step]]
+    ways: list[list[WayStep]]
     round_body: Mask
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
@@ -123,12 +123,12 @@ class _State:
         if way and way[-1].how == how:
             last = way.pop()
             far, degrees = far + last.distance, degrees + last.angle_deg
-        way.append(Step(how, float(far), degrees))
+        way.append(WayStep(how, float(far), degrees))
 
 
 def come_to_rest(
     bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Tell
-) -> Rest:
+) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
@@ -173,7 +173,7 @@ def _points(state: _State, reach: float) -> NearPoints:
     return points.take(~gone[points.part_a] & ~gone[points.part_b])
 
 
-def _open_overlaps(state: _State) -> Rest | None:
+def _open_overlaps(state: _State) -> RestResult | None:
     """Open all overlaps by the least motion; the result if nothing opens them, else None."""
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
@@ -199,12 +199,12 @@ def _open_overlaps(state: _State) -> Rest | None:
     return None
 
 
-def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array) -> Rest:
+def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array) -> RestResult:
     """The result for overlaps that no motion opens: the parts of the certificate."""
     pressed = forces > 1e-3 * max(float(forces.max(initial=0.0)), 1e-300)
     parts = np.unique(np.concatenate([points.part_a[pressed], points.part_b[pressed]]))
     names = tuple(state.bodies.drawn.names[k] for k in parts.tolist())
-    return Rest(
+    return RestResult(
         "does-not-fit", state.bodies, _ways(state), parts=names, depth=depth,
         why="no small motion opens all overlaps", rounds=state.rounds,
     )  # fmt: skip
@@ -434,11 +434,11 @@ def _next_stride(state: _State, island: Index, stride: Array, far: Array) -> Arr
     return np.minimum(grown, SLOWEST * size)
 
 
-def _ways(state: _State) -> tuple[tuple[Step, ...], ...]:
+def _ways(state: _State) -> tuple[tuple[WayStep, ...], ...]:
     return tuple(tuple(way) for way in state.ways)
 
 
-def _result(state: _State, reach: float | None) -> Rest:
+def _result(state: _State, reach: float | None) -> RestResult:
     """The result in the last pose."""
     points = _points(state, 1e-3 * state.length)
     closed = points.bears & (np.abs(points.gap) <= 10 * state.closed)
@@ -460,7 +460,7 @@ def _result(state: _State, reach: float | None) -> Rest:
         k = int(far.argmax())
         verdict, parts = "not-found", (names[k],)
         why = f"{names[k]!r} would move {number(float(far[k]), 3)} {state.bodies.drawn.units}"
-    return Rest(
+    return RestResult(
         verdict, state.bodies, _ways(state), leaves, parts, 0.0, why, state.rounds,
         points.take(closed),
     )  # fmt: skip

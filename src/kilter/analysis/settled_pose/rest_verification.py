@@ -13,7 +13,7 @@ import numpy as np
 
 from kilter.analysis.check import check, check_equilibrium, check_level
 from kilter.analysis.chosen_parts import chosen_parts
-from kilter.analysis.settled_pose.rest import Rest
+from kilter.analysis.settled_pose.rest import RestResult
 from kilter.analysis.settled_pose.rest_proof import (
     ClosedContacts,
     closed_contacts,
@@ -54,7 +54,7 @@ class RestingParts:
     """Reason why they were left out, as a clause; empty without these parts."""
 
 
-def parts_without_rest(rest: Rest) -> Mask:
+def parts_without_rest(rest: RestResult) -> Mask:
     """Free parts that leave the scene or have no pose, with the parts of their bodies; (N,)."""
     bodies = rest.bodies
     gone = np.zeros(len(bodies.mass), dtype=bool)
@@ -81,7 +81,7 @@ def held_aside(assembly: Assembly) -> Mask:
 
 
 def closed_parts(
-    rest: Rest, settled: Assembly, chosen: Mask, detected: ContactSet | None, asked: Question
+    rest: RestResult, settled: Assembly, chosen: Mask, detected: ContactSet | None, asked: Question
 ) -> tuple[ClosedContacts, ContactSet]:
     """The closed contacts among some parts of a pose, and the contacts detected for them.
 
@@ -102,7 +102,7 @@ def closed_parts(
     return closed, detected
 
 
-def verify_rest(rest: Rest, settled: Assembly, asked: Question) -> RestingParts | str:
+def verify_rest(rest: RestResult, settled: Assembly, asked: Question) -> RestingParts | str:
     """Verify the parts that rest in a pose; a clause with the reason if no free part rests.
 
     The verdicts only say that forces exist; `with_level` decides the level.

@@ -111,7 +111,7 @@ class RigidBodies:
         return replace(drawn, parts=parts, joints=joints, loads=loads, bonds=bonds)
 
     def parts(self, chosen: Iterable[int]) -> list[Part]:
-        """Some of the parts in the current pose."""
+        """Chosen parts in the current pose."""
         parts, changed = [], self.changed
         for k in chosen:
             part, body = self.drawn.parts[k], int(self.of_part[k])

@@ -21,7 +21,7 @@ import numpy as np
 from kilter.analysis.check import check_level
 from kilter.analysis.settled_pose.closing_motion import closed_up
 from kilter.analysis.settled_pose.nearest_rest import find_nearest_rest
-from kilter.analysis.settled_pose.rest import Rest, RestState, Step
+from kilter.analysis.settled_pose.rest import RestResult, RestState, WayStep
 from kilter.analysis.settled_pose.rest_engine import come_to_rest
 from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_gap
 from kilter.analysis.settled_pose.rest_search import SLACK
@@ -337,7 +337,7 @@ def _settle(
                    reach=reach)  # fmt: skip
 
 
-def is_verified(rest: Rest, resting: RestingParts | str) -> bool:
+def is_verified(rest: RestResult, resting: RestingParts | str) -> bool:
     """Whether the verification confirms the rest of all parts of which the engine claims it."""
     if isinstance(resting, RestingParts):
         return not resting.unproved
@@ -354,14 +354,14 @@ def valid_reach(reach: float | None) -> float | None:
 
 def rest_of(
     bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Callable[[str], None]
-) -> Rest:
+) -> RestResult:
     """The result of the engine; "not-found" for an assembly that it does not accept.
 
     Arguments: `contacts`: contacts of the drawn pose.
     """
     why = refusal(bodies.drawn)
     if why:
-        return Rest("not-found", bodies, ways=((),) * len(bodies.mass), why=why)
+        return RestResult("not-found", bodies, ways=((),) * len(bodies.mass), why=why)
     rest = come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell)
     if reach is not None:
         shift = np.linalg.norm(rest.bodies.movements()[:, :3], axis=1)
@@ -371,7 +371,7 @@ def rest_of(
     return without_rounding(rest)
 
 
-def without_rounding(rest: Rest) -> Rest:
+def without_rounding(rest: RestResult) -> RestResult:
     """The result with the drawn poses of all bodies whose movement comes from rounding."""
     bodies = rest.bodies
     shift = np.linalg.norm(bodies.center - bodies.drawn_center, axis=1)
@@ -384,7 +384,7 @@ def without_rounding(rest: Rest) -> Rest:
 
 
 def _answer(
-    rest: Rest,
+    rest: RestResult,
     settled: Assembly,
     resting: RestingParts | str,
     asked: Question,
@@ -438,14 +438,14 @@ def _answer(
     )
 
 
-def _state(rest: Rest, some_rest: bool, some_fail: bool) -> RestState:
+def _state(rest: RestResult, some_rest: bool, some_fail: bool) -> RestState:
     """State of the free parts after the verification."""
     if some_rest:
         return "partly" if some_fail else "at-rest"
     return "not-found" if rest.state in ("at-rest", "partly") else rest.state
 
 
-def way_of(steps: tuple[Step, ...]) -> tuple[Way, ...]:
+def way_of(steps: tuple[WayStep, ...]) -> tuple[Way, ...]:
     """The pieces of a way as records."""
     return tuple(Way(how=s.how, distance=s.distance, angle_deg=s.angle_deg) for s in steps)
 
