@@ -51,6 +51,9 @@ STALLS = 8
 EXACT = 1e-7
 """Movement in a step that comes from the solver [strides]. A first stride leaves gaps below the
 gap that counts as closed."""
+CALM = 1e-7
+"""Movement in a step, over the size of a body, that ends its way after `STALLS` steps in a row [-];
+the verification closes what is left."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -88,6 +91,8 @@ class _State:
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
     """Movement in the last step, over its stride, shape (B,)."""
+    calm: Index
+    """Number of steps in a row in which a body and its island hardly moved, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
     rounds: int = 0
@@ -160,7 +165,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         float(weights.mean()) if free.any() else 1.0,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
-        np.zeros(count),
+        np.zeros(count), np.zeros(count, dtype=np.int64),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
     )  # fmt: skip
@@ -400,7 +405,11 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     np.logical_and.at(quiet, island, ~moving)
     # a long stride has a coarse step: the pose is confirmed by a short one
     short = stride <= (1 + EXACT) * FIRST * state.bodies.size
-    state.asleep = np.where(island >= 0, quiet[island] & short, state.asleep)
+    calm = np.ones(len(island) + 1, dtype=bool)
+    np.logical_and.at(calm, island, far <= CALM * state.bodies.size)
+    state.calm = np.where((island >= 0) & calm[island], state.calm + 1, 0)
+    ends = (quiet[island] & short) | (state.calm >= STALLS)
+    state.asleep = np.where(island >= 0, ends, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
     next_stride = _next_stride(state, island, stride, far)
     first = FIRST * state.bodies.size
