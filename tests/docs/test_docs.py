@@ -21,6 +21,12 @@ from kilter.scenes.walls import wall
 ROOT = Path(__file__).resolve().parents[2]
 OTHERS = ("compas", "compas_assembly")
 """Libraries that a page may be about and the tests do without."""
+SIMULATED = """<mujoco><worldbody>
+  <geom type="plane" size="1 1 1"/>
+  <body name="box" pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+</worldbody></mujoco>
+"""
+"""A box on a floor, for MuJoCo."""
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
@@ -116,6 +122,7 @@ def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "wall.kilter.json").write_text(to_text(scene("wall")), encoding="utf-8")
+    (tmp_path / "scene.xml").write_text(SIMULATED, encoding="utf-8")
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     (tmp_path / "parts").mkdir()
     for name, height in (("base", 0.0), ("block", 1.0)):
