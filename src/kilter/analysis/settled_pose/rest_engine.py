@@ -44,16 +44,16 @@ SLOWEST = 1e4
 """Largest time of a step, in times in which a body would fall by its size [-]."""
 SHORTEST = 1e-7
 """Length of a step at which a body counts as not moving on [-]."""
-STILL = 1e-10
+STILL = 2e-9
 """Movement in a step that counts as none [sizes]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter."""
-EXACT = 1e-7
-"""Movement in a step that comes from the solver [strides]. A first stride leaves gaps below the
-gap that counts as closed."""
-CALM = 1e-7
-"""Movement in a step, over the size of a body, that ends its way after `STALLS` steps in a row [-];
-the verification closes what is left."""
+EXACT = 2e-5
+"""Movement in a step that may come from the solver, whose objective is exact to the square of this
+[strides]."""
+SHORT, SHORTER = 2e-6, 100.0
+"""Length of the last step of a body at rest [sizes], and factor between the steps that confirm it.
+"""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -91,8 +91,6 @@ class _State:
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
     """Movement in the last step, over its stride, shape (B,)."""
-    calm: Index
-    """Number of steps in a row in which a body and its island hardly moved, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
     rounds: int = 0
@@ -165,7 +163,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         float(weights.mean()) if free.any() else 1.0,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
-        np.zeros(count), np.zeros(count, dtype=np.int64),
+        np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
     )  # fmt: skip
@@ -398,22 +396,20 @@ def _stride_of_islands(state: _State, island: Index) -> Array:
 
 
 def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
-    """Take a step; islands in which nothing moves are at rest."""
+    """Take a step; islands in which nothing moves, in steps of any length, are at rest.
+
+    A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
+    """
     step, far = _shortened(state, island, step)
     moving = far > np.maximum(STILL * state.length, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
-    # a long stride has a coarse step: the pose is confirmed by a short one
-    short = stride <= (1 + EXACT) * FIRST * state.bodies.size
-    calm = np.ones(len(island) + 1, dtype=bool)
-    np.logical_and.at(calm, island, far <= CALM * state.bodies.size)
-    state.calm = np.where((island >= 0) & calm[island], state.calm + 1, 0)
-    ends = (quiet[island] & short) | (state.calm >= STALLS)
-    state.asleep = np.where(island >= 0, ends, state.asleep)
+    rests = quiet[island] & (stride <= SHORT * state.bodies.size)
+    state.asleep = np.where(island >= 0, rests, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
     next_stride = _next_stride(state, island, stride, far)
-    first = FIRST * state.bodies.size
-    next_stride = np.where(quiet[island], np.minimum(next_stride, first), next_stride)
+    first = np.minimum(stride / SHORTER, FIRST * state.bodies.size)
+    next_stride = np.where(quiet[island], np.maximum(first, SHORT * state.bodies.size), next_stride)
     state.stride = np.where(island >= 0, next_stride, state.stride)
     state.move(np.where(moving[:, None], step, 0.0), None)
 
