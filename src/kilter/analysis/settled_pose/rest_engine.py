@@ -410,6 +410,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     next_stride = _next_stride(state, island, stride, far)
     first = np.minimum(stride / SHORTER, FIRST * state.bodies.size)
     next_stride = np.where(quiet[island], np.maximum(first, SHORT * state.bodies.size), next_stride)
+    next_stride = np.where(rests, FIRST * state.bodies.size, next_stride)  # if it moves again
     state.stride = np.where(island >= 0, next_stride, state.stride)
     state.move(np.where(moving[:, None], step, 0.0), None)
 
