@@ -326,6 +326,7 @@ def height_along(shape: Shape, at: Pose, n: Array) -> float:
     return float(own + n @ at.position)
 
 
+@pytest.mark.slow
 def test_random_cylinders_against_a_search_of_directions() -> None:
     rng = np.random.default_rng(7)
     others = [Cylinder(0.1, 1.5), Sphere(0.3), *polytopes(rng)[:4]]

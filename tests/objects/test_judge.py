@@ -101,6 +101,7 @@ def test_pads_with_unequal_forces_move_and_pads_without_force_are_held():
     assert (loose.state, loose.held_by_motors) == ("falls", ())
 
 
+@pytest.mark.slow
 def test_a_pinch_on_a_hand_holds_by_the_same_factor():
     """Fingers on a robot: the hand has a motor and is held, the fingers press."""
     part = '<geom type="box" size=".02 .01 .01" mass=".045" friction=".7"/>'
@@ -286,6 +287,7 @@ def test_data_and_model_stay_as_they_are():
     assert data.ncon == before.ncon
 
 
+@pytest.mark.slow
 def test_creep_of_a_pinch_is_measured_and_the_best_setting_named():
     model, data = made(pinch(), 300, [12, -12])
     answer = kilter.judge(model, data, creep=0.5)
@@ -343,6 +345,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_command_has_the_exit_codes_of_its_states(folder, capsys):
     assert main(["why", "scene.xml", "--steps", "200", "--quiet"]) == 0
     assert "Holds at any gravity" in capsys.readouterr().out
@@ -365,6 +368,7 @@ def test_the_command_has_the_exit_codes_of_its_states(folder, capsys):
     assert main([*words, "--require", "equilibrium"]) == 0
 
 
+@pytest.mark.slow
 def test_the_proof_of_the_command_is_recomputed_from_its_contacts(folder, capsys):
     words = ["--proof", "p.json", "--contacts", "c.kilter.json"]
     assert main(["why", "scene.xml", "--steps", "20", *words]) == 0

@@ -39,6 +39,7 @@ def test_parts_that_are_drawn_with_play_come_to_rest_where_geometry_says(known: 
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 @pytest.mark.parametrize("known", KNOWN, ids=[known.name for known in KNOWN])
 def test_units_and_directions_do_not_change_the_pose_at_rest(known: KnownRest):
     """The same scene about a general axis: the shifts turn with it."""
@@ -152,6 +153,7 @@ def test_a_rod_that_slips_on_its_way_ends_at_rest_or_leaves(friction: float):
     assert shift_of(answer, "rod")[2] < -0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("aside", [0.4, -0.7])
 def test_a_ball_above_a_side_of_a_groove_rolls_to_its_middle(aside: float):
     """Answer 15."""
