@@ -39,7 +39,6 @@ def test_parts_that_are_drawn_with_play_come_to_rest_where_geometry_says(known: 
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 @pytest.mark.parametrize("known", KNOWN, ids=[known.name for known in KNOWN])
 def test_units_and_directions_do_not_change_the_pose_at_rest(known: KnownRest):
     """The same scene about a general axis: the shifts turn with it."""

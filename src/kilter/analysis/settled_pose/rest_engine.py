@@ -184,7 +184,7 @@ def _open_overlaps(state: _State) -> RestResult | None:
         stop_if_late()
         points = _points(state, reach)
         deep = -float(points.gap.min(initial=0.0))
-        if deep <= state.closed:
+        if deep <= 5 * state.closed:  # half of what counts as closed
             return None
         state.tell(f"overlaps: {number(deep)}")
         programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
