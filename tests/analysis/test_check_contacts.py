@@ -140,6 +140,7 @@ def by_linear_program(case: tuple[Any, ...], outer: bool) -> bool:
     return bool(answer.status == 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(30))
 def test_random_contacts_agree_with_a_linear_program_and_with_check(seed):
     case = random_contacts(np.random.default_rng(seed))

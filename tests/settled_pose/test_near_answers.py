@@ -203,6 +203,7 @@ def test_a_cylinder_on_two_free_ones_rests_above_both_limits_of_friction(between
         assert shift_of(answer, "top")[2] < -0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.0, 0.1, 1.0])
 def test_a_cylinder_on_two_held_ones_rests_for_every_friction(friction: float):
     answer = kilter.settle(three_cylinders(friction, friction, held=True), require="equilibrium")
@@ -217,6 +218,7 @@ def plate_on_a_step(beyond: float) -> Assembly:
     return Assembly([floor([-1, -1], [1, 1]), step, plate], friction=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beyond", [-0.001, 0.01, 0.03, 0.045])
 def test_a_plate_tips_over_the_edge_of_a_step_and_leans_on_it(beyond: float):
     """Answer 17."""

@@ -172,6 +172,7 @@ def can(kind: str, tilt: float, depth: float, at: tuple[float, float] = (0.1, 0.
     return Part("can", shape, Pose([*at, -depth - lowest], rotation))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("legs", [True, False], ids=["table", "top"])
 @pytest.mark.parametrize("depth", [5e-4, 0.014])
 @pytest.mark.parametrize("tilt", [0.0, 1.0, 5.0, 30.0])
