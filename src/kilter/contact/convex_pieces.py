@@ -99,6 +99,11 @@ class ConvexPieces:
     beside: Index
     """Pieces of the same part near each piece: rows beside_start[p] to beside_start[p + 1]."""
 
+    @property
+    def several(self) -> Mask:
+        """Parts that consist of more than one piece, shape (N,)."""
+        return np.bincount(self.part, minlength=len(self.whole)) > 1
+
     def __len__(self) -> int:
         return len(self.part)
 

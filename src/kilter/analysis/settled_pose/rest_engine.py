@@ -234,7 +234,8 @@ def _drop(state: _State, group: Index) -> float:
     """Let groups of bodies (B,) fall until they land; returns the longest fall [length unit]."""
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
-    fall = straight_falls(sweeps, assembly, group[state.bodies.of_part])
+    several = state.candidates.pieces.several
+    fall = straight_falls(sweeps, assembly, group[state.bodies.of_part], several)
     lost = np.isinf(fall)[group]
     state.gone |= lost
     length = np.where(np.isinf(fall), 0.0, fall)[group]

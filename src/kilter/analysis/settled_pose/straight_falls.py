@@ -15,17 +15,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Direction, Sweeps
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact import Tolerance, detect
 from kilter.rigid import Pose
 
 
-def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index) -> Array:
+def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: Mask) -> Array:
     """Lengths of the falls of groups of parts that fall at the same time.
 
-    Arguments: `group` (N,): group of each part; 0 is supported and does not fall. Returns `fall`
-    (G,): length of the fall of each group [length unit], infinite if it leaves the scene.
+    Arguments: `group` (N,): group of each part; 0 is supported and does not fall; `compound` (N,):
+    parts of several pieces, whose falls end before their curved surfaces meet. Returns `fall` (G,):
+    length of the fall of each group [length unit], infinite if it leaves the scene.
     """
     down, slack = assembly.down, assembly.geometry.slack
     x, y, z = down.tolist()
@@ -56,7 +57,10 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index) -> Array:
                 found = sweeps.clearance(part, other, direction)
                 curved = slack[part] + slack[other] > 0
                 if curved and np.isfinite(found) and length + found < fall[g]:
-                    found = height_on_surfaces(assembly, part, other, down, found)
+                    if compound[part] or compound[other]:
+                        found = max(found - float(slack[part] + slack[other]), 0.0)
+                    else:
+                        found = height_on_surfaces(assembly, part, other, down, found)
                 heights[part, other] = found
             total = length + max(heights[part, other], 0.0)
             if total < fall[g]:
