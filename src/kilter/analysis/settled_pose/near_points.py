@@ -406,6 +406,7 @@ def _general_points(search: ContactSearch, reach: float, down: Array) -> list[Ne
     a, b = search.pairs[pair].T
     features = _points((a, b, middle, normal, gap, np.ones(len(a), dtype=bool)))
     sound = _truly_inside(geometry, features)
+    sound &= _share_material(geometry, features)
     features = replace(features, point=point).take(sound)
     curved = np.diff(geometry.surfaces.start) > 0
     a, b = search.pairs.T
