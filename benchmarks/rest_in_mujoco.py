@@ -113,6 +113,20 @@ def failed(answer: kilter.Settled | None, error: kilter.KilterError | None) -> d
     }
 
 
+def noted(
+    row: dict[str, Any], scene: Scene, poses: dict[str, Array], limit: float
+) -> kilter.Settled | None:
+    """The answer about a state, None after an error; its state and CPU time enter the row."""
+    answer, error = None, None
+    begun = time.process_time()
+    try:
+        answer, row["seconds"] = settled(scene, poses, limit)
+    except kilter.KilterError as raised:
+        error, row["seconds"] = raised, time.process_time() - begun
+    row |= failed(answer, error)
+    return answer
+
+
 def simulated_row(seed: int, limit: float, each: bool) -> dict[str, Any]:
     """Drop a scene, settle its state, and simulate both; `each`: print a line for each object."""
     scene = simulated_scene(seed)
@@ -123,13 +137,7 @@ def simulated_row(seed: int, limit: float, each: bool) -> dict[str, Any]:
         "family": "simulated", "seed": seed, "kind": scene.kind, "objects": len(poses),
         "pieces": scene.pieces, "speed": before.speed(), "sunk": max(before.sunk().values()),
     }  # fmt: skip
-    answer, error = None, None
-    begun = time.process_time()
-    try:
-        answer, row["seconds"] = settled(scene, poses, limit)
-    except kilter.KilterError as raised:
-        error, row["seconds"] = raised, time.process_time() - begun
-    row |= failed(answer, error)
+    answer = noted(row, scene, poses, limit)
     if answer is None:
         return row
     after = poses_at_rest(answer, poses)
@@ -159,13 +167,7 @@ def floating_row(seed: int, limit: float, each: bool) -> dict[str, Any]:
     row: dict[str, Any] = {
         "family": "floating", "seed": seed, "objects": len(poses), "pieces": scene.pieces
     }  # fmt: skip
-    answer, error = None, None
-    begun = time.process_time()
-    try:
-        answer, row["seconds"] = settled(scene, poses, limit)
-    except kilter.KilterError as raised:
-        error, row["seconds"] = raised, time.process_time() - begun
-    row |= failed(answer, error)
+    answer = noted(row, scene, poses, limit)
     if answer is None:
         return row
     after = poses_at_rest(answer, poses)

@@ -82,7 +82,7 @@ def test_a_compound_rests_on_the_exact_rim_of_a_member():
 
 @pytest.mark.parametrize("over", [0.49, 0.51])
 def test_a_sunk_stack_topples_if_its_upper_box_overhangs_by_more_than_half(over: float):
-    """Answer 12: what is sunk is not glued."""
+    """Answer 12: a sunk contact is no joint."""
     e, size = 3e-4, 0.1
     lower = Part("lower", Box(size, size, size), [0, 0, size / 2 - e], grounded=False)
     upper = Part("upper", Box(size, size, size), [over * size, 0, 1.5 * size - 2 * e])

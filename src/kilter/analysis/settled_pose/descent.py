@@ -23,7 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import block_diag, csc_array, csr_array, eye_array, vstack
+from scipy.sparse import block_diag, csc_array, csr_array, vstack
 
 from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest_programs import joint_rates, loads, rates
@@ -234,6 +234,4 @@ def _inertia(
     cut = blocks[:, freedoms[:, None], freedoms[None, :]]
     if not len(cut):
         return csc_array((0, 0))
-    return csc_array(block_diag(list(cut), format="csc")) + 0.0 * eye_array(
-        len(moving) * len(freedoms), format="csc"
-    )
+    return csc_array(block_diag(list(cut), format="csc"))

@@ -25,6 +25,7 @@ from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import RestResult, RestState, WayKind, WayStep
 from kilter.analysis.settled_pose.rest_programs import RestPrograms
 from kilter.analysis.settled_pose.rest_proof import closed_gap
+from kilter.analysis.settled_pose.rest_search import pressed_parts, units_of
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.straight_falls import straight_falls
 from kilter.arrays import Array, Index, Mask, connected
@@ -103,9 +104,10 @@ class _State:
         self.bodies = self.bodies.screwed(step)
         far = np.linalg.norm(step[:, :3], axis=1)
         turn = np.linalg.norm(step[:, 3:], axis=1)
-        for k in np.flatnonzero(far + turn * self.bodies.size / 2 > STILL * self.length).tolist():
+        way = self.bodies.travel(step)
+        for k in np.flatnonzero(way > STILL * self.length).tolist():
             kind = how or self._kind(k, step[k], float(far[k]), float(turn[k]))
-            short = far[k] + turn[k] * self.bodies.size[k] / 2 < CORRECTS * self.bodies.size[k]
+            short = way[k] < CORRECTS * self.bodies.size[k]
             last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
             kind = last if short and last != "pushed-out" else kind
             self._note(k, kind, far[k], turn[k])
@@ -152,15 +154,12 @@ def come_to_rest(
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     """The state before the first movement."""
     geometry = bodies.drawn.geometry
-    free = ~geometry.grounded
     count = len(bodies.mass)
-    sizes = geometry.size[free] if free.any() else geometry.size
-    weights = geometry.mass[free] * float(np.linalg.norm(bodies.drawn.gravity))
+    length, weight = units_of(bodies)
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
     return _State(
-        bodies, CandidatePoints.of(bodies), contacts, float(np.median(sizes)),
-        float(weights.mean()) if free.any() else 1.0,
+        bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
         np.zeros(count),
@@ -196,19 +195,16 @@ def _open_overlaps(state: _State) -> RestResult | None:
             return _does_not_fit(state, points, depth * state.length, forces)
         step = programs.steps(apart, state.bodies)
         state.move(step, "pushed-out")
-        far = np.linalg.norm(step[:, :3], axis=1)
-        far += np.linalg.norm(step[:, 3:], axis=1) * state.bodies.size / 2
-        reach = max(min(reach, 4 * float(far.max(initial=0.0))), 1e-4 * state.length)
+        far = float(state.bodies.travel(step).max(initial=0.0))
+        reach = max(min(reach, 4 * far), 1e-4 * state.length)
     return None
 
 
 def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array) -> RestResult:
     """The result for overlaps that no motion opens: the parts of the certificate."""
-    pressed = forces > 1e-3 * max(float(forces.max(initial=0.0)), 1e-300)
-    parts = np.unique(np.concatenate([points.part_a[pressed], points.part_b[pressed]]))
-    names = tuple(state.bodies.drawn.names[k] for k in parts.tolist())
     return RestResult(
-        "does-not-fit", state.bodies, _ways(state), parts=names, depth=depth,
+        "does-not-fit", state.bodies, _ways(state),
+        parts=pressed_parts(state.bodies, points, forces), depth=depth,
         why="no small motion opens all overlaps", rounds=state.rounds,
     )  # fmt: skip
 
@@ -419,7 +415,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
 def _shortened(state: _State, island: Index, step: Array) -> tuple[Array, Array]:
     """The step, shorter for islands in which a body would move too far; way of each body."""
     size = state.bodies.size
-    far = np.linalg.norm(step[:, :3], axis=1) + np.linalg.norm(step[:, 3:], axis=1) * size / 2
+    far = state.bodies.travel(step)
     share = np.ones(len(island) + 1)
     np.minimum.at(share, island, 1.5 * LONGEST * size / np.maximum(far, 1e-300))
     share = share[island]

@@ -115,7 +115,7 @@ def search_rest(
     permitted movement of a part [length unit]; None: no limit; `near`: function that finds the
     points within a reach; by default `find_near_points`.
     """
-    length, weight = _units(bodies)
+    length, weight = units_of(bodies)
     closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)
     state = _Progress(fine_reach=reach, accepted=closed_at, tell=progress)
     for rounds in range(ROUNDS + 1):
@@ -153,7 +153,7 @@ def _not_closed(bodies: RigidBodies, state: _Progress, length: float) -> SearchR
     return SearchResult("not-found", bodies, ROUNDS, both, why=why)
 
 
-def _units(bodies: RigidBodies) -> tuple[float, float]:
+def units_of(bodies: RigidBodies) -> tuple[float, float]:
     """Units of length [length unit] and force [N] of the programs."""
     geometry = bodies.drawn.geometry
     free = ~geometry.grounded
@@ -263,14 +263,19 @@ def _closing_step(
     return motion
 
 
+def pressed_parts(bodies: RigidBodies, points: NearPoints, forces: Array) -> tuple[str, ...]:
+    """Names of the parts that the forces of a certificate press against each other."""
+    pressed = forces > 1e-3 * max(float(forces.max(initial=0.0)), 1e-300)
+    parts = np.unique(np.concatenate([points.part_a[pressed], points.part_b[pressed]]))
+    return tuple(bodies.drawn.names[k] for k in parts.tolist())
+
+
 def _does_not_fit(
     bodies: RigidBodies, programs: RestPrograms, points: NearPoints, depth: float,
     forces: Array, rounds: int,
 ) -> SearchResult:  # fmt: skip
     """The result for parts whose overlaps no small motion opens: the parts of the certificate."""
-    pressed = forces > 1e-3 * max(float(forces.max(initial=0.0)), 1e-300)
-    parts = np.unique(np.concatenate([points.part_a[pressed], points.part_b[pressed]]))
-    names = tuple(bodies.drawn.names[k] for k in parts.tolist())
+    names = pressed_parts(bodies, points, forces)
     return SearchResult(
         "does-not-fit", bodies, rounds, names, depth * programs.length,
         "no small motion opens all overlaps",

@@ -80,6 +80,12 @@ class RigidBodies:
         shift += second[:, None] * np.cross(spin, across)
         return replace(self, center=self.center + shift, rotation=turn @ self.rotation)
 
+    def travel(self, step: Array) -> Array:
+        """Longest way of a point of each body in a step (B, 6), to first order; shape (B,)."""
+        shift, turn = (np.linalg.norm(step[:, k : k + 3], axis=1) for k in (0, 3))
+        far: Array = shift + turn * self.size / 2
+        return far
+
     def where(self, chosen: Mask, other: RigidBodies) -> RigidBodies:
         """The poses of the chosen bodies (B,), and those of `other` for the rest."""
         return replace(
