@@ -28,7 +28,8 @@ def touching_or_overlapping(assembly: Assembly, contacts: ContactSet) -> Index:
     rows = [contacts.patch_parts, np.array([*joints, *overlaps], dtype=np.int64).reshape(-1, 2)]
     pairs = np.unique(np.sort(np.concatenate(rows), axis=1), axis=0)
     table = np.array([part.table for part in assembly.parts], dtype=bool)
-    return pairs[~table[pairs].any(axis=1)]
+    kept: Index = pairs[~table[pairs].any(axis=1)]
+    return kept
 
 
 def body_labels(assembly: Assembly, contacts: ContactSet) -> Index:
