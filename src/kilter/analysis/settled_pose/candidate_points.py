@@ -23,7 +23,7 @@ from kilter.contact.friction_coefficients import friction_coefficients
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Known:
+class _KnownPoints:
     """Points of convex pieces in the last search."""
 
     rotation: Array
@@ -47,7 +47,7 @@ class CandidatePoints:
     """Drawn poses of the parts, shape (N, 3, 3) and (N, 3)."""
     others: MovingPairs
     """Pairs of parts that convex pieces do not cover."""
-    known: _Known | None = None
+    known: _KnownPoints | None = None
 
     @staticmethod
     def of(bodies: RigidBodies) -> CandidatePoints:
@@ -101,7 +101,7 @@ class CandidatePoints:
             np.zeros(len(found)), found.bears,
         )  # fmt: skip
         points = NearPoints.join([kept, new])
-        self.known = _Known(rotation, position, reach, points)
+        self.known = _KnownPoints(rotation, position, reach, points)
         return points
 
     def _friction(self, points: NearPoints) -> Array:
