@@ -41,6 +41,8 @@ SEVERAL = 10
 """Number of points of a pair of parts that enter the program together [-]."""
 MISSED = 1e-9
 """Overlap after a step from which a point must be in its program, over the fall in the step [-]."""
+WEDGED = 1e-3
+"""Overlap that opens without friction, if it cannot open with it, over the fall in a step [-]."""
 PRESSES = 1e-6
 """Force from which a point presses, over the largest load [-]."""
 HEAVIEST = 1e4
@@ -182,24 +184,26 @@ class Descent:
         np.maximum.at(unit, row, scale[matrix.indices])
         return values / np.where(unit > 0, unit, 1.0)
 
-    def _solve(
-        self, scale: Array, rough: Mask, opening: Array, chosen: Mask
-    ) -> Solution | None:
+    def _solve(self, scale: Array, rough: Mask, opening: Array, chosen: Mask) -> Solution | None:
         """The motion, over `scale`, for given openings of sliding contacts; None: no solution.
 
         The program has only the points of `chosen` (K,), to which the points are added that its
         motion would lead into an overlap; of the others, none changes the optimum.
         """
         gap = self._scaled_rows(self.normal, self.gap, scale)
-        factor = np.where(rough, self.mu, 0.0)
         while True:
             answer = solve_conic(self._program(scale, gap, rough, opening, chosen))
             if not answer.found:
-                if (gap[chosen] >= 0.0).all():
-                    return None
-                gap = np.maximum(gap, 0.0)
+                # friction may wedge a body that overlaps: it opens without friction, or stays
+                wedged = rough & (gap < -WEDGED)
+                if not wedged.any():
+                    if (gap[chosen] >= 0.0).all():
+                        return None
+                    gap = np.maximum(gap, 0.0)
+                rough = rough & ~wedged
                 continue
-            room = gap + self.normal @ answer.x + opening - factor * self._slipped(answer.x)
+            room = gap + self.normal @ answer.x + opening
+            room -= np.where(rough, self.mu, 0.0) * self._slipped(answer.x)
             missed = ~chosen & (room < -MISSED)
             if not missed.any():
                 return answer
