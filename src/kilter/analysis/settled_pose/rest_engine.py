@@ -45,8 +45,8 @@ SLOWEST = 1e4
 """Largest time of a step, in times in which a body would fall by its size [-]."""
 SHORTEST = 1e-7
 """Length of a step at which a body counts as not moving on [-]."""
-STILL = 2e-9
-"""Movement in a step that counts as none [sizes]."""
+STILL = 2.0
+"""Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter."""
 EXACT = 2e-5
@@ -105,7 +105,7 @@ class _State:
         far = np.linalg.norm(step[:, :3], axis=1)
         turn = np.linalg.norm(step[:, 3:], axis=1)
         way = self.bodies.travel(step)
-        for k in np.flatnonzero(way > STILL * self.length).tolist():
+        for k in np.flatnonzero(way > STILL * self.closed).tolist():
             kind = how or self._kind(k, step[k], float(far[k]), float(turn[k]))
             short = way[k] < CORRECTS * self.bodies.size[k]
             last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
@@ -365,7 +365,7 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
     np.add.at(weight, island, mass)
     depth = (total / np.maximum(weight, 1e-300))[island]
-    sinks = depth > lowest + STILL * state.length
+    sinks = depth > lowest + STILL * state.closed
     stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
     lowest[:] = np.maximum(lowest, depth)
     late = stalled >= STALLS
@@ -398,7 +398,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
     """
     step, far = _shortened(state, island, step)
-    moving = far > np.maximum(STILL * state.length, EXACT * stride)
+    moving = far > np.maximum(STILL * state.closed, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
     rests = quiet[island] & (stride <= SHORT * state.bodies.size)
