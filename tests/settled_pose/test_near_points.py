@@ -314,3 +314,20 @@ def test_pairs_that_stay_keep_the_points_of_a_new_search():
         ]
         assert rows[1]
         assert rows[0] >= rows[1]  # points of a wider reach stay
+
+
+def test_bodies_with_a_reach_of_their_own_keep_the_points_of_a_new_search():
+    cubes = [Part(str(k), Box([1, 1, 1]), [0.1 * k, 0, 1.01 * k]) for k in range(5)]
+    bodies = rigid_bodies(Assembly(cubes, friction=0.3), ())
+    kept = CandidatePoints.of(bodies)
+    rng = np.random.default_rng(3)
+    for _ in range(6):
+        step = np.zeros((6, 6))
+        step[rng.integers(1, 6)] = 1e-3 * rng.normal(size=6)
+        bodies = bodies.moved(step)
+        reach = rng.choice([0.0, 0.005, 0.05], 6)
+        rows = [
+            sorted(tuple(row) for row in np.column_stack([p.part_a, p.point, p.normal, p.gap]))
+            for p in (kept.near(bodies, reach), CandidatePoints.of(bodies).near(bodies, reach))
+        ]
+        assert rows[0] == rows[1]

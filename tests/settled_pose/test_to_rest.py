@@ -106,6 +106,19 @@ def test_a_box_over_an_edge_rests_or_tips(overhang, state):
         assert "tipped" in [way.how for way in answer.moved[0].way]
 
 
+@pytest.mark.slow
+def test_bodies_far_from_a_long_motion_rest_exactly():
+    """A plate tips over the edge of a step in long steps, beside boxes that hardly move."""
+    step = box("step", [-1, 0, 0.25], (1, 1, 0.5), grounded=True)
+    plate = box("plate", [-0.47, 0, 0.55], (1.2, 0.5, 0.1))
+    others = [box("sunk", [0.9, -1, 0.5 - 1e-3]), box("floats", [1, 1, 0.51])]
+    answer = settle(Assembly([TABLE, step, plate, *others], friction=1.0), require="equilibrium")
+    assert answer.at_rest
+    assert answer.movement[2, 4] > 0.2
+    assert answer.movement[3] == pytest.approx([0, 0, 1e-3, 0, 0, 0], abs=1e-9)
+    assert answer.movement[4] == pytest.approx([0, 0, -0.01, 0, 0, 0], abs=1e-9)
+
+
 def test_a_pose_at_rest_does_not_change():
     turned = Pose([0.3, 0, 0.5], Rotation.from_rotvec([0, 0, 0.7]).as_quat()[[3, 0, 1, 2]])
     drawn = Assembly([TABLE, Part("a", Box(1, 1, 1), turned), box("b", [0.3, 0, 1.5])])

@@ -80,18 +80,22 @@ def near_points(
     pieces: ConvexPieces,
     rotation: Array,
     position: Array,
-    reach: float,
+    reach: float | Array,
     ignore: Index,
     body: Index | None = None,
+    moved: Mask | None = None,
 ) -> PiecePoints:
     """Find the candidate contact points within a reach between pieces of different parts.
 
     Arguments: `rotation` (N, 3, 3), `position` (N, 3): part k is at rotation[k] x + position[k];
-    `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact;
-    `body` (N,): parts with the same number move as one, and have no points between them.
+    `reach`: largest gap of a point [length unit], or that of each part (N,), of which the larger
+    counts for a pair; `ignore` (n, 2): pairs of parts without contact; `body` (N,): parts with the
+    same number move as one, and have no points between them; `moved` (N,): pairs without one of
+    these parts are left out; None: all count.
     """
     scene = placed(pieces, rotation, position)
-    pair = piece_pairs(scene, reach, ignore, body)
+    reach = np.broadcast_to(np.asarray(reach, dtype=np.float64), len(pieces.whole))
+    pair = piece_pairs(scene, reach, ignore, body, moved)
     tried = np.empty((len(pair[0]), 0, 3))
     kept, hidden = [], PiecePoints.none()
     for turn in range(TRIES):
@@ -223,7 +227,7 @@ def _hidden_pairs(
 
 
 def _points_in_groups(
-    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: Array
 ) -> tuple[PiecePoints, Index]:
     """Points of pairs of pieces, in groups of similar numbers of vertices, and their pairs."""
     pieces = scene.pieces
@@ -247,7 +251,7 @@ def _points_in_groups(
 
 
 def piece_pairs(
-    scene: Placed, reach: float, ignore: Index, body: Index | None = None
+    scene: Placed, reach: Array, ignore: Index, body: Index | None, moved: Mask | None
 ) -> tuple[Index, Index]:
     """Pairs of pieces of different parts whose boxes are within reach; a is of the lower part."""
     pieces = scene.pieces
@@ -256,27 +260,30 @@ def piece_pairs(
     has = np.flatnonzero(np.diff(start) > 0)
     if not len(has):
         return np.empty(0, np.int64), np.empty(0, np.int64)
-    lower, upper = scene.low - reach / 2, scene.high + reach / 2
-    low, high = np.minimum.reduceat(lower, start[has]), np.maximum.reduceat(upper, start[has])
-    i, j = box_pairs(low, high)
-    i, j = np.minimum(i, j), np.maximum(i, j)
+    low = np.minimum.reduceat(scene.low, start[has])
+    high = np.maximum.reduceat(scene.high, start[has])
+    ends = box_pairs(low, high, reach[has])
+    i, j = np.minimum(*ends), np.maximum(*ends)
     ignored = np.sort(np.asarray(ignore, dtype=np.int64).reshape(-1, 2), axis=1)
     kept = ~np.isin(has[i] * count + has[j], ignored @ np.array([count, 1]))
     if body is not None:
         kept &= body[has[i]] != body[has[j]]
+    if moved is not None:
+        kept &= moved[has[i]] | moved[has[j]]
     i, j = i[kept], j[kept]
+    limit = np.maximum(reach[has[i]], reach[has[j]])
     lists = []
     for own, other in ((i, j), (j, i)):
         row, place = counted(np.diff(start)[has[own]])
         piece = start[has[own]][row] + place
-        near = _boxes_meet(lower, upper, piece, low, high, other[row])
+        near = _boxes_meet(scene.low, scene.high, piece, low, high, other[row], limit[row])
         lists.append((row[near], piece[near]))
     k, m = products(len(i), lists[0][0], lists[1][0])
     a, b = lists[0][1][k], lists[1][1][m]
     k = lists[0][0][k]
-    near = _boxes_meet(lower, upper, a, lower, upper, b)
+    near = _boxes_meet(scene.low, scene.high, a, scene.low, scene.high, b, limit[k])
     a, b = a[near], b[near]
-    size = np.linalg.norm(high - low - reach, axis=1)
+    size = np.linalg.norm(high - low, axis=1)
     first = _first_layer(scene, a, b, k[near], LAYER * np.minimum(size[i], size[j]))
     return a[first], b[first]
 
@@ -300,26 +307,32 @@ def _first_layer(scene: Placed, a: Index, b: Index, pair: Index, depth: Array) -
     return ~hidden
 
 
-def box_pairs(low: Array, high: Array) -> tuple[Index, Index]:
-    """Pairs of overlapping boxes with the corners `low` and `high`, shape (n, 3)."""
+def box_pairs(low: Array, high: Array, reach: Array) -> tuple[Index, Index]:
+    """Pairs of boxes whose distance along each axis is at most the larger reach of both.
+
+    Arguments: `low`, `high` (n, 3): corners of the boxes; `reach` (n,).
+    """
     axis = int(np.argmax(np.ptp(low + high, axis=0)))
-    order = np.argsort(low[:, axis], kind="stable")
-    low, high = low[order], high[order]
-    last = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    order = np.argsort((low - reach[:, None])[:, axis], kind="stable")
+    low, high, reach = low[order], high[order], reach[order]
+    ends = high[:, axis] + reach
+    last = np.searchsorted(low[:, axis] - reach, ends, side="right")
     i, place = counted(last - np.arange(len(low)) - 1)
     j = i + 1 + place
-    near = _boxes_meet(low, high, i, low, high, j)
+    near = _boxes_meet(low, high, i, low, high, j, np.maximum(reach[i], reach[j]))
     return order[i[near]], order[j[near]]
 
 
-def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j: Index) -> Index:
-    """Rows at which box i of (low, high) meets box j of (lower, upper)."""
+def _boxes_meet(
+    low: Array, high: Array, i: Index, lower: Array, upper: Array, j: Index, reach: Array
+) -> Index:
+    """Rows at which box i of (low, high) is within a reach of box j of (lower, upper)."""
     rows = np.arange(len(i))
     for axis in range(3):
-        meet = low[i, axis] <= upper[j, axis]
-        meet &= lower[j, axis] <= high[i, axis]
+        meet = low[i, axis] - reach <= upper[j, axis]
+        meet &= lower[j, axis] - reach <= high[i, axis]
         kept = np.flatnonzero(meet)
-        rows, i, j = rows[kept], i[kept], j[kept]
+        rows, i, j, reach = rows[kept], i[kept], j[kept], reach[kept]
     return rows
 
 
@@ -327,10 +340,11 @@ def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j
 
 
 def _points_of_pairs(
-    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: Array
 ) -> tuple[PiecePoints, Index]:
     """Points of pairs of pieces of similar numbers of vertices, and the pair of each point."""
     pieces = scene.pieces
+    reach = np.maximum(*(reach[pieces.part[piece]] for piece in pair))
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
     a, b = (scene.cores(piece) for piece in pair)
     faces = face_separations(a, b)
@@ -338,11 +352,12 @@ def _points_of_pairs(
     # a prism lies inside its cylinder
     loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
     near = np.flatnonzero(upper - loose <= reach)
-    pair = pair[0][near], pair[1][near]
+    pair, reach = (pair[0][near], pair[1][near]), reach[near]
     excluded = Excluded(_inner(pieces, pair), tried[near])
     found = pair_normals(scene, pair, excluded, reach + loose[near])
     last = np.flatnonzero(found.separation - radius[near] <= reach)
     pair, found, near = (pair[0][last], pair[1][last]), found.take(last), near[last]
+    reach = reach[last]
     n = found.normal
     a, b = (_lying(scene, piece, n, sign) for piece, sign in zip(pair, (1.0, -1.0), strict=True))
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]

@@ -94,6 +94,9 @@ class _State:
     """Movement in the last step, over its stride, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
+    loose: Array
+    """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
+    end before their curved surfaces meet."""
     rounds: int = 0
 
     def move(self, step: Array, how: WayKind | None) -> None:
@@ -158,6 +161,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     length, weight = units_of(bodies)
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
+    slack = np.zeros(count)
+    np.maximum.at(slack, bodies.of_part, geometry.slack)
     return _State(
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
@@ -165,11 +170,12 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
+        FLOATS * length + 2 * slack,
     )  # fmt: skip
 
 
-def _points(state: _State, reach: float) -> NearPoints:
-    """Points near contact between different bodies, within a reach [length unit]."""
+def _points(state: _State, reach: float | Array) -> NearPoints:
+    """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
     points = state.candidates.near(state.bodies, reach)
     gone = state.gone[state.bodies.of_part]
     return points.take(~gone[points.part_a] & ~gone[points.part_b])
@@ -272,10 +278,11 @@ def _falling_freely(
     return np.unique(np.append(np.where(free, label, 0), 0), return_inverse=True)[1][:-1]
 
 
-def _floating_groups(state: _State, points: NearPoints, gap: float) -> Index:
+def _floating_groups(state: _State, points: NearPoints, gap: float | Array) -> Index:
     """Group of each body: 0 if it touches the ground, directly or through others; (B,).
 
-    Bodies within `gap` [length unit] of each other touch. Joints and loads support a body.
+    Bodies touch if a point has at most this gap [length unit], of all points or each (K,). Joints
+    and loads support a body.
     """
     touching = points.take(points.gap <= gap)
     a, b = state.bodies.of_part[touching.part_a], state.bodies.of_part[touching.part_b]
@@ -301,8 +308,8 @@ class _Last:
     island: Index
     stride: Array
     """Island and stride of each body, shape (B,)."""
-    deep: float
-    """Deepest overlap before it [length unit]."""
+    deep: Array
+    """Deepest overlap of the island of each body before it [length unit], shape (B,)."""
 
 
 def _settle_down(state: _State) -> bool:
@@ -316,26 +323,27 @@ def _settle_down(state: _State) -> bool:
         if not active.any():
             return False
         state.rounds += 1
-        reach = 2 * float(np.minimum(state.stride, LONGEST * state.bodies.size)[active].max())
-        points = _points(state, reach)
+        points, island = _awake_points(state)
         if last is not None and _taken_back(state, last, points):
-            points = _points(state, reach)
-        if _floating_groups(state, points, reach / 4).any():
+            points, island = _awake_points(state)
+        if _floating_groups(state, points, _widest(state, points, _reach(state)) / 4).any():
             return True
-        island = _islands(state, points, active)
         stride = _stride_of_islands(state, island)
+        reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
+        near = (points.gap <= reach) & (reach > 0)
+        points = points.take(near)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
-        rough = points.gap <= 0.5 * reach
+        rough = points.gap <= 0.5 * reach[near]
         group = _falling_freely(state, points, program, stride, rough)
         if group.any() and _drop(state, group) > FLOATS * state.length:
             last = None
             continue
         step = program.step(stride / state.length, rough)
         if step is None:
-            state.stride[active] /= 4
-            state.asleep |= active & (state.stride < SHORTEST * state.length)
+            state.stride[island >= 0] /= 4
+            state.asleep |= (island >= 0) & (state.stride < SHORTEST * state.length)
             continue
-        last = _Last(state.bodies, island, stride, -float(points.gap.min(initial=0.0)))
+        last = _Last(state.bodies, island, stride, _deepest(state, island, points))
         _advance(state, island, stride, step)
         _count_stalls(state, island, lowest, stalled)
     return False
@@ -344,11 +352,9 @@ def _settle_down(state: _State) -> bool:
 def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
     """Take the last step back for islands that it led into an overlap; whether there are any."""
     size = state.bodies.size
-    deep = np.zeros(len(size) + 1)
-    for side in (points.part_a, points.part_b):
-        np.maximum.at(deep, last.island[state.bodies.of_part[side]], -points.gap)
+    deep = _deepest(state, last.island, points)
     most = DEEP * np.minimum(last.stride, LONGEST * size) + 2 * last.deep + state.closed
-    bad = (deep[last.island] > most) & (last.island >= 0)
+    bad = (deep > most) & (last.island >= 0)
     bad = np.isin(last.island, last.island[bad]) & (last.island >= 0)
     if not bad.any():
         return False
@@ -356,6 +362,14 @@ def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
     state.stride = np.where(bad, last.stride / 4, state.stride)
     state.asleep |= bad & (state.stride < SHORTEST * state.length)
     return True
+
+
+def _deepest(state: _State, island: Index, points: NearPoints) -> Array:
+    """Deepest overlap of the island of each body [length unit], shape (B,)."""
+    deep = np.zeros(len(island) + 1)
+    for side in (points.part_a, points.part_b):
+        np.maximum.at(deep, island[state.bodies.of_part[side]], -points.gap)
+    return deep[island]
 
 
 def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
@@ -372,6 +386,31 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     state.stride = np.where(late, state.stride / 4, state.stride)
     stalled[late] = 0
     state.asleep |= late & (state.stride < SHORTEST * state.length)
+
+
+def _reach(state: _State) -> Array:
+    """Largest gap of the points of each body in the next step [length unit], shape (B,)."""
+    awake = ~state.asleep & ~state.gone & state.bodies.moves
+    step = 2 * np.minimum(state.stride, LONGEST * state.bodies.size)
+    return np.maximum(np.where(awake, step, 0.0), 4 * state.loose)
+
+
+def _widest(state: _State, points: NearPoints, reach: Array) -> Array:
+    """The larger reach of both bodies of each point, shape (K,)."""
+    body = state.bodies.of_part
+    widest: Array = np.maximum(reach[body[points.part_a]], reach[body[points.part_b]])
+    return widest
+
+
+def _awake_points(state: _State) -> tuple[NearPoints, Index]:
+    """Points near contact, and the island of each body (B,); resting bodies of islands wake up."""
+    while True:
+        points = _points(state, _reach(state))
+        island = _islands(state, points, ~state.asleep & ~state.gone & state.bodies.moves)
+        woken = state.asleep & (island >= 0)
+        if not woken.any():
+            return points, island
+        state.asleep &= ~woken
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
