@@ -17,7 +17,7 @@ from play_scenes import (
 from translations import sink
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism
+from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.clear_segments import are_clear
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
@@ -266,6 +266,32 @@ def test_a_closed_point_lies_on_faces_that_its_normal_fits(point, normal, sound)
     unit = np.array([normal]) / np.linalg.norm(normal)
     apart, found = closed_points(assembly, np.array([[0, 1]]), np.array([point]), unit, 1e-8)
     assert apart[0] == pytest.approx(2 * point[2], abs=1e-15)
+    assert found.tolist() == [sound]
+
+
+@pytest.mark.parametrize(("share", "sound"), [(0.5, True), (2.0, False)])
+def test_the_normal_of_a_curved_surface_turns_within_the_gap_that_counts_as_closed(share, sound):
+    """Two crossed cylinders touch at a point; its normal is that of a point beside it."""
+    gap, radius = 1e-8, 0.3
+    low = Part("low", Cylinder(radius, 1), Pose([0, 0, -radius], turn([1, 0, 0], 90)))
+    high = Part("high", Cylinder(radius, 1), Pose([0, 0, radius], turn([0, 1, 0], 90)))
+    tilted = np.array([[share * gap / radius, 0, 1.0]])
+    pair = np.array([[0, 1]])
+    _, found = closed_points(Assembly([low, high]), pair, np.zeros((1, 3)), tilted, gap)
+    assert found.tolist() == [sound]
+
+
+@pytest.mark.parametrize(("share", "sound"), [(0.9, True), (3.0, False)])
+def test_the_normal_of_a_warped_face_is_uncertain_by_its_tilt(share, sound):
+    """A corner of the upper face is lowered by `drop`."""
+    drop = 1e-7
+    vertices, triangles = surface(Box([1, 1, 1]))
+    lowered = vertices - [[0, 0, drop]] * np.isclose(vertices, [0.5, 0.5, 0.5]).all(axis=1)[:, None]
+    table = Part("table", Mesh(lowered, triangles))
+    ball = Part("ball", Sphere(1e3), Pose([0, 0, 0.5 + 1e3]))
+    tilted = np.array([[share * drop / np.sqrt(2), share * drop / np.sqrt(2), 1.0]])
+    pair, point = np.array([[0, 1]]), np.array([[0, 0, 0.5]])
+    _, found = closed_points(Assembly([table, ball]), pair, point, tilted, drop)
     assert found.tolist() == [sound]
 
 

@@ -15,7 +15,7 @@ from kilter.rigid import rotation_between
 TABLE = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
 
 
-def box(name: str, at: list[float], size: tuple[float, ...] = (1, 1, 1), **more: bool) -> Part:
+def box(name: str, at: list[float], size: tuple[float, ...] = (1, 1, 1), **more: float) -> Part:
     return Part(name, Box(size), at, **more)
 
 
@@ -60,6 +60,17 @@ def test_a_sunk_box_moves_up_without_a_question(sunk):
     assert (
         sentence == f"The free object is at rest (level proved), after moving at most {sunk:.3g} m."
     )
+
+
+def test_boxes_that_overlap_sideways_move_in_inverse_proportion_to_their_masses():
+    """The least sum of mass times the square of the movement opens the overlap."""
+    sunk, light, heavy = 1e-4, 1.0, 9.0
+    drawn = [box("light", [-0.5 + sunk / 2, 0, 0.5], mass=light),
+             box("heavy", [0.5 - sunk / 2, 0, 0.5], mass=heavy)]  # fmt: skip
+    answer = settle(Assembly([TABLE, *drawn], friction=0.5))
+    assert answer.at_rest
+    ways = sunk * np.array([-heavy, light]) / (light + heavy)
+    assert answer.movement[1:, 0] == pytest.approx(ways, abs=1e-8)
 
 
 def on_slope(friction: float) -> Assembly:

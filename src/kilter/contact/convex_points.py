@@ -14,7 +14,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
 from kilter.contact.convex_distance import face_separations, product_blocks, products
-from kilter.contact.convex_normals import FACE_ANGLE, Excluded, pair_normals
+from kilter.contact.convex_normals import FACE_ANGLE, Excluded, exact_separation, pair_normals
 from kilter.contact.convex_pieces import (
     ConvexPieces,
     Cores,
@@ -50,6 +50,9 @@ TRIES = 5
 SUNK = 1e-6
 """Depth in another piece of the same part at which a point is no point of the surface, over the
 size of the piece [-]."""
+STAYS = 0.5
+"""Share of a hidden overlap that must stay when the overlaps found open, for it to count [-]: at a
+seam of a wall of many pieces, a small share stays."""
 CLOSED = 1e-3
 """Points whose gap exceeds the least gap of their pair by less than this, over the size of the
 pair, are reduced to the extreme points among each other [-]."""
@@ -111,31 +114,63 @@ def near_points(
         pair = pair[0][again], pair[1][again]
         tried = np.concatenate([tried[again], normal[again, None]], axis=1)
     found = PiecePoints.join(kept)
-    return distinct_points(PiecePoints.join([found, _lost(pieces, hidden, found)]), pieces)
+    return distinct_points(PiecePoints.join([found, _lost(scene, hidden, found)]), pieces)
 
 
-def _lost(pieces: ConvexPieces, hidden: PiecePoints, found: PiecePoints) -> PiecePoints:
-    """The deepest hidden overlap of each two parts without an overlap among the points found.
+def _lost(scene: Placed, hidden: PiecePoints, found: PiecePoints) -> PiecePoints:
+    """Hidden overlaps that must open although their points lie inside of a compound.
 
-    Its direction does not leave the compound, but an overlap is never left out.
+    First the deepest overlap of two parts that have none among the points found: its direction does
+    not leave the compound, but an overlap is never left out. Then the overlaps that stay when these
+    open: in a corner between two pieces, the point on each may lie inside of the other.
     """
+    pieces = scene.pieces
     hidden = hidden.take(hidden.gap < -SUNK * pieces.size[hidden.piece_a])
     if not len(hidden):
         return hidden
     count = len(pieces.whole)
-    overlaps = found.take(found.gap < 0)
-    known = np.isin(
-        hidden.part_a * count + hidden.part_b, overlaps.part_a * count + overlaps.part_b
+    known = found.take(found.gap < 0)
+    parts, known_parts = (x.part_a * count + x.part_b for x in (hidden, known))
+    new = hidden.take(~np.isin(parts, known_parts))
+    lost = _deepest(new, new.part_a * count + new.part_b)
+    known = PiecePoints.join([known, lost])
+    known = _deepest(known, known.piece_a * len(pieces) + known.piece_b)
+    own = _deepest(hidden, hidden.piece_a * len(pieces) + hidden.piece_b)
+    stays = _stay_when_open(scene, own, known)
+    code = hidden.piece_a * len(pieces) + hidden.piece_b
+    kept = PiecePoints.join([lost, own.take(stays)])
+    return hidden.take(np.isin(code, kept.piece_a * len(pieces) + kept.piece_b))
+
+
+def _deepest(points: PiecePoints, code: Index) -> PiecePoints:
+    """The point with the least gap of each code, shape (K,)."""
+    order = np.argsort(points.gap, kind="stable")
+    return points.take(order[np.unique(code[order], return_index=True)[1]])
+
+
+def _stay_when_open(scene: Placed, own: PiecePoints, known: PiecePoints) -> Mask:
+    """Whether more than a share of overlaps stays when known overlaps of both parts open.
+
+    Each known overlap opens along its normal; the overlap must stay for each of them.
+    """
+    pieces = scene.pieces
+    order = [
+        np.argsort(x.part_a * len(pieces.whole) + x.part_b, kind="stable") for x in (own, known)
+    ]
+    own, known = own.take(order[0]), known.take(order[1])
+    codes, row = np.unique(
+        np.concatenate([x.part_a * len(pieces.whole) + x.part_b for x in (own, known)]),
+        return_inverse=True,
     )
-    hidden = hidden.take(~known)
-    order = np.argsort(hidden.gap, kind="stable")
-    _, first, of = np.unique(
-        (hidden.part_a * count + hidden.part_b)[order], return_index=True, return_inverse=True
-    )
-    deepest = order[first][of]
-    same = hidden.piece_a[order] == hidden.piece_a[deepest]
-    same &= hidden.piece_b[order] == hidden.piece_b[deepest]
-    return hidden.take(order[same])
+    i, j = products(len(codes), row[: len(own)], row[len(own) :])
+    pair = own.piece_a[i], own.piece_b[i]
+    after = exact_separation(scene, pair, known.normal[j][:, None])[:, 0] - known.gap[j]
+    after -= pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    best = np.full(len(own), -np.inf)
+    np.maximum.at(best, i, after)
+    stays = np.zeros(len(own), dtype=bool)
+    stays[order[0]] = best < STAYS * own.gap
+    return stays
 
 
 def _shown_points(scene: Placed, points: PiecePoints, row: Index) -> Mask:

@@ -37,16 +37,18 @@ Tell = Callable[[str], None]
 
 PUSHES = 30
 """Largest number of rounds that open overlaps."""
-ROUNDS = 400
-"""Largest number of steps."""
+ROUNDS, LIMITED_ROUNDS = 400, 40
+"""Largest numbers of steps, without and with a limit of the way."""
+PATIENCE = 5
+"""Number of steps after which a fall that moved nothing is tried again."""
 FIRST, LONGEST = 0.02, 0.15
 """Movement in the first step, and the longest in a step, over the size of a body [-]."""
 SLOWEST = 1e4
 """Largest time of a step, in times in which a body would fall by its size [-]."""
 SHORTEST = 1e-7
 """Length of a step at which a body counts as not moving on [-]."""
-STILL = 2e-9
-"""Movement in a step that counts as none [sizes]."""
+STILL = 2.0
+"""Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter."""
 EXACT = 2e-5
@@ -94,9 +96,18 @@ class _State:
     """Movement in the last step, over its stride, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
+    limit: Array
+    """Way from the first pose from which a body leaves the scene [length unit], shape (B,)."""
+    first: RigidBodies
+    """The bodies in the first pose."""
     loose: Array
     """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
     end before their curved surfaces meet."""
+    most_rounds: int = ROUNDS
+    """Largest number of steps."""
+    falls_from: int = 0
+    """Number of steps from which bodies without support fall: a fall that moves none is not
+    repeated at once."""
     rounds: int = 0
 
     def move(self, step: Array, how: WayKind | None) -> None:
@@ -108,12 +119,21 @@ class _State:
         far = np.linalg.norm(step[:, :3], axis=1)
         turn = np.linalg.norm(step[:, 3:], axis=1)
         way = self.bodies.travel(step)
-        for k in np.flatnonzero(way > STILL * self.length).tolist():
+        for k in np.flatnonzero(way > STILL * self.closed).tolist():
             kind = how or self._kind(k, step[k], float(far[k]), float(turn[k]))
             short = way[k] < CORRECTS * self.bodies.size[k]
             last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
             kind = last if short and last != "pushed-out" else kind
             self._note(k, kind, far[k], turn[k])
+        if np.isfinite(self.limit).any():
+            self.gone |= self.way > self.limit
+
+    @property
+    def way(self) -> Array:
+        """Longest way of a point of each body from the first pose, at most [length unit], (B,)."""
+        turn = np.linalg.norm(self.bodies.rotation - self.first.rotation, axis=(1, 2))
+        shift = np.linalg.norm(self.bodies.center - self.first.center, axis=1)
+        return np.asarray(shift + turn * self.bodies.size / 2)
 
     def _kind(self, body: int, step: Array, far: float, turn: float) -> WayKind:
         """Kind of a movement in a step."""
@@ -135,23 +155,38 @@ class _State:
 
 
 def come_to_rest(
-    bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Tell
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    *,
+    reach: float | None,
+    tell: Tell,
+    limit: Array | None = None,
 ) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
-    None: no limit.
+    None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene.
     """
     state = _begin(bodies, contacts, tell)
+    if limit is not None:
+        state.limit, state.most_rounds = limit, LIMITED_ROUNDS
     stuck = _open_overlaps(state)
     if stuck is not None:
         return stuck
-    while True:
-        _fall(state)
+    again = True
+    while again:
+        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
-        if not again:
-            break
     return _result(state, reach)
+
+
+def opened(bodies: RigidBodies, contacts: ContactSet, *, tell: Tell) -> RigidBodies:
+    """The bodies after their overlaps were opened by the least motion, without a fall.
+
+    If no motion opens the overlaps, the bodies stay as drawn.
+    """
+    state = _begin(bodies, contacts, tell)
+    return bodies if _open_overlaps(state) is not None else state.bodies
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -170,7 +205,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
-        FLOATS * length + 2 * slack,
+        np.full(count, np.inf), bodies, FLOATS * length + 2 * slack,
     )  # fmt: skip
 
 
@@ -218,18 +253,22 @@ def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array
 # falls -----------------------------------------------------------------------------------
 
 
-def _fall(state: _State) -> None:
-    """Let all groups of bodies that nothing supports fall; those with nothing below leave."""
+def _fall(state: _State) -> bool:
+    """Let all groups of bodies that nothing supports fall; those with nothing below leave.
+
+    Returns False if some have no support, and none of them moved or left.
+    """
     for _ in range(len(state.bodies.mass)):
         stop_if_late()
         gap = FLOATS * state.length
         group = _floating_groups(state, _points(state, gap), gap)
         if not group.any():
-            return
+            return True
         state.tell("falls")
         before = int(state.gone.sum())
         if _drop(state, group) <= gap and before == state.gone.sum():
-            return
+            return False
+    return True
 
 
 def _drop(state: _State, group: Index) -> float:
@@ -237,10 +276,12 @@ def _drop(state: _State, group: Index) -> float:
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
     several = state.candidates.pieces.several
-    fall = straight_falls(sweeps, assembly, group[state.bodies.of_part], several)
-    lost = np.isinf(fall)[group]
+    among = np.where(state.gone, -1, group)[state.bodies.of_part]
+    fall = straight_falls(sweeps, assembly, among, several)
+    fall = fall[group]
+    lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
-    length = np.where(np.isinf(fall), 0.0, fall)[group]
+    length = np.where(lost, 0.0, fall)
     step = np.zeros((len(state.bodies.mass), 6))
     step[:, :3] = length[:, None] * assembly.down
     state.move(step, "fell")
@@ -317,7 +358,7 @@ def _settle_down(state: _State) -> bool:
     last: _Last | None = None
     lowest = np.full(len(state.bodies.mass), -np.inf)
     stalled = np.zeros(len(lowest), dtype=np.int64)
-    while state.rounds < ROUNDS:
+    while state.rounds < state.most_rounds:
         stop_if_late()
         active = ~state.asleep & ~state.gone & state.bodies.moves
         if not active.any():
@@ -326,7 +367,8 @@ def _settle_down(state: _State) -> bool:
         points, island = _awake_points(state)
         if last is not None and _taken_back(state, last, points):
             points, island = _awake_points(state)
-        if _floating_groups(state, points, _widest(state, points, _reach(state)) / 4).any():
+        floats = _floating_groups(state, points, _widest(state, points, _reach(state)) / 4)
+        if state.rounds >= state.falls_from and floats.any():
             return True
         stride = _stride_of_islands(state, island)
         reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
@@ -379,7 +421,7 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
     np.add.at(weight, island, mass)
     depth = (total / np.maximum(weight, 1e-300))[island]
-    sinks = depth > lowest + STILL * state.length
+    sinks = depth > lowest + STILL * state.closed
     stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
     lowest[:] = np.maximum(lowest, depth)
     late = stalled >= STALLS
@@ -437,7 +479,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
     """
     step, far = _shortened(state, island, step)
-    moving = far > np.maximum(STILL * state.length, EXACT * stride)
+    moving = far > np.maximum(STILL * state.closed, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
     rests = quiet[island] & (stride <= SHORT * state.bodies.size)
