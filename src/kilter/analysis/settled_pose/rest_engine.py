@@ -170,6 +170,7 @@ def come_to_rest(
     state = _begin(bodies, contacts, tell)
     if limit is not None:
         state.limit, state.most_rounds = limit, LIMITED_ROUNDS
+        state.stride = np.minimum(state.stride, limit / 8)
     stuck = _open_overlaps(state)
     if stuck is not None:
         return stuck
@@ -433,7 +434,8 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
 def _reach(state: _State) -> Array:
     """Largest gap of the points of each body in the next step [length unit], shape (B,)."""
     awake = ~state.asleep & ~state.gone & state.bodies.moves
-    step = 2 * np.minimum(state.stride, LONGEST * state.bodies.size)
+    stride = np.minimum(state.stride, state.limit / 4)
+    step = 2 * np.minimum(stride, LONGEST * state.bodies.size)
     return np.maximum(np.where(awake, step, 0.0), 4 * state.loose)
 
 
@@ -469,7 +471,7 @@ def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
 def _stride_of_islands(state: _State, island: Index) -> Array:
     """The shortest stride of each island, for its bodies; 0 for bodies that stand still."""
     least = np.full(len(island) + 1, np.inf)
-    np.minimum.at(least, island, state.stride)
+    np.minimum.at(least, island, np.minimum(state.stride, state.limit / 4))
     return np.where(island >= 0, least[island], 0.0)
 
 
