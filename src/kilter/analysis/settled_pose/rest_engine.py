@@ -48,7 +48,8 @@ SHORTEST = 1e-7
 STILL = 2.0
 """Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
-"""Number of steps without a descent after which the steps become shorter."""
+"""Number of steps without a descent after which the steps become shorter, and twice the movement
+counts as none, up to the gap that counts as closed."""
 EXACT = 2e-5
 """Movement in a step that may come from the solver, whose objective is exact to the square of this
 [strides]."""
@@ -92,6 +93,8 @@ class _State:
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
     """Movement in the last step, over its stride, shape (B,)."""
+    still: Array
+    """Movement in a step that counts as none [length unit], shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
     loose: Array
@@ -167,7 +170,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
-        np.zeros(count),
+        np.zeros(count), np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
         FLOATS * length + 2 * slack,
@@ -384,6 +387,7 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     lowest[:] = np.maximum(lowest, depth)
     late = stalled >= STALLS
     state.stride = np.where(late, state.stride / 4, state.stride)
+    state.still[late] = np.minimum(2 * state.still[late], 10 * state.closed)
     stalled[late] = 0
     state.asleep |= late & (state.stride < SHORTEST * state.length)
 
@@ -437,7 +441,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
     """
     step, far = _shortened(state, island, step)
-    moving = far > np.maximum(STILL * state.closed, EXACT * stride)
+    moving = far > np.maximum(state.still, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
     rests = quiet[island] & (stride <= SHORT * state.bodies.size)
