@@ -56,6 +56,8 @@ EXACT = 2e-5
 SHORT, SHORTER = 2e-6, 100.0
 """Length of the last step of a body at rest [sizes], and factor between the steps that confirm it.
 """
+WILD = 1e6
+"""Movement in a step from which the solver has failed [strides]."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -342,7 +344,7 @@ def _settle_down(state: _State) -> bool:
             last = None
             continue
         step = program.step(stride / state.length, rough)
-        if step is None:
+        if step is None or (state.bodies.travel(step) > WILD * stride.max()).any():
             state.stride[island >= 0] /= 4
             state.asleep |= (island >= 0) & (state.stride < SHORTEST * state.length)
             continue
