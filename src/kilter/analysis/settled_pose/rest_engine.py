@@ -37,8 +37,10 @@ Tell = Callable[[str], None]
 
 PUSHES = 30
 """Largest number of rounds that open overlaps."""
-ROUNDS = 400
-"""Largest number of steps."""
+ROUNDS, LIMITED_ROUNDS = 400, 40
+"""Largest numbers of steps, without and with a limit of the way."""
+PATIENCE = 5
+"""Number of steps after which a fall that moved nothing is tried again."""
 FIRST, LONGEST = 0.02, 0.15
 """Movement in the first step, and the longest in a step, over the size of a body [-]."""
 SLOWEST = 1e4
@@ -99,9 +101,18 @@ class _State:
     """Movement in a step that counts as none [length unit], shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
+    limit: Array
+    """Way from the first pose from which a body leaves the scene [length unit], shape (B,)."""
+    first: RigidBodies
+    """The bodies in the first pose."""
     loose: Array
     """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
     end before their curved surfaces meet."""
+    most_rounds: int = ROUNDS
+    """Largest number of steps."""
+    falls_from: int = 0
+    """Number of steps from which bodies without support fall: a fall that moves none is not
+    repeated at once."""
     rounds: int = 0
 
     def move(self, step: Array, how: WayKind | None) -> None:
@@ -119,6 +130,15 @@ class _State:
             last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
             kind = last if short and last != "pushed-out" else kind
             self._note(k, kind, far[k], turn[k])
+        if np.isfinite(self.limit).any():
+            self.gone |= self.way > self.limit
+
+    @property
+    def way(self) -> Array:
+        """Longest way of a point of each body from the first pose, at most [length unit], (B,)."""
+        turn = np.linalg.norm(self.bodies.rotation - self.first.rotation, axis=(1, 2))
+        shift = np.linalg.norm(self.bodies.center - self.first.center, axis=1)
+        return np.asarray(shift + turn * self.bodies.size / 2)
 
     def _kind(self, body: int, step: Array, far: float, turn: float) -> WayKind:
         """Kind of a movement in a step."""
@@ -140,23 +160,38 @@ class _State:
 
 
 def come_to_rest(
-    bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Tell
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    *,
+    reach: float | None,
+    tell: Tell,
+    limit: Array | None = None,
 ) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
-    None: no limit.
+    None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene.
     """
     state = _begin(bodies, contacts, tell)
+    if limit is not None:
+        state.limit, state.most_rounds = limit, LIMITED_ROUNDS
     stuck = _open_overlaps(state)
     if stuck is not None:
         return stuck
-    while True:
-        _fall(state)
+    again = True
+    while again:
+        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
-        if not again:
-            break
     return _result(state, reach)
+
+
+def opened(bodies: RigidBodies, contacts: ContactSet, *, tell: Tell) -> RigidBodies:
+    """The bodies after their overlaps were opened by the least motion, without a fall.
+
+    If no motion opens the overlaps, the bodies stay as drawn.
+    """
+    state = _begin(bodies, contacts, tell)
+    return bodies if _open_overlaps(state) is not None else state.bodies
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -175,7 +210,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         np.zeros(count), np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
-        FLOATS * length + 2 * slack,
+        np.full(count, np.inf), bodies, FLOATS * length + 2 * slack,
     )  # fmt: skip
 
 
@@ -223,18 +258,22 @@ def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array
 # falls -----------------------------------------------------------------------------------
 
 
-def _fall(state: _State) -> None:
-    """Let all groups of bodies that nothing supports fall; those with nothing below leave."""
+def _fall(state: _State) -> bool:
+    """Let all groups of bodies that nothing supports fall; those with nothing below leave.
+
+    Returns False if some have no support, and none of them moved or left.
+    """
     for _ in range(len(state.bodies.mass)):
         stop_if_late()
         gap = FLOATS * state.length
         group = _floating_groups(state, _points(state, gap), gap)
         if not group.any():
-            return
+            return True
         state.tell("falls")
         before = int(state.gone.sum())
         if _drop(state, group) <= gap and before == state.gone.sum():
-            return
+            return False
+    return True
 
 
 def _drop(state: _State, group: Index) -> float:
@@ -242,10 +281,12 @@ def _drop(state: _State, group: Index) -> float:
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
     several = state.candidates.pieces.several
-    fall = straight_falls(sweeps, assembly, group[state.bodies.of_part], several)
-    lost = np.isinf(fall)[group]
+    among = np.where(state.gone, -1, group)[state.bodies.of_part]
+    fall = straight_falls(sweeps, assembly, among, several)
+    fall = fall[group]
+    lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
-    length = np.where(np.isinf(fall), 0.0, fall)[group]
+    length = np.where(lost, 0.0, fall)
     step = np.zeros((len(state.bodies.mass), 6))
     step[:, :3] = length[:, None] * assembly.down
     state.move(step, "fell")
@@ -322,7 +363,7 @@ def _settle_down(state: _State) -> bool:
     last: _Last | None = None
     lowest = np.full(len(state.bodies.mass), -np.inf)
     stalled = np.zeros(len(lowest), dtype=np.int64)
-    while state.rounds < ROUNDS:
+    while state.rounds < state.most_rounds:
         stop_if_late()
         active = ~state.asleep & ~state.gone & state.bodies.moves
         if not active.any():
@@ -331,7 +372,8 @@ def _settle_down(state: _State) -> bool:
         points, island = _awake_points(state)
         if last is not None and _taken_back(state, last, points):
             points, island = _awake_points(state)
-        if _floating_groups(state, points, _widest(state, points, _reach(state)) / 4).any():
+        floats = _floating_groups(state, points, _widest(state, points, _reach(state)) / 4)
+        if state.rounds >= state.falls_from and floats.any():
             return True
         stride = _stride_of_islands(state, island)
         reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
