@@ -1,6 +1,7 @@
 """From any state to a pose at rest: overlaps out, straight falls, then tipping, sliding, rolling.
 
-1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`).
+1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`). Bodies whose overlaps
+   no motion opens stay in place, and the others come to rest.
 2. Groups of bodies that nothing supports fall straight down until they meet a supported part, all
    at the same time (`straight_falls`). A group with nothing below it leaves the scene.
 3. Bodies that no forces hold move by a quasi-static step (`descent`) until they stop; a step obeys
@@ -30,6 +31,7 @@ from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.straight_falls import straight_falls
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact import ContactSet
+from kilter.errors import some_names
 from kilter.tell.numbers import number
 from kilter.work import stop_if_late
 
@@ -116,6 +118,10 @@ class _State:
     """Number of steps from which bodies without support fall: a fall that moves none is not
     repeated at once."""
     rounds: int = 0
+    unfit: tuple[str, ...] = ()
+    """Parts that stay in place, since no motion opens their overlaps."""
+    depth: float = 0.0
+    """Depth of the deepest of these overlaps that remains after the least motion [length unit]."""
 
     def move(self, step: Array, how: WayKind | None) -> None:
         """Move the bodies by a step (B, 6), and note the way of each; None: by its kind.
@@ -177,9 +183,7 @@ def come_to_rest(
     state = _begin(bodies, contacts, tell)
     if limit is not None:
         state.limit, state.most_rounds = limit, LIMITED_ROUNDS
-    stuck = _open_overlaps(state)
-    if stuck is not None:
-        return stuck
+    _open_overlaps(state)
     again = True
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
@@ -193,7 +197,8 @@ def opened(bodies: RigidBodies, contacts: ContactSet, *, tell: Tell) -> RigidBod
     If no motion opens the overlaps, the bodies stay as drawn.
     """
     state = _begin(bodies, contacts, tell)
-    return bodies if _open_overlaps(state) is not None else state.bodies
+    _open_overlaps(state)
+    return bodies if state.unfit else state.bodies
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -220,42 +225,52 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
 def _points(state: _State, reach: float | Array) -> NearPoints:
     """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
     points = state.candidates.near(state.bodies, reach)
-    gone = state.gone[state.bodies.of_part]
-    return points.take(~gone[points.part_a] & ~gone[points.part_b])
+    gone, moves = (mask[state.bodies.of_part] for mask in (state.gone, state.bodies.moves))
+    there = ~gone[points.part_a] & ~gone[points.part_b]
+    return points.take(there & (moves[points.part_a] | moves[points.part_b]))
 
 
-def _open_overlaps(state: _State) -> RestResult | None:
-    """Open all overlaps by the least motion; the result if nothing opens them, else None."""
+def _open_overlaps(state: _State) -> None:
+    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place."""
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
-    for _ in range(PUSHES):
+    pushes = 0
+    while pushes < PUSHES:
         stop_if_late()
         points = _points(state, reach)
         deep = -float(points.gap.min(initial=0.0))
         if deep <= 5 * state.closed:  # half of what counts as closed
-            return None
+            return
         state.tell(f"overlaps: {number(deep)}")
         programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
         apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:
-                return None
-            return _does_not_fit(state, points, depth * state.length, forces)
+                return
+            _stay(state, points, depth * state.length, forces)
+            continue
+        pushes += 1
         step = programs.steps(apart, state.bodies)
         state.move(step, "pushed-out")
         far = float(state.bodies.travel(step).max(initial=0.0))
         reach = max(min(reach, 4 * far), 1e-4 * state.length)
-    return None
 
 
-def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array) -> RestResult:
-    """The result for overlaps that no motion opens: the parts of the certificate."""
-    return RestResult(
-        "does-not-fit", state.bodies, _ways(state),
-        parts=pressed_parts(state.bodies, points, forces), depth=depth,
-        why="no small motion opens all overlaps", rounds=state.rounds,
-    )  # fmt: skip
+def _stay(state: _State, points: NearPoints, depth: float, forces: Array) -> None:
+    """Keep the bodies of a certificate in place: no motion opens their overlaps.
+
+    Arguments: `depth`: least depth that remains [length unit]; `forces` (K,): the certificate.
+    """
+    bodies = state.bodies
+    if not forces.any():  # the solver failed
+        forces = (points.gap <= points.gap.min()).astype(np.float64)
+    names = pressed_parts(bodies, points, forces)
+    state.unfit += tuple(name for name in names if name not in state.unfit)
+    state.depth = max(state.depth, depth)
+    moves = bodies.moves.copy()
+    moves[[bodies.body_of(name) for name in names]] = False
+    state.bodies, state.asleep = replace(bodies, moves=moves), ~moves
 
 
 # falls -----------------------------------------------------------------------------------
@@ -565,13 +580,17 @@ def _result(state: _State, reach: float | None) -> RestResult:
     elif leaves:
         verdict = "falls" if state.gone[free].all() else "partly"
         why = "nothing is below the parts"
+    if state.unfit:
+        both, depth = some_names(state.unfit), number(state.depth, 3)
+        verdict, parts = "does-not-fit", (*state.unfit, *parts)
+        why = f"{both} do not fit, and overlap by at least {depth} {state.bodies.drawn.units}"
     far = np.linalg.norm(state.bodies.movements()[:, :3], axis=1)
     far[np.isin(names, leaves)] = 0.0
     if reach is not None and far.max(initial=0.0) > reach * (1 + 1e-9):
         k = int(far.argmax())
-        verdict, parts = "not-found", (names[k],)
+        verdict, parts = "not-found", (*state.unfit, names[k])
         why = f"{names[k]!r} would move {number(float(far[k]), 3)} {state.bodies.drawn.units}"
     return RestResult(
-        verdict, state.bodies, _ways(state), leaves, parts, 0.0, why, state.rounds,
+        verdict, state.bodies, _ways(state), leaves, parts, state.depth, why, state.rounds,
         points.take(closed),
     )  # fmt: skip
