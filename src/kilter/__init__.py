@@ -91,7 +91,9 @@ __all__ = sorted(_HOMES)
 
 
 _HOOKS = {
+    "bodies_of": "kilter.analysis.assumptions.bodies",
     "cell": "kilter.notebook",
+    "landings": "kilter.analysis.settled_pose.straight_falls",
     "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
     "scene_of": "kilter.files.objects.trimesh_objects",
