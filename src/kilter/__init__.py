@@ -91,7 +91,7 @@ __all__ = sorted(_HOMES)
 
 
 _HOOKS = {
-    "bodies_of": "kilter.analysis.assumptions.bodies",
+    "bodies_of": "kilter.analysis.assumptions.joined_bodies",
     "cell": "kilter.notebook",
     "landings": "kilter.analysis.settled_pose.straight_falls",
     "load": "kilter.loading",

@@ -19,11 +19,12 @@ def motion_of(part: Part) -> str:
     return str(part["motion"] if part["moves"] else part["slow_motion"])
 
 
-def motion_rows(parts: Sequence[Part]) -> list[Sequence[str]]:
+def motion_rows(parts: Sequence[Part], *, by_proof: bool = False) -> list[Sequence[str]]:
     """Return the names and the motions of parts, as at most `MOST_MOTIONS` rows of two cells.
 
     Parts whose names differ only in numbers share a row if their motions are equal; if the rows
     are too many, so do all parts with equal motions. Falls of equal length are equal motions.
+    `by_proof`: whether the parts that the motion of the proof moves have rows of their own.
 
     Examples
     --------
@@ -33,18 +34,18 @@ def motion_rows(parts: Sequence[Part]) -> list[Sequence[str]]:
     >>> motion_rows([*drawers, lid])
     [('drawer_* (8 parts)', 'each falls 18 mm onto panel_* (8 parts)'), ('lid', 'tips about +y')]
     """
-    groups = grouped(parts, lambda part: (_motion_key(part), stem(part["name"])))
+
+    def motion(part: Part) -> object:
+        """Common properties of the parts in a row."""
+        return _without_target(part), by_proof and part["moved_by_proof"]
+
+    groups = grouped(parts, lambda part: (motion(part), stem(part["name"])))
     if len(groups) > MOST_MOTIONS:
-        groups = grouped(parts, _motion_key)
+        groups = grouped(parts, motion)
     shown = len(groups) if len(groups) <= MOST_MOTIONS else MOST_MOTIONS - 1
     rows = [_row(group) for group in groups[:shown]]
     more = sum(map(len, groups[shown:]))
     return [*rows, (f"and {more} more (--verbose lists all)", "")] if more else rows
-
-
-def _motion_key(part: Part) -> tuple[bool, str]:
-    """Return the common properties of parts in a row: moved by the proof, and their motion."""
-    return bool(part.get("moved_by_proof")), _without_target(part)
 
 
 def _without_target(part: Part) -> str:

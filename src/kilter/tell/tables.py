@@ -204,7 +204,8 @@ def moving_table(answer: Answer, *, brief: bool = False) -> Table | None:
     if not moving:
         return None
     if brief:
-        return Table(title, (), motion_rows(moving), tuple, complete=True)
+        proof = bool(answer["open_pairs"])  # the title counts the parts that the proof moves
+        return Table(title, (), motion_rows(moving, by_proof=proof), tuple, complete=True)
 
     def row(part: Answer) -> Sequence[str]:
         return Name(part["name"]), motion_of(part)

@@ -338,8 +338,8 @@ def upward_words(up: str) -> str:
 
     Examples
     --------
-    >>> upward_words("y")[-70:]
-    'if y points up in the file, give --up y (in Python up=\'y\')'
+    >>> print(upward_words("y")[-59:])
+    if y points up in the file, give --up y (in Python up='y')
     """
     return (
         f"with z up it falls even if parts that touch are joined, with {up} up it then stays: if "

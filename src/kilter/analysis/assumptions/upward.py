@@ -14,10 +14,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from kilter.analysis.assumptions.bodies import body_groups
+from kilter.analysis.assumptions.joined_bodies import body_groups
 from kilter.arrays import Array, Index, across
 from kilter.assembly import Assembly
-from kilter.assembly.changed_copies import lowest_heights
 from kilter.contact import ContactSet, detect
 from kilter.rigid import UP
 
@@ -52,13 +51,22 @@ def _holds(assembly: Assembly, contacts: ContactSet, groups: list[Index], axis: 
     Arguments: `groups`: parts of each body; `axis`: the upward axis.
     """
     geometry, up = assembly.geometry, np.array(UP[axis])
+    plane = np.stack(across(up), axis=1)
+    border = SURELY * float(np.ptp(geometry.vertices, axis=0).max())
+    height = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+    reach = contacts.searched.gap_of(geometry.size) + 2 * geometry.accuracy + geometry.slack
     parts = np.concatenate(groups)
-    height = lowest_heights(geometry, up)
-    reach = contacts.searched.gap_of(geometry.size) + 2 * geometry.accuracy
     low = height <= height[parts].min() + reach
     feet = np.intersect1d(parts, np.flatnonzero(low))
-    if not all(low[group].any() for group in groups):
-        return False
+    center = {
+        int(group[0]): geometry.mass[group] @ geometry.center[group] / geometry.mass[group].sum()
+        for group in groups
+    }
+    for group in groups:  # no contact of a foot lies beyond its corners
+        owner = np.isin(geometry.vertex_part, group[low[group]])
+        spare = border + float(geometry.slack[group].max())
+        if _is_inside((geometry.vertices[owner] - center[group[0]]) @ plane, spare) is False:
+            return False
     standing = Assembly([assembly.parts[k] for k in feet.tolist()], units=assembly.units)
     standing = standing.with_down(-up).with_floor()
     found = detect.contacts(standing, tolerance=contacts.searched)
@@ -67,13 +75,10 @@ def _holds(assembly: Assembly, contacts: ContactSet, groups: list[Index], axis: 
         return None
     on_floor = (found.patch_parts == floor).any(axis=1)
     foot = feet[np.where(on_floor, found.patch_parts.min(axis=1), 0)]
-    size = float(np.ptp(geometry.vertices, axis=0).max())
-    plane = np.stack(across(up), axis=1)
     every = True
     for group in groups:
-        center = geometry.mass[group] @ geometry.center[group] / geometry.mass[group].sum()
         chosen = (on_floor & np.isin(foot, group))[found.point_patch]
-        inside = _is_inside((found.points[chosen] - center) @ plane, SURELY * size)
+        inside = _is_inside((found.points[chosen] - center[group[0]]) @ plane, border)
         if inside is False:
             return False
         every &= inside is True
