@@ -17,10 +17,11 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
+from kilter.assembly.question import LOWEST
 from kilter.contact import Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
-from kilter.files.own.choices import LOWEST, Choices, find_choices
+from kilter.files.own.choices import Choices, find_choices
 from kilter.files.own.choices_writing import choices_about, require_place, write_choices
 from kilter.files.reading import Reading, chosen
 from kilter.files.reading_options import ReadingOptions

@@ -85,12 +85,18 @@ class Assembly(ChangedCopies):
     straps : sequence of Strap
     reading : mapping, optional
         Options with which `kilter.load` read the file, as JSON data: proofs list them.
+    file_up : array_like, shape (3,), optional
+        Up direction of a file of a format that states no held parts, world frame [-]: an answer
+        assumes a floor across it if nothing is held. None: nothing is assumed.
+    assumed : mapping
+        Options of reading that an answer assumed because nothing was held, as JSON data: proofs
+        list them, too.
 
     Notes
     -----
     An assembly is a frozen value: methods such as `with_friction` return a changed copy.
-    Assemblies with equal content are equal and have the same hash; `source` and `reading` do not
-    count.
+    Assemblies with equal content are equal and have the same hash; `source`, `reading`,
+    `file_up` and `assumed` do not count.
 
     Raises
     ------
@@ -134,6 +140,8 @@ class Assembly(ChangedCopies):
     tolerance: Any = None
     straps: Sequence[Strap] = ()
     reading: Mapping[str, Any] | None = field(default=None, compare=False)
+    file_up: Any = field(default=None, compare=False)
+    assumed: Mapping[str, Any] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
         try:
@@ -458,27 +466,35 @@ class Assembly(ChangedCopies):
                 )
         self.index_of(pattern)
 
+    @property
+    def holds(self) -> bool:
+        """Whether a part is held or joined to the ground."""
+        held = any(part.grounded for part in self.parts)
+        return held or any(GROUND in joint.parts for joint in self.joints)
+
+    @property
+    def largest(self) -> str:
+        """Name of the part with the largest volume."""
+        return self.names[int(self.geometry.volume.argmax())]
+
     def require_grounded(self) -> None:
         """Raise an InputError if no part is held or joined to the ground.
 
         Raises
         ------
         InputError
-            If nothing is held; the error names the parts and the lowest part.
+            If nothing is held; the error names the parts and the largest part.
         """
-        held = any(part.grounded for part in self.parts)
-        if held or any(GROUND in joint.parts for joint in self.joints):
+        if self.holds:
             return
-        # imported late: few assemblies need these modules
-
-        geometry = self.geometry
-        lowest = self.names[int(lowest_heights(geometry, -self.down).argmin())]
+        largest = self.largest
         raise InputError(
-            f"nothing is held; the parts are {some_names(self.names, 8)}, the lowest is {lowest!r}",
+            f"nothing is held; the parts are {some_names(self.names, 8)}, the largest is "
+            f"{largest!r}",
             file=self.source or None,
-            hint=f"hold a part with assembly.with_grounded({lowest!r}), or put a table under them "
+            hint=f"hold a part with assembly.with_grounded({largest!r}), or put a table under them "
             "with assembly.with_floor()",
-            option=f"hold a part with --ground {lowest!r}, or put a table under them with --floor",
+            option=f"hold a part with --ground {largest!r}, or put a table under them with --floor",
         )
 
 

@@ -107,6 +107,8 @@ class Asked:
     """Options of the tolerance, with those of the choices."""
     straps: Path | None = None
     """File of straps that are added."""
+    verb: str = ""
+    """Name of the command."""
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
@@ -146,6 +148,7 @@ class Asked:
             proof=given.get("proof"),
             quiet=given["quiet"],
             verbose=given.get("verbose", False),
+            verb=given.get("verb", ""),
         )
         return asked.of_file(asked.file) if asked.file else asked
 
@@ -192,7 +195,7 @@ class Asked:
         asked.apart()
         choices = find_choices(file)
         if choices is None:
-            plain = replace(self.typed, off=())  # a file without choices has nothing to ignore
+            plain = self.typed.without_off()  # a file without choices has nothing to ignore
             return replace(asked, typed=plain, reading=plain, all_touch=self.touch)
         from kilter.files.reading import chosen
 
@@ -217,6 +220,7 @@ class Asked:
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
         """Read the assembly; return it, and its contacts if reading needed them."""
+        from kilter.assembly.question import supported
         from kilter.contact.fits.fastening import fasten_as_read
         from kilter.files.formats import EXACT
 
@@ -237,6 +241,7 @@ class Asked:
         if self.source is not None:
             notes = [*assembly.notes, *self.notes]
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
+        assembly = supported(assembly, self.verb)
         # joints from incomplete contacts would be wrong, so the limit ends the command here
         with stop_after(self.time_limit):
             return fasten_as_read(

@@ -156,6 +156,10 @@ class FileContent(NamedTuple):
     left_out: tuple[str, ...] = ()
     from_cad: bool = False
 
+    def without_held_parts(self) -> FileContent:
+        """The content of a format that may hold no part: an answer then assumes a support."""
+        return self._replace(assembly=replace(self.assembly, file_up=-self.assembly.down))
+
 
 def read_path(
     source: str | os.PathLike[str],
@@ -178,19 +182,21 @@ def read_path(
             hint="leave the state out",
         )
     if is_folder(path):
-        return FileContent(load_folder(path, units=units), from_cad=True)
+        return FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
     if suffix in FORMATS:
         assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
-        return FileContent(assembly, left_out=left_out, from_cad=True)
+        content = FileContent(assembly, left_out=left_out, from_cad=True)
+        return content.without_held_parts()
     if suffix in XML:
         # imported late: other files do not need these modules
         from kilter.files.robots.xml_scenes import load_xml
 
-        return FileContent(*load_xml(path, options))
+        return FileContent(*load_xml(path, options)).without_held_parts()
     if suffix in USD:
         # imported late: other files do not need these modules
 
-        return FileContent(read_scene("usd", path, options), states_gravity=True)
+        scene = FileContent(read_scene("usd", path, options), states_gravity=True)
+        return scene.without_held_parts()
     if suffix in LDRAW_FILES:
         return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
     if suffix in BRICK_TEXT:
@@ -248,7 +254,8 @@ def _from_other_json(
     """The assembly in JSON data of another program; None if no such format is recognised."""
     if is_compas(content):
         units, contacts = options.units, options.contacts
-        return FileContent(from_compas(content, units=units, source=source, contacts=contacts))
+        blocks = from_compas(content, units=units, source=source, contacts=contacts)
+        return FileContent(blocks).without_held_parts()
     if is_stable_lego(content):
         bricks = from_stable_lego(content, data, rules=options.studs, source=source)
         return FileContent(bricks, states_gravity=True)

@@ -16,12 +16,12 @@ from typing import Any
 
 from kilter.assembly import Assembly
 from kilter.assembly.bricks import StudRules
-from kilter.assembly.question import holding, on_floor
+from kilter.assembly.question import LOWEST, holding, on_floor
 from kilter.errors import InputError, some_names
 from kilter.files.file_content import UP, FileContent, note_on_up, read_path
 from kilter.files.format_options import BASES, FormatOptions
 from kilter.files.objects.state_files import state_row
-from kilter.files.own.choices import LOWEST, Choices, digest, find_choices
+from kilter.files.own.choices import Choices, digest, find_choices
 from kilter.files.own.choices_writing import (
     released_in_part,
     require_off,
@@ -89,6 +89,11 @@ class Reading(ReadingOptions):
         if self.off or self.release:
             given = {**self.options(), **self.entries}.keys() - set(self.saved)
             require_off(self.off, self.release, given)
+
+    def without_off(self) -> Reading:
+        """The reading whose `off` has only the floor, which is then not assumed either."""
+        off = ("floor",) if "floor" in self.off else ()
+        return dataclasses.replace(self, off=off)
 
     @property
     def fastens(self) -> bool:
@@ -266,11 +271,15 @@ class Reading(ReadingOptions):
         if remaining:  # the reader of STEP has left out the others
             assembly = assembly.without(remaining)
         assembly = with_masses(assembly, self.mass)
+        if "floor" in self.off:
+            assembly = dataclasses.replace(assembly, file_up=None)
         here, _ = self.for_parts(assembly.names)  # choices about parts that are left out
         if self.friction is not None:
             assembly = with_friction(assembly, self.friction)
         if self.up is not None:
             assembly = assembly.with_down([-x for x in UP[self.up]])
+            if assembly.file_up is not None:
+                assembly = dataclasses.replace(assembly, file_up=UP[self.up])
         here = here.released(assembly.names)
         if here.ground:
             assembly = holding(assembly, here.ground)
@@ -315,7 +324,7 @@ def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
     given = reading or Reading()
     partly = released_in_part(choices.held, given.release)
     choices, notes = switched_off(choices, given.off, given.release)
-    merged, replaced = dataclasses.replace(given, off=(), release=()).over(choices)
+    merged, replaced = dataclasses.replace(given.without_off(), release=()).over(choices)
     notes += replaced
     present = digest(path)
     if choices.sha256 not in (None, present):

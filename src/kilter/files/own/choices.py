@@ -18,14 +18,13 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import MappingProxyType
 from typing import Any
 
+from kilter.assembly.question import LOWEST
 from kilter.errors import InputError
 from kilter.files.complaints import complaint, parse_json
 from kilter.files.file_content import UP
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.limits import is_file, read_bytes
 
-LOWEST = "lowest"
-"""Value of the option `floor` that puts the floor under the lowest point of the assembly."""
 SIGNS = ("file", "sha256", "held", "left_out", "joined", "open_pairs", "materials", "tolerance")
 """Keys that only a file of choices has at its top."""
 OPTIONS = {
