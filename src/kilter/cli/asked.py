@@ -307,6 +307,7 @@ class Asked:
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
         """The suggested next command to type; empty if the input is standard input."""
+        from kilter.assembly.question import FREE_STANDING
         from kilter.tell.facts import kind_of
         from kilter.tell.next_step import next_step
 
@@ -323,6 +324,8 @@ class Asked:
         if step is None:
             return ""
         name, *rest = step.words
+        if name in FREE_STANDING and "floor" in answer.get("assumed", ()):
+            rest.append("--floor")  # this command assumes none
         request = self
         if "--down" in rest:
             request = replace(self, typed=replace(self.typed, down=None))

@@ -32,6 +32,7 @@ from kilter.analysis.decision.motion import (
     without_opening,
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
+from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -59,7 +60,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.html import InCells
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
-from kilter.tell.record import Answer, InPython, LevelWord, OrAbsent, UnitWord, Vector, key
+from kilter.tell.record import InPython, LevelWord, OrAbsent, UnitWord, Vector, key
 from kilter.tell.words import GAINS, NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
@@ -82,7 +83,7 @@ ROUNDING = 1e-15
 """Accelerations up to this count as zero [g]."""
 
 
-class Verdict(InCells, Answer):
+class Verdict(InCells, SupportedAnswer):
     """Answer of `kilter.check`: the verdict on an assembly, with its proof and its motion."""
 
     answer: ClassVar[str] = "check"
