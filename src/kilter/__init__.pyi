@@ -817,7 +817,7 @@ def load(
         shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
         model of MuJoCo or (model, data); a list of these, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
-        Length unit of a format that states none; default metres.
+        Length unit of a format that states none; default mm for STL, else m.
     density : float, optional
         Density of parts without density and mass [kg/m^3]; of all parts of STEP files.
     ground, without : str or iterable of str

@@ -20,7 +20,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Mask
 from kilter.assembly.bonds import Bond, require_apart
 from kilter.assembly.changed_copies import ChangedCopies, lowest_heights
 from kilter.assembly.geometry import Geometry, build_geometry
@@ -89,8 +89,8 @@ class Assembly(ChangedCopies):
         Up direction of a file of a format that states no held parts, world frame [-]: an answer
         assumes a floor across it if nothing is held. None: nothing is assumed.
     assumed : mapping
-        Options of reading that an answer assumed because nothing was held, as JSON data: proofs
-        list them, too.
+        Options of reading that were assumed, as JSON data: the unit of a file that states none,
+        and the support of an assembly without a held part. Proofs list them, too.
 
     Notes
     -----
@@ -337,10 +337,22 @@ class Assembly(ChangedCopies):
 
         World frame [length unit]. The box contains the exact curved surfaces.
         """
-        # imported late: few assemblies need these modules
+        return self._bounds_of(np.ones(len(self.parts), dtype=bool))
 
-        low = [lowest_heights(self.geometry, axis).min() for axis in np.eye(3)]
-        high = [-lowest_heights(self.geometry, -axis).min() for axis in np.eye(3)]
+    @property
+    def size(self) -> Array:
+        """Extents of the free parts along the axes, of all parts if none is free, shape (3,).
+
+        World frame [length unit]. They contain the exact curved surfaces.
+        """
+        free = ~self.geometry.grounded
+        low, high = self._bounds_of(free if free.any() else ~free)
+        return frozen(high - low)
+
+    def _bounds_of(self, chosen: Mask) -> Array:
+        """Lower and upper corner of the bounding box of the chosen parts, shape (2, 3)."""
+        low = [lowest_heights(self.geometry, axis)[chosen].min() for axis in np.eye(3)]
+        high = [-lowest_heights(self.geometry, -axis)[chosen].min() for axis in np.eye(3)]
         return frozen([low, high])
 
     @property

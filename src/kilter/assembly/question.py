@@ -493,5 +493,9 @@ def supported(assembly: Assembly, verb: str, *, floor: bool = True) -> Assembly:
         assembly = on_floor(drawn, True, down)
     else:
         return assembly
-    notes = [*assembly.notes, note]
-    return dataclasses.replace(assembly, gravity=gravity, notes=notes, assumed=assumed)
+    return dataclasses.replace(
+        assembly,
+        gravity=gravity,
+        notes=[*assembly.notes, note],
+        assumed={**assembly.assumed, **assumed},
+    )

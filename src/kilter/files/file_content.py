@@ -64,14 +64,13 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
     except InputError as error:
         raise error.located(file=str(path)) from None
     solids = [read_bodies(entry) for entry in chosen]
-    target = _units(path, chosen, solids, units)
+    target, assumed = _units(path, chosen, solids, units)
     notes = _ignored_note([entry for entry in entries if entry not in chosen])
     for entry, bodies in zip(chosen, solids, strict=True):
         notes += [f"{entry.name}: {note}" for note in bodies.notes]
         notes += _several_bodies(entry, bodies)
-    return Assembly(
-        _parts(path, chosen, solids, target), units=target, source=str(path), notes=notes
-    )
+    parts = _parts(path, chosen, solids, target)
+    return Assembly(parts, units=target, source=str(path), notes=notes, assumed=assumed)
 
 
 def _remedy(entries: Sequence[Path]) -> str:
@@ -97,14 +96,17 @@ def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str)
     return parts
 
 
-def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str | None) -> str:
-    """Length unit of the assembly: the given unit, else that of the files, else "m".
+def _units(
+    path: Path, files: list[Path], solids: list[FileBodies], units: str | None
+) -> tuple[str, dict[str, str]]:
+    """Length unit of the assembly: the given unit, else that of the files, else the usual unit.
 
-    If the files state several units, metres serve as the common unit.
+    If the files state several units, or have several usual units, metres serve as the common unit.
+    The second value is the unit as an option of reading if it is assumed.
     """
     stated = sorted({bodies.units for bodies in solids if bodies.units})
     if units:
-        return units
+        return units, {}
     silent = [file.name for file, bodies in zip(files, solids, strict=True) if not bodies.units]
     if len(stated) > 1 and silent:
         raise InputError(
@@ -113,7 +115,11 @@ def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str |
             hint="give the units: load(path, units='mm')",
             option="give --units",
         )
-    return stated[0] if len(stated) == 1 else "m"
+    if stated:
+        return (stated[0] if len(stated) == 1 else "m"), {}
+    usual = {bodies.usual for bodies in solids}
+    assumed = usual.pop() if len(usual) == 1 else "m"
+    return assumed, {"units": assumed}
 
 
 def _ignored_note(entries: Sequence[Path], limit: int = 8) -> list[str]:

@@ -70,7 +70,7 @@ class ReadingOptions:
     )
     units: str | None = option(
         "--units m|cm|mm|in",
-        "Unit of length of a file that does not name its unit; m by default.",
+        "Unit of length of a file that does not name its unit; mm by default for STL, else m.",
         HELD,
     )
     density: float | None = option(

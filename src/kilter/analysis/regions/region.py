@@ -149,7 +149,7 @@ class Region(InCells, RegionShape, AnswerInWords):
     @property
     @key
     def assumed(self) -> tuple[str, ...]:
-        """Supports that are assumed, since the file holds no part: "floor" or "ground"."""
+        """Options that are assumed: "floor" or "ground" if the file holds no part, "units"."""
         return tuple(dict.fromkeys(key for each in self.assemblies for key in each.assumed))
 
     @property

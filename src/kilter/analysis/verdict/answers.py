@@ -17,7 +17,7 @@ class SupportedAnswer(Answer):
     @property
     @key
     def assumed(self) -> tuple[str, ...]:
-        """Supports that are assumed, since the file holds no part: "floor" or "ground"."""
+        """Options that are assumed: "floor" or "ground" if the file holds no part, "units"."""
         return tuple(self.assembly.assumed)
 
 

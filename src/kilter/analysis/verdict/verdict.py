@@ -307,6 +307,12 @@ class Verdict(InCells, SupportedAnswer):
 
     @property
     @key
+    def size(self) -> Vector:
+        """Extents of the free parts along the axes, of all parts if none is free [length unit]."""
+        return self.assembly.size
+
+    @property
+    @key
     def density(self) -> Density:
         """Densities from which masses of free parts are computed."""
         return density_of(self.assembly)

@@ -276,7 +276,7 @@ class Order(InCells, Answer):
     @property
     @key
     def assumed(self) -> tuple[str, ...]:
-        """Supports that are assumed, since the file holds no part: "floor" or "ground"."""
+        """Options that are assumed: "floor" or "ground" if the file holds no part, "units"."""
         return tuple(self.states.assembly.assumed)
 
     @property
