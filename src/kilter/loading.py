@@ -36,6 +36,7 @@ AS_GIVEN = {
 }
 """Types of keywords of `load` that are not those of the options."""
 BESIDE = [
+    "assume",
     "fasten",
     "fasten_suggested",
     "fasten_overlaps",
