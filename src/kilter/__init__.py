@@ -95,6 +95,7 @@ _HOOKS = {
     "ladder": "kilter.analysis.assumptions.ladder",
     "bodies_of": "kilter.analysis.assumptions.bodies",
     "cell": "kilter.notebook",
+    "copies": "kilter.contact.fits.copies",
     "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
     "scene_of": "kilter.files.objects.trimesh_objects",

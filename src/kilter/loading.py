@@ -131,6 +131,9 @@ def load(source: Any, reading: Reading) -> Assembly:
         mu (f_n + pull); default "unlimited".
     brick_sides : {"lower-edge", "face", "none"}, optional
         Bricks: the points at which neighbours side by side push each other; default "lower-edge".
+    keep_copies : bool
+        CAD and meshes: keep the bodies that are in the file twice; by default a copy, or a step of
+        a feature beside its result, is left out, with a note.
     off : str or iterable of str
         Choices: options whose saved values are ignored, as in ``off=["floor", "loose"]``.
     release : str or iterable of str

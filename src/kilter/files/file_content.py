@@ -13,7 +13,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
-from kilter.errors import InputError
+from kilter.errors import InputError, some
 from kilter.files.bricks.brick_lists import (
     BRICK_TEXT,
     from_stable_lego,
@@ -33,6 +33,7 @@ from kilter.files.own.kilter_json import from_dict
 from kilter.files.packing.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
 from kilter.files.robots.scene_process import read_scene
 from kilter.files.usd.usd_stage import USD
+from kilter.hooks import hook
 from kilter.shape.primitives import Mesh
 
 # Read a folder of mesh and STEP files, one part per file.
@@ -162,6 +163,23 @@ class FileContent(NamedTuple):
     left_out: tuple[str, ...] = ()
     from_cad: bool = False
 
+    def without_copies(self) -> FileContent:
+        """The content without the bodies that the file has twice; a note names them."""
+        assembly = self.assembly
+        if len(assembly) < 2 or not (found := hook("copies")(assembly)):
+            return self
+        names = some([f"{copy!r} (as {kept!r})" for copy, kept in found.items()])
+        count = len(found)
+        words = "1 body is" if count == 1 else f"{count} bodies are"
+        note = (
+            f"{words} in the file twice, left out: {names}; --keep-copies keeps "
+            f"{'it' if count == 1 else 'them'}"
+        )
+        less = assembly.without(list(found))
+        return self._replace(
+            assembly=replace(less, notes=[*less.notes, note]), left_out=(*self.left_out, *found)
+        )
+
     def without_held_parts(self) -> FileContent:
         """The content of a format that may hold no part: an answer then assumes a support."""
         return self._replace(assembly=replace(self.assembly, file_up=-self.assembly.down))
@@ -188,11 +206,13 @@ def read_path(
             hint="leave the state out",
         )
     if is_folder(path):
-        return FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
+        content = FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
+        return content if options.keep_copies else content.without_copies()
     if suffix in FORMATS:
         assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
         content = FileContent(assembly, left_out=left_out, from_cad=True)
-        return content.without_held_parts()
+        content = content.without_held_parts()
+        return content if options.keep_copies else content.without_copies()
     if suffix in XML:
         # imported late: other files do not need these modules
         from kilter.files.robots.xml_scenes import load_xml

@@ -117,6 +117,7 @@ class Reading(ReadingOptions):
             states,
             self.base,
             self.loose_robots,
+            self.keep_copies,
             self.studs,
         )
 
@@ -149,7 +150,7 @@ class Reading(ReadingOptions):
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
             bonds = values.get("bond", ())
             values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
-            for key in ("fasten_suggested", "fasten_overlaps", "loose_robots"):
+            for key in ("fasten_suggested", "fasten_overlaps", "loose_robots", "keep_copies"):
                 values[key] = bool(values.get(key, False))
             values["mass"] = tuple((str(a), float(kg)) for a, kg in values.get("mass", ()))
             loads = values.get("load", ())
@@ -270,8 +271,12 @@ class Reading(ReadingOptions):
         if self.density is not None:
             assembly = with_density(assembly, self.density, replaces=content.from_cad)
         assembly = with_bodies(assembly, bodies)
-        remaining = [p for p in self.without if not fnmatch.filter(content.left_out, p)]
-        if remaining:  # the reader of STEP has left out the others
+        remaining = [
+            p
+            for p in self.without
+            if not fnmatch.filter(content.left_out, p) or fnmatch.filter(assembly.names, p)
+        ]
+        if remaining:  # the reader has left out the others
             assembly = assembly.without(remaining)
         assembly = with_masses(assembly, self.mass)
         if "floor" in self.off:

@@ -103,6 +103,12 @@ class ReadingOptions:
         "that touch or overlap are joined. play by default for files of simulators, else drawn.",
         TOUCH,
     )
+    keep_copies: bool = option(
+        "--keep-copies",
+        "CAD and meshes only: keep bodies that are in the file twice; by default a copy, or a step "
+        "of a feature beside its result, is left out.",
+        HELD,
+    )
     up: str | None = option(
         "--up x|y|z|-x|-y|-z", "The axis of the file that points up; z by default.", HELD
     )

@@ -38,6 +38,7 @@ OPTIONS = {
             "up",
             "fasten_suggested",
             "fasten_overlaps",
+            "keep_copies",
             "density",
             "keyframe",
             "state",
@@ -92,6 +93,8 @@ class Choices:
         True: a held table under the lowest point; a number: at this height [length unit].
     fasten_suggested, fasten_overlaps : bool
         Join the pairs that look fastened, or that overlap.
+    keep_copies : bool
+        Keep bodies that are in the file twice.
     loose : bool
         Loose tolerances, for scanned data.
     density : float, optional
@@ -150,6 +153,7 @@ class Choices:
     floor: bool | float | None = None
     fasten_suggested: bool = False
     fasten_overlaps: bool = False
+    keep_copies: bool = False
     loose: bool = False
     density: float | None = None
     keyframe: str | None = None
