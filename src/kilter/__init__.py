@@ -96,6 +96,7 @@ _HOOKS = {
     "bodies_of": "kilter.analysis.assumptions.joined_bodies",
     "cell": "kilter.notebook",
     "landings": "kilter.analysis.settled_pose.straight_falls",
+    "copies": "kilter.contact.fits.copies",
     "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
     "scene_of": "kilter.files.objects.trimesh_objects",

@@ -33,6 +33,7 @@ from kilter.analysis.decision.motion import (
     without_opening,
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
+from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -61,7 +62,7 @@ from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.html import InCells
 from kilter.tell.ladder_words import ladder_sentence, rung_sentence
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
-from kilter.tell.record import Answer, InPython, LevelWord, OrAbsent, UnitWord, Vector, key
+from kilter.tell.record import InPython, LevelWord, OrAbsent, UnitWord, Vector, key
 from kilter.tell.words import GAINS, NAMED, fall_words, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
@@ -85,7 +86,7 @@ ROUNDING = 1e-15
 """Accelerations up to this count as zero [g]."""
 
 
-class Verdict(InCells, Answer):
+class Verdict(InCells, SupportedAnswer):
     """Answer of `kilter.check`: the verdict on an assembly, with its proof and its motion."""
 
     answer: ClassVar[str] = "check"
@@ -352,6 +353,12 @@ class Verdict(InCells, Answer):
     def units(self) -> UnitWord:
         """Length unit."""
         return self.assembly.units
+
+    @property
+    @key
+    def size(self) -> Vector:
+        """Extents of the free parts along the axes, of all parts if none is free [length unit]."""
+        return self.assembly.size
 
     @property
     @key
