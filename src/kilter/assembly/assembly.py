@@ -85,12 +85,14 @@ class Assembly(ChangedCopies):
     straps : sequence of Strap
     reading : mapping, optional
         Options with which `kilter.load` read the file, as JSON data: proofs list them.
+    up_assumed : bool
+        Whether neither the file nor an option states which axis points up.
 
     Notes
     -----
     An assembly is a frozen value: methods such as `with_friction` return a changed copy.
-    Assemblies with equal content are equal and have the same hash; `source` and `reading` do not
-    count.
+    Assemblies with equal content are equal and have the same hash; `source`, `reading` and
+    `up_assumed` do not count.
 
     Raises
     ------
@@ -134,6 +136,7 @@ class Assembly(ChangedCopies):
     tolerance: Any = None
     straps: Sequence[Strap] = ()
     reading: Mapping[str, Any] | None = field(default=None, compare=False)
+    up_assumed: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:
         try:

@@ -20,9 +20,9 @@ from typing import Any
 
 from kilter.errors import InputError
 from kilter.files.complaints import complaint, parse_json
-from kilter.files.file_content import UP
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.limits import is_file, read_bytes
+from kilter.rigid import UP
 
 LOWEST = "lowest"
 """Value of the option `floor` that puts the floor under the lowest point of the assembly."""
