@@ -94,6 +94,10 @@ class _State:
     """Movement in the last step, over its stride, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
+    limit: Array
+    """Way from the first pose from which a body leaves the scene [length unit], shape (B,)."""
+    first: RigidBodies
+    """The bodies in the first pose."""
     rounds: int = 0
 
     def move(self, step: Array, how: WayKind | None) -> None:
@@ -111,6 +115,15 @@ class _State:
             last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
             kind = last if short and last != "pushed-out" else kind
             self._note(k, kind, far[k], turn[k])
+        if np.isfinite(self.limit).any():
+            self.gone |= self.way > self.limit
+
+    @property
+    def way(self) -> Array:
+        """Longest way of a point of each body from the first pose, at most [length unit], (B,)."""
+        turn = np.linalg.norm(self.bodies.rotation - self.first.rotation, axis=(1, 2))
+        shift = np.linalg.norm(self.bodies.center - self.first.center, axis=1)
+        return np.asarray(shift + turn * self.bodies.size / 2)
 
     def _kind(self, body: int, step: Array, far: float, turn: float) -> WayKind:
         """Kind of a movement in a step."""
@@ -132,14 +145,21 @@ class _State:
 
 
 def come_to_rest(
-    bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Tell
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    *,
+    reach: float | None,
+    tell: Tell,
+    limit: Array | None = None,
 ) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
-    None: no limit.
+    None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene.
     """
     state = _begin(bodies, contacts, tell)
+    if limit is not None:
+        state.limit = limit
     stuck = _open_overlaps(state)
     if stuck is not None:
         return stuck
@@ -149,6 +169,15 @@ def come_to_rest(
         if not again:
             break
     return _result(state, reach)
+
+
+def opened(bodies: RigidBodies, contacts: ContactSet, *, tell: Tell) -> RigidBodies:
+    """The bodies after their overlaps were opened by the least motion, without a fall.
+
+    If no motion opens the overlaps, the bodies stay as drawn.
+    """
+    state = _begin(bodies, contacts, tell)
+    return bodies if _open_overlaps(state) is not None else state.bodies
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -165,6 +194,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
+        np.full(count, np.inf), bodies,
     )  # fmt: skip
 
 
@@ -231,10 +261,12 @@ def _drop(state: _State, group: Index) -> float:
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
     several = state.candidates.pieces.several
-    fall = straight_falls(sweeps, assembly, group[state.bodies.of_part], several)
-    lost = np.isinf(fall)[group]
+    among = np.where(state.gone, -1, group)[state.bodies.of_part]
+    fall = straight_falls(sweeps, assembly, among, several)
+    fall = fall[group]
+    lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
-    length = np.where(np.isinf(fall), 0.0, fall)[group]
+    length = np.where(lost, 0.0, fall)
     step = np.zeros((len(state.bodies.mass), 6))
     step[:, :3] = length[:, None] * assembly.down
     state.move(step, "fell")
