@@ -505,6 +505,35 @@ def test_coplanar_triangles_become_faces() -> None:
     assert len(pieces.edge) == 12
 
 
+@pytest.mark.parametrize(("dent", "whole"), [(0.0, True), (1e-6, True), (1e-4, False)])
+def test_a_mesh_in_single_precision_may_be_dented_by_its_rounding(dent: float, whole: bool) -> None:
+    """A frustum whose sides are divided along the lower diagonal by the dent of a corner."""
+    ring = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
+    low, high = (np.column_stack([r * ring, np.full(4, z)]) for r, z in ((2.0, 0.0), (1.0, 1.0)))
+    middle = (low[0] + high[1]) / 2 + np.array([0, dent, 0])
+    corners = np.vstack([low, high, middle]).astype(np.float32)
+    sides = [[0, 1, 8], [1, 5, 8], [5, 4, 8], [4, 0, 8]]
+    sides += [[a, b, c] for k in (1, 2, 3) for a, b, c in
+              ((k, (k + 1) % 4, 4 + (k + 1) % 4), (k, 4 + (k + 1) % 4, 4 + k))]  # fmt: skip
+    mesh = Mesh(corners, np.array([*sides, [0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]]))
+    assert convex_pieces(scene((mesh, pose([0, 0, 0])))[0]).whole.tolist() == [whole]
+
+
+def test_the_larger_reach_of_two_parts_counts_and_pairs_that_have_not_moved_are_left_out() -> None:
+    stack = [(CUBE, pose([0, 0, 1.01 * k])) for k in range(4)]
+    assembly, rotation, position = scene(*stack)
+    pieces = convex_pieces(assembly)
+
+    def pairs(reach: list[float], moved: list[bool] | None = None) -> set[tuple[int, int]]:
+        which = None if moved is None else np.array(moved)
+        found = near_points(pieces, rotation, position, np.array(reach), NONE, None, which)
+        return set(zip(found.part_a.tolist(), found.part_b.tolist(), strict=True))
+
+    assert pairs([0.0099, 0.0101, 0, 0]) == {(0, 1), (1, 2)}
+    assert pairs([0.0099] * 4) == set()
+    assert pairs([0.02] * 4, [False, False, False, True]) == {(2, 3)}
+
+
 def test_no_pieces() -> None:
     ell = Prism([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], 1.0)
     assembly, rotation, position = scene((ell, pose([0, 0, 0])))

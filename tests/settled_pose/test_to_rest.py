@@ -15,7 +15,7 @@ from kilter.rigid import rotation_between
 TABLE = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
 
 
-def box(name: str, at: list[float], size: tuple[float, ...] = (1, 1, 1), **more: bool) -> Part:
+def box(name: str, at: list[float], size: tuple[float, ...] = (1, 1, 1), **more: float) -> Part:
     return Part(name, Box(size), at, **more)
 
 
@@ -62,6 +62,17 @@ def test_a_sunk_box_moves_up_without_a_question(sunk):
     )
 
 
+def test_boxes_that_overlap_sideways_move_in_inverse_proportion_to_their_masses():
+    """The least sum of mass times the square of the movement opens the overlap."""
+    sunk, light, heavy = 1e-4, 1.0, 9.0
+    drawn = [box("light", [-0.5 + sunk / 2, 0, 0.5], mass=light),
+             box("heavy", [0.5 - sunk / 2, 0, 0.5], mass=heavy)]  # fmt: skip
+    answer = settle(Assembly([TABLE, *drawn], friction=0.5))
+    assert answer.at_rest
+    ways = sunk * np.array([-heavy, light]) / (light + heavy)
+    assert answer.movement[1:, 0] == pytest.approx(ways, abs=1e-8)
+
+
 def on_slope(friction: float) -> Assembly:
     """A box on a slope of tan .5, with a gap of 1e-3 across the slope."""
     turn = rotation_between([0, 0, 1], [-0.5, 0, 1])
@@ -93,6 +104,19 @@ def test_a_box_over_an_edge_rests_or_tips(overhang, state):
     if state == "falls":
         assert answer.leaves == ("box",)
         assert "tipped" in [way.how for way in answer.moved[0].way]
+
+
+@pytest.mark.slow
+def test_bodies_far_from_a_long_motion_rest_exactly():
+    """A plate tips over the edge of a step in long steps, beside boxes that hardly move."""
+    step = box("step", [-1, 0, 0.25], (1, 1, 0.5), grounded=True)
+    plate = box("plate", [-0.47, 0, 0.55], (1.2, 0.5, 0.1))
+    others = [box("sunk", [0.9, -1, 0.5 - 1e-3]), box("floats", [1, 1, 0.51])]
+    answer = settle(Assembly([TABLE, step, plate, *others], friction=1.0), require="equilibrium")
+    assert answer.at_rest
+    assert answer.movement[2, 4] > 0.2
+    assert answer.movement[3] == pytest.approx([0, 0, 1e-3, 0, 0, 0], abs=1e-9)
+    assert answer.movement[4] == pytest.approx([0, 0, -0.01, 0, 0, 0], abs=1e-9)
 
 
 def test_a_pose_at_rest_does_not_change():

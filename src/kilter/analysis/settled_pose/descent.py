@@ -101,20 +101,17 @@ class Descent:
         Arguments: `times` (B,): time of the step of each body, as the length that it would fall
         [lengths]; `rough` (K,): points with friction. Returns None if the solver fails.
         """
-        size = len(self.columns)
-        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
-        scale = float(times[owner].max(initial=0.0))
-        if not size or scale == 0.0:
+        scale = self._scale(times)
+        if not len(self.columns) or not scale.any():
             return np.zeros((len(self.bodies.mass), 6))
         rows = np.flatnonzero(rough & (self.mu > 0))
-        cost = -(times[owner] / scale) * self.load
         opening = np.zeros(len(rows))
         mu = self.mu[rows]
         motion: Array | None = None
         slips = (2 * rows[:, None] + np.arange(2)).ravel()
         for _ in range(REPEATS):
             stop_if_late()
-            found = self._solve(cost, scale, rows, slips, opening)
+            found = self._solve(scale, rows, slips, opening)
             if found is None:
                 break
             largest = float(np.abs(found).max())
@@ -136,13 +133,11 @@ class Descent:
 
         Arguments: `smooth` (K,): these points; others: as of `step`. None if the solver fails.
         """
-        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
-        scale = float(times[owner].max(initial=0.0))
+        scale = self._scale(times)
         rows = np.flatnonzero(rough & ~smooth & (self.mu > 0))
         slips = (2 * rows[:, None] + np.arange(2)).ravel()
-        cost = -(times[owner] / max(scale, 1e-300)) * self.load
-        gap = np.maximum(self.gap / max(scale, 1e-300), 0.0)
-        program = self._program(cost, scale, gap, rows, slips, np.zeros(len(rows)))
+        gap = np.maximum(self._scaled_rows(self.normal, self.gap, scale), 0.0)
+        program = self._program(scale, gap, rows, slips, np.zeros(len(rows)))
         answer = solve_conic(program)
         if not answer.found:
             return None
@@ -150,17 +145,31 @@ class Descent:
         begin = self.joint.shape[0]
         force = np.zeros(len(gap))
         force[others] = answer.multipliers[begin : begin + len(others)]
-        pressed = smooth & (force > PRESSES * float(np.abs(cost).max(initial=0.0)))
+        pressed = smooth & (force > PRESSES * float(np.abs(self.load).max(initial=0.0)))
         return self._expanded(answer.x * scale), pressed
 
-    def _solve(
-        self, cost: Array, scale: float, rough: Index, slips: Index, opening: Array
-    ) -> Array | None:
+    def _scale(self, times: Array) -> Array:
+        """Unit of each motion: the length that its body would fall in the step [lengths].
+
+        All bodies of an island have the same time, so its part of the program keeps its optimum.
+        """
+        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
+        scale: Array = times[owner]
+        return scale
+
+    def _scaled_rows(self, matrix: csr_array, values: Array, scale: Array) -> Array:
+        """Values of rows, over the units of the motions that change them."""
+        unit = np.zeros(len(values))
+        row = np.repeat(np.arange(len(values)), np.diff(matrix.indptr))
+        np.maximum.at(unit, row, scale[matrix.indices])
+        return values / np.where(unit > 0, unit, 1.0)
+
+    def _solve(self, scale: Array, rough: Index, slips: Index, opening: Array) -> Array | None:
         """The motion, over `scale`, for given openings of sliding contacts; None: no solution."""
-        gap = self.gap / scale
+        gap = self._scaled_rows(self.normal, self.gap, scale)
         for open_all in (True, False):
             g = gap if open_all else np.maximum(gap, 0.0)
-            program = self._program(cost, scale, g, rough, slips, opening)
+            program = self._program(scale, g, rough, slips, opening)
             answer = solve_conic(program)
             if answer.found:
                 return np.asarray(answer.x)
@@ -169,12 +178,13 @@ class Descent:
         return None
 
     def _program(
-        self, cost: Array, scale: float, gap: Array, rough: Index, slips: Index, opening: Array
+        self, scale: Array, gap: Array, rough: Index, slips: Index, opening: Array
     ) -> ConicProgram:
         """The convex program of the step."""
         smooth = np.ones(len(gap), dtype=bool)
         smooth[rough] = False
         smooth_rows = np.flatnonzero(smooth)
+        drift = self._scaled_rows(self.joint, self.drift, scale)
         cones = csr_array(
             vstack([self.normal[rough], _scaled(self.slip[slips], np.repeat(self.mu[rough], 2))])
         )
@@ -185,9 +195,9 @@ class Descent:
         matrix = vstack([self.joint, -self.normal[smooth_rows], -cones[order]], format="csc")
         return ConicProgram(
             self.inertia,
-            cost,
+            -self.load,
             csc_array(matrix),
-            np.concatenate([-self.drift / scale, gap[smooth_rows], bound.ravel()]),
+            np.concatenate([-drift, gap[smooth_rows], bound.ravel()]),
             self.joint.shape[0],
             len(smooth_rows),
             np.full(len(rough), 3),

@@ -37,16 +37,18 @@ Tell = Callable[[str], None]
 
 PUSHES = 30
 """Largest number of rounds that open overlaps."""
-ROUNDS = 400
-"""Largest number of steps."""
+ROUNDS, LIMITED_ROUNDS = 400, 40
+"""Largest numbers of steps, without and with a limit of the way."""
+PATIENCE = 5
+"""Number of steps after which a fall that moved nothing is tried again."""
 FIRST, LONGEST = 0.02, 0.15
 """Movement in the first step, and the longest in a step, over the size of a body [-]."""
 SLOWEST = 1e4
 """Largest time of a step, in times in which a body would fall by its size [-]."""
 SHORTEST = 1e-7
 """Length of a step at which a body counts as not moving on [-]."""
-STILL = 2e-9
-"""Movement in a step that counts as none [sizes]."""
+STILL = 2.0
+"""Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter."""
 EXACT = 2e-5
@@ -98,6 +100,14 @@ class _State:
     """Way from the first pose from which a body leaves the scene [length unit], shape (B,)."""
     first: RigidBodies
     """The bodies in the first pose."""
+    loose: Array
+    """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
+    end before their curved surfaces meet."""
+    most_rounds: int = ROUNDS
+    """Largest number of steps."""
+    falls_from: int = 0
+    """Number of steps from which bodies without support fall: a fall that moves none is not
+    repeated at once."""
     rounds: int = 0
 
     def move(self, step: Array, how: WayKind | None) -> None:
@@ -109,7 +119,7 @@ class _State:
         far = np.linalg.norm(step[:, :3], axis=1)
         turn = np.linalg.norm(step[:, 3:], axis=1)
         way = self.bodies.travel(step)
-        for k in np.flatnonzero(way > STILL * self.length).tolist():
+        for k in np.flatnonzero(way > STILL * self.closed).tolist():
             kind = how or self._kind(k, step[k], float(far[k]), float(turn[k]))
             short = way[k] < CORRECTS * self.bodies.size[k]
             last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
@@ -159,15 +169,14 @@ def come_to_rest(
     """
     state = _begin(bodies, contacts, tell)
     if limit is not None:
-        state.limit = limit
+        state.limit, state.most_rounds = limit, LIMITED_ROUNDS
     stuck = _open_overlaps(state)
     if stuck is not None:
         return stuck
-    while True:
-        _fall(state)
+    again = True
+    while again:
+        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
-        if not again:
-            break
     return _result(state, reach)
 
 
@@ -187,6 +196,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     length, weight = units_of(bodies)
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
+    slack = np.zeros(count)
+    np.maximum.at(slack, bodies.of_part, geometry.slack)
     return _State(
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
@@ -194,12 +205,12 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
-        np.full(count, np.inf), bodies,
+        np.full(count, np.inf), bodies, FLOATS * length + 2 * slack,
     )  # fmt: skip
 
 
-def _points(state: _State, reach: float) -> NearPoints:
-    """Points near contact between different bodies, within a reach [length unit]."""
+def _points(state: _State, reach: float | Array) -> NearPoints:
+    """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
     points = state.candidates.near(state.bodies, reach)
     gone = state.gone[state.bodies.of_part]
     return points.take(~gone[points.part_a] & ~gone[points.part_b])
@@ -242,18 +253,22 @@ def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array
 # falls -----------------------------------------------------------------------------------
 
 
-def _fall(state: _State) -> None:
-    """Let all groups of bodies that nothing supports fall; those with nothing below leave."""
+def _fall(state: _State) -> bool:
+    """Let all groups of bodies that nothing supports fall; those with nothing below leave.
+
+    Returns False if some have no support, and none of them moved or left.
+    """
     for _ in range(len(state.bodies.mass)):
         stop_if_late()
         gap = FLOATS * state.length
         group = _floating_groups(state, _points(state, gap), gap)
         if not group.any():
-            return
+            return True
         state.tell("falls")
         before = int(state.gone.sum())
         if _drop(state, group) <= gap and before == state.gone.sum():
-            return
+            return False
+    return True
 
 
 def _drop(state: _State, group: Index) -> float:
@@ -304,10 +319,11 @@ def _falling_freely(
     return np.unique(np.append(np.where(free, label, 0), 0), return_inverse=True)[1][:-1]
 
 
-def _floating_groups(state: _State, points: NearPoints, gap: float) -> Index:
+def _floating_groups(state: _State, points: NearPoints, gap: float | Array) -> Index:
     """Group of each body: 0 if it touches the ground, directly or through others; (B,).
 
-    Bodies within `gap` [length unit] of each other touch. Joints and loads support a body.
+    Bodies touch if a point has at most this gap [length unit], of all points or each (K,). Joints
+    and loads support a body.
     """
     touching = points.take(points.gap <= gap)
     a, b = state.bodies.of_part[touching.part_a], state.bodies.of_part[touching.part_b]
@@ -333,8 +349,8 @@ class _Last:
     island: Index
     stride: Array
     """Island and stride of each body, shape (B,)."""
-    deep: float
-    """Deepest overlap before it [length unit]."""
+    deep: Array
+    """Deepest overlap of the island of each body before it [length unit], shape (B,)."""
 
 
 def _settle_down(state: _State) -> bool:
@@ -342,32 +358,34 @@ def _settle_down(state: _State) -> bool:
     last: _Last | None = None
     lowest = np.full(len(state.bodies.mass), -np.inf)
     stalled = np.zeros(len(lowest), dtype=np.int64)
-    while state.rounds < ROUNDS:
+    while state.rounds < state.most_rounds:
         stop_if_late()
         active = ~state.asleep & ~state.gone & state.bodies.moves
         if not active.any():
             return False
         state.rounds += 1
-        reach = 2 * float(np.minimum(state.stride, LONGEST * state.bodies.size)[active].max())
-        points = _points(state, reach)
+        points, island = _awake_points(state)
         if last is not None and _taken_back(state, last, points):
-            points = _points(state, reach)
-        if _floating_groups(state, points, reach / 4).any():
+            points, island = _awake_points(state)
+        floats = _floating_groups(state, points, _widest(state, points, _reach(state)) / 4)
+        if state.rounds >= state.falls_from and floats.any():
             return True
-        island = _islands(state, points, active)
         stride = _stride_of_islands(state, island)
+        reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
+        near = (points.gap <= reach) & (reach > 0)
+        points = points.take(near)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
-        rough = points.gap <= 0.5 * reach
+        rough = points.gap <= 0.5 * reach[near]
         group = _falling_freely(state, points, program, stride, rough)
         if group.any() and _drop(state, group) > FLOATS * state.length:
             last = None
             continue
         step = program.step(stride / state.length, rough)
         if step is None:
-            state.stride[active] /= 4
-            state.asleep |= active & (state.stride < SHORTEST * state.length)
+            state.stride[island >= 0] /= 4
+            state.asleep |= (island >= 0) & (state.stride < SHORTEST * state.length)
             continue
-        last = _Last(state.bodies, island, stride, -float(points.gap.min(initial=0.0)))
+        last = _Last(state.bodies, island, stride, _deepest(state, island, points))
         _advance(state, island, stride, step)
         _count_stalls(state, island, lowest, stalled)
     return False
@@ -376,11 +394,9 @@ def _settle_down(state: _State) -> bool:
 def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
     """Take the last step back for islands that it led into an overlap; whether there are any."""
     size = state.bodies.size
-    deep = np.zeros(len(size) + 1)
-    for side in (points.part_a, points.part_b):
-        np.maximum.at(deep, last.island[state.bodies.of_part[side]], -points.gap)
+    deep = _deepest(state, last.island, points)
     most = DEEP * np.minimum(last.stride, LONGEST * size) + 2 * last.deep + state.closed
-    bad = (deep[last.island] > most) & (last.island >= 0)
+    bad = (deep > most) & (last.island >= 0)
     bad = np.isin(last.island, last.island[bad]) & (last.island >= 0)
     if not bad.any():
         return False
@@ -390,6 +406,14 @@ def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
     return True
 
 
+def _deepest(state: _State, island: Index, points: NearPoints) -> Array:
+    """Deepest overlap of the island of each body [length unit], shape (B,)."""
+    deep = np.zeros(len(island) + 1)
+    for side in (points.part_a, points.part_b):
+        np.maximum.at(deep, island[state.bodies.of_part[side]], -points.gap)
+    return deep[island]
+
+
 def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
     """Shorten the stride of islands whose centre has not sunk for some steps."""
     mass = state.bodies.mass
@@ -397,13 +421,38 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
     np.add.at(weight, island, mass)
     depth = (total / np.maximum(weight, 1e-300))[island]
-    sinks = depth > lowest + STILL * state.length
+    sinks = depth > lowest + STILL * state.closed
     stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
     lowest[:] = np.maximum(lowest, depth)
     late = stalled >= STALLS
     state.stride = np.where(late, state.stride / 4, state.stride)
     stalled[late] = 0
     state.asleep |= late & (state.stride < SHORTEST * state.length)
+
+
+def _reach(state: _State) -> Array:
+    """Largest gap of the points of each body in the next step [length unit], shape (B,)."""
+    awake = ~state.asleep & ~state.gone & state.bodies.moves
+    step = 2 * np.minimum(state.stride, LONGEST * state.bodies.size)
+    return np.maximum(np.where(awake, step, 0.0), 4 * state.loose)
+
+
+def _widest(state: _State, points: NearPoints, reach: Array) -> Array:
+    """The larger reach of both bodies of each point, shape (K,)."""
+    body = state.bodies.of_part
+    widest: Array = np.maximum(reach[body[points.part_a]], reach[body[points.part_b]])
+    return widest
+
+
+def _awake_points(state: _State) -> tuple[NearPoints, Index]:
+    """Points near contact, and the island of each body (B,); resting bodies of islands wake up."""
+    while True:
+        points = _points(state, _reach(state))
+        island = _islands(state, points, ~state.asleep & ~state.gone & state.bodies.moves)
+        woken = state.asleep & (island >= 0)
+        if not woken.any():
+            return points, island
+        state.asleep &= ~woken
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
@@ -430,7 +479,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
     """
     step, far = _shortened(state, island, step)
-    moving = far > np.maximum(STILL * state.length, EXACT * stride)
+    moving = far > np.maximum(STILL * state.closed, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
     rests = quiet[island] & (stride <= SHORT * state.bodies.size)
