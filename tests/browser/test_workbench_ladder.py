@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from test_tools_in_chromium import AXE, violations
 from workbench_page import DESK, FLOATS, GAP, desk_page
 
 from kilter.assembly.assumption import RUNGS
@@ -152,3 +153,13 @@ def test_the_exported_page_shows_ladder_and_bodies_without_a_control(user, folde
     offline.page.click("#loose-bodies li button:has-text('lost')")
     names = "[...window.kilter.selection].map(k => window.kilter.page.parts.names[k])"
     assert offline.js(names) == ["lost"]
+
+
+def test_ladder_and_bodies_are_accessible_in_light_and_dark(user, folder):
+    if not AXE.is_file():
+        pytest.skip("axe-core is not here: npm ci in web/")
+    page = desk_page(user, folder, DESK | FLOATS)
+    page.click("#rung-joined")
+    for scheme in ("light", "dark"):
+        page.page.emulate_media(color_scheme=scheme)
+        assert violations(page.page) == []

@@ -77,7 +77,7 @@ export class Ladder {
         swatch.style.background = `rgb(${bodyColour(themeOf(document.body), number)})`;
         const show = button(body.words, () => report.bring(body.parts), "select the parts of this body");
         show.className = "link";
-        item.firstChild.append(swatch, " ", show);
+        item.firstChild.append(swatch, show);
         return item;
       }),
       ...(bodies.length > 1 ? [button("Select all of them", () => report.choose(all))] : []),
