@@ -165,7 +165,7 @@ def test_the_answer_of_contacts_lists_the_bodies_in_words_and_data():
     assert [body["name"] for body in answer["bodies"]][:2] == ["board", "span"]
     assert found.bodies[2].to_dict() == answer["bodies"][2]
     text = text_of(answer)
-    tips = f"board (1 part, tips at {found.bodies[0].tilt_deg:.6g} deg)"
+    tips = f"board (1 part, tips at {found.bodies[0].tilt_deg:.3g} deg)"
     assert f"Bodies of parts that touch or overlap: 7. On a floor or held: {tips}.\n" in text
     assert "6 loose bodies: span (" in text
     assert "LED_* (5 bodies, 0.035 mm above board)." in text
