@@ -35,6 +35,7 @@ AS_GIVEN = {
 }
 """Types of keywords of `load` that are not those of the options."""
 BESIDE = [
+    "assume",
     "fasten",
     "fasten_suggested",
     "fasten_overlaps",

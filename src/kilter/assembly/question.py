@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.assembly.assembly_tolerances import SAME_DOWN
+from kilter.assembly.assumption import valid_rung
 from kilter.errors import InputError, some_names
 from kilter.hooks import hook
 from kilter.rigid import in_brackets
@@ -197,6 +198,16 @@ class Question:
             "Function that is called with the name of each stage.",
         ),
     )
+    assume: str | None = field(
+        default=None,
+        metadata=_told(
+            '{"drawn", "play", "fits", "joined"}, optional',
+            "Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move",
+            "within their play until they rest; pairs that look fastened are joined, too; parts",
+            "that touch are joined, too. The default is that of the saved choices, else play for",
+            "files of simulators, else drawn.",
+        ),
+    )
     verb: str = ""
     assembly: Assembly = field(default=cast("Assembly", None))
     begun: float = field(default_factory=perf_counter)
@@ -206,6 +217,8 @@ class Question:
         if self.time_limit is not None:
             limit = number(self.time_limit, "time_limit", lowest=0)
             object.__setattr__(self, "time_limit", limit)
+        if self.assume is not None:
+            valid_rung(self.assume)
 
     def but(self, **changes: Any) -> Question:
         """The question with other values, and the same begin."""
@@ -296,7 +309,7 @@ CHANGES = ("friction", "down", "ground", "floor")
 
 
 def question(
-    *, lacks: str = "", **defaults: Any
+    *, lacks: str = "", own_rungs: bool = False, **defaults: Any
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Create a decorator that adds the shared keywords to a function ``act(asked, ...)``.
 
@@ -307,6 +320,8 @@ def question(
     ----------
     lacks : str
         Names of shared keywords that the function does not have.
+    own_rungs : bool
+        Whether the function itself applies the rung of `assume`.
     **defaults
         Defaults of the function in place of those of `Question`.
 
@@ -335,7 +350,7 @@ def question(
                 annotation=entry.metadata["annotation"] or entry.type,
             )
             for name, entry in SHARED.items()
-            if name not in lacks.split()
+            if name not in lacks.split() and (reads or name != "assume")
         }
         first = [asked_kind.replace(name="assembly", annotation="AssemblyOrPath")] if reads else []
         by_place = [each for each in own.values() if each.kind is each.POSITIONAL_OR_KEYWORD]
@@ -356,6 +371,8 @@ def question(
             asked = Question(verb=act.__name__, **said)
             if reads:
                 asked = asked.but(assembly=asked.read(values.pop("assembly")))
+                if "assume" in shared and not own_rungs:
+                    asked = hook("assumed")(asked)
             for each in others:
                 values |= values.pop(each.name, {})
             return act(asked=asked, **values)

@@ -170,6 +170,7 @@ class Asked:
             "effort": self.effort,
             "time_limit": self.time_limit,
             "progress": progress,
+            "assume": self.reading.assume,
         }
         known = signature(find).parameters
         return {
@@ -234,6 +235,7 @@ class Asked:
         if report_fact is not None:
             held = sum(part.grounded for part in assembly.parts)
             report_fact("parts", f"it has {len(assembly)} parts, {held} of them held")
+        assembly = replace(assembly, reading=self.reading.options())
         if self.source is not None:
             notes = [*assembly.notes, *self.notes]
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
@@ -257,16 +259,22 @@ class Asked:
         reading = replace(self.reading, accelerate=None)
         return replace(self, reading=reading), self.reading.accelerate
 
-    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: Any) -> str:
+    def keep_proof(
+        self,
+        make: Callable[..., dict[str, Any]] | None,
+        answer: Any,
+        options: dict[str, Any] | None = None,
+    ) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
         Arguments: `make`: function that returns the proof; None without a proof; `answer`: data of
-        the answer; it gets a warning if the file of an earlier proof remains.
+        the answer; it gets a warning if the file of an earlier proof remains; `options`: those of
+        reading; None: those that the assembly of the proof remembers.
         """
         if self.proof is None:
             return ""
         if make is not None:
-            write_whole(self.proof, as_json(make(options=self.reading.options())))
+            write_whole(self.proof, as_json(make(options=options)))
             return f"\nproof file   written to {self.proof}"
         if self.proof.exists():
             caution = f"this answer has no proof: the earlier file {self.proof} was not changed"

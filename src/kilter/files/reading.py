@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from kilter.assembly import Assembly
+from kilter.assembly.assumption import valid_rung
 from kilter.assembly.bricks import StudRules
 from kilter.assembly.question import holding, on_floor
 from kilter.errors import InputError, some_names
@@ -81,6 +82,8 @@ class Reading(ReadingOptions):
                 )
         if self.base is not None and self.base not in BASES:
             raise InputError(f"the base is {self.base!r:.40}", hint=f"use {_OR.join(BASES)}")
+        if self.assume is not None:
+            valid_rung(self.assume)
         if self.up is not None and self.up not in UP:
             raise InputError(f"up is {self.up!r:.40}", hint=f"use {', '.join(UP)}")
         if self.up is not None and self.down is not None:

@@ -96,6 +96,13 @@ class ReadingOptions:
     fasten_overlaps: bool = option(
         "--fasten-overlaps", "Join all pairs of parts that overlap, and list them.", HELD
     )
+    assume: str | None = option(
+        "--assume drawn|play|fits|joined",
+        "What counts beside the drawn pose. drawn: nothing. play: parts move within their play "
+        "until they rest. fits: and threads, press fits and inserts are joined. joined: and parts "
+        "that touch or overlap are joined. play by default for files of simulators, else drawn.",
+        TOUCH,
+    )
     up: str | None = option(
         "--up x|y|z|-x|-y|-z", "The axis of the file that points up; z by default.", HELD
     )

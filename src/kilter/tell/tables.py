@@ -16,7 +16,7 @@ from kilter.tell.facts import kind_of
 from kilter.tell.margin_facts import part_level_words
 from kilter.tell.motion_rows import motion_of, motion_rows
 from kilter.tell.numbers import Name, count, counts, force, mass, number, percent, plain, vector
-from kilter.tell.open_words import settling_options
+from kilter.tell.open_words import deciding_option
 from kilter.tell.place_words import PACKING_HEAD, item_cells
 from kilter.tell.plan_words import HEAD, change_cells, improve_sentence, step_cells, support_cells
 from kilter.tell.scene_words import SCENE_HEAD, moved_cells, moved_head, object_cells, scene_order
@@ -375,11 +375,9 @@ def open_table(answer: Answer) -> Table:
             size = f"{number(pair['depth'], 3)} {unit} deep"
         elif pair["gap"]:
             size = f"gap {number(pair['gap'], 3)} {unit}"
-        # a pair that was not examined has no option of its own
-        option = "".join(settling_options([{**pair, "decides": True}])) or "a longer --time-limit"
-        return *_names(pair), pair["kind"], size, pair["why"], option
+        return *_names(pair), pair["kind"], size, pair["why"], deciding_option(pair)
 
-    head = ("part a", "part b", "kind", "distance", "why", "counts as holding with")
+    head = ("part a", "part b", "kind", "distance", "why", "decided by")
     return Table("Open pairs, on which a verdict may depend:", head, answer["open_pairs"], row)
 
 

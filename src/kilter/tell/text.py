@@ -68,32 +68,6 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
     ]
 
 
-def suggestions_hint(kinds: Sequence[str]) -> str:
-    """Return a paragraph about pairs that look fastened; empty if there are none.
-
-    Examples
-    --------
-    >>> suggestions_hint(["thread", "thread", "overlap"]).strip()
-    '3 pairs look fastened (2 thread, 1 overlap); --suggest-joints lists them.'
-    """
-    if not kinds:
-        return ""
-    counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    verb, them = ("looks", "it") if len(kinds) == 1 else ("look", "them")
-    return (
-        f"\n\n{count(len(kinds), 'pair')} {verb} fastened ({counted}); --suggest-joints lists "
-        f"{them}."
-    )
-
-
-def solids_hint() -> str:
-    """Return a paragraph about the data that files of CAD solids do not contain."""
-    return (
-        "\n\nA file of solids does not record screwed or glued connections: --fasten A B joins "
-        "two parts that touch."
-    )
-
-
 def suggestions_text(suggestions: Sequence[Answer]) -> str:
     """Return the text of `kilter check --suggest-joints`: the pairs that look fastened."""
     if not suggestions:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -134,9 +133,7 @@ def settle_offer(verdict: Verdict) -> dict[str, str] | None:
         "hanging part": len({one.part for one in contacts.neighbours if free[one.part]}),
     }
     found = ", ".join(count(number, word) for word, number in numbers.items() if number)
-    tried = [one.to_dict()["words"] for one in verdict.remedies if one.option == "--settle"]
-    result = tried[0].partition(": ")[2] if tried else ""
-    return {"parts": found, "result": result} if found else None
+    return {"parts": found} if found else None
 
 
 def settling_action(
@@ -295,40 +292,10 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
             {"parts": list(one.parts), "kind": one.kind, "words": one.why, "fixed": one.fixed}
             for one in suggestions[:LISTED]
         ],
-        "remedies": [
-            {**remedy, "actions": _actions(remedy["option"])} for remedy in data["remedies"]
-        ],
         "settle": settle_offer(verdict) if complete else None,
         "html": answer_html(data) if complete else "",
         "check": {key: data[key] for key in ("verdict", "level", "why")},
     }
-
-
-def _actions(option: str) -> list[dict[str, Any]]:
-    """The actions of the page that have the effect of options of the command line.
-
-    The list is empty if an option has no action.
-    """
-    words, actions = shlex.split(option), []
-    while words:
-        name = words.pop(0)
-        if name == "--fasten":
-            actions.append({"do": "fasten", "parts": [words.pop(0), words.pop(0)], "on": True})
-        elif name in ("--fasten-suggested", "--fasten-overlaps", "--loose"):
-            actions.append({"do": name[2:].replace("-", "_"), "on": True})
-        elif name == "--friction":
-            actions.append({"do": "friction", "mu": float(words.pop(0))})
-        elif name in ("--gap", "--clearance"):
-            actions.append({"do": "tolerance", name[2:]: float(words.pop(0))})
-        elif name == "--without":
-            actions.append({"do": "leave_out", "parts": [words.pop(0)], "on": True})
-        elif name == "--ground":
-            actions.append({"do": "hold", "parts": [words.pop(0)], "on": True})
-        elif name == "--settle":
-            actions.append({"do": "settle"})
-        else:
-            return []
-    return actions
 
 
 # tabs ----------------------------------------------------------------------------------

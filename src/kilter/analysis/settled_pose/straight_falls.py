@@ -24,7 +24,8 @@ from kilter.rigid import Pose
 def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: Mask) -> Array:
     """Lengths of the falls of groups of parts that fall at the same time.
 
-    Arguments: `group` (N,): group of each part; 0 is supported and does not fall; `compound` (N,):
+    Arguments: `group` (N,): group of each part; 0 is supported and does not fall, -1 is not there;
+    `compound` (N,):
     parts of several pieces, whose falls end before their curved surfaces meet. Returns `fall` (G,):
     length of the fall of each group [length unit], infinite if it leaves the scene.
     """
@@ -40,7 +41,7 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: M
         for part in parts.tolist():
             others, bounds = sweeps.under(np.array([part]), direction)
             for other, bound in zip(others.tolist(), bounds.tolist(), strict=True):
-                if group[other] != g:
+                if group[other] not in (g, -1):
                     meets.setdefault(int(group[other]), []).append((g, bound, part, other))
     heights: dict[tuple[int, int], float] = {}
     waiting = [(0.0, 0)]

@@ -44,6 +44,7 @@ OPTIONS = {
             "state",
             "base",
             "loose_robots",
+            "assume",
             "friction",
             "contacts",
         )
@@ -114,6 +115,8 @@ class Choices:
         As in an assembly file; they are added to those of the file.
     contacts : {"file", "geometry"}, optional
         Source of the contacts, see `kilter.load`.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions, see `kilter.check`.
     tolerance : mapping, optional
         `gap` [length unit], `angle_deg` [deg] and `clearance` [length unit].
     poses : mapping, optional
@@ -166,6 +169,7 @@ class Choices:
     loads: Any = ()
     straps: Any = ()
     contacts: str | None = None
+    assume: str | None = None
     tolerance: Any = None
     poses: Any = None
     folder: str | Path = Path()
