@@ -159,6 +159,7 @@ def check(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Verdict:
     """Decide whether an assembly stays together under gravity, and prove the answer.
 
@@ -193,6 +194,11 @@ def check(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -602,6 +608,7 @@ def hold(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Fixture:
     """Find the fewest supports with which an assembly holds, and prove that fewer are not enough.
 
@@ -645,6 +652,11 @@ def hold(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -677,6 +689,7 @@ def improve(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Improvement:
     """Find the brick whose addition or removal lowers the required strength of studs most.
 
@@ -700,6 +713,11 @@ def improve(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -888,6 +906,7 @@ def margin(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Margin:
     """Compute the margins of an assembly: tilt, least friction, load factor and pushes.
 
@@ -933,6 +952,11 @@ def margin(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -965,6 +989,7 @@ def orient(
     tolerance: Tolerance | None = None,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Orientation:
     """Find the stable direction of gravity with the widest margin, or the nearest to stable.
 
@@ -994,6 +1019,11 @@ def orient(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1035,6 +1065,7 @@ def place(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Places:
     """Find where the next part stands on an assembly, or decide whether it stands at a place.
 
@@ -1080,6 +1111,11 @@ def place(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -1125,6 +1161,7 @@ def plan(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Order:
     """Find an order in which an assembly can be put together, with a proof of each step.
 
@@ -1159,6 +1196,11 @@ def plan(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1193,6 +1235,7 @@ def region(
     tolerance: Tolerance | None = None,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Region:
     """Find every direction of gravity for which an assembly stays together.
 
@@ -1222,6 +1265,11 @@ def region(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1339,6 +1387,7 @@ def scene(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> SceneReport:
     """Decide for each object of a scene whether it is at rest, floats, overlaps or falls.
 
@@ -1374,6 +1423,11 @@ def scene(
         assembly.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -1418,6 +1472,7 @@ def settle(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Settled:
     """Bring the parts of an assembly to rest: a pose that it can reach without gaining energy.
 
@@ -1459,6 +1514,11 @@ def settle(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -1572,6 +1632,7 @@ def states(
     tolerance: Tolerance | None = None,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> States:
     """Prepare verdicts on all states of an assembly that is being built.
 
@@ -1598,6 +1659,11 @@ def states(
         assembly.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1644,6 +1710,7 @@ def transport(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Transport:
     """Compute the accelerations of a carrier under which an assembly stays in place.
 
@@ -1696,6 +1763,11 @@ def transport(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
