@@ -73,7 +73,7 @@ class Body(Record):
     nearest: str | None = None
     """Nearest part of another body; null for a body on the floor."""
     distance: float | None = None
-    """Distance of this part [length unit]; curved faces count as their triangles."""
+    """Distance of this part [length unit]; far curved faces count as their triangles."""
     below: str | None = None
     """Part or floor onto which the body falls straight down; null if it is on the floor, or if
     nothing is below it."""
