@@ -804,6 +804,7 @@ def load(
     friction: float | None = None,
     units: str | None = None,
     density: float | None = None,
+    keep_copies: bool = False,
     up: str | None = None,
     contacts: str | None = None,
     keyframe: str | None = None,
@@ -835,7 +836,7 @@ def load(
         shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
         model of MuJoCo or (model, data); a list of these, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
-        Length unit of a format that states none; default metres.
+        Length unit of a format that states none; default mm for STL, else m.
     density : float, optional
         Density of parts without density and mass [kg/m^3]; of all parts of STEP files.
     ground, without : str or iterable of str
@@ -871,6 +872,9 @@ def load(
         mu (f_n + pull); default "unlimited".
     brick_sides : {"lower-edge", "face", "none"}, optional
         Bricks: the points at which neighbours side by side push each other; default "lower-edge".
+    keep_copies : bool
+        CAD and meshes: keep the bodies that are in the file twice; by default a copy, or a step of
+        a feature beside its result, is left out, with a note.
     off : str or iterable of str
         Choices: options whose saved values are ignored, as in ``off=["floor", "loose"]``.
     release : str or iterable of str

@@ -22,6 +22,7 @@ from kilter.analysis.settled_pose.rest_engine import come_to_rest, opened
 from kilter.analysis.settled_pose.rest_verification import RestingParts, verify_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle import is_verified, refusal, without_rounding
+from kilter.analysis.verdict.remarks import floating_groups
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint
 from kilter.assembly.assumption import DRAWN, JOINED, PLAY
@@ -150,12 +151,14 @@ def play_of(assembly: Assembly) -> Array:
 def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
     """Whether any part may move within its play: an overlap, a clearance or a narrow gap is open.
 
-    A free part or group that touches nothing is near enough to another part, too.
+    A free group of parts that touches nothing may be near enough to other parts, too.
     """
     play = play_of(assembly)
     if contacts.open_pairs or contacts.overlaps:
         return True
     if any(abs(pair.gap) <= play[list(pair.ends)].max() for pair in contacts.near):
+        return True
+    if floating_groups(assembly, contacts):
         return True
     index = assembly.index
     return any(lone.gap <= play[index[lone.part]] for lone in contacts.of(assembly).nearest)
