@@ -8,7 +8,7 @@ from typing import Any
 from kilter.errors import some
 from kilter.tell.contact_words import range_words
 from kilter.tell.name_groups import FEW, grouped, pattern, stem
-from kilter.tell.numbers import angle, count, number, plain
+from kilter.tell.numbers import count, number, plain
 
 SAME_WAY = 1e-3
 """A fall differs from the distance of the nearest part by at most this, if it is below [-]."""
@@ -50,7 +50,8 @@ def _standing_words(body: Entry) -> str:
     """Return the name of a body that stands, with its number of parts and its tilt."""
     about = [count(len(body["parts"]), "part")]
     if body["tilt_deg"] is not None:
-        about.append(f"tips at {angle(body['tilt_deg'])}")
+        tilt = number(body["tilt_deg"], 3)
+        about.append(f"tips at {tilt} deg" if body["tilt_deg"] else "tips as it stands")
     return f"{plain(body['name'])} ({', '.join(about)})"
 
 
