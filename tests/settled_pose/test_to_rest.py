@@ -146,6 +146,32 @@ def test_parts_that_leave_are_named_and_the_others_have_their_proof():
     assert report["beside"].words == "falls: leaves the scene"
 
 
+def slot(at: float, width: float) -> list[Part]:
+    """Two held walls at a distance of 1, and a block between them."""
+    sides = zip(("left", "right"), (-1.0, 1.0), strict=True)
+    walls = [box(f"{name} {at}", [at + x, 0, 0.5], grounded=True) for name, x in sides]
+    return [*walls, box(f"block {at}", [at, 0, 0.5], (width, 1, 1))]
+
+
+def test_parts_beside_those_that_do_not_fit_come_to_rest():
+    table = box("table", [0, 0, -0.5], (60, 60, 1), grounded=True)
+    wide = [*slot(0.0, 1.001), *slot(9.0, 1.002)]
+    others = [box("floats", [0, 5, 0.6]), box("sunk", [9, 5, 0.499]), *slot(20.0, 0.999)]
+    above = box("above", [0, 0, 1.6], (0.5, 0.5, 1))
+    answer = settle(Assembly([table, *wide, *others, above], friction=0.3))
+    assert answer.state == "partly"
+    blocks = {f"{name} {at}" for name in ("left", "right", "block") for at in (0.0, 9.0)}
+    # no proof exists for a part on a block whose pose is invalid
+    assert set(answer.parts) == {*blocks, "above"}
+    assert answer.rests == 3
+    assert answer.depth == pytest.approx(1e-3, rel=1e-3)  # shared by both sides
+    shift = {part.name: row[2] for part, row in zip(answer.drawn, answer.movement, strict=True)}
+    assert shift["floats"] == pytest.approx(-0.1, abs=1e-8)
+    assert shift["sunk"] == pytest.approx(1e-3, abs=1e-8)
+    assert "do not fit, and overlap by at least 0.001 m" in answer.sentence
+    assert kilter.verify(answer.resting, answer.proof()).holds
+
+
 def test_all_parts_leave():
     answer = settle(Assembly([TABLE, BESIDE]))
     assert (answer.state, answer.leaves, answer.resting) == ("falls", ("beside",), None)

@@ -19,7 +19,7 @@ from kilter.assembly.assumption import valid_rung
 from kilter.assembly.bricks import StudRules
 from kilter.assembly.question import LOWEST, holding, on_floor
 from kilter.errors import InputError, some_names
-from kilter.files.file_content import UP, FileContent, note_on_up, read_path
+from kilter.files.file_content import FileContent, read_path
 from kilter.files.format_options import BASES, FormatOptions
 from kilter.files.objects.state_files import state_row
 from kilter.files.own.choices import Choices, digest, find_choices
@@ -48,6 +48,7 @@ from kilter.files.reading_steps import (
     with_loads,
     with_masses,
 )
+from kilter.rigid import UP
 from kilter.units import metres_per_unit
 from kilter.values.guesses import guarded
 
@@ -293,9 +294,7 @@ class Reading(ReadingOptions):
             assembly = holding(assembly, here.ground)
         directed = self.up is not None or self.down is not None or "gravity" in self.entries
         if not directed and not content.states_gravity:
-            notes = note_on_up(assembly)
-            if notes:  # an unchanged assembly keeps the geometry that it has computed
-                assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
+            assembly = dataclasses.replace(assembly, up_assumed=True)
         floor = self.floor if self.floor is None else self.floor == LOWEST or float(self.floor)
         gravity = self.entries.get("gravity")
         assembly = on_floor(assembly, floor, gravity if self.down is None else self.down)

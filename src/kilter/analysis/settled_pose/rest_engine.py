@@ -1,6 +1,7 @@
 """From any state to a pose at rest: overlaps out, straight falls, then tipping, sliding, rolling.
 
-1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`).
+1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`). Bodies whose overlaps
+   no motion opens stay in place, and the others come to rest.
 2. Groups of bodies that nothing supports fall straight down until they meet a supported part, all
    at the same time (`straight_falls`). A group with nothing below it leaves the scene.
 3. Bodies that no forces hold move by a quasi-static step (`descent`) until they stop; a step obeys
@@ -30,6 +31,7 @@ from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.straight_falls import straight_falls
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact import ContactSet
+from kilter.errors import some_names
 from kilter.tell.numbers import number
 from kilter.work import stop_if_late
 
@@ -50,13 +52,16 @@ SHORTEST = 1e-7
 STILL = 2.0
 """Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
-"""Number of steps without a descent after which the steps become shorter."""
+"""Number of steps without a descent after which the steps become shorter, and twice the movement
+counts as none, up to the gap that counts as closed."""
 EXACT = 2e-5
 """Movement in a step that may come from the solver, whose objective is exact to the square of this
 [strides]."""
 SHORT, SHORTER = 2e-6, 100.0
 """Length of the last step of a body at rest [sizes], and factor between the steps that confirm it.
 """
+WILD = 1e6
+"""Movement in a step from which the solver has failed [strides]."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -94,6 +99,10 @@ class _State:
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
     """Movement in the last step, over its stride, shape (B,)."""
+    still: Array
+    """Movement in a step that counts as none [length unit], shape (B,)."""
+    quiet: Array
+    """Longest stride at which a body and its island stood still since it moved, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
     limit: Array
@@ -109,6 +118,10 @@ class _State:
     """Number of steps from which bodies without support fall: a fall that moves none is not
     repeated at once."""
     rounds: int = 0
+    unfit: tuple[str, ...] = ()
+    """Parts that stay in place, since no motion opens their overlaps."""
+    depth: float = 0.0
+    """Depth of the deepest of these overlaps that remains after the least motion [length unit]."""
 
     def move(self, step: Array, how: WayKind | None) -> None:
         """Move the bodies by a step (B, 6), and note the way of each; None: by its kind.
@@ -170,9 +183,8 @@ def come_to_rest(
     state = _begin(bodies, contacts, tell)
     if limit is not None:
         state.limit, state.most_rounds = limit, LIMITED_ROUNDS
-    stuck = _open_overlaps(state)
-    if stuck is not None:
-        return stuck
+        state.stride = np.minimum(state.stride, limit / 8)
+    _open_overlaps(state)
     again = True
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
@@ -186,7 +198,8 @@ def opened(bodies: RigidBodies, contacts: ContactSet, *, tell: Tell) -> RigidBod
     If no motion opens the overlaps, the bodies stay as drawn.
     """
     state = _begin(bodies, contacts, tell)
-    return bodies if _open_overlaps(state) is not None else state.bodies
+    _open_overlaps(state)
+    return bodies if state.unfit else state.bodies
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -202,6 +215,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
+        np.zeros(count), np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
@@ -212,42 +226,52 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
 def _points(state: _State, reach: float | Array) -> NearPoints:
     """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
     points = state.candidates.near(state.bodies, reach)
-    gone = state.gone[state.bodies.of_part]
-    return points.take(~gone[points.part_a] & ~gone[points.part_b])
+    gone, moves = (mask[state.bodies.of_part] for mask in (state.gone, state.bodies.moves))
+    there = ~gone[points.part_a] & ~gone[points.part_b]
+    return points.take(there & (moves[points.part_a] | moves[points.part_b]))
 
 
-def _open_overlaps(state: _State) -> RestResult | None:
-    """Open all overlaps by the least motion; the result if nothing opens them, else None."""
+def _open_overlaps(state: _State) -> None:
+    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place."""
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
-    for _ in range(PUSHES):
+    pushes = 0
+    while pushes < PUSHES:
         stop_if_late()
         points = _points(state, reach)
         deep = -float(points.gap.min(initial=0.0))
         if deep <= 5 * state.closed:  # half of what counts as closed
-            return None
+            return
         state.tell(f"overlaps: {number(deep)}")
         programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
         apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:
-                return None
-            return _does_not_fit(state, points, depth * state.length, forces)
+                return
+            _stay(state, points, depth * state.length, forces)
+            continue
+        pushes += 1
         step = programs.steps(apart, state.bodies)
         state.move(step, "pushed-out")
         far = float(state.bodies.travel(step).max(initial=0.0))
         reach = max(min(reach, 4 * far), 1e-4 * state.length)
-    return None
 
 
-def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array) -> RestResult:
-    """The result for overlaps that no motion opens: the parts of the certificate."""
-    return RestResult(
-        "does-not-fit", state.bodies, _ways(state),
-        parts=pressed_parts(state.bodies, points, forces), depth=depth,
-        why="no small motion opens all overlaps", rounds=state.rounds,
-    )  # fmt: skip
+def _stay(state: _State, points: NearPoints, depth: float, forces: Array) -> None:
+    """Keep the bodies of a certificate in place: no motion opens their overlaps.
+
+    Arguments: `depth`: least depth that remains [length unit]; `forces` (K,): the certificate.
+    """
+    bodies = state.bodies
+    if not forces.any():  # the solver failed
+        forces = (points.gap <= points.gap.min()).astype(np.float64)
+    names = pressed_parts(bodies, points, forces)
+    state.unfit += tuple(name for name in names if name not in state.unfit)
+    state.depth = max(state.depth, depth)
+    moves = bodies.moves.copy()
+    moves[[bodies.body_of(name) for name in names]] = False
+    state.bodies, state.asleep = replace(bodies, moves=moves), ~moves
 
 
 # falls -----------------------------------------------------------------------------------
@@ -381,7 +405,7 @@ def _settle_down(state: _State) -> bool:
             last = None
             continue
         step = program.step(stride / state.length, rough)
-        if step is None:
+        if step is None or (state.bodies.travel(step) > WILD * stride.max()).any():
             state.stride[island >= 0] /= 4
             state.asleep |= (island >= 0) & (state.stride < SHORTEST * state.length)
             continue
@@ -426,6 +450,7 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     lowest[:] = np.maximum(lowest, depth)
     late = stalled >= STALLS
     state.stride = np.where(late, state.stride / 4, state.stride)
+    state.still[late] = np.minimum(2 * state.still[late], 10 * state.closed)
     stalled[late] = 0
     state.asleep |= late & (state.stride < SHORTEST * state.length)
 
@@ -433,7 +458,8 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
 def _reach(state: _State) -> Array:
     """Largest gap of the points of each body in the next step [length unit], shape (B,)."""
     awake = ~state.asleep & ~state.gone & state.bodies.moves
-    step = 2 * np.minimum(state.stride, LONGEST * state.bodies.size)
+    stride = np.minimum(state.stride, state.limit / 4)
+    step = 2 * np.minimum(stride, LONGEST * state.bodies.size)
     return np.maximum(np.where(awake, step, 0.0), 4 * state.loose)
 
 
@@ -445,14 +471,20 @@ def _widest(state: _State, points: NearPoints, reach: Array) -> Array:
 
 
 def _awake_points(state: _State) -> tuple[NearPoints, Index]:
-    """Points near contact, and the island of each body (B,); resting bodies of islands wake up."""
+    """Points near contact, and the island of each body (B,).
+
+    Resting bodies of islands wake up. Bodies that stand still take the stride of those that move.
+    """
     while True:
         points = _points(state, _reach(state))
         island = _islands(state, points, ~state.asleep & ~state.gone & state.bodies.moves)
         woken = state.asleep & (island >= 0)
-        if not woken.any():
+        stride = np.maximum(_stride_of_islands(state, island), state.stride)
+        longer = (state.quiet > 0) & (stride > state.stride)
+        if not (woken | longer).any():
             return points, island
         state.asleep &= ~woken
+        state.stride = np.where(longer, stride, state.stride)
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
@@ -467,27 +499,40 @@ def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
 
 
 def _stride_of_islands(state: _State, island: Index) -> Array:
-    """The shortest stride of each island, for its bodies; 0 for bodies that stand still."""
-    least = np.full(len(island) + 1, np.inf)
-    np.minimum.at(least, island, state.stride)
-    return np.where(island >= 0, least[island], 0.0)
+    """The shortest stride of the bodies that move in each island, or of all if none moves.
+
+    It is 0 for bodies that stand still.
+    """
+    least, moving = np.full((2, len(island) + 1), np.inf)
+    own = np.minimum(state.stride, state.limit / 4)
+    np.minimum.at(least, island, own)
+    np.minimum.at(moving, island, np.where(state.quiet > 0, np.inf, own))
+    stride = np.where(np.isfinite(moving), moving, least)
+    return np.where(island >= 0, stride[island], 0.0)
 
 
 def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
-    """Take a step; islands in which nothing moves, in steps of any length, are at rest.
+    """Take a step; islands in which nothing moves, in a long step and then in a short one, rest.
 
     A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
     """
     step, far = _shortened(state, island, step)
-    moving = far > np.maximum(STILL * state.closed, EXACT * stride)
+    moving = far > np.maximum(state.still, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
-    rests = quiet[island] & (stride <= SHORT * state.bodies.size)
+    size = np.full(len(island) + 1, np.inf)
+    np.minimum.at(size, island, state.bodies.size)
+    stood = np.maximum(state.quiet, stride)
+    state.quiet = np.where(moving, 0.0, np.where(quiet[island] & (island >= 0), stood, state.quiet))
+    long = np.ones(len(island) + 1, dtype=bool)
+    np.logical_and.at(long, island, state.quiet >= FIRST / 2 * size[island])
+    rests = quiet[island] & long[island] & (stride <= SHORT * state.bodies.size)
     state.asleep = np.where(island >= 0, rests, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
     next_stride = _next_stride(state, island, stride, far)
-    first = np.minimum(stride / SHORTER, FIRST * state.bodies.size)
-    next_stride = np.where(quiet[island], np.maximum(first, SHORT * state.bodies.size), next_stride)
+    first = np.where(long[island], stride / SHORTER, np.inf)
+    first = np.clip(first, SHORT * state.bodies.size, FIRST * state.bodies.size)
+    next_stride = np.where(quiet[island], first, next_stride)
     next_stride = np.where(rests, FIRST * state.bodies.size, next_stride)  # if it moves again
     state.stride = np.where(island >= 0, next_stride, state.stride)
     state.move(np.where(moving[:, None], step, 0.0), None)
@@ -538,13 +583,17 @@ def _result(state: _State, reach: float | None) -> RestResult:
     elif leaves:
         verdict = "falls" if state.gone[free].all() else "partly"
         why = "nothing is below the parts"
+    if state.unfit:
+        both, depth = some_names(state.unfit), number(state.depth, 3)
+        verdict, parts = "does-not-fit", (*state.unfit, *parts)
+        why = f"{both} do not fit, and overlap by at least {depth} {state.bodies.drawn.units}"
     far = np.linalg.norm(state.bodies.movements()[:, :3], axis=1)
     far[np.isin(names, leaves)] = 0.0
     if reach is not None and far.max(initial=0.0) > reach * (1 + 1e-9):
         k = int(far.argmax())
-        verdict, parts = "not-found", (names[k],)
+        verdict, parts = "not-found", (*state.unfit, names[k])
         why = f"{names[k]!r} would move {number(float(far[k]), 3)} {state.bodies.drawn.units}"
     return RestResult(
-        verdict, state.bodies, _ways(state), leaves, parts, 0.0, why, state.rounds,
+        verdict, state.bodies, _ways(state), leaves, parts, state.depth, why, state.rounds,
         points.take(closed),
     )  # fmt: skip

@@ -41,6 +41,8 @@ from kilter.shape.primitives import Mesh, Shape, surface
 WARPS = 2.0
 """Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
 be warped [-]."""
+SLIVER = 1e-9
+"""Area of a sliver, over the square of its reach [-]."""
 BATCH = 1_000_000
 """Pairs of a point and a facet that are compared at once; a larger value needs more memory."""
 FIT = 1e-9
@@ -84,12 +86,15 @@ def closed_gap(assembly: Assembly) -> float:
 
 
 def _warps(geometry: Geometry, facets: Facets) -> Array:
-    """Largest distance of a corner of each facet from its plane, 0 on curved surfaces, (F,)."""
+    """Largest distance of a corner of each facet from its plane, shape (F,).
+
+    It is 0 on curved surfaces, and for slivers, which have no plane.
+    """
     owner = np.repeat(np.arange(len(facets)), np.diff(facets.corner_start))
     offset = geometry.vertices[facets.corners] - facets.origin[owner]
     warp = np.zeros(len(facets))
     np.maximum.at(warp, owner, np.abs(np.einsum("ij,ij->i", offset, facets.normal[owner])))
-    return np.where(facets.curved, 0.0, warp)
+    return np.where(facets.curved | (facets.area <= SLIVER * facets.reach**2), 0.0, warp)
 
 
 def closed_contacts(

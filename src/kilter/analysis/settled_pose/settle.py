@@ -401,7 +401,8 @@ def _answer(
     warned: Verdict | None = before
     unproved: tuple[str, ...] = ()
     if isinstance(resting, RestingParts):
-        warned, why, unproved = resting.verdict, resting.why or rest.why, resting.unproved
+        warned, unproved = resting.verdict, resting.unproved
+        why = rest.why if rest.depth else resting.why or rest.why
         more = {
             "tolerance": resting.gap,
             "resting": resting.assembly,

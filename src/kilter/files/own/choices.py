@@ -21,9 +21,9 @@ from typing import Any
 from kilter.assembly.question import LOWEST
 from kilter.errors import InputError
 from kilter.files.complaints import complaint, parse_json
-from kilter.files.file_content import UP
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.limits import is_file, read_bytes
+from kilter.rigid import UP
 
 SIGNS = ("file", "sha256", "held", "left_out", "joined", "open_pairs", "materials", "tolerance")
 """Keys that only a file of choices has at its top."""
