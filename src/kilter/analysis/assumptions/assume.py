@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.assumptions.joining import joined
+from kilter.analysis.assumptions.joining import adjoining, joined
 from kilter.analysis.check import check_equilibrium
 from kilter.analysis.settled_pose.rest import RestResult
 from kilter.analysis.settled_pose.rest_engine import come_to_rest, opened
@@ -150,15 +150,20 @@ def play_of(assembly: Assembly) -> Array:
 def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
     """Whether any part may move within its play: an overlap, a clearance or a narrow gap is open.
 
-    A free part or group that touches nothing is near enough to another part, too.
+    So may a free part whose box is within its play of the box of a part that it does not touch.
     """
-    play = play_of(assembly)
     if contacts.open_pairs or contacts.overlaps:
         return True
-    if any(abs(pair.gap) <= play[list(pair.ends)].max() for pair in contacts.near):
-        return True
-    index = assembly.index
-    return any(lone.gap <= play[index[lone.part]] for lone in contacts.of(assembly).nearest)
+    play, geometry = play_of(assembly), assembly.geometry
+    low, high = geometry.part_boxes
+    pairs = adjoining(assembly, contacts)
+    for k in np.flatnonzero(~geometry.grounded).tolist():
+        apart = np.maximum(low - high[k], low[k] - high).max(axis=1)
+        near = apart <= np.maximum(play[k], play)
+        near[[k, *pairs[(pairs == k).any(axis=1)].ravel()]] = False
+        if near.any():
+            return True
+    return False
 
 
 def _within_play(asked: Question, plain: Assumed) -> Assumed:

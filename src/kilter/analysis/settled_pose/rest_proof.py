@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
+from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.analysis.settled_pose.settle_tolerances import BETWEEN_FACES, CLOSED, NORMAL
 from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, ragged, starts
 from kilter.assembly import Assembly, GivenContact, Part
@@ -131,17 +132,24 @@ def strict_contacts(
 
 
 def deepest_overlap(contacts: ContactSet, gap: float) -> tuple[float, str, tuple[int, ...]]:
-    """Deepest overlap of two parts [length unit]; if it exceeds `gap`, a clause and both parts."""
+    """Deepest overlap of two bodies [length unit]; if it exceeds `gap`, a clause and both parts.
+
+    Parts of a rigid body may overlap: a screw in its thread, a press fit.
+    """
     names, units = contacts.assembly.names, contacts.assembly.units
+    body = rigid_bodies(contacts.assembly, ()).of_part
     lowest = contacts.patch_gap[:, 0]
+    pairs = contacts.patch_parts
+    lowest = np.where(body[pairs[:, 0]] == body[pairs[:, 1]], 0.0, lowest)
     penetration = max(0.0, -float(lowest.min(initial=0.0)))
-    if contacts.overlaps:
-        worst = max(contacts.overlaps, key=lambda overlap: overlap.depth)
+    overlaps = [each for each in contacts.overlaps if body[each.ends[0]] != body[each.ends[1]]]
+    if overlaps:
+        worst = max(overlaps, key=lambda overlap: overlap.depth)
         both = some_names([names[k] for k in worst.ends])
         clause = f"{both} overlap by {worst.depth:.3g} {units}"
         return max(worst.depth, penetration), clause, tuple(worst.ends)
     if penetration > 2 * gap:
-        ends = tuple(contacts.patch_parts[int(lowest.argmin())].tolist())
+        ends = tuple(pairs[int(lowest.argmin())].tolist())
         both = some_names([names[k] for k in ends])
         return penetration, f"{both} penetrate each other by {penetration:.3g} {units}", ends
     return penetration, "", ()
