@@ -132,24 +132,23 @@ def strict_contacts(
 
 
 def deepest_overlap(contacts: ContactSet, gap: float) -> tuple[float, str, tuple[int, ...]]:
-    """Deepest overlap of two bodies [length unit]; if it exceeds `gap`, a clause and both parts.
+    """Deepest overlap of two parts [length unit]; if it exceeds `gap`, a clause and both parts.
 
-    Parts of a rigid body may overlap: a screw in its thread, a press fit.
+    Parts of a rigid body may overlap, as a screw in its thread does.
     """
     names, units = contacts.assembly.names, contacts.assembly.units
     body = rigid_bodies(contacts.assembly, ()).of_part
-    lowest = contacts.patch_gap[:, 0]
-    pairs = contacts.patch_parts
-    lowest = np.where(body[pairs[:, 0]] == body[pairs[:, 1]], 0.0, lowest)
+    apart = body[contacts.patch_parts[:, 0]] != body[contacts.patch_parts[:, 1]]
+    lowest = np.where(apart, contacts.patch_gap[:, 0], 0.0)
     penetration = max(0.0, -float(lowest.min(initial=0.0)))
-    overlaps = [each for each in contacts.overlaps if body[each.ends[0]] != body[each.ends[1]]]
+    overlaps = [o for o in contacts.overlaps if body[o.ends[0]] != body[o.ends[1]]]
     if overlaps:
         worst = max(overlaps, key=lambda overlap: overlap.depth)
         both = some_names([names[k] for k in worst.ends])
         clause = f"{both} overlap by {worst.depth:.3g} {units}"
         return max(worst.depth, penetration), clause, tuple(worst.ends)
     if penetration > 2 * gap:
-        ends = tuple(pairs[int(lowest.argmin())].tolist())
+        ends = tuple(contacts.patch_parts[int(lowest.argmin())].tolist())
         both = some_names([names[k] for k in ends])
         return penetration, f"{both} penetrate each other by {penetration:.3g} {units}", ends
     return penetration, "", ()
