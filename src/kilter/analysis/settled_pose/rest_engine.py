@@ -396,7 +396,7 @@ def _settle_down(state: _State) -> bool:
         stride = _stride_of_islands(state, island)
         reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
         near = (points.gap <= reach) & (reach > 0)
-        points = points.take(near)
+        points = _without_still_gaps(state, points.take(near))
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
         rough = points.gap <= 0.5 * reach[near]
         group = _falling_freely(state, points, program, stride, rough)
@@ -466,6 +466,17 @@ def _widest(state: _State, points: NearPoints, reach: Array) -> Array:
     body = state.bodies.of_part
     widest: Array = np.maximum(reach[body[points.part_a]], reach[body[points.part_b]])
     return widest
+
+
+def _without_still_gaps(state: _State, points: NearPoints) -> NearPoints:
+    """The points, with gap 0 where closing the gap counts as no movement.
+
+    Friction would permit a slip of the gap over mu there in each step.
+    """
+    body = state.bodies.of_part
+    still = np.maximum(state.still[body[points.part_a]], state.still[body[points.part_b]])
+    gap = np.where((points.gap > 0) & (points.gap <= still), 0.0, points.gap)
+    return replace(points, gap=gap)
 
 
 def _awake_points(state: _State) -> tuple[NearPoints, Index]:
