@@ -54,6 +54,8 @@ STILL = 2.0
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter, and twice the movement
 counts as none, up to the gap that counts as closed."""
+STANDS = 24
+"""Number of steps without a descent after which bodies without loads stand still."""
 EXACT = 2e-5
 """Movement in a step that may come from the solver, whose objective is exact to the square of this
 [strides]."""
@@ -438,7 +440,10 @@ def _deepest(state: _State, island: Index, points: NearPoints) -> Array:
 
 
 def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
-    """Shorten the stride of islands whose centre has not sunk for some steps."""
+    """Shorten the stride of islands whose centre has not sunk for some steps.
+
+    Round faces that fit each other closely may rock by rounding, about gaps that count as closed.
+    """
     mass = state.bodies.mass
     total, weight = np.zeros(len(mass) + 1), np.zeros(len(mass) + 1)
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
@@ -447,10 +452,13 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     sinks = depth > lowest + STILL * state.closed
     stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
     lowest[:] = np.maximum(lowest, depth)
-    late = stalled >= STALLS
+    late = (stalled > 0) & (stalled % STALLS == 0)
     state.stride = np.where(late, state.stride / 4, state.stride)
     state.still[late] = np.minimum(2 * state.still[late], 10 * state.closed)
-    stalled[late] = 0
+    loaded = np.zeros(len(island) + 1, dtype=bool)
+    loaded[island[[state.bodies.body_of(load.part) for load in state.bodies.drawn.loads]]] = True
+    state.asleep |= (stalled >= STANDS) & ~loaded[island]
+    stalled[stalled >= STANDS] = 0
     state.asleep |= late & (state.stride < SHORTEST * state.length)
 
 
