@@ -53,7 +53,7 @@ STILL = 2.0
 """Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter, and twice the movement
-counts as none, up to the gap that counts as closed."""
+counts as none, up to half of the gap that the verification accepts."""
 STANDS = 24
 """Number of steps without a descent after which bodies without loads stand still."""
 EXACT = 2e-5
@@ -454,7 +454,7 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     lowest[:] = np.maximum(lowest, depth)
     late = (stalled > 0) & (stalled % STALLS == 0)
     state.stride = np.where(late, state.stride / 4, state.stride)
-    state.still[late] = np.minimum(2 * state.still[late], 10 * state.closed)
+    state.still[late] = np.minimum(2 * state.still[late], 5 * state.closed)
     loaded = np.zeros(len(island) + 1, dtype=bool)
     loaded[island[[state.bodies.body_of(load.part) for load in state.bodies.drawn.loads]]] = True
     state.asleep |= (stalled >= STANDS) & ~loaded[island]
