@@ -37,7 +37,7 @@ SIMULATED = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz", ".sdf"
 PLAY_SHARE, LEAST_PLAY, MOST_PLAY = 0.02, 5e-5, 2e-3
 """Play of a part in CAD: a share of its size [-], at least and at most this [m]: the clearances of
 drawn pins, drawers and lids."""
-LONGEST_CHAIN = 8
+LONGEST_CHAIN = 5
 """Largest number of plays that a part may move before the search leaves it out [-]."""
 SUNK_SHARE = 1e-3
 """Play of a part in a file of a simulator, whose contacts are soft: a share of its size [-]."""

@@ -185,6 +185,7 @@ def come_to_rest(
     state = _begin(bodies, contacts, tell)
     if limit is not None:
         state.limit, state.most_rounds = limit, LIMITED_ROUNDS
+        state.stride = np.minimum(state.stride, limit / 8)
     _open_overlaps(state)
     again = True
     while again:
@@ -465,7 +466,8 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
 def _reach(state: _State) -> Array:
     """Largest gap of the points of each body in the next step [length unit], shape (B,)."""
     awake = ~state.asleep & ~state.gone & state.bodies.moves
-    step = 2 * np.minimum(state.stride, LONGEST * state.bodies.size)
+    stride = np.minimum(state.stride, state.limit / 4)
+    step = 2 * np.minimum(stride, LONGEST * state.bodies.size)
     return np.maximum(np.where(awake, step, 0.0), 4 * state.loose)
 
 
@@ -521,8 +523,9 @@ def _stride_of_islands(state: _State, island: Index) -> Array:
     It is 0 for bodies that stand still.
     """
     least, moving = np.full((2, len(island) + 1), np.inf)
-    np.minimum.at(least, island, state.stride)
-    np.minimum.at(moving, island, np.where(state.quiet > 0, np.inf, state.stride))
+    own = np.minimum(state.stride, state.limit / 4)
+    np.minimum.at(least, island, own)
+    np.minimum.at(moving, island, np.where(state.quiet > 0, np.inf, own))
     stride = np.where(np.isfinite(moving), moving, least)
     return np.where(island >= 0, stride[island], 0.0)
 
