@@ -91,12 +91,17 @@ __all__ = sorted(_HOMES)
 
 
 _HOOKS = {
+    "assumed": "kilter.analysis.assumptions.assume",
+    "ladder": "kilter.analysis.assumptions.ladder",
+    "bodies_of": "kilter.analysis.assumptions.joined_bodies",
     "cell": "kilter.notebook",
+    "landings": "kilter.analysis.settled_pose.straight_falls",
+    "copies": "kilter.contact.fits.copies",
     "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
     "scene_of": "kilter.files.objects.trimesh_objects",
-    "settle_remedy": "kilter.analysis.settled_pose.settle_remedy",
     "to_mjcf": "kilter.files.robots.mjcf",
+    "verdict_on_rung": "kilter.analysis.assumptions.rung_verdict",
 }
 """Module of each function that lower packages call through `kilter.hooks`."""
 

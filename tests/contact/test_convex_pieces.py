@@ -16,7 +16,7 @@ from kilter.contact.convex_pieces import convex_pieces
 from kilter.contact.convex_points import PiecePoints, near_points
 from kilter.files.robots.one_body import capsule, one_body
 from kilter.rigid import Pose
-from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
+from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, hull_surface, surface
 
 CUBE = Box([1, 1, 1])
 LYING = Rotation.from_euler("x", 90, degrees=True)
@@ -448,6 +448,22 @@ def test_block_in_the_corner_of_a_tray() -> None:
     np.testing.assert_allclose(found.normal[~up], np.tile([-1.0, 0, 0], (4, 1)), atol=1e-15)
 
 
+@pytest.mark.parametrize("gap", [-1e-4, 0.0, 1e-9])
+def test_an_edge_over_the_corner_of_two_walls_stays_apart_from_both(gap: float) -> None:
+    """The edge of a wedge leaves the corner over the rims of both walls, which cross there."""
+    walls = [(Box([0.02, 0.4, 0.1]), pose([-0.01, 0.18, -0.05])),
+             (Box([0.4, 0.02, 0.1]), pose([0.18, -0.01, -0.05]))]  # fmt: skip
+    tray = one_body(walls, "walls", [])[0]
+    edge = 0.02 * np.array([-1, -1, 2])
+    wedge = Mesh(*hull_surface(np.array([edge, -edge, [0.1, 0.03, 0.06], [0.03, 0.1, 0.06]])))
+    found = points((tray, pose([0, 0, 0])), (wedge, pose([gap, gap, 0])), reach=1e-3)
+    normals = np.array([[2, 0, 1], [0, 2, 1]]) / np.sqrt(5)
+    for towards in 1e-3 * np.array([[-1, 1, 0], [1, -1, 0]]):
+        assert (found.gap + found.normal @ towards).min() < -4e-4
+    away = 2 * abs(gap) * normals.sum(axis=0)
+    assert (found.gap + found.normal @ away).min() > -1e-12
+
+
 def test_far_pieces_in_other_directions_are_kept() -> None:
     boards = [
         (Box([0.6, 0.02, 0.6]), pose([0, 0.31, 0])),
@@ -503,6 +519,35 @@ def test_coplanar_triangles_become_faces() -> None:
     pieces = convex_pieces(scene((mesh, pose([0, 0, 0])))[0])
     assert len(pieces.normal) == 6
     assert len(pieces.edge) == 12
+
+
+@pytest.mark.parametrize(("dent", "whole"), [(0.0, True), (1e-6, True), (1e-4, False)])
+def test_a_mesh_in_single_precision_may_be_dented_by_its_rounding(dent: float, whole: bool) -> None:
+    """A frustum whose sides are divided along the lower diagonal by the dent of a corner."""
+    ring = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
+    low, high = (np.column_stack([r * ring, np.full(4, z)]) for r, z in ((2.0, 0.0), (1.0, 1.0)))
+    middle = (low[0] + high[1]) / 2 + np.array([0, dent, 0])
+    corners = np.vstack([low, high, middle]).astype(np.float32)
+    sides = [[0, 1, 8], [1, 5, 8], [5, 4, 8], [4, 0, 8]]
+    sides += [[a, b, c] for k in (1, 2, 3) for a, b, c in
+              ((k, (k + 1) % 4, 4 + (k + 1) % 4), (k, 4 + (k + 1) % 4, 4 + k))]  # fmt: skip
+    mesh = Mesh(corners, np.array([*sides, [0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]]))
+    assert convex_pieces(scene((mesh, pose([0, 0, 0])))[0]).whole.tolist() == [whole]
+
+
+def test_the_larger_reach_of_two_parts_counts_and_pairs_that_have_not_moved_are_left_out() -> None:
+    stack = [(CUBE, pose([0, 0, 1.01 * k])) for k in range(4)]
+    assembly, rotation, position = scene(*stack)
+    pieces = convex_pieces(assembly)
+
+    def pairs(reach: list[float], moved: list[bool] | None = None) -> set[tuple[int, int]]:
+        which = None if moved is None else np.array(moved)
+        found = near_points(pieces, rotation, position, np.array(reach), NONE, None, which)
+        return set(zip(found.part_a.tolist(), found.part_b.tolist(), strict=True))
+
+    assert pairs([0.0099, 0.0101, 0, 0]) == {(0, 1), (1, 2)}
+    assert pairs([0.0099] * 4) == set()
+    assert pairs([0.02] * 4, [False, False, False, True]) == {(2, 3)}
 
 
 def test_no_pieces() -> None:

@@ -17,7 +17,7 @@ from play_scenes import (
 from translations import sink
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism
+from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.clear_segments import are_clear
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
@@ -269,6 +269,32 @@ def test_a_closed_point_lies_on_faces_that_its_normal_fits(point, normal, sound)
     assert found.tolist() == [sound]
 
 
+@pytest.mark.parametrize(("share", "sound"), [(0.5, True), (2.0, False)])
+def test_the_normal_of_a_curved_surface_turns_within_the_gap_that_counts_as_closed(share, sound):
+    """Two crossed cylinders touch at a point; its normal is that of a point beside it."""
+    gap, radius = 1e-8, 0.3
+    low = Part("low", Cylinder(radius, 1), Pose([0, 0, -radius], turn([1, 0, 0], 90)))
+    high = Part("high", Cylinder(radius, 1), Pose([0, 0, radius], turn([0, 1, 0], 90)))
+    tilted = np.array([[share * gap / radius, 0, 1.0]])
+    pair = np.array([[0, 1]])
+    _, found = closed_points(Assembly([low, high]), pair, np.zeros((1, 3)), tilted, gap)
+    assert found.tolist() == [sound]
+
+
+@pytest.mark.parametrize(("share", "sound"), [(0.9, True), (3.0, False)])
+def test_the_normal_of_a_warped_face_is_uncertain_by_its_tilt(share, sound):
+    """A corner of the upper face is lowered by `drop`."""
+    drop = 1e-7
+    vertices, triangles = surface(Box([1, 1, 1]))
+    lowered = vertices - [[0, 0, drop]] * np.isclose(vertices, [0.5, 0.5, 0.5]).all(axis=1)[:, None]
+    table = Part("table", Mesh(lowered, triangles))
+    ball = Part("ball", Sphere(1e3), Pose([0, 0, 0.5 + 1e3]))
+    tilted = np.array([[share * drop / np.sqrt(2), share * drop / np.sqrt(2), 1.0]])
+    pair, point = np.array([[0, 1]]), np.array([[0, 0, 0.5]])
+    _, found = closed_points(Assembly([table, ball]), pair, point, tilted, drop)
+    assert found.tolist() == [sound]
+
+
 def test_pairs_that_stay_keep_the_points_of_a_new_search():
     parts = []
     for k, x in enumerate((0.0, 0.1)):
@@ -288,3 +314,20 @@ def test_pairs_that_stay_keep_the_points_of_a_new_search():
         ]
         assert rows[1]
         assert rows[0] >= rows[1]  # points of a wider reach stay
+
+
+def test_bodies_with_a_reach_of_their_own_keep_the_points_of_a_new_search():
+    cubes = [Part(str(k), Box([1, 1, 1]), [0.1 * k, 0, 1.01 * k]) for k in range(5)]
+    bodies = rigid_bodies(Assembly(cubes, friction=0.3), ())
+    kept = CandidatePoints.of(bodies)
+    rng = np.random.default_rng(3)
+    for _ in range(6):
+        step = np.zeros((6, 6))
+        step[rng.integers(1, 6)] = 1e-3 * rng.normal(size=6)
+        bodies = bodies.moved(step)
+        reach = rng.choice([0.0, 0.005, 0.05], 6)
+        rows = [
+            sorted(tuple(row) for row in np.column_stack([p.part_a, p.point, p.normal, p.gap]))
+            for p in (kept.near(bodies, reach), CandidatePoints.of(bodies).near(bodies, reach))
+        ]
+        assert rows[0] == rows[1]

@@ -15,7 +15,7 @@ from kilter.rigid import rotation_between
 TABLE = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
 
 
-def box(name: str, at: list[float], size: tuple[float, ...] = (1, 1, 1), **more: bool) -> Part:
+def box(name: str, at: list[float], size: tuple[float, ...] = (1, 1, 1), **more: float) -> Part:
     return Part(name, Box(size), at, **more)
 
 
@@ -62,6 +62,17 @@ def test_a_sunk_box_moves_up_without_a_question(sunk):
     )
 
 
+def test_boxes_that_overlap_sideways_move_in_inverse_proportion_to_their_masses():
+    """The least sum of mass times the square of the movement opens the overlap."""
+    sunk, light, heavy = 1e-4, 1.0, 9.0
+    drawn = [box("light", [-0.5 + sunk / 2, 0, 0.5], mass=light),
+             box("heavy", [0.5 - sunk / 2, 0, 0.5], mass=heavy)]  # fmt: skip
+    answer = settle(Assembly([TABLE, *drawn], friction=0.5))
+    assert answer.at_rest
+    ways = sunk * np.array([-heavy, light]) / (light + heavy)
+    assert answer.movement[1:, 0] == pytest.approx(ways, abs=1e-8)
+
+
 def on_slope(friction: float) -> Assembly:
     """A box on a slope of tan .5, with a gap of 1e-3 across the slope."""
     turn = rotation_between([0, 0, 1], [-0.5, 0, 1])
@@ -95,6 +106,19 @@ def test_a_box_over_an_edge_rests_or_tips(overhang, state):
         assert "tipped" in [way.how for way in answer.moved[0].way]
 
 
+@pytest.mark.slow
+def test_bodies_far_from_a_long_motion_rest_exactly():
+    """A plate tips over the edge of a step in long steps, beside boxes that hardly move."""
+    step = box("step", [-1, 0, 0.25], (1, 1, 0.5), grounded=True)
+    plate = box("plate", [-0.47, 0, 0.55], (1.2, 0.5, 0.1))
+    others = [box("sunk", [0.9, -1, 0.5 - 1e-3]), box("floats", [1, 1, 0.51])]
+    answer = settle(Assembly([TABLE, step, plate, *others], friction=1.0), require="equilibrium")
+    assert answer.at_rest
+    assert answer.movement[2, 4] > 0.2
+    assert answer.movement[3] == pytest.approx([0, 0, 1e-3, 0, 0, 0], abs=1e-9)
+    assert answer.movement[4] == pytest.approx([0, 0, -0.01, 0, 0, 0], abs=1e-9)
+
+
 def test_a_pose_at_rest_does_not_change():
     turned = Pose([0.3, 0, 0.5], Rotation.from_rotvec([0, 0, 0.7]).as_quat()[[3, 0, 1, 2]])
     drawn = Assembly([TABLE, Part("a", Box(1, 1, 1), turned), box("b", [0.3, 0, 1.5])])
@@ -120,6 +144,32 @@ def test_parts_that_leave_are_named_and_the_others_have_their_proof():
     report = scene(floating(BESIDE), settle=True)
     assert report.counts == {"held": 1, "at-rest": 2, "falls": 1}
     assert report["beside"].words == "falls: leaves the scene"
+
+
+def slot(at: float, width: float) -> list[Part]:
+    """Two held walls at a distance of 1, and a block between them."""
+    sides = zip(("left", "right"), (-1.0, 1.0), strict=True)
+    walls = [box(f"{name} {at}", [at + x, 0, 0.5], grounded=True) for name, x in sides]
+    return [*walls, box(f"block {at}", [at, 0, 0.5], (width, 1, 1))]
+
+
+def test_parts_beside_those_that_do_not_fit_come_to_rest():
+    table = box("table", [0, 0, -0.5], (60, 60, 1), grounded=True)
+    wide = [*slot(0.0, 1.001), *slot(9.0, 1.002)]
+    others = [box("floats", [0, 5, 0.6]), box("sunk", [9, 5, 0.499]), *slot(20.0, 0.999)]
+    above = box("above", [0, 0, 1.6], (0.5, 0.5, 1))
+    answer = settle(Assembly([table, *wide, *others, above], friction=0.3))
+    assert answer.state == "partly"
+    blocks = {f"{name} {at}" for name in ("left", "right", "block") for at in (0.0, 9.0)}
+    # no proof exists for a part on a block whose pose is invalid
+    assert set(answer.parts) == {*blocks, "above"}
+    assert answer.rests == 3
+    assert answer.depth == pytest.approx(1e-3, rel=1e-3)  # shared by both sides
+    shift = {part.name: row[2] for part, row in zip(answer.drawn, answer.movement, strict=True)}
+    assert shift["floats"] == pytest.approx(-0.1, abs=1e-8)
+    assert shift["sunk"] == pytest.approx(1e-3, abs=1e-8)
+    assert "do not fit, and overlap by at least 0.001 m" in answer.sentence
+    assert kilter.verify(answer.resting, answer.proof()).holds
 
 
 def test_all_parts_leave():

@@ -12,8 +12,12 @@ from kilter import Assembly, Pose
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
 
 ROUNDS = 60
-ASIDE = 1e-3
-"""Price of a movement along an axis, over that of a movement along gravity [-]."""
+ASIDE = 1e-5
+"""Price of a movement along an axis, over that of a movement along gravity [-]: parts do not sink
+along a slope below it, so a part in a round hollow of radius r stays up to r ASIDE^2 / 2 too high.
+"""
+FINE = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+"""Tolerances of the program, in units of the reach and of the price [-]; 1e-7 by default."""
 
 
 def sink(assembly: Assembly, reach: float) -> tuple[dict[str, np.ndarray], NearPoints]:
@@ -38,6 +42,7 @@ def sink(assembly: Assembly, reach: float) -> tuple[dict[str, np.ndarray], NearP
             A_ub=np.concatenate([-rows, rows], axis=1),
             b_ub=points.gap / reach,
             bounds=(0, 1 / 3),
+            options=FINE,
         )
         assert answer.success, answer.message
         step = reach * (answer.x[: 3 * len(free)] - answer.x[3 * len(free) :]).reshape(-1, 3)

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.assembly.assembly_tolerances import SAME_DOWN
+from kilter.assembly.assumption import valid_rung
 from kilter.errors import InputError, some_names
 from kilter.hooks import hook
 from kilter.rigid import in_brackets
@@ -197,6 +198,16 @@ class Question:
             "Function that is called with the name of each stage.",
         ),
     )
+    assume: str | None = field(
+        default=None,
+        metadata=_told(
+            '{"drawn", "play", "fits", "joined"}, optional',
+            "Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move",
+            "within their play until they rest; pairs that look fastened are joined, too; parts",
+            "that touch are joined, too. The default is that of the saved choices, else play for",
+            "files of simulators, else drawn.",
+        ),
+    )
     verb: str = ""
     assembly: Assembly = field(default=cast("Assembly", None))
     begun: float = field(default_factory=perf_counter)
@@ -206,6 +217,8 @@ class Question:
         if self.time_limit is not None:
             limit = number(self.time_limit, "time_limit", lowest=0)
             object.__setattr__(self, "time_limit", limit)
+        if self.assume is not None:
+            valid_rung(self.assume)
 
     def but(self, **changes: Any) -> Question:
         """The question with other values, and the same begin."""
@@ -261,7 +274,7 @@ class Question:
             )
         if isinstance(subject, str | os.PathLike) or is_scene(subject):
             loaded: Assembly = hook("load")(subject, **self.changes)
-            return plain_joints(loaded, self.verb)
+            return plain_joints(self.supported(loaded), self.verb)
         require_assembly(subject, self.verb)
         assembly = cast("Assembly", subject)
         if self.friction is not None:
@@ -269,7 +282,16 @@ class Question:
         names = name_list(self.ground, "ground")
         if names:
             assembly = holding(assembly, names)
-        return plain_joints(on_floor(assembly, self.floor, self.down), self.verb)
+        assembly = on_floor(assembly, self.floor, self.down)
+        return plain_joints(self.supported(assembly), self.verb)
+
+    def supported(self, assembly: Assembly) -> Assembly:
+        """The assembly with the support that the question assumes if its file holds no part.
+
+        Given contacts are those without an assumed floor, so no floor is then added.
+        """
+        no_floor = self.floor is False or self.contacts is not None
+        return supported(assembly, self.verb, floor=not no_floor)
 
     def require_unchanged(self, subject: object) -> None:
         """Reject keywords that would change the assembly of a complete answer.
@@ -296,7 +318,7 @@ CHANGES = ("friction", "down", "ground", "floor")
 
 
 def question(
-    *, lacks: str = "", **defaults: Any
+    *, lacks: str = "", own_rungs: bool = False, **defaults: Any
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Create a decorator that adds the shared keywords to a function ``act(asked, ...)``.
 
@@ -307,6 +329,8 @@ def question(
     ----------
     lacks : str
         Names of shared keywords that the function does not have.
+    own_rungs : bool
+        Whether the function itself applies the rung of `assume`.
     **defaults
         Defaults of the function in place of those of `Question`.
 
@@ -335,7 +359,7 @@ def question(
                 annotation=entry.metadata["annotation"] or entry.type,
             )
             for name, entry in SHARED.items()
-            if name not in lacks.split()
+            if name not in lacks.split() and (reads or name != "assume")
         }
         first = [asked_kind.replace(name="assembly", annotation="AssemblyOrPath")] if reads else []
         by_place = [each for each in own.values() if each.kind is each.POSITIONAL_OR_KEYWORD]
@@ -356,6 +380,8 @@ def question(
             asked = Question(verb=act.__name__, **said)
             if reads:
                 asked = asked.but(assembly=asked.read(values.pop("assembly")))
+                if "assume" in shared and not own_rungs:
+                    asked = hook("assumed")(asked)
             for each in others:
                 values |= values.pop(each.name, {})
             return act(asked=asked, **values)
@@ -433,3 +459,60 @@ def on_floor(assembly: Assembly, floor: bool | float | None, down: ArrayLike | N
         "turns with the parts: gravity is oblique to it"
     )
     return dataclasses.replace(turned, notes=[*turned.notes, note])
+
+
+# Assume a support if the file holds no part: drawings and scenes rarely state held parts.
+
+
+FREE_STANDING = ("contacts", "hold")
+"""Functions that need no held part, and assume none."""
+TURNED = ("orient", "region", "common_region")
+"""Functions about all directions of gravity; a floor would be above the parts in half of them."""
+LOWEST = "lowest"
+"""Value of the option `floor`: a table under the lowest point."""
+ASSUMED_FLOOR = "assumed: a floor under it; --ground NAME holds a part instead"
+
+
+def supported(assembly: Assembly, verb: str, *, floor: bool = True) -> Assembly:
+    """The assembly with an assumed support and a note of it, if its file holds no part.
+
+    It is a floor under the lowest point, across the up direction of the file. `TURNED` functions
+    hold the largest part instead, as do all if only the contacts of the file count. The assembly
+    itself is returned if a part is held, or if nothing is assumed: for files of kilter, for
+    assemblies made in Python, and for `FREE_STANDING` functions.
+
+    Arguments: `verb`: name of the function; `floor`: whether a floor may be assumed.
+
+    Examples
+    --------
+    >>> from kilter import Box, Part
+    >>> cubes = [Part("cube", Box(1, 1, 1)), Part("large", Box(2, 2, 2), [0, 0, 1.5])]
+    >>> drawing = Assembly(cubes, file_up=[0, 0, 1])
+    >>> supported(drawing, "check").names, supported(drawing, "hold").names
+    (('cube', 'large', 'floor'), ('cube', 'large'))
+    >>> supported(drawing, "region").notes
+    ("assumed: 'large' is held, the largest part; --ground NAME holds another part instead",)
+    """
+    if assembly.file_up is None or assembly.holds or verb in FREE_STANDING:
+        return assembly
+    gravity = assembly.gravity
+    if verb in TURNED or not assembly.detect:
+        name = assembly.largest
+        note = (
+            f"assumed: {name!r} is held, the largest part; --ground NAME holds another part instead"
+        )
+        assumed: dict[str, Any] = {"ground": [name]}
+        assembly = assembly.with_grips([name])
+    elif floor:
+        note, assumed = ASSUMED_FLOOR, {"floor": LOWEST}
+        drawn = assembly.with_down(-np.asarray(assembly.file_up, dtype=np.float64))
+        down = None if np.allclose(drawn.down, assembly.down, atol=SAME_DOWN) else assembly.down
+        assembly = on_floor(drawn, True, down)
+    else:
+        return assembly
+    return dataclasses.replace(
+        assembly,
+        gravity=gravity,
+        notes=[*assembly.notes, note],
+        assumed={**assembly.assumed, **assumed},
+    )

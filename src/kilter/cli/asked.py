@@ -107,6 +107,8 @@ class Asked:
     """Options of the tolerance, with those of the choices."""
     straps: Path | None = None
     """File of straps that are added."""
+    verb: str = ""
+    """Name of the command."""
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
@@ -146,6 +148,7 @@ class Asked:
             proof=given.get("proof"),
             quiet=given["quiet"],
             verbose=given.get("verbose", False),
+            verb=given.get("verb", ""),
         )
         return asked.of_file(asked.file) if asked.file else asked
 
@@ -170,6 +173,7 @@ class Asked:
             "effort": self.effort,
             "time_limit": self.time_limit,
             "progress": progress,
+            "assume": self.reading.assume,
         }
         known = signature(find).parameters
         return {
@@ -192,7 +196,7 @@ class Asked:
         asked.apart()
         choices = find_choices(file)
         if choices is None:
-            plain = replace(self.typed, off=())  # a file without choices has nothing to ignore
+            plain = self.typed.without_off()  # a file without choices has nothing to ignore
             return replace(asked, typed=plain, reading=plain, all_touch=self.touch)
         from kilter.files.reading import chosen
 
@@ -217,6 +221,7 @@ class Asked:
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
         """Read the assembly; return it, and its contacts if reading needed them."""
+        from kilter.assembly.question import supported
         from kilter.contact.fits.fastening import fasten_as_read
         from kilter.files.formats import EXACT
 
@@ -234,9 +239,11 @@ class Asked:
         if report_fact is not None:
             held = sum(part.grounded for part in assembly.parts)
             report_fact("parts", f"it has {len(assembly)} parts, {held} of them held")
+        assembly = replace(assembly, reading=self.reading.options())
         if self.source is not None:
             notes = [*assembly.notes, *self.notes]
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
+        assembly = supported(assembly, self.verb)
         # joints from incomplete contacts would be wrong, so the limit ends the command here
         with stop_after(self.time_limit):
             return fasten_as_read(
@@ -257,16 +264,22 @@ class Asked:
         reading = replace(self.reading, accelerate=None)
         return replace(self, reading=reading), self.reading.accelerate
 
-    def keep_proof(self, make: Callable[..., dict[str, Any]] | None, answer: Any) -> str:
+    def keep_proof(
+        self,
+        make: Callable[..., dict[str, Any]] | None,
+        answer: Any,
+        options: dict[str, Any] | None = None,
+    ) -> str:
         """Write the proof file that `--proof` names; return the line for the user about it.
 
         Arguments: `make`: function that returns the proof; None without a proof; `answer`: data of
-        the answer; it gets a warning if the file of an earlier proof remains.
+        the answer; it gets a warning if the file of an earlier proof remains; `options`: those of
+        reading; None: those that the assembly of the proof remembers.
         """
         if self.proof is None:
             return ""
         if make is not None:
-            write_whole(self.proof, as_json(make(options=self.reading.options())))
+            write_whole(self.proof, as_json(make(options=options)))
             return f"\nproof file   written to {self.proof}"
         if self.proof.exists():
             caution = f"this answer has no proof: the earlier file {self.proof} was not changed"
@@ -302,6 +315,7 @@ class Asked:
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
         """The suggested next command to type; empty if the input is standard input."""
+        from kilter.assembly.question import FREE_STANDING
         from kilter.tell.facts import kind_of
         from kilter.tell.next_step import next_step
 
@@ -318,6 +332,8 @@ class Asked:
         if step is None:
             return ""
         name, *rest = step.words
+        if name in FREE_STANDING and "floor" in answer.get("assumed", ()):
+            rest.append("--floor")  # this command assumes none
         request = self
         if "--down" in rest:
             request = replace(self, typed=replace(self.typed, down=None))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from kilter.cli.asked import Asked, check_each, code_of
 from kilter.cli.exit_codes import HOLDS, INVALID, LOWER, WRITTEN
-from kilter.cli.options import FORM, TOUCH, File, Files, Json, Output, Quiet, Require, asks, takes
+from kilter.cli.options import FORM, File, Files, Json, Output, Quiet, Require, asks, takes
 from kilter.cli.output import (
     Progress,
     as_json,
@@ -26,8 +26,6 @@ from kilter.values.declaration import argument, option
 
 if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
-    from kilter.assembly import Assembly
-    from kilter.contact import ContactSet
 
 
 SMALL = 400
@@ -48,11 +46,6 @@ class CheckOptions:
     )
     forces: bool = option(
         "--forces", "List the contact forces of an equilibrium, the greatest first.", FORM
-    )
-    settled: bool = option(
-        "--settle",
-        "Check the pose at rest near the drawn pose, as 'kilter settle --nearest' finds it.",
-        TOUCH,
     )
     suggest: bool = option(
         "--suggest-joints", "List the pairs that look fastened, each with the joint to add.", FORM
@@ -88,14 +81,8 @@ def check(asked: Asked, options: CheckOptions) -> int:
             )
         return check_each(asked, options.files, lambda each: _check_file(each, options)[1])
     asked = asked.of_file(options.files[0])
-    if options.settled and asked.proof is not None:
-        raise InputError(
-            "--proof and --settle are given", hint="kilter settle --proof proves a settled pose"
-        )
     verdict, answer = _check_file(asked, options)
     after = asked.keep_proof(None if verdict.evidence is None else verdict.proof, answer)
-    if not options.suggest and verdict.verdict != "stable" and not asked.writes_json:
-        after = _joint_hint(verdict) + after
     if options.suggest:
         joints = suggest_joints(verdict.assembly, verdict.contact_set)
         answer["suggested_joints"] = [joint.to_dict() for joint in joints]
@@ -107,11 +94,7 @@ def check(asked: Asked, options: CheckOptions) -> int:
 
 
 def _check_file(asked: Asked, options: CheckOptions) -> tuple[Verdict, dict[str, Any]]:
-    """Check a single file; return its verdict, and the answer with the reading time.
-
-    With `--settle`, the verdict is that of the pose at rest near the drawn pose, and its sentence
-    states the movement. Without such a pose, the drawn pose is checked, with a warning.
-    """
+    """Check a single file; return its verdict, and the answer with the reading time."""
     from kilter.analysis.check import check as decide
 
     with Progress(asked.quiet) as progress:
@@ -119,9 +102,6 @@ def _check_file(asked: Asked, options: CheckOptions) -> tuple[Verdict, dict[str,
         assembly, contact_set = asked.read(progress)
         _ = assembly.geometry
         read = time.perf_counter() - started
-        words = ("", "")
-        if options.settled:
-            assembly, contact_set, words = _settled(asked, assembly, contact_set, progress)
         verdict = decide(
             assembly,
             require=options.require,
@@ -130,54 +110,8 @@ def _check_file(asked: Asked, options: CheckOptions) -> tuple[Verdict, dict[str,
         )
         progress("motion")
         answer = verdict.to_dict()
-    answer["sentence"] = words[0] + answer["sentence"]
-    answer["warnings"] += [words[1]] if words[1] else []
     answer["seconds"] |= {"read": read, "total": time.perf_counter() - started}
     return verdict, answer
-
-
-def _settled(
-    asked: Asked, assembly: Assembly, contacts: ContactSet | None, progress: Progress
-) -> tuple[Assembly, ContactSet | None, tuple[str, str]]:
-    """The pose at rest near the drawn pose, with a prefix of the sentence and a warning.
-
-    Without a pose at rest, the assembly and its contacts are returned unchanged.
-    """
-    from kilter.analysis.settled_pose.settle import settle
-    from kilter.tell.scene_words import moved_words
-
-    answer = settle(
-        assembly,
-        contacts=contacts,
-        tolerance=asked.tolerance,
-        effort=0.0,
-        require="equilibrium",
-        nearest=True,
-        progress=progress,
-    )
-    data = answer.to_dict()
-    if answer.state != "at-rest":
-        caution = f"not settled, so the drawn pose counts: {data['sentence']}"
-        return assembly, contacts, ("", caution)
-    return answer.assembly, None, (f"Settled by {moved_words(data)}: ", "")
-
-
-def _joint_hint(verdict: Verdict) -> str:
-    """Paragraph about pairs of parts that look fastened; empty if none does.
-
-    For unstable CAD solids without such pairs and without joints, the paragraph names the data that
-    their file lacks.
-    """
-    from kilter.contact.fits.suggestions import suggest_joints
-    from kilter.shape.solid import Solid
-    from kilter.tell.text import solids_hint, suggestions_hint
-
-    suggestions = suggest_joints(verdict.assembly, verdict.contact_set)
-    firm = [suggestion.kind for suggestion in suggestions if suggestion.fixed]
-    solids = any(isinstance(part.shape, Solid) for part in verdict.assembly.parts)
-    if not firm and solids and verdict.verdict == "unstable" and not verdict.assembly.joints:
-        return solids_hint()
-    return suggestions_hint(firm)
 
 
 @asks()

@@ -126,7 +126,8 @@ def settle(asked: Asked, options: SettleOptions) -> int:
             progress("output")
             told = write_pose(answer, asked, options.output, key)
     posed = replace(asked, reading=_proved_reading(asked, answer))
-    after = posed.keep_proof(answer.proof if rests else None, data)
+    options_of = posed.reading.options()
+    after = posed.keep_proof(answer.proof if rests else None, data, options_of)
     tell_warnings(data["warnings"], asked.quiet or options.json)
     if options.json:
         emit(as_json(data), None)

@@ -35,6 +35,8 @@ EVEN_ANGLES: Array = np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False)
 """Angles of the corners of this prism [rad], shape (SIDES,)."""
 CONVEX_VOLUME = 1e-9
 """Largest difference between the volume of a convex mesh and that of its hull, relative [-]."""
+ROUNDED = 2.0
+"""The same, over the volume between the hull and its offset by the errors of coordinates [-]."""
 SAME_PLANE = 1e-7
 """Largest angle between triangles of the same face [rad]."""
 LEVEL = 1e-9
@@ -210,9 +212,10 @@ def _pieces_of(shape: Shape) -> list[Polytope] | None:
     hull = _hull(vertices)
     if hull is None:
         return None
-    piece, filled = hull
+    piece, filled, area = hull
     content = shape.volume if isinstance(shape, Solid) else abs(signed_volume(vertices, triangles))
-    return [piece] if abs(content - filled) <= CONVEX_VOLUME * filled else None
+    error = ROUNDED * area * shape.accuracy if isinstance(shape, Mesh | Solid) else 0.0
+    return [piece] if abs(content - filled) <= max(CONVEX_VOLUME * filled, error) else None
 
 
 def _capsule_ends(mesh: Mesh) -> tuple[Array, float] | None:
@@ -316,8 +319,8 @@ def _prism_edges() -> tuple[Index, Index]:
     return edge, np.column_stack([np.tile(k, 3), np.concatenate(beside)])
 
 
-def _hull(points: Array) -> tuple[Polytope, float] | None:
-    """Convex hull of points with coplanar triangles united, and its volume; None without volume."""
+def _hull(points: Array) -> tuple[Polytope, float, float] | None:
+    """Convex hull of points with coplanar triangles united, its volume and area; None without."""
     try:
         vertex, triangles = hull_surface(points)
     except InputError:
@@ -347,7 +350,7 @@ def _hull(points: Array) -> tuple[Polytope, float] | None:
     edge, face = sides[first[sharp]], np.column_stack([label[i], label[j]])[sharp]
     used, compact = np.unique(edge, return_inverse=True)
     piece = _oriented(vertex[used], normals, offset, compact.reshape(-1, 2), face)
-    return piece, abs(signed_volume(vertex, triangles))
+    return piece, abs(signed_volume(vertex, triangles)), float(area.sum()) / 2
 
 
 def _moved(piece: Polytope, pose: Pose) -> Polytope:

@@ -14,7 +14,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, across, columns, counted, distinct_rows, ragged
 from kilter.contact.convex_distance import face_separations, product_blocks, products
-from kilter.contact.convex_normals import FACE_ANGLE, Excluded, pair_normals
+from kilter.contact.convex_normals import FACE_ANGLE, Excluded, exact_separation, pair_normals
 from kilter.contact.convex_pieces import (
     ConvexPieces,
     Cores,
@@ -50,6 +50,8 @@ TRIES = 5
 SUNK = 1e-6
 """Depth in another piece of the same part at which a point is no point of the surface, over the
 size of the piece [-]."""
+STAYS = 0.5
+"""Share of an overlap that may stay when a known overlap of the same parts opens [-]."""
 CLOSED = 1e-3
 """Points whose gap exceeds the least gap of their pair by less than this, over the size of the
 pair, are reduced to the extreme points among each other [-]."""
@@ -77,18 +79,22 @@ def near_points(
     pieces: ConvexPieces,
     rotation: Array,
     position: Array,
-    reach: float,
+    reach: float | Array,
     ignore: Index,
     body: Index | None = None,
+    moved: Mask | None = None,
 ) -> PiecePoints:
     """Find the candidate contact points within a reach between pieces of different parts.
 
     Arguments: `rotation` (N, 3, 3), `position` (N, 3): part k is at rotation[k] x + position[k];
-    `reach`: largest gap of a point [length unit]; `ignore` (n, 2): pairs of parts without contact;
-    `body` (N,): parts with the same number move as one, and have no points between them.
+    `reach`: largest gap of a point [length unit], or that of each part (N,), of which the larger
+    counts for a pair; `ignore` (n, 2): pairs of parts without contact; `body` (N,): parts with the
+    same number move as one, and have no points between them; `moved` (N,): pairs without one of
+    these parts are left out; None: all count.
     """
     scene = placed(pieces, rotation, position)
-    pair = piece_pairs(scene, reach, ignore, body)
+    reach = np.broadcast_to(np.asarray(reach, dtype=np.float64), len(pieces.whole))
+    pair = piece_pairs(scene, reach, ignore, body, moved)
     tried = np.empty((len(pair[0]), 0, 3))
     kept, hidden = [], PiecePoints.none()
     for turn in range(TRIES):
@@ -107,31 +113,67 @@ def near_points(
         pair = pair[0][again], pair[1][again]
         tried = np.concatenate([tried[again], normal[again, None]], axis=1)
     found = PiecePoints.join(kept)
-    return distinct_points(PiecePoints.join([found, _lost(pieces, hidden, found)]), pieces)
+    return distinct_points(PiecePoints.join([found, _lost(scene, hidden, found)]), pieces)
 
 
-def _lost(pieces: ConvexPieces, hidden: PiecePoints, found: PiecePoints) -> PiecePoints:
-    """The deepest hidden overlap of each two parts without an overlap among the points found.
+def _lost(scene: Placed, hidden: PiecePoints, found: PiecePoints) -> PiecePoints:
+    """Points near contact that count although another piece of their compound hides them.
 
-    Its direction does not leave the compound, but an overlap is never left out.
+    First the nearest of two parts that have no other points near contact: its direction may lead
+    into the compound, but no overlap is ever left out. Then the pairs of pieces that may still
+    overlap when the points found are closed: in a corner between two pieces, the point on each may
+    lie inside of the other.
     """
-    hidden = hidden.take(hidden.gap < -SUNK * pieces.size[hidden.piece_a])
+    pieces = scene.pieces
+
+    def near_contact(points: PiecePoints) -> PiecePoints:
+        """Points of pairs that touch or overlap."""
+        size = np.minimum(pieces.size[points.piece_a], pieces.size[points.piece_b])
+        return points.take(points.gap <= CLOSED * size)
+
+    hidden, known = near_contact(hidden), near_contact(found)
     if not len(hidden):
         return hidden
-    count = len(pieces.whole)
-    overlaps = found.take(found.gap < 0)
-    known = np.isin(
-        hidden.part_a * count + hidden.part_b, overlaps.part_a * count + overlaps.part_b
-    )
-    hidden = hidden.take(~known)
-    order = np.argsort(hidden.gap, kind="stable")
-    _, first, of = np.unique(
-        (hidden.part_a * count + hidden.part_b)[order], return_index=True, return_inverse=True
-    )
-    deepest = order[first][of]
-    same = hidden.piece_a[order] == hidden.piece_a[deepest]
-    same &= hidden.piece_b[order] == hidden.piece_b[deepest]
-    return hidden.take(order[same])
+    parts, known_parts = (x.part_a * len(pieces.whole) + x.part_b for x in (hidden, known))
+    alone = ~np.isin(parts, known_parts)
+    lost = _deepest(hidden.take(alone), parts[alone])
+    known = PiecePoints.join([known, lost])
+    known = _deepest(known, known.piece_a * len(pieces) + known.piece_b)
+    code = hidden.piece_a * len(pieces) + hidden.piece_b
+    own = _deepest(hidden, code)
+    kept = PiecePoints.join([lost, own.take(~_open_with(scene, own, known))])
+    return hidden.take(np.isin(code, kept.piece_a * len(pieces) + kept.piece_b))
+
+
+def _deepest(points: PiecePoints, code: Index) -> PiecePoints:
+    """The point with the least gap of each code, shape (K,)."""
+    order = np.argsort(points.gap, kind="stable")
+    return points.take(order[np.unique(code[order], return_index=True)[1]])
+
+
+def _open_with(scene: Placed, own: PiecePoints, known: PiecePoints) -> Mask:
+    """Whether pairs of pieces do not overlap if a known point of the same parts has no gap.
+
+    Such a point keeps the pair apart along its own normal. At a seam of a wall of many pieces, a
+    small share of an overlap stays.
+    """
+    pieces = scene.pieces
+    own_row = np.argsort(own.part_a * len(pieces.whole) + own.part_b, kind="stable")
+    known = known.take(np.argsort(known.part_a * len(pieces.whole) + known.part_b, kind="stable"))
+    parts = [x.part_a * len(pieces.whole) + x.part_b for x in (own.take(own_row), known)]
+    codes, row = np.unique(np.concatenate(parts), return_inverse=True)
+    i, j = products(len(codes), row[: len(own)], row[len(own) :])
+    i = own_row[i]
+    slack = SUNK * pieces.size[own.piece_a]
+    some = known.gap[j] <= own.gap[i] + slack[i]
+    i, j = i[some], j[some]
+    pair = own.piece_a[i], own.piece_b[i]
+    after = exact_separation(scene, pair, known.normal[j][:, None])[:, 0] - known.gap[j]
+    after -= pieces.radius[pair[0]] + pieces.radius[pair[1]]
+    best = np.full(len(own), -np.inf)
+    np.maximum.at(best, i, after)
+    opens: Mask = best >= STAYS * np.minimum(own.gap, 0.0) - slack
+    return opens
 
 
 def _shown_points(scene: Placed, points: PiecePoints, row: Index) -> Mask:
@@ -188,7 +230,7 @@ def _hidden_pairs(
 
 
 def _points_in_groups(
-    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: Array
 ) -> tuple[PiecePoints, Index]:
     """Points of pairs of pieces, in groups of similar numbers of vertices, and their pairs."""
     pieces = scene.pieces
@@ -212,7 +254,7 @@ def _points_in_groups(
 
 
 def piece_pairs(
-    scene: Placed, reach: float, ignore: Index, body: Index | None = None
+    scene: Placed, reach: Array, ignore: Index, body: Index | None, moved: Mask | None
 ) -> tuple[Index, Index]:
     """Pairs of pieces of different parts whose boxes are within reach; a is of the lower part."""
     pieces = scene.pieces
@@ -221,27 +263,30 @@ def piece_pairs(
     has = np.flatnonzero(np.diff(start) > 0)
     if not len(has):
         return np.empty(0, np.int64), np.empty(0, np.int64)
-    lower, upper = scene.low - reach / 2, scene.high + reach / 2
-    low, high = np.minimum.reduceat(lower, start[has]), np.maximum.reduceat(upper, start[has])
-    i, j = box_pairs(low, high)
-    i, j = np.minimum(i, j), np.maximum(i, j)
+    low = np.minimum.reduceat(scene.low, start[has])
+    high = np.maximum.reduceat(scene.high, start[has])
+    ends = box_pairs(low, high, reach[has])
+    i, j = np.minimum(*ends), np.maximum(*ends)
     ignored = np.sort(np.asarray(ignore, dtype=np.int64).reshape(-1, 2), axis=1)
     kept = ~np.isin(has[i] * count + has[j], ignored @ np.array([count, 1]))
     if body is not None:
         kept &= body[has[i]] != body[has[j]]
+    if moved is not None:
+        kept &= moved[has[i]] | moved[has[j]]
     i, j = i[kept], j[kept]
+    limit = np.maximum(reach[has[i]], reach[has[j]])
     lists = []
     for own, other in ((i, j), (j, i)):
         row, place = counted(np.diff(start)[has[own]])
         piece = start[has[own]][row] + place
-        near = _boxes_meet(lower, upper, piece, low, high, other[row])
+        near = _boxes_meet(scene.low, scene.high, piece, low, high, other[row], limit[row])
         lists.append((row[near], piece[near]))
     k, m = products(len(i), lists[0][0], lists[1][0])
     a, b = lists[0][1][k], lists[1][1][m]
     k = lists[0][0][k]
-    near = _boxes_meet(lower, upper, a, lower, upper, b)
+    near = _boxes_meet(scene.low, scene.high, a, scene.low, scene.high, b, limit[k])
     a, b = a[near], b[near]
-    size = np.linalg.norm(high - low - reach, axis=1)
+    size = np.linalg.norm(high - low, axis=1)
     first = _first_layer(scene, a, b, k[near], LAYER * np.minimum(size[i], size[j]))
     return a[first], b[first]
 
@@ -265,26 +310,32 @@ def _first_layer(scene: Placed, a: Index, b: Index, pair: Index, depth: Array) -
     return ~hidden
 
 
-def box_pairs(low: Array, high: Array) -> tuple[Index, Index]:
-    """Pairs of overlapping boxes with the corners `low` and `high`, shape (n, 3)."""
+def box_pairs(low: Array, high: Array, reach: Array) -> tuple[Index, Index]:
+    """Pairs of boxes whose distance along each axis is at most the larger reach of both.
+
+    Arguments: `low`, `high` (n, 3): corners of the boxes; `reach` (n,).
+    """
     axis = int(np.argmax(np.ptp(low + high, axis=0)))
-    order = np.argsort(low[:, axis], kind="stable")
-    low, high = low[order], high[order]
-    last = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    order = np.argsort((low - reach[:, None])[:, axis], kind="stable")
+    low, high, reach = low[order], high[order], reach[order]
+    ends = high[:, axis] + reach
+    last = np.searchsorted(low[:, axis] - reach, ends, side="right")
     i, place = counted(last - np.arange(len(low)) - 1)
     j = i + 1 + place
-    near = _boxes_meet(low, high, i, low, high, j)
+    near = _boxes_meet(low, high, i, low, high, j, np.maximum(reach[i], reach[j]))
     return order[i[near]], order[j[near]]
 
 
-def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j: Index) -> Index:
-    """Rows at which box i of (low, high) meets box j of (lower, upper)."""
+def _boxes_meet(
+    low: Array, high: Array, i: Index, lower: Array, upper: Array, j: Index, reach: Array
+) -> Index:
+    """Rows at which box i of (low, high) is within a reach of box j of (lower, upper)."""
     rows = np.arange(len(i))
     for axis in range(3):
-        meet = low[i, axis] <= upper[j, axis]
-        meet &= lower[j, axis] <= high[i, axis]
+        meet = low[i, axis] - reach <= upper[j, axis]
+        meet &= lower[j, axis] - reach <= high[i, axis]
         kept = np.flatnonzero(meet)
-        rows, i, j = rows[kept], i[kept], j[kept]
+        rows, i, j, reach = rows[kept], i[kept], j[kept], reach[kept]
     return rows
 
 
@@ -292,10 +343,11 @@ def _boxes_meet(low: Array, high: Array, i: Index, lower: Array, upper: Array, j
 
 
 def _points_of_pairs(
-    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: float
+    scene: Placed, pair: tuple[Index, Index], tried: Array, reach: Array
 ) -> tuple[PiecePoints, Index]:
     """Points of pairs of pieces of similar numbers of vertices, and the pair of each point."""
     pieces = scene.pieces
+    reach = np.maximum(*(reach[pieces.part[piece]] for piece in pair))
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]
     a, b = (scene.cores(piece) for piece in pair)
     faces = face_separations(a, b)
@@ -303,11 +355,12 @@ def _points_of_pairs(
     # a prism lies inside its cylinder
     loose = radius + ROUND * (pieces.disc[pair[0]] + pieces.disc[pair[1]])
     near = np.flatnonzero(upper - loose <= reach)
-    pair = pair[0][near], pair[1][near]
+    pair, reach = (pair[0][near], pair[1][near]), reach[near]
     excluded = Excluded(_inner(pieces, pair), tried[near])
     found = pair_normals(scene, pair, excluded, reach + loose[near])
     last = np.flatnonzero(found.separation - radius[near] <= reach)
     pair, found, near = (pair[0][last], pair[1][last]), found.take(last), near[last]
+    reach = reach[last]
     n = found.normal
     a, b = (_lying(scene, piece, n, sign) for piece, sign in zip(pair, (1.0, -1.0), strict=True))
     radius = pieces.radius[pair[0]] + pieces.radius[pair[1]]

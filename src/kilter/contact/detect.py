@@ -41,7 +41,7 @@ LEAST_TIME = 0.2
 """Time in which contacts are searched for whatever the time limit [s]."""
 
 
-@question(lacks="contacts require effort")
+@question(lacks="contacts require effort assume")
 def contacts(
     asked: Question,
 ) -> ContactSet:

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from kilter.errors import some
+from kilter.tell.ladder_words import ladder_facts
 from kilter.tell.numbers import counts, force, mass, number, percent, plain, shortened, vector
-from kilter.tell.open_words import open_facts, remedy_facts
+from kilter.tell.open_words import open_facts
 from kilter.tell.second_order_words import is_shown, second_order_words
 
 # Facts that several kinds of answers share: parts, joints, gravity, tolerances, equilibrium.
@@ -117,8 +118,9 @@ time."""
 def check_facts(answer: Answer) -> list[Fact]:
     """Return the lines below the verdict of `kilter check`, each a term and its words."""
     facts = [
+        *ladder_facts(answer),
         ("parts", parts_phrase(answer["parts"])),
-        ("units", f"{answer['units']}; {_density(answer['density'])}"),
+        ("units", f"{_size(answer)}; {_density(answer['density'])}"),
         ("mass", f"{mass(_free_mass(answer['parts']))} (all free parts)"),
         ("gravity", gravity_phrase(answer)),
         ("contacts", counts(**answer["contacts"])),
@@ -126,7 +128,6 @@ def check_facts(answer: Answer) -> list[Fact]:
         ("proof", _proof(answer)),
     ]
     facts += open_facts(answer)
-    facts += remedy_facts(answer)
     friction = answer["friction"]
     if friction is not None:
         facts.append(("guarantee", _guarantee(answer["guarantee"], friction)))
@@ -196,6 +197,21 @@ def _guide_facts(answer: Answer) -> list[Fact]:
             facts.append(("" if facts else "joint forces",
                           f"{' - '.join(joint['parts'])}: {', '.join(acting)}"))  # fmt: skip
     return facts
+
+
+def _size(answer: Answer) -> str:
+    """Return a phrase about the extents of the free parts; it says if the unit is assumed.
+
+    Examples
+    --------
+    >>> _size({"size": [120, 80, 40], "units": "mm", "assumed": ["units"]})
+    'size 120 x 80 x 40 mm, units assumed; --units m'
+    """
+    unit = answer["units"]
+    words = f"size {' x '.join(number(extent) for extent in answer['size'])} {unit}"
+    if "units" not in answer["assumed"]:
+        return words
+    return f"{words}, units assumed; --units {'m' if unit != 'm' else 'mm'}"
 
 
 def _density(density: Answer) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-import shlex
 from dataclasses import dataclass
 
 from kilter.tell.check_facts import Answer
 from kilter.tell.facts import kind_of
+from kilter.tell.ladder_words import ladder_step
 from kilter.tell.margin_facts import moved_by_least
 from kilter.tell.numbers import near_zero, number
+from kilter.tell.open_words import MOVABLE
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,20 +51,6 @@ LOADS = NextStep(("margin", "--loads"), "finds the load and the push that each b
 CARRIED = NextStep(
     ("transport", "--code", "en12195"), "decides whether it stays on a truck that brakes and turns"
 )
-MEANT = {
-    "--without": "a part that is drawn twice, or over others, is left out",
-    "--fasten-suggested": "the pairs that look fastened are joined",
-    "--fasten": "these parts are joined",
-    "--fasten-overlaps": "all parts that overlap are joined",
-    "--loose": "faces that nearly touch do touch",
-    "--gap": "faces that nearly touch do touch",
-    "--clearance": "shafts touch their holes",
-    "--settle": "the parts are moved until they touch",
-    "--friction": "its contacts have this friction",
-}
-"""Statement about an assembly that each option of a remedy makes."""
-WIDENING = {"--gap", "--loose"}
-"""Options that count faces as touching although they do not."""
 ALONE = NextStep(
     ("check",),
     "decides whether the assembly stands without the part: if it falls, no place is left",
@@ -71,6 +58,10 @@ ALONE = NextStep(
 SETTLED = NextStep(
     ("scene", "--settle"), "brings floating and overlapping objects to rest, and proves it"
 )
+PLAYED = NextStep(
+    ("check", "--assume", "play"), "decides it after its parts move within their play"
+)
+BODIES = NextStep(("contacts",), "lists its bodies: what touches, and what is loose")
 SETTLE = NextStep(("settle",), "brings the parts to rest, or names those that leave or do not fit")
 MENDED = ("floats", "overlaps", "falls")
 """States of objects that may come to rest elsewhere."""
@@ -167,33 +158,19 @@ def _upward_axis(answer: Answer) -> str | None:
 
 
 def _after_check(answer: Answer, bricks: bool) -> NextStep:
-    """Return the next command after a check: a remedy if it falls, a picture if it balances."""
+    """Return the next command after a check: a rung that holds, or a picture if it balances."""
     if answer["verdict"] == "unstable" and answer["bonds"]:
         return BRICK if bricks else STRONGER
     if answer["verdict"] == "balanced":
         return FALL
-    tried = answer.get("remedies", ())
-    holding = [remedy for remedy in tried if remedy["level"] is not None]
-    holding.sort(key=lambda remedy: remedy["leads_to"] not in ("stable", "settles"))
-    if holding and WIDENING & set(shlex.split(holding[0]["option"])):
-        # to move parts until they touch assumes less than to count what does not touch as touching
-        holding.sort(key=lambda remedy: remedy["option"] != "--settle")
-    further = [remedy for remedy in tried if remedy["leads_to"] == "undecided"]
-    falling = [remedy for remedy in tried if remedy["leads_to"] == "unstable"]
-    best = next(iter([*holding, *further, *falling]), None)
-    if best is None:
-        floats = any(text.startswith(FLOATS) for text in answer["warnings"])
-        if floats:
-            return SETTLED
-        overlap = any(pair["kind"] == "overlap" for pair in answer["open_pairs"])
-        if overlap and answer["verdict"] == "undecided":
-            return SETTLE
-        return AFTER_CHECK[answer["verdict"]]
-    option = best["option"]
-    purpose = "asks the next question" if best["leads_to"] == "undecided" else "decides it"
-    return NextStep(("check", *shlex.split(option)), f"{purpose} if {_meaning(option)}")
-
-
-def _meaning(option: str) -> str:
-    """Return the statements that the options of a remedy make about the assembly."""
-    return ", and ".join(words for name, words in MEANT.items() if name in shlex.split(option))
+    step = ladder_step(answer["ladder"])
+    if step is not None and answer["assume"] == "drawn":
+        options, when = step
+        return NextStep(("check", *options), f"decides it {when}")
+    if answer["bodies"]:
+        return BODIES
+    if any(pair["kind"] in MOVABLE for pair in answer["open_pairs"]):
+        return PLAYED if answer["assume"] == "drawn" else SETTLE
+    if answer["verdict"] == "unstable" and any(w.startswith(FLOATS) for w in answer["warnings"]):
+        return SETTLED
+    return AFTER_CHECK[answer["verdict"]]

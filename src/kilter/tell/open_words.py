@@ -5,9 +5,7 @@ An open pair is a pair of parts whose geometry does not determine how they touch
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from kilter.errors import shell_words, some
@@ -15,17 +13,10 @@ from kilter.tell.numbers import number
 from kilter.tell.words import VERDICTS
 
 Pair = Mapping[str, Any]
-FEW = 4
-"""Up to this number of overlapping pairs, each pair gets an option of its own."""
+MOVABLE = ("overlap", "near", "clearance")
+"""Kinds of open pairs that a movement of parts can decide."""
 TILT = "tilted"
 """Word in the reason of a pair whose faces are not parallel; no gap tolerance closes it."""
-REMEDY_RESULTS = {
-    "potentially-stable": "forces that hold it exist",
-    None: "forces that hold it exist; the work limit was reached before more was decided",
-}
-"""Result of a remedy in words, if it is not the verdict word itself."""
-ABOVE = 1.01
-"""Ratio of a suggested tolerance to the gap that it must close [-]."""
 
 
 def pair_words(pair: Pair, units: str) -> str:
@@ -89,104 +80,21 @@ joined."
     return f"Undecided: {'; '.join(['as drawn it falls', hold, *more])}."
 
 
-@dataclass(frozen=True, slots=True)
-class OpenOption:
-    """A command-line option that joins undecided pairs or makes them touch, and its values."""
-
-    text: str
-    fasten: tuple[tuple[str, str], ...] = ()
-    overlaps: bool = False
-    loose: bool = False
-    gap: float | None = None
-    clearance: float | None = None
-
-
-def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
-    """Return the options that join, or bring into contact, the undecided pairs that matter.
+def deciding_option(pair: Pair) -> str:
+    """Return the option that decides a pair: parts move within their play, or are joined by name.
 
     Examples
     --------
-    >>> settling_options([{"parts": ["a", "b c"], "kind": "overlap", "gap": None, "decides": True}])
-    ['--fasten a "b c"']
-    >>> settling_options(
-    ...     [{"parts": ["a", "b"], "kind": "near", "gap": 0.2, "why": "", "decides": True}]
-    ... )
-    ['--gap 0.202']
+    >>> deciding_option({"parts": ["a", "b"], "kind": "near"})
+    '--assume play'
+    >>> deciding_option({"parts": ["a", "b c"], "kind": "free-form"})
+    '--fasten a "b c"'
     """
-    return [option.text for option in open_options(open_pairs)]
-
-
-def open_options(open_pairs: Sequence[Pair]) -> list[OpenOption]:
-    """Options by which the user states that the deciding undecided pairs hold together."""
-    decides = [pair for pair in open_pairs if pair["decides"]]
-    options: list[OpenOption] = []
-    for kind in dict.fromkeys(pair["kind"] for pair in decides):
-        alike = [pair for pair in decides if pair["kind"] == kind]
-        if kind == "clearance":
-            above = _widest_gap(alike)
-            options.append(OpenOption(f"--clearance {above:.6g}", clearance=above))
-        elif kind == "near":
-            loose = any(not pair["gap"] or TILT in pair["why"] for pair in alike)
-            if loose:
-                options.append(OpenOption("--loose", loose=True))
-            else:
-                above = _widest_gap(alike)
-                options.append(OpenOption(f"--gap {above:.6g}", gap=above))
-        elif kind == "overlap" and len(alike) > FEW:
-            options.append(OpenOption("--fasten-overlaps", overlaps=True))
-        elif kind != "unexamined":  # no option of the assembly decides what a longer search finds
-            options += [
-                OpenOption(f"--fasten {shell_words(pair['parts'])}", fasten=(tuple(pair["parts"]),))
-                for pair in alike
-            ]
-    return options
-
-
-def _widest_gap(pairs: Sequence[Pair]) -> float:
-    """Return a gap tolerance of three digits, just above the widest gap of the pairs."""
-    return rounded_up(max(abs(pair["gap"]) for pair in pairs))
-
-
-def rounded_up(gap: float) -> float:
-    """Return a tolerance of three digits just above a gap.
-
-    Examples
-    --------
-    >>> rounded_up(0.2), rounded_up(0.0123456)
-    (0.202, 0.0125)
-    """
-    above = ABOVE * gap
-    step = 10.0 ** (math.floor(math.log10(above)) - 2)
-    return float(f"{math.ceil(above / step - 1e-9) * step:.3g}")
-
-
-def remedy_words(option: str, leads_to: str | None, moved: float | None, units: str) -> str:
-    """Return an option that was tried, with its result, in words.
-
-    Examples
-    --------
-    >>> remedy_words("--loose", "stable", None, "mm")
-    '--loose: stable'
-    >>> remedy_words("--settle", "stable", 0.41, "mm")
-    'kilter settle FILE --nearest: at rest after moving 0.41 mm, then stable'
-    """
-    result = REMEDY_RESULTS.get(leads_to, leads_to)
-    if moved is None:
-        return f"{option}: {result}"
-    far = f"{number(moved, 3)} {units}"
-    return f"kilter settle FILE --nearest: at rest after moving {far}, then {result}"
-
-
-def remedy_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the lines about options that kilter tried as remedies, each with its result.
-
-    Examples
-    --------
-    >>> remedy_facts({"remedies": [{"words": "--loose: stable"}]})
-    [('with', '--loose: stable')]
-    """
-    rows = [remedy["words"] for remedy in answer.get("remedies", ())]
-    return [("" if row else "with", words) for row, words in enumerate(rows)]
+    if pair["kind"] == "unexamined":
+        return "a longer --time-limit"
+    if pair["kind"] in MOVABLE:
+        return "--assume play"
+    return f"--fasten {shell_words(pair['parts'])}"
 
 
 def open_facts(answer: Mapping[str, Any]) -> list[tuple[str, str]]:

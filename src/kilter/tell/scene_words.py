@@ -257,7 +257,7 @@ def _without_rest(answer: Answer) -> list[str]:
     leaving = leaving_words(answer)
     words = [f"{leaving}."] if leaving else []
     names = some_names(answer["parts"], SHOWN)
-    if answer["depth"]:
+    if answer["depth"] and not answer["rests"]:
         depth = f"{number(answer['depth'], 3)} {answer['units']}"
         words.append(f"The parts do not fit: {names} overlap by {depth}.")
     elif answer["parts"] or not words:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 from kilter.errors import visible
 from kilter.tell.check_facts import Answer
@@ -27,11 +28,11 @@ def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
     <BLANKLINE>
     because  z is above 0
     """
-    moving = moving_table(answer)
+    moving = moving_table(answer, brief=brief)
     first, *rest = sentences(answer)
     blocks = [
         [first, *(plain(line, WIDE) for line in rest)],
-        [] if moving is None else listed(moving),
+        [] if moving is None else listed(replace(moving, complete=True)),
         aligned(facts(answer, brief=brief)),
         *(listed(table) for table in (*tables(answer), *more)),
     ]
@@ -65,32 +66,6 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
         (indent + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
         for row in shown
     ]
-
-
-def suggestions_hint(kinds: Sequence[str]) -> str:
-    """Return a paragraph about pairs that look fastened; empty if there are none.
-
-    Examples
-    --------
-    >>> suggestions_hint(["thread", "thread", "overlap"]).strip()
-    '3 pairs look fastened (2 thread, 1 overlap); --suggest-joints lists them.'
-    """
-    if not kinds:
-        return ""
-    counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-    verb, them = ("looks", "it") if len(kinds) == 1 else ("look", "them")
-    return (
-        f"\n\n{count(len(kinds), 'pair')} {verb} fastened ({counted}); --suggest-joints lists "
-        f"{them}."
-    )
-
-
-def solids_hint() -> str:
-    """Return a paragraph about the data that files of CAD solids do not contain."""
-    return (
-        "\n\nA file of solids does not record screwed or glued connections: --fasten A B joins "
-        "two parts that touch."
-    )
 
 
 def suggestions_text(suggestions: Sequence[Answer]) -> str:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from kilter.analysis.assumptions.assume import assumed
 from kilter.analysis.check import check, check_equilibrium
-from kilter.analysis.everything import full_answer, only_given
+from kilter.analysis.everything import full_answer, only_given, turned_verdict
 from kilter.analysis.margins.margin import margin
 from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.analysis.planning.hold.hold import hold
@@ -20,10 +21,12 @@ from kilter.analysis.turning.orientation import orient
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.assembly.question import Question
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.errors import InputError, shell_words
 from kilter.files.own.choices import Choices, option_words
 from kilter.files.own.saved_entries import with_interactions
+from kilter.show.ladder import build_ladder
 from kilter.show.scene import build_orientation, build_things
 from kilter.show.sections import answer_html, placed_part
 from kilter.tell.facts import facts
@@ -114,9 +117,7 @@ ENTRIES = ("loads", "joints", "bonds")
 
 
 def settle_offer(verdict: Verdict) -> dict[str, str] | None:
-    """Parts that overlap, nearly touch or hang, and the known result of settling them, in words.
-
-    None if there is no such part. The result is empty if it was not tried.
+    """Parts that overlap, nearly touch or hang, in words; None if there is no such part.
 
     Examples
     --------
@@ -134,9 +135,7 @@ def settle_offer(verdict: Verdict) -> dict[str, str] | None:
         "hanging part": len({one.part for one in contacts.neighbours if free[one.part]}),
     }
     found = ", ".join(count(number, word) for word, number in numbers.items() if number)
-    tried = [one.to_dict()["words"] for one in verdict.remedies if one.option == "--settle"]
-    result = tried[0].partition(": ")[2] if tried else ""
-    return {"parts": found, "result": result} if found else None
+    return {"parts": found} if found else None
 
 
 def settling_action(
@@ -252,7 +251,7 @@ def _density(assembly: Assembly, k: int) -> float | None:
 def prepared_check(prepared: Prepared, phase: str, progress: Tell | None = None) -> Verdict:
     """The verdict on the present choices, as `kilter check` computes it from the saved choices.
 
-    The phase "equilibrium" stops when equilibrium is decided.
+    The phase "equilibrium" stops when equilibrium is decided, and is about the drawn pose.
     """
     if phase == "equilibrium":
         return check_equilibrium(prepared.assembly, prepared.contacts)
@@ -265,6 +264,27 @@ def prepared_check(prepared: Prepared, phase: str, progress: Tell | None = None)
     )
 
 
+def on_rung(prepared: Prepared, progress: Tell) -> Prepared:
+    """The assembly and the contacts with the poses and joints of their rung, for other questions.
+
+    Raises `InputError` if the parts cannot come to rest.
+    """
+    asked = Question(
+        assembly=prepared.assembly,
+        contacts=prepared.contacts,
+        tolerance=prepared.tolerance,
+        progress=progress,
+    )
+    found = assumed(asked)
+    assert found.contacts is not None
+    return replace(prepared, assembly=found.assembly, contacts=found.contacts)
+
+
+def posed(prepared: Prepared, verdict: Verdict) -> Prepared:
+    """The assembly and the contacts to which a verdict belongs, in the poses of its rung."""
+    return replace(prepared, assembly=verdict.assembly, contacts=verdict.contact_set)
+
+
 def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
     """Data of a verdict for the page.
 
@@ -274,6 +294,7 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
     answers = only_given(verdict)
     data = answers.given.check
     units = verdict.assembly.units
+    complete = phase == "complete"
     pairs = [
         {
             "parts": pair["parts"],
@@ -283,11 +304,11 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         }
         for pair in data["open_pairs"][:LISTED]
     ]
-    complete = phase == "complete"
     suggestions = suggest_joints(verdict.assembly, verdict.contact_set) if complete else []
     return {
         "phase": phase,
-        "given": build_orientation(answers, answers.given, center),
+        "given": build_orientation(answers, answers.given, center)
+        | {"assumption": build_ladder(data, verdict.assembly) if complete else None},
         "facts": [[term, words] for term, words in facts(data) if term not in NOT_LISTED],
         "warnings": list(data["warnings"]),
         "open": pairs,
@@ -295,40 +316,10 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
             {"parts": list(one.parts), "kind": one.kind, "words": one.why, "fixed": one.fixed}
             for one in suggestions[:LISTED]
         ],
-        "remedies": [
-            {**remedy, "actions": _actions(remedy["option"])} for remedy in data["remedies"]
-        ],
         "settle": settle_offer(verdict) if complete else None,
         "html": answer_html(data) if complete else "",
         "check": {key: data[key] for key in ("verdict", "level", "why")},
     }
-
-
-def _actions(option: str) -> list[dict[str, Any]]:
-    """The actions of the page that have the effect of options of the command line.
-
-    The list is empty if an option has no action.
-    """
-    words, actions = shlex.split(option), []
-    while words:
-        name = words.pop(0)
-        if name == "--fasten":
-            actions.append({"do": "fasten", "parts": [words.pop(0), words.pop(0)], "on": True})
-        elif name in ("--fasten-suggested", "--fasten-overlaps", "--loose"):
-            actions.append({"do": name[2:].replace("-", "_"), "on": True})
-        elif name == "--friction":
-            actions.append({"do": "friction", "mu": float(words.pop(0))})
-        elif name in ("--gap", "--clearance"):
-            actions.append({"do": "tolerance", name[2:]: float(words.pop(0))})
-        elif name == "--without":
-            actions.append({"do": "leave_out", "parts": [words.pop(0)], "on": True})
-        elif name == "--ground":
-            actions.append({"do": "hold", "parts": [words.pop(0)], "on": True})
-        elif name == "--settle":
-            actions.append({"do": "settle"})
-        else:
-            return []
-    return actions
 
 
 # tabs ----------------------------------------------------------------------------------
@@ -424,8 +415,7 @@ def tab_data(
     data = answer.to_dict()
     orientation = None
     if name == "orient" and data["found"]:
-        turned = prepared.assembly.with_down(data["down"])
-        verdict = check(turned, contacts=prepared.contacts.of(turned))
+        verdict = turned_verdict(prepared.assembly, prepared.contacts, data["down"])
         answers = only_given(verdict)
         orientation = build_orientation(answers, full_answer(verdict), center)
     return {

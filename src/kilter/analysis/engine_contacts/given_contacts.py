@@ -40,7 +40,7 @@ NO_SIZE = 1e-9
 """Bodies smaller than this share of the largest one have no size of their own [-]."""
 
 
-@question(lacks="friction down ground floor contacts tolerance progress")
+@question(lacks="friction down ground floor contacts tolerance progress assume")
 def check_contacts(
     points: Any,
     normals: Any,
@@ -169,7 +169,9 @@ def verdict_on(assembly: Assembly, asked: Question) -> Verdict:
         verdict = check_equilibrium(assembly, contacts(assembly))
         verdict = replace(verdict, require=asked.require)
         if verdict.level not in (None, asked.require):
-            verdict = replace(verdict, verdict=VerdictWord.POTENTIALLY_STABLE, sentence=ONLY_FORCES)
+            verdict = replace(
+                verdict, verdict=VerdictWord.POTENTIALLY_STABLE, own_sentence=ONLY_FORCES
+            )
     else:
         verdict = check(
             assembly, require=asked.require, effort=asked.effort, time_limit=asked.seconds_left

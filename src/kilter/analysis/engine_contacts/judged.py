@@ -163,7 +163,7 @@ class Judged(Answer):
         raise TypeError("a judged state is neither true nor false: use .holds, or .state")
 
 
-@question(lacks="friction down ground floor contacts tolerance progress")
+@question(lacks="friction down ground floor contacts tolerance progress assume")
 def judge(
     model: Any, data: Any, *, asked: Question, creep: float = 0.0, loose_robots: bool = False
 ) -> Judged:

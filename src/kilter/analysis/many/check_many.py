@@ -33,7 +33,7 @@ SMALL = 100
 """Largest number of parts of an assembly that is processed together with others."""
 
 
-@question(lacks="contacts progress")
+@question(lacks="contacts progress assume")
 def check_many(
     assemblies: Iterable[AssemblyOrPath] | AssemblyArrays,
     *,

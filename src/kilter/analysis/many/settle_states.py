@@ -120,7 +120,7 @@ class SettledStates(Answer):
         return f"<SettledStates: {len(self.states)} states, {words}>"
 
 
-@question(lacks="friction down ground floor contacts progress")
+@question(lacks="friction down ground floor contacts progress assume")
 def settle_states(
     scene: Any,
     states: str | Path | ArrayLike,

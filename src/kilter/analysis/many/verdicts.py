@@ -18,6 +18,7 @@ from kilter.arrays import Array, Index, Labels, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.array_geometry import SideBySide
 from kilter.assembly.assembly_arrays import AssemblyArrays
+from kilter.assembly.assumption import DRAWN
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.detect import contacts_side_by_side
@@ -185,7 +186,7 @@ class DeferredVerdict(Verdict):
                 if name == "assembly":
                     values[name] = assemblies[k]
                     return values[name]
-                whole = check(self.assembly, **options)
+                whole = check(self.assembly, **{"assume": DRAWN, **options})
                 values.update({field: getattr(whole, field) for field in FIELDS})
                 del values["_deferred"]
         return object.__getattribute__(self, name)

@@ -348,7 +348,7 @@ class CheckedPlan(Answer):
         return f"CheckedPlan({len(self.items)} items, {words})"
 
 
-@question(lacks="down ground floor contacts", friction=0.0)
+@question(lacks="down ground floor contacts assume", friction=0.0)
 def check_plan(
     plan: PackingPlan | str | Path,
     *,

@@ -27,7 +27,7 @@ from kilter.contact import detect
 from kilter.tell.levels import require_level
 
 
-@question()
+@question(own_rungs=True)
 def scene(
     asked: Question,
     *,

@@ -30,13 +30,19 @@ from kilter.analysis.settled_pose.rest_programs import joint_rates, loads, rates
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Array, Index, Mask, across
 from kilter.solvers.clarabel import solve_conic
-from kilter.solvers.problem import ConicProgram
+from kilter.solvers.problem import ConicProgram, Solution
 from kilter.work import stop_if_late
 
 REPEATS = 5
 """Largest number of repetitions that find the opening of sliding contacts."""
 SAME = 1e-3
 """Change of the motion that ends the repetitions, over the motion [-]."""
+SEVERAL = 10
+"""Number of points of a pair of parts that enter the program together [-]."""
+MISSED = 1e-9
+"""Overlap after a step from which a point must be in its program, over the fall in the step [-]."""
+WEDGED = 1e-3
+"""Overlap that opens without friction, if it cannot open with it, over the fall in a step [-]."""
 PRESSES = 1e-6
 """Force from which a point presses, over the largest load [-]."""
 HEAVIEST = 1e4
@@ -61,6 +67,8 @@ class Descent:
     gap: Array
     mu: Array
     """Gap [lengths] and friction of each point, shape (K,)."""
+    pair: Index
+    """Number of the pair of parts of each point, shape (K,)."""
     columns: Index
     """Columns of the moving bodies in the motions of all free bodies."""
     bodies: RigidBodies
@@ -91,8 +99,8 @@ class Descent:
         return Descent(
             csr_array(normal), slip, csr_array(joint[used]), drift[used],
             _inertia(bodies, free[moving], freedoms, length, weight),
-            loads(bodies, length, weight)[columns], points.gap / length, mu, columns, bodies,
-            length,
+            loads(bodies, length, weight)[columns], points.gap / length, mu,
+            points.part_a * len(bodies.of_part) + points.part_b, columns, bodies, length,
         )  # fmt: skip
 
     def step(self, times: Array, rough: Mask) -> Array | None:
@@ -101,30 +109,27 @@ class Descent:
         Arguments: `times` (B,): time of the step of each body, as the length that it would fall
         [lengths]; `rough` (K,): points with friction. Returns None if the solver fails.
         """
-        size = len(self.columns)
-        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
-        scale = float(times[owner].max(initial=0.0))
-        if not size or scale == 0.0:
+        scale = self._scale(times)
+        if not len(self.columns) or not scale.any():
             return np.zeros((len(self.bodies.mass), 6))
-        rows = np.flatnonzero(rough & (self.mu > 0))
-        cost = -(times[owner] / scale) * self.load
-        opening = np.zeros(len(rows))
-        mu = self.mu[rows]
+        rough = rough & (self.mu > 0)
+        opening = np.zeros(len(self.gap))
         motion: Array | None = None
-        slips = (2 * rows[:, None] + np.arange(2)).ravel()
+        chosen = self._most(-self.gap)
         for _ in range(REPEATS):
             stop_if_late()
-            found = self._solve(cost, scale, rows, slips, opening)
-            if found is None:
+            answer = self._solve(scale, rough, opening, chosen)
+            if answer is None:
                 break
+            found = answer.x
             largest = float(np.abs(found).max())
             settled = motion is not None and np.abs(found - motion).max() <= SAME * largest
             motion = found
-            if settled or largest <= 1e-9 or not len(rows):
+            if settled or largest <= 1e-9 or not rough.any():
                 break
-            slipped = np.linalg.norm((self.slip[slips] @ motion).reshape(-1, 2), axis=1)
             # a single sliding contact changes the slip by mu^2 / (1 + mu^2) of a change of s
-            opening = np.maximum(opening + (1 + mu**2) * (mu * slipped - opening), 0.0)
+            change = self.mu * self._slipped(motion) - opening
+            opening = np.where(rough, np.maximum(opening + (1 + self.mu**2) * change, 0.0), 0.0)
         if motion is None:
             return None
         return self._expanded(motion * scale)
@@ -136,61 +141,97 @@ class Descent:
 
         Arguments: `smooth` (K,): these points; others: as of `step`. None if the solver fails.
         """
-        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
-        scale = float(times[owner].max(initial=0.0))
-        rows = np.flatnonzero(rough & ~smooth & (self.mu > 0))
-        slips = (2 * rows[:, None] + np.arange(2)).ravel()
-        cost = -(times[owner] / max(scale, 1e-300)) * self.load
-        gap = np.maximum(self.gap / max(scale, 1e-300), 0.0)
-        program = self._program(cost, scale, gap, rows, slips, np.zeros(len(rows)))
-        answer = solve_conic(program)
-        if not answer.found:
+        scale = self._scale(times)
+        rough = rough & ~smooth & (self.mu > 0)
+        chosen = self._most(-self.gap)
+        answer = self._solve(scale, rough, np.zeros(len(self.gap)), chosen)
+        if answer is None:
             return None
-        others = np.delete(np.arange(len(gap)), rows)
+        others = np.flatnonzero(chosen & ~rough)
         begin = self.joint.shape[0]
-        force = np.zeros(len(gap))
+        force = np.zeros(len(self.gap))
         force[others] = answer.multipliers[begin : begin + len(others)]
-        pressed = smooth & (force > PRESSES * float(np.abs(cost).max(initial=0.0)))
+        pressed = smooth & (force > PRESSES * float(np.abs(self.load).max(initial=0.0)))
         return self._expanded(answer.x * scale), pressed
 
-    def _solve(
-        self, cost: Array, scale: float, rough: Index, slips: Index, opening: Array
-    ) -> Array | None:
-        """The motion, over `scale`, for given openings of sliding contacts; None: no solution."""
-        gap = self.gap / scale
-        for open_all in (True, False):
-            g = gap if open_all else np.maximum(gap, 0.0)
-            program = self._program(cost, scale, g, rough, slips, opening)
-            answer = solve_conic(program)
-            if answer.found:
-                return np.asarray(answer.x)
-            if (gap >= 0.0).all():
-                break
-        return None
+    def _slipped(self, motion: Array) -> Array:
+        """Length of the slip of each point in a motion, shape (K,)."""
+        slipped: Array = np.linalg.norm((self.slip @ motion).reshape(-1, 2), axis=1)
+        return slipped
+
+    def _most(self, value: Array) -> Mask:
+        """The points of the `SEVERAL` largest values (K,) of each pair of parts."""
+        order = np.lexsort((-value, self.pair))
+        pair = self.pair[order]
+        rank = np.arange(len(pair)) - np.searchsorted(pair, pair)
+        chosen = np.zeros(len(pair), dtype=bool)
+        chosen[order[rank < SEVERAL]] = True
+        return chosen
+
+    def _scale(self, times: Array) -> Array:
+        """Unit of each motion: the length that its body would fall in the step [lengths].
+
+        All bodies of an island have the same time, so its part of the program keeps its optimum.
+        """
+        owner = np.flatnonzero(self.bodies.free)[self.columns // 6]
+        scale: Array = times[owner]
+        return scale
+
+    def _scaled_rows(self, matrix: csr_array, values: Array, scale: Array) -> Array:
+        """Values of rows, over the units of the motions that change them."""
+        unit = np.zeros(len(values))
+        row = np.repeat(np.arange(len(values)), np.diff(matrix.indptr))
+        np.maximum.at(unit, row, scale[matrix.indices])
+        return values / np.where(unit > 0, unit, 1.0)
+
+    def _solve(self, scale: Array, rough: Mask, opening: Array, chosen: Mask) -> Solution | None:
+        """The motion, over `scale`, for given openings of sliding contacts; None: no solution.
+
+        The program has only the points of `chosen` (K,), to which the points are added that its
+        motion would lead into an overlap; of the others, none changes the optimum.
+        """
+        gap = self._scaled_rows(self.normal, self.gap, scale)
+        while True:
+            answer = solve_conic(self._program(scale, gap, rough, opening, chosen))
+            if not answer.found:
+                # friction may wedge a body that overlaps: it opens without friction, or stays
+                wedged = rough & (gap < -WEDGED)
+                if not wedged.any():
+                    if (gap[chosen] >= 0.0).all():
+                        return None
+                    gap = np.maximum(gap, 0.0)
+                rough = rough & ~wedged
+                continue
+            room = gap + self.normal @ answer.x + opening
+            room -= np.where(rough, self.mu, 0.0) * self._slipped(answer.x)
+            missed = ~chosen & (room < -MISSED)
+            if not missed.any():
+                return answer
+            chosen |= missed & self._most(np.where(missed, -room, -np.inf))
 
     def _program(
-        self, cost: Array, scale: float, gap: Array, rough: Index, slips: Index, opening: Array
+        self, scale: Array, gap: Array, rough: Mask, opening: Array, chosen: Mask
     ) -> ConicProgram:
-        """The convex program of the step."""
-        smooth = np.ones(len(gap), dtype=bool)
-        smooth[rough] = False
-        smooth_rows = np.flatnonzero(smooth)
-        cones = csr_array(
-            vstack([self.normal[rough], _scaled(self.slip[slips], np.repeat(self.mu[rough], 2))])
+        """The convex program of the step, with the points of `chosen` (K,)."""
+        cones, smooth = np.flatnonzero(chosen & rough), np.flatnonzero(chosen & ~rough)
+        slips = (2 * cones[:, None] + np.arange(2)).ravel()
+        drift = self._scaled_rows(self.joint, self.drift, scale)
+        rows = csr_array(
+            vstack([self.normal[cones], _scaled(self.slip[slips], np.repeat(self.mu[cones], 2))])
         )
-        k = np.arange(len(rough))
+        k = np.arange(len(cones))
         order = np.column_stack([k, len(k) + 2 * k, len(k) + 2 * k + 1]).ravel()
-        bound = np.zeros((len(rough), 3))
-        bound[:, 0] = gap[rough] + opening
-        matrix = vstack([self.joint, -self.normal[smooth_rows], -cones[order]], format="csc")
+        bound = np.zeros((len(cones), 3))
+        bound[:, 0] = (gap + opening)[cones]
+        matrix = vstack([self.joint, -self.normal[smooth], -rows[order]], format="csc")
         return ConicProgram(
             self.inertia,
-            cost,
+            -self.load,
             csc_array(matrix),
-            np.concatenate([-self.drift / scale, gap[smooth_rows], bound.ravel()]),
+            np.concatenate([-drift, gap[smooth], bound.ravel()]),
             self.joint.shape[0],
-            len(smooth_rows),
-            np.full(len(rough), 3),
+            len(smooth),
+            np.full(len(cones), 3),
         )
 
     def _expanded(self, motion: Array) -> Array:

@@ -71,39 +71,43 @@ class MovingPairs:
             np.array([points.max(axis=0) for points in local]) + grow,
         )  # fmt: skip
 
-    def near(self, rotation: Array, position: Array, body: Index, reach: float) -> NearPoints:
+    def near(self, rotation: Array, position: Array, body: Index, reach: Array) -> NearPoints:
         """Points of pairs of parts of different bodies, without friction.
 
         Arguments: `rotation` (N, 3, 3), `position` (N, 3): poses of the parts; `body` (N,): body of
-        each part; `reach`: largest gap of a point [length unit].
+        each part; `reach` (N,): largest gap of a point of each part [length unit], of which the
+        larger counts for a pair.
         """
         a, b = self._pairs(rotation, position, body, reach)
+        limit = np.maximum(reach[a], reach[b])
         flat = np.concatenate([rotation.reshape(-1, 9), position], axis=1)
         key, pose = a * len(body) + b, np.concatenate([flat[a], flat[b]], axis=1)
         place = np.searchsorted(self.known.key, key)
         place = np.minimum(place, max(len(self.known.key) - 1, 0))
         same = np.zeros(len(key), dtype=bool)
         if len(self.known.key):
-            same = (self.known.key[place] == key) & (self.known.reach[place] >= reach)
+            same = (self.known.key[place] == key) & (self.known.reach[place] >= limit)
             same &= (self.known.pose[place] == pose).all(axis=1)
         new = np.flatnonzero(~same)
-        found = self._examined(rotation, position, np.column_stack([a, b])[new], reach)
+        used_reach = float(limit[new].max(initial=0.0))
+        found = self._examined(rotation, position, np.column_stack([a, b])[new], used_reach)
         kept = self.known.points.take(ragged(self.known.start, place[same])[1])
         points = NearPoints.join([kept, found])
-        used = np.full(len(key), reach)
+        used = np.full(len(key), used_reach)
         if same.any():
             used[same] = self.known.reach[place[same]]
         self.known = _sorted(key, pose, used, points, len(body))
-        return points.take(np.abs(points.gap) <= reach)
+        limit = np.maximum(reach[points.part_a], reach[points.part_b])
+        return points.take(np.abs(points.gap) <= limit)
 
     def _pairs(
-        self, rotation: Array, position: Array, body: Index, reach: float
+        self, rotation: Array, position: Array, body: Index, reach: Array
     ) -> tuple[Index, Index]:
         """Parts a < b of different bodies whose boxes are within a reach, not both covered."""
         middle, half = (self.low + self.high) / 2, (self.high - self.low) / 2
         center = np.einsum("nij,nj->ni", rotation, middle) + position
-        grown = np.einsum("nij,nj->ni", np.abs(rotation), half) + reach / 2
-        i, j = box_pairs(center - grown, center + grown)
+        grown = np.einsum("nij,nj->ni", np.abs(rotation), half)
+        i, j = box_pairs(center - grown, center + grown, reach)
         pairs = np.sort(np.column_stack([i, j]), axis=1)
         held = self.assembly.geometry.grounded
         keep = ~both_of(self.covered, pairs) & ~both_of(held, pairs)

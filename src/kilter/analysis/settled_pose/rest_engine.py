@@ -1,6 +1,7 @@
 """From any state to a pose at rest: overlaps out, straight falls, then tipping, sliding, rolling.
 
-1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`).
+1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`). Bodies whose overlaps
+   no motion opens stay in place, and the others come to rest.
 2. Groups of bodies that nothing supports fall straight down until they meet a supported part, all
    at the same time (`straight_falls`). A group with nothing below it leaves the scene.
 3. Bodies that no forces hold move by a quasi-static step (`descent`) until they stop; a step obeys
@@ -30,6 +31,7 @@ from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.straight_falls import straight_falls
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact import ContactSet
+from kilter.errors import some_names
 from kilter.tell.numbers import number
 from kilter.work import stop_if_late
 
@@ -37,24 +39,29 @@ Tell = Callable[[str], None]
 
 PUSHES = 30
 """Largest number of rounds that open overlaps."""
-ROUNDS = 400
-"""Largest number of steps."""
+ROUNDS, LIMITED_ROUNDS = 400, 40
+"""Largest numbers of steps, without and with a limit of the way."""
+PATIENCE = 5
+"""Number of steps after which a fall that moved nothing is tried again."""
 FIRST, LONGEST = 0.02, 0.15
 """Movement in the first step, and the longest in a step, over the size of a body [-]."""
 SLOWEST = 1e4
 """Largest time of a step, in times in which a body would fall by its size [-]."""
 SHORTEST = 1e-7
 """Length of a step at which a body counts as not moving on [-]."""
-STILL = 2e-9
-"""Movement in a step that counts as none [sizes]."""
+STILL = 2.0
+"""Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
-"""Number of steps without a descent after which the steps become shorter."""
+"""Number of steps without a descent after which the steps become shorter, and twice the movement
+counts as none, up to the gap that counts as closed."""
 EXACT = 2e-5
 """Movement in a step that may come from the solver, whose objective is exact to the square of this
 [strides]."""
 SHORT, SHORTER = 2e-6, 100.0
 """Length of the last step of a body at rest [sizes], and factor between the steps that confirm it.
 """
+WILD = 1e6
+"""Movement in a step from which the solver has failed [strides]."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -92,9 +99,29 @@ class _State:
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
     """Movement in the last step, over its stride, shape (B,)."""
+    still: Array
+    """Movement in a step that counts as none [length unit], shape (B,)."""
+    quiet: Array
+    """Longest stride at which a body and its island stood still since it moved, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
+    limit: Array
+    """Way from the first pose from which a body leaves the scene [length unit], shape (B,)."""
+    first: RigidBodies
+    """The bodies in the first pose."""
+    loose: Array
+    """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
+    end before their curved surfaces meet."""
+    most_rounds: int = ROUNDS
+    """Largest number of steps."""
+    falls_from: int = 0
+    """Number of steps from which bodies without support fall: a fall that moves none is not
+    repeated at once."""
     rounds: int = 0
+    unfit: tuple[str, ...] = ()
+    """Parts that stay in place, since no motion opens their overlaps."""
+    depth: float = 0.0
+    """Depth of the deepest of these overlaps that remains after the least motion [length unit]."""
 
     def move(self, step: Array, how: WayKind | None) -> None:
         """Move the bodies by a step (B, 6), and note the way of each; None: by its kind.
@@ -105,12 +132,21 @@ class _State:
         far = np.linalg.norm(step[:, :3], axis=1)
         turn = np.linalg.norm(step[:, 3:], axis=1)
         way = self.bodies.travel(step)
-        for k in np.flatnonzero(way > STILL * self.length).tolist():
+        for k in np.flatnonzero(way > STILL * self.closed).tolist():
             kind = how or self._kind(k, step[k], float(far[k]), float(turn[k]))
             short = way[k] < CORRECTS * self.bodies.size[k]
             last = self.ways[k][-1].how if self.ways[k] else "pushed-out"
             kind = last if short and last != "pushed-out" else kind
             self._note(k, kind, far[k], turn[k])
+        if np.isfinite(self.limit).any():
+            self.gone |= self.way > self.limit
+
+    @property
+    def way(self) -> Array:
+        """Longest way of a point of each body from the first pose, at most [length unit], (B,)."""
+        turn = np.linalg.norm(self.bodies.rotation - self.first.rotation, axis=(1, 2))
+        shift = np.linalg.norm(self.bodies.center - self.first.center, axis=1)
+        return np.asarray(shift + turn * self.bodies.size / 2)
 
     def _kind(self, body: int, step: Array, far: float, turn: float) -> WayKind:
         """Kind of a movement in a step."""
@@ -132,23 +168,38 @@ class _State:
 
 
 def come_to_rest(
-    bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Tell
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    *,
+    reach: float | None,
+    tell: Tell,
+    limit: Array | None = None,
 ) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
-    None: no limit.
+    None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene.
     """
     state = _begin(bodies, contacts, tell)
-    stuck = _open_overlaps(state)
-    if stuck is not None:
-        return stuck
-    while True:
-        _fall(state)
+    if limit is not None:
+        state.limit, state.most_rounds = limit, LIMITED_ROUNDS
+        state.stride = np.minimum(state.stride, limit / 8)
+    _open_overlaps(state)
+    again = True
+    while again:
+        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
-        if not again:
-            break
     return _result(state, reach)
+
+
+def opened(bodies: RigidBodies, contacts: ContactSet, *, tell: Tell) -> RigidBodies:
+    """The bodies after their overlaps were opened by the least motion, without a fall.
+
+    If no motion opens the overlaps, the bodies stay as drawn.
+    """
+    state = _begin(bodies, contacts, tell)
+    _open_overlaps(state)
+    return bodies if state.unfit else state.bodies
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -158,72 +209,90 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     length, weight = units_of(bodies)
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
+    slack = np.zeros(count)
+    np.maximum.at(slack, bodies.of_part, geometry.slack)
     return _State(
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
+        np.zeros(count), np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
+        np.full(count, np.inf), bodies, FLOATS * length + 2 * slack,
     )  # fmt: skip
 
 
-def _points(state: _State, reach: float) -> NearPoints:
-    """Points near contact between different bodies, within a reach [length unit]."""
+def _points(state: _State, reach: float | Array) -> NearPoints:
+    """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
     points = state.candidates.near(state.bodies, reach)
-    gone = state.gone[state.bodies.of_part]
-    return points.take(~gone[points.part_a] & ~gone[points.part_b])
+    gone, moves = (mask[state.bodies.of_part] for mask in (state.gone, state.bodies.moves))
+    there = ~gone[points.part_a] & ~gone[points.part_b]
+    return points.take(there & (moves[points.part_a] | moves[points.part_b]))
 
 
-def _open_overlaps(state: _State) -> RestResult | None:
-    """Open all overlaps by the least motion; the result if nothing opens them, else None."""
+def _open_overlaps(state: _State) -> None:
+    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place."""
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
-    for _ in range(PUSHES):
+    pushes = 0
+    while pushes < PUSHES:
         stop_if_late()
         points = _points(state, reach)
         deep = -float(points.gap.min(initial=0.0))
         if deep <= 5 * state.closed:  # half of what counts as closed
-            return None
+            return
         state.tell(f"overlaps: {number(deep)}")
         programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
         apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:
-                return None
-            return _does_not_fit(state, points, depth * state.length, forces)
+                return
+            _stay(state, points, depth * state.length, forces)
+            continue
+        pushes += 1
         step = programs.steps(apart, state.bodies)
         state.move(step, "pushed-out")
         far = float(state.bodies.travel(step).max(initial=0.0))
         reach = max(min(reach, 4 * far), 1e-4 * state.length)
-    return None
 
 
-def _does_not_fit(state: _State, points: NearPoints, depth: float, forces: Array) -> RestResult:
-    """The result for overlaps that no motion opens: the parts of the certificate."""
-    return RestResult(
-        "does-not-fit", state.bodies, _ways(state),
-        parts=pressed_parts(state.bodies, points, forces), depth=depth,
-        why="no small motion opens all overlaps", rounds=state.rounds,
-    )  # fmt: skip
+def _stay(state: _State, points: NearPoints, depth: float, forces: Array) -> None:
+    """Keep the bodies of a certificate in place: no motion opens their overlaps.
+
+    Arguments: `depth`: least depth that remains [length unit]; `forces` (K,): the certificate.
+    """
+    bodies = state.bodies
+    if not forces.any():  # the solver failed
+        forces = (points.gap <= points.gap.min()).astype(np.float64)
+    names = pressed_parts(bodies, points, forces)
+    state.unfit += tuple(name for name in names if name not in state.unfit)
+    state.depth = max(state.depth, depth)
+    moves = bodies.moves.copy()
+    moves[[bodies.body_of(name) for name in names]] = False
+    state.bodies, state.asleep = replace(bodies, moves=moves), ~moves
 
 
 # falls -----------------------------------------------------------------------------------
 
 
-def _fall(state: _State) -> None:
-    """Let all groups of bodies that nothing supports fall; those with nothing below leave."""
+def _fall(state: _State) -> bool:
+    """Let all groups of bodies that nothing supports fall; those with nothing below leave.
+
+    Returns False if some have no support, and none of them moved or left.
+    """
     for _ in range(len(state.bodies.mass)):
         stop_if_late()
         gap = FLOATS * state.length
         group = _floating_groups(state, _points(state, gap), gap)
         if not group.any():
-            return
+            return True
         state.tell("falls")
         before = int(state.gone.sum())
         if _drop(state, group) <= gap and before == state.gone.sum():
-            return
+            return False
+    return True
 
 
 def _drop(state: _State, group: Index) -> float:
@@ -231,10 +300,12 @@ def _drop(state: _State, group: Index) -> float:
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
     several = state.candidates.pieces.several
-    fall = straight_falls(sweeps, assembly, group[state.bodies.of_part], several)
-    lost = np.isinf(fall)[group]
+    among = np.where(state.gone, -1, group)[state.bodies.of_part]
+    fall = straight_falls(sweeps, assembly, among, several)
+    fall = fall[group]
+    lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
-    length = np.where(np.isinf(fall), 0.0, fall)[group]
+    length = np.where(lost, 0.0, fall)
     step = np.zeros((len(state.bodies.mass), 6))
     step[:, :3] = length[:, None] * assembly.down
     state.move(step, "fell")
@@ -272,10 +343,11 @@ def _falling_freely(
     return np.unique(np.append(np.where(free, label, 0), 0), return_inverse=True)[1][:-1]
 
 
-def _floating_groups(state: _State, points: NearPoints, gap: float) -> Index:
+def _floating_groups(state: _State, points: NearPoints, gap: float | Array) -> Index:
     """Group of each body: 0 if it touches the ground, directly or through others; (B,).
 
-    Bodies within `gap` [length unit] of each other touch. Joints and loads support a body.
+    Bodies touch if a point has at most this gap [length unit], of all points or each (K,). Joints
+    and loads support a body.
     """
     touching = points.take(points.gap <= gap)
     a, b = state.bodies.of_part[touching.part_a], state.bodies.of_part[touching.part_b]
@@ -301,8 +373,8 @@ class _Last:
     island: Index
     stride: Array
     """Island and stride of each body, shape (B,)."""
-    deep: float
-    """Deepest overlap before it [length unit]."""
+    deep: Array
+    """Deepest overlap of the island of each body before it [length unit], shape (B,)."""
 
 
 def _settle_down(state: _State) -> bool:
@@ -310,32 +382,34 @@ def _settle_down(state: _State) -> bool:
     last: _Last | None = None
     lowest = np.full(len(state.bodies.mass), -np.inf)
     stalled = np.zeros(len(lowest), dtype=np.int64)
-    while state.rounds < ROUNDS:
+    while state.rounds < state.most_rounds:
         stop_if_late()
         active = ~state.asleep & ~state.gone & state.bodies.moves
         if not active.any():
             return False
         state.rounds += 1
-        reach = 2 * float(np.minimum(state.stride, LONGEST * state.bodies.size)[active].max())
-        points = _points(state, reach)
+        points, island = _awake_points(state)
         if last is not None and _taken_back(state, last, points):
-            points = _points(state, reach)
-        if _floating_groups(state, points, reach / 4).any():
+            points, island = _awake_points(state)
+        floats = _floating_groups(state, points, _widest(state, points, _reach(state)) / 4)
+        if state.rounds >= state.falls_from and floats.any():
             return True
-        island = _islands(state, points, active)
         stride = _stride_of_islands(state, island)
+        reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
+        near = (points.gap <= reach) & (reach > 0)
+        points = points.take(near)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
-        rough = points.gap <= 0.5 * reach
+        rough = points.gap <= 0.5 * reach[near]
         group = _falling_freely(state, points, program, stride, rough)
         if group.any() and _drop(state, group) > FLOATS * state.length:
             last = None
             continue
         step = program.step(stride / state.length, rough)
-        if step is None:
-            state.stride[active] /= 4
-            state.asleep |= active & (state.stride < SHORTEST * state.length)
+        if step is None or (state.bodies.travel(step) > WILD * stride.max()).any():
+            state.stride[island >= 0] /= 4
+            state.asleep |= (island >= 0) & (state.stride < SHORTEST * state.length)
             continue
-        last = _Last(state.bodies, island, stride, -float(points.gap.min(initial=0.0)))
+        last = _Last(state.bodies, island, stride, _deepest(state, island, points))
         _advance(state, island, stride, step)
         _count_stalls(state, island, lowest, stalled)
     return False
@@ -344,11 +418,9 @@ def _settle_down(state: _State) -> bool:
 def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
     """Take the last step back for islands that it led into an overlap; whether there are any."""
     size = state.bodies.size
-    deep = np.zeros(len(size) + 1)
-    for side in (points.part_a, points.part_b):
-        np.maximum.at(deep, last.island[state.bodies.of_part[side]], -points.gap)
+    deep = _deepest(state, last.island, points)
     most = DEEP * np.minimum(last.stride, LONGEST * size) + 2 * last.deep + state.closed
-    bad = (deep[last.island] > most) & (last.island >= 0)
+    bad = (deep > most) & (last.island >= 0)
     bad = np.isin(last.island, last.island[bad]) & (last.island >= 0)
     if not bad.any():
         return False
@@ -358,6 +430,14 @@ def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
     return True
 
 
+def _deepest(state: _State, island: Index, points: NearPoints) -> Array:
+    """Deepest overlap of the island of each body [length unit], shape (B,)."""
+    deep = np.zeros(len(island) + 1)
+    for side in (points.part_a, points.part_b):
+        np.maximum.at(deep, island[state.bodies.of_part[side]], -points.gap)
+    return deep[island]
+
+
 def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
     """Shorten the stride of islands whose centre has not sunk for some steps."""
     mass = state.bodies.mass
@@ -365,13 +445,46 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
     np.add.at(weight, island, mass)
     depth = (total / np.maximum(weight, 1e-300))[island]
-    sinks = depth > lowest + STILL * state.length
+    sinks = depth > lowest + STILL * state.closed
     stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
     lowest[:] = np.maximum(lowest, depth)
     late = stalled >= STALLS
     state.stride = np.where(late, state.stride / 4, state.stride)
+    state.still[late] = np.minimum(2 * state.still[late], 10 * state.closed)
     stalled[late] = 0
     state.asleep |= late & (state.stride < SHORTEST * state.length)
+
+
+def _reach(state: _State) -> Array:
+    """Largest gap of the points of each body in the next step [length unit], shape (B,)."""
+    awake = ~state.asleep & ~state.gone & state.bodies.moves
+    stride = np.minimum(state.stride, state.limit / 4)
+    step = 2 * np.minimum(stride, LONGEST * state.bodies.size)
+    return np.maximum(np.where(awake, step, 0.0), 4 * state.loose)
+
+
+def _widest(state: _State, points: NearPoints, reach: Array) -> Array:
+    """The larger reach of both bodies of each point, shape (K,)."""
+    body = state.bodies.of_part
+    widest: Array = np.maximum(reach[body[points.part_a]], reach[body[points.part_b]])
+    return widest
+
+
+def _awake_points(state: _State) -> tuple[NearPoints, Index]:
+    """Points near contact, and the island of each body (B,).
+
+    Resting bodies of islands wake up. Bodies that stand still take the stride of those that move.
+    """
+    while True:
+        points = _points(state, _reach(state))
+        island = _islands(state, points, ~state.asleep & ~state.gone & state.bodies.moves)
+        woken = state.asleep & (island >= 0)
+        stride = np.maximum(_stride_of_islands(state, island), state.stride)
+        longer = (state.quiet > 0) & (stride > state.stride)
+        if not (woken | longer).any():
+            return points, island
+        state.asleep &= ~woken
+        state.stride = np.where(longer, stride, state.stride)
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
@@ -386,27 +499,40 @@ def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
 
 
 def _stride_of_islands(state: _State, island: Index) -> Array:
-    """The shortest stride of each island, for its bodies; 0 for bodies that stand still."""
-    least = np.full(len(island) + 1, np.inf)
-    np.minimum.at(least, island, state.stride)
-    return np.where(island >= 0, least[island], 0.0)
+    """The shortest stride of the bodies that move in each island, or of all if none moves.
+
+    It is 0 for bodies that stand still.
+    """
+    least, moving = np.full((2, len(island) + 1), np.inf)
+    own = np.minimum(state.stride, state.limit / 4)
+    np.minimum.at(least, island, own)
+    np.minimum.at(moving, island, np.where(state.quiet > 0, np.inf, own))
+    stride = np.where(np.isfinite(moving), moving, least)
+    return np.where(island >= 0, stride[island], 0.0)
 
 
 def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
-    """Take a step; islands in which nothing moves, in steps of any length, are at rest.
+    """Take a step; islands in which nothing moves, in a long step and then in a short one, rest.
 
     A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
     """
     step, far = _shortened(state, island, step)
-    moving = far > np.maximum(STILL * state.length, EXACT * stride)
+    moving = far > np.maximum(state.still, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
-    rests = quiet[island] & (stride <= SHORT * state.bodies.size)
+    size = np.full(len(island) + 1, np.inf)
+    np.minimum.at(size, island, state.bodies.size)
+    stood = np.maximum(state.quiet, stride)
+    state.quiet = np.where(moving, 0.0, np.where(quiet[island] & (island >= 0), stood, state.quiet))
+    long = np.ones(len(island) + 1, dtype=bool)
+    np.logical_and.at(long, island, state.quiet >= FIRST / 2 * size[island])
+    rests = quiet[island] & long[island] & (stride <= SHORT * state.bodies.size)
     state.asleep = np.where(island >= 0, rests, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
     next_stride = _next_stride(state, island, stride, far)
-    first = np.minimum(stride / SHORTER, FIRST * state.bodies.size)
-    next_stride = np.where(quiet[island], np.maximum(first, SHORT * state.bodies.size), next_stride)
+    first = np.where(long[island], stride / SHORTER, np.inf)
+    first = np.clip(first, SHORT * state.bodies.size, FIRST * state.bodies.size)
+    next_stride = np.where(quiet[island], first, next_stride)
     next_stride = np.where(rests, FIRST * state.bodies.size, next_stride)  # if it moves again
     state.stride = np.where(island >= 0, next_stride, state.stride)
     state.move(np.where(moving[:, None], step, 0.0), None)
@@ -457,13 +583,17 @@ def _result(state: _State, reach: float | None) -> RestResult:
     elif leaves:
         verdict = "falls" if state.gone[free].all() else "partly"
         why = "nothing is below the parts"
+    if state.unfit:
+        both, depth = some_names(state.unfit), number(state.depth, 3)
+        verdict, parts = "does-not-fit", (*state.unfit, *parts)
+        why = f"{both} do not fit, and overlap by at least {depth} {state.bodies.drawn.units}"
     far = np.linalg.norm(state.bodies.movements()[:, :3], axis=1)
     far[np.isin(names, leaves)] = 0.0
     if reach is not None and far.max(initial=0.0) > reach * (1 + 1e-9):
         k = int(far.argmax())
-        verdict, parts = "not-found", (names[k],)
+        verdict, parts = "not-found", (*state.unfit, names[k])
         why = f"{names[k]!r} would move {number(float(far[k]), 3)} {state.bodies.drawn.units}"
     return RestResult(
-        verdict, state.bodies, _ways(state), leaves, parts, 0.0, why, state.rounds,
+        verdict, state.bodies, _ways(state), leaves, parts, state.depth, why, state.rounds,
         points.take(closed),
     )  # fmt: skip

@@ -1,9 +1,10 @@
 """The programs of a step towards rest, over the points near contact in the current pose.
 
 Let p be the small motions of the bodies, J_n p the rates of the gaps g, and f the forces at the
-points in Coulomb's cones. M weighs motions by the squares of the distances that points move.
+points in Coulomb's cones. M weighs motions by the squares of the distances that points move,
+and D by the masses of the bodies: a heavy bin stays where it is, and its light contents move.
 
-    push apart     min p'Mp                                     g + J_n p >= 0
+    push apart     min p'MDp                                    g + J_n p >= 0
     carry          min sum f_n c + PRICE |J'f + w|_1            f in the cones, c >= 0
     close          min kappa p'Mp / 2 + sum c (g + J_n p)       g + J_n p >= 0, c >= 0
     least overlap  min t + epsilon p'Mp                         g + J_n p + t >= 0
@@ -36,6 +37,8 @@ LEAST_PUSH = 0.1
 it, points with small forces stay open."""
 FAR = 1e4
 """Largest gap of a point in a step, in multiples of the widest carrying gap [-]."""
+HEAVIER = 1e3
+"""Largest and least mass of a body in the opening of overlaps, over the median mass [-]."""
 OVERLAP_WEIGHT = 1e-6
 """Weight of the motion in the least overlap [-]."""
 
@@ -66,6 +69,8 @@ class RestPrograms:
     """Columns in which forces must balance; a planar assembly has three for each body."""
     weights: Array
     """Diagonal of M for `columns`."""
+    mass: Array
+    """Mass of the body of each of `columns`, over the median [-]."""
     length: float
     """Unit of length [length unit]."""
 
@@ -89,9 +94,11 @@ class RestPrograms:
         weights = np.concatenate(
             [np.ones((len(free), 3)), np.repeat(arm[:, None] ** 2, 3, axis=1)], axis=1
         ).ravel()[columns]
+        mass = bodies.mass[free[columns // 6]]
+        mass = np.clip(mass / (np.median(mass) if len(mass) else 1.0), 1 / HEAVIER, HEAVIER)
         return RestPrograms(
             normal, slips, joint, drift, loads(bodies, length, weight), points.gap / length,
-            points.mu, points.bears, columns, balanced, weights, length,
+            points.mu, points.bears, columns, balanced, weights, mass, length,
         )  # fmt: skip
 
     @property
@@ -104,7 +111,8 @@ class RestPrograms:
         deep = float(max(-self.gap.min(initial=0.0), np.abs(self.drift).max(initial=0.0)))
         if deep == 0.0:
             return np.zeros(len(self.columns))
-        step = self._step(self.weights, np.zeros(len(self.columns)), self.gap / deep, deep)
+        weights = self.weights * self.mass
+        step = self._step(weights, np.zeros(len(self.columns)), self.gap / deep, deep)
         return None if step is None else deep * step
 
     def least_overlap(self) -> tuple[float, Array]:

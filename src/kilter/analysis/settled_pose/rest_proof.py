@@ -5,7 +5,8 @@ balance every part at closed points alone. A point with a normal n from part a t
 
 - the sum of its distances from the surfaces of a and b is at most the tolerance, and
 - n lies in the cone of the outward normals of the faces of a at the point, and -n in that of b,
-  each within the angle by which touching faces may be tilted, and between both within rounding.
+  each within the angle by which touching faces may be tilted, and between both within rounding, the
+  warp of flat faces, and the turn of the normal of a curved surface over the tolerance.
 
 The overlaps are those of kilter's detection of contacts with this tolerance. The search supplies
 only the points; the same functions verify a proof file.
@@ -21,9 +22,10 @@ import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
 from kilter.analysis.settled_pose.settle_tolerances import BETWEEN_FACES, CLOSED, NORMAL
-from kilter.arrays import Array, Index, Mask, cross, lengths, ragged, starts
+from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, ragged, starts
 from kilter.assembly import Assembly, GivenContact, Part
 from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import TORUS
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.common.facets import Facets, find_facets
 from kilter.contact.contact_tolerances import ROUNDINGS
@@ -39,6 +41,8 @@ from kilter.shape.primitives import Mesh, Shape, surface
 WARPS = 2.0
 """Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
 be warped [-]."""
+SLIVER = 1e-9
+"""Area of a sliver, over the square of its reach [-]."""
 BATCH = 1_000_000
 """Pairs of a point and a facet that are compared at once; a larger value needs more memory."""
 FIT = 1e-9
@@ -71,10 +75,7 @@ def closed_gap(assembly: Assembly) -> float:
     the warp of flat faces, whose corners lie off their common plane.
     """
     geometry = assembly.geometry
-    facets = find_facets(geometry)
-    owner = np.repeat(np.arange(len(facets)), np.diff(facets.corner_start))
-    offset = geometry.vertices[facets.corners] - facets.origin[owner]
-    warp = np.abs(np.einsum("ij,ij->i", offset, facets.normal[owner]))[~facets.curved[owner]]
+    warp = _warps(geometry, find_facets(geometry))
     free = ~geometry.grounded
     size = float(np.median(geometry.size[free] if free.any() else geometry.size))
     return max(
@@ -82,6 +83,18 @@ def closed_gap(assembly: Assembly) -> float:
         ROUNDINGS * float(geometry.accuracy.max()),
         WARPS * float(warp.max(initial=0.0)),
     )
+
+
+def _warps(geometry: Geometry, facets: Facets) -> Array:
+    """Largest distance of a corner of each facet from its plane, shape (F,).
+
+    It is 0 on curved surfaces, and for slivers, which have no plane.
+    """
+    owner = np.repeat(np.arange(len(facets)), np.diff(facets.corner_start))
+    offset = geometry.vertices[facets.corners] - facets.origin[owner]
+    warp = np.zeros(len(facets))
+    np.maximum.at(warp, owner, np.abs(np.einsum("ij,ij->i", offset, facets.normal[owner])))
+    return np.where(facets.curved | (facets.area <= SLIVER * facets.reach**2), 0.0, warp)
 
 
 def closed_contacts(
@@ -150,23 +163,24 @@ def closed_points(
     geometry, start = _member_geometry(assembly, parts, points, gap)
     facets = find_facets(geometry)
     apart = np.zeros(len(points))
-    owners, outward = [], []
+    owners, outward, turns = [], [], np.full(len(points), BETWEEN_FACES)
     for part in parts.T:
         point, member = ragged(start, part)
         away = surface_gaps(geometry, member[:, None], points[point])
         nearest = np.full(len(points), np.inf)
         np.minimum.at(nearest, point, away)
         apart += nearest
-        row, rays = _normals_at(geometry, facets, member, points[point], gap)
+        row, rays, turn = _normals_at(geometry, facets, member, points[point], gap)
         owners.append(point[row])
         outward.append(rays)
+        np.maximum.at(turns, point[row], BETWEEN_FACES + turn)
     (own, other), (rays_a, rays_b) = owners, outward
     sound = _in_cones(own, rays_a, normals, NORMAL) & _in_cones(other, rays_b, -normals, NORMAL)
     both, rays = np.concatenate([own, other]), np.concatenate([rays_a, -rays_b])
     rows = np.flatnonzero(sound)
     kept = sound[both]
     number = np.cumsum(sound) - 1
-    sound[rows] = _in_cones(number[both[kept]], rays[kept], normals[rows], BETWEEN_FACES)
+    sound[rows] = _in_cones(number[both[kept]], rays[kept], normals[rows], turns[rows])
     return apart, sound
 
 
@@ -201,12 +215,15 @@ def _comes_near(shape: Shape, pose: Pose, points: Array, gap: float) -> bool:
 
 def _normals_at(
     geometry: Geometry, facets: Facets, part: Index, points: Array, gap: float
-) -> tuple[Index, Array]:
+) -> tuple[Index, Array, Array]:
     """Outward normals of the faces of a part for each point that lies on them within `gap`.
 
-    Returns the row of the point, shape (m,), and the normal, shape (m, 3).
+    Returns the row of the point, shape (m,), the normal, shape (m, 3), and its uncertainty [rad],
+    shape (m,): the tilt of a warped face, or the turn of the normal of a curved surface over `gap`.
     """
-    rows, normals = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))]
+    rows, normals, turns = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))], [np.empty(0)]
+    # warp over half the mean width of a face
+    tilt = 4 * _warps(geometry, facets) * facets.reach / np.maximum(facets.area, TINY)
     width = int(np.diff(facets.start)[part].max(initial=1))
     for batch in np.array_split(np.arange(len(points)), 1 + len(points) * width // BATCH):
         owner, row = ragged(facets.start, part[batch])
@@ -220,13 +237,17 @@ def _normals_at(
         on = _are_on_facets(geometry, facets, row, points[point], beside)
         rows.append(point[on])
         normals.append(facets.normal[row[on]])
+        turns.append(tilt[row[on]])
     surfaces = geometry.surfaces
     point, surface = ragged(surfaces.start, part)
     on = np.abs(surfaces.distance(surface, points[point])) <= gap
     point, surface = point[on], surface[on]
     rows.append(point)
     normals.append(surfaces.outward(surface, points[point]))
-    return np.concatenate(rows), np.concatenate(normals)
+    away = surfaces.polar(surface, points[point])[1]
+    tube = np.where(surfaces.kind == TORUS, surfaces.tube, np.inf)[surface]
+    turns.append(gap / np.maximum(np.minimum(away, tube), gap))
+    return np.concatenate(rows), np.concatenate(normals), np.concatenate(turns)
 
 
 def _are_on_facets(
@@ -252,11 +273,13 @@ def _are_on_facets(
     return on
 
 
-def _in_cones(owner: Index, rays: Array, directions: Array, angle: float) -> Mask:
+def _in_cones(owner: Index, rays: Array, directions: Array, angle: Array | float) -> Mask:
     """Mask of unit directions that lie in the cones of their unit rays, within an angle [rad].
 
-    Arguments: `owner` (m,), `rays` (m, 3): the direction of each ray, and the ray.
+    Arguments: `owner` (m,), `rays` (m, 3): the direction of each ray, and the ray; `angle`: for all
+    directions (n,), or for each.
     """
+    angle = np.broadcast_to(angle, len(directions))
     apart = np.full(len(directions), np.inf)
     np.minimum.at(apart, owner, lengths(rays - directions[owner]))
     inside: Mask = apart <= angle
@@ -264,7 +287,7 @@ def _in_cones(owner: Index, rays: Array, directions: Array, angle: float) -> Mas
     start = np.searchsorted(owner[order], np.arange(len(directions) + 1))
     for k in np.flatnonzero(~inside & np.isfinite(apart)).tolist():
         of_point = rays[order[start[k] : start[k + 1]]]
-        inside[k] = nonnegative(of_point, directions[k])[1] <= angle
+        inside[k] = nonnegative(of_point, directions[k])[1] <= angle[k]
     return inside
 
 

@@ -23,6 +23,7 @@ from kilter.analysis.decision.motion import (
     NO_MOTION_OF_LIMITS,
     UNKNOWN_MOTION,
     ImpendingMotion,
+    falls_freely,
     find_motion,
     find_motion_with_friction,
     motion_of,
@@ -32,12 +33,12 @@ from kilter.analysis.decision.motion import (
     without_opening,
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
+from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.neutral import Neutral, find_neutral, find_slipping_motion
 from kilter.analysis.verdict.part_answer import PartAnswer
-from kilter.analysis.verdict.remedies import Remedy, find_remedies
 from kilter.analysis.verdict.verdict_answer import (
     BondsNeeded,
     ContactCounts,
@@ -49,6 +50,7 @@ from kilter.analysis.verdict.verdict_answer import (
 )
 from kilter.arrays import Array, Mask, sealed
 from kilter.assembly import Assembly, ListedBond, ListedJoint
+from kilter.assembly.assumption import DRAWN, JOINED, Body, LadderRow, RungWord
 from kilter.contact import ContactSet
 from kilter.contact.common.distances import LonePart
 from kilter.contact.common.patches import UnsupportedContact
@@ -58,14 +60,16 @@ from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.html import InCells
+from kilter.tell.ladder_words import ladder_sentence, rung_sentence
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
-from kilter.tell.record import Answer, InPython, LevelWord, OrAbsent, UnitWord, Vector, key
-from kilter.tell.words import GAINS, NAMED, motion_summary, motion_words
+from kilter.tell.record import InPython, LevelWord, OrAbsent, UnitWord, Vector, key
+from kilter.tell.words import GAINS, NAMED, fall_words, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
-from kilter.work import EFFORT, Work, units_of
+from kilter.work import EFFORT
 
 if TYPE_CHECKING:
+    from kilter.analysis.settled_pose.straight_falls import StraightFall
     from kilter.contact.fits.suggestions import Suggestion
     from kilter.friction.answer import FrictionAnswer, Why
     from kilter.second_order.answer.second_order_answer import SecondOrder, SecondOrderSummary
@@ -82,15 +86,15 @@ ROUNDING = 1e-15
 """Accelerations up to this count as zero [g]."""
 
 
-class Verdict(InCells, Answer):
+class Verdict(InCells, SupportedAnswer):
     """Answer of `kilter.check`: the verdict on an assembly, with its proof and its motion."""
 
     answer: ClassVar[str] = "check"
 
     verdict: VerdictWord
     """The verdict; it is equal to its text."""
-    sentence: str
-    """The verdict in words."""
+    assume: RungWord = DRAWN
+    """The rung of the ladder of assumptions to which verdict, level and proof belong."""
     require: LevelWord = REQUIRE
     """The required level (`kilter.tell.levels`)."""
     time_limit: float | None = None
@@ -99,6 +103,19 @@ class Verdict(InCells, Answer):
     """Duration of each stage [s]; read-only."""
     suggested_joints: OrAbsent[tuple[Suggestion, ...]] = None
     """Pairs that look fastened; of the option --suggest-joints."""
+    own_sentence: InPython[str]
+    """The verdict in words, without the assumptions and the ladder."""
+    drawn: InPython[Assembly | None] = None
+    """The assembly in its drawn pose, without the joints of the rung; None for an inner verdict."""
+    drawn_contacts: InPython[ContactSet | None] = None
+    """Contacts of the drawn pose."""
+    moved: InPython[float] = 0.0
+    """Longest way of a part from its drawn pose [length unit]."""
+    joined_pairs: InPython[int] = 0
+    """Number of joints that the rung added."""
+    rest_gap: InPython[float | None] = None
+    """Gap up to which points count as closed, if the proof rests on closed points alone [length
+    unit]; else None."""
     assembly: InPython[Assembly]
     """The assembly that was checked."""
     contact_set: InPython[ContactSet]
@@ -138,6 +155,7 @@ class Verdict(InCells, Answer):
         one, motion = self.assembly.parts[k], self.motion
         shift = self.displacement.displacement if self.measured else None
         slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
+        landing = self._landings.get(k)
         return PartAnswer(
             name=one.name,
             grounded=one.grounded,
@@ -150,9 +168,41 @@ class Verdict(InCells, Answer):
             moves=bool(motion.moves[k]),
             moved_by_proof=bool(self.moved_by_proof[k]),
             motion=self.words(k),
+            below=None if landing is None else self.program.names[landing.other],
+            fall=None if landing is None else landing.distance,
             # reported only if no part is above the threshold of `moves`
             slow_motion=self.words(k, slow=True) if slow and not one.grounded else None,
         )
+
+    @property
+    @key
+    def sentence(self) -> str:
+        """The verdict in words, with its assumptions; of a ladder, the lowest rung that holds."""
+        rows = [row.to_dict() for row in self.ladder]
+        words = ladder_sentence(rows, self.verdict, assume=self.assume)
+        return words or rung_sentence(
+            self.own_sentence, assume=self.assume, moved=self.moved, joined=self.joined_pairs,
+            units=self.assembly.units, holds=self.level is not None,
+        )  # fmt: skip
+
+    @cached_property
+    @key
+    @on_one_thread
+    def ladder(self) -> tuple[LadderRow, ...]:
+        """The verdict on each rung, for CAD and meshes whose drawn pose does not hold.
+
+        It is computed at the first access, within the work limit and the time limit of the verdict.
+        """
+        rows: tuple[LadderRow, ...] = () if self.drawn is None else hook("ladder")(self)
+        return rows
+
+    @cached_property
+    @key
+    def bodies(self) -> tuple[Body, ...]:
+        """Bodies of the parts that touch or overlap, with a ladder or on the rung joined."""
+        if self.drawn is None or not (self.ladder or self.assume == JOINED):
+            return ()
+        return ()
 
     @property
     @key
@@ -303,6 +353,12 @@ class Verdict(InCells, Answer):
     def units(self) -> UnitWord:
         """Length unit."""
         return self.assembly.units
+
+    @property
+    @key
+    def size(self) -> Vector:
+        """Extents of the free parts along the axes, of all parts if none is free [length unit]."""
+        return self.assembly.size
 
     @property
     @key
@@ -473,24 +529,6 @@ class Verdict(InCells, Answer):
         """Numbers of neutral motions, which cost no energy; null if they were not counted."""
         return find_neutral(self.modelled)
 
-    @cached_property
-    @key
-    @on_one_thread
-    def remedies(self) -> tuple[Remedy, ...]:
-        """Command-line options that were tried and would change the verdict.
-
-        They are computed at the first access, each with the work limit of the verdict. The rest of
-        the time limit applies to all together. There are none if the time limit cut the verdict.
-        """
-        if self.decision is None or self.time_limit is not None:
-            return ()
-        work = Work(units_of(self.effort), time_limit=self.seconds_left)
-        remedies = find_remedies(
-            self.assembly, self.contact_set, self.decision, require=self.require, work=work
-        )
-        settled: Remedy | None = hook("settle_remedy")(self)
-        return remedies if settled is None else (*remedies, settled)
-
     @property
     @key
     def tolerance(self) -> VerdictTolerance:
@@ -553,6 +591,17 @@ class Verdict(InCells, Answer):
         words, motion = self._motion_words(k, slow), self.motion
         return words if motion.known or not motion.moves[k] else f"{words}{self._gains}"
 
+    @cached_property
+    def _landings(self) -> Mapping[int, StraightFall]:
+        """The straight fall of each part that falls freely onto another part."""
+        falling = falls_freely(self.motion, self.assembly.gravity) & self.motion.moves
+        if not falling.any():
+            return {}
+        found: Mapping[int, StraightFall] = hook("landings")(
+            self.assembly, self.contact_set, falling
+        )
+        return found
+
     @property
     def _gains(self) -> str:
         """Suffix of words for the motion of a proof; empty if the words are about none."""
@@ -562,6 +611,11 @@ class Verdict(InCells, Answer):
     def _motion_words(self, k: int, slow: bool = False) -> str:
         """Describe the motion of part `k`: its accelerations, or else the motion of the proof."""
         motion, metres = self.motion, metres_per_unit(self.program.units)
+        landing = self._landings.get(k)
+        if landing is not None:
+            below, names = landing.other, self.program.names
+            onto = fall_words(landing.distance, self.program.units, lands=not motion.moves[below])
+            return f"{onto} {names[below]}"
         if motion.known:
             twist, relative = motion.acceleration[k], motion.relative[k] * (slow or motion.moves[k])
         elif motion.gains is None or not motion.moves[k]:
@@ -622,7 +676,9 @@ class Verdict(InCells, Answer):
         if self.second_order_answer is not None:
             proof["verdict"] = self.verdict
             proof["second_order"] = second_order_data(self.second_order_answer)
-            proof["digest"] = digest_of(proof)
+        if self.rest_gap is not None:
+            proof["rest"] = {"gap": self.rest_gap}
+        proof["digest"] = digest_of(proof)
         return proof
 
     @cached_property

@@ -18,14 +18,13 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import MappingProxyType
 from typing import Any
 
+from kilter.assembly.question import LOWEST
 from kilter.errors import InputError
 from kilter.files.complaints import complaint, parse_json
-from kilter.files.file_content import UP
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.limits import is_file, read_bytes
+from kilter.rigid import UP
 
-LOWEST = "lowest"
-"""Value of the option `floor` that puts the floor under the lowest point of the assembly."""
 SIGNS = ("file", "sha256", "held", "left_out", "joined", "open_pairs", "materials", "tolerance")
 """Keys that only a file of choices has at its top."""
 OPTIONS = {
@@ -39,11 +38,13 @@ OPTIONS = {
             "up",
             "fasten_suggested",
             "fasten_overlaps",
+            "keep_copies",
             "density",
             "keyframe",
             "state",
             "base",
             "loose_robots",
+            "assume",
             "friction",
             "contacts",
         )
@@ -92,6 +93,8 @@ class Choices:
         True: a held table under the lowest point; a number: at this height [length unit].
     fasten_suggested, fasten_overlaps : bool
         Join the pairs that look fastened, or that overlap.
+    keep_copies : bool
+        Keep bodies that are in the file twice.
     loose : bool
         Loose tolerances, for scanned data.
     density : float, optional
@@ -114,6 +117,8 @@ class Choices:
         As in an assembly file; they are added to those of the file.
     contacts : {"file", "geometry"}, optional
         Source of the contacts, see `kilter.load`.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions, see `kilter.check`.
     tolerance : mapping, optional
         `gap` [length unit], `angle_deg` [deg] and `clearance` [length unit].
     poses : mapping, optional
@@ -148,6 +153,7 @@ class Choices:
     floor: bool | float | None = None
     fasten_suggested: bool = False
     fasten_overlaps: bool = False
+    keep_copies: bool = False
     loose: bool = False
     density: float | None = None
     keyframe: str | None = None
@@ -166,6 +172,7 @@ class Choices:
     loads: Any = ()
     straps: Any = ()
     contacts: str | None = None
+    assume: str | None = None
     tolerance: Any = None
     poses: Any = None
     folder: str | Path = Path()

@@ -1,0 +1,1 @@
+"""The ladder of assumptions about an inexact file: drawn, play, fits, joined."""

@@ -1,0 +1,244 @@
+"""Apply a rung of the ladder of assumptions to an assembly (`kilter.assembly.assumption`).
+
+The rungs "fits" and "joined" add fixed joints between parts of the drawn pose. Then, unless forces
+hold it there, the parts may move within their play: the engine of `kilter.settle` brings them to
+rest, and a part takes its pose at rest if its way is within the play of a part of its size, once
+for each contact of its chain down to a held part. Overlaps of the other parts are opened by the
+least motion, so that a contact that is merely sunk decides nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.assumptions.joining import joined
+from kilter.analysis.check import check_equilibrium
+from kilter.analysis.settled_pose.rest import RestResult
+from kilter.analysis.settled_pose.rest_engine import come_to_rest, opened
+from kilter.analysis.settled_pose.rest_verification import RestingParts, verify_rest
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
+from kilter.analysis.settled_pose.settle import is_verified, refusal, without_rounding
+from kilter.arrays import Array, Mask
+from kilter.assembly import Assembly, Joint
+from kilter.assembly.assumption import DRAWN, JOINED, PLAY
+from kilter.assembly.question import Question
+from kilter.contact import ContactSet, detect
+from kilter.contact.fits.suggestions import suggest_joints
+from kilter.units import metres_per_unit
+
+FASTENED = ("thread", "press fit", "insert")
+"""Kinds of suggestions that the rung "fits" joins. Other overlaps may be merely sunk."""
+SIMULATED = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz", ".sdf")
+"""Endings of the files of simulators, whose default rung is "play"."""
+PLAY_SHARE, LEAST_PLAY, MOST_PLAY = 0.02, 5e-5, 2e-3
+"""Play of a part in CAD: a share of its size [-], at least and at most this [m]: the clearances of
+drawn pins, drawers and lids."""
+LONGEST_CHAIN = 5
+"""Largest number of plays that a part may move before the search leaves it out [-]."""
+SUNK_SHARE = 1e-3
+"""Play of a part in a file of a simulator, whose contacts are soft: a share of its size [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assumed:
+    """An assembly on a rung of the ladder."""
+
+    rung: str
+    assembly: Assembly
+    """The assembly with the joints and the poses of the rung."""
+    contacts: ContactSet
+    """Its contacts."""
+    drawn_contacts: ContactSet
+    """Contacts of the drawn pose."""
+    closed: RestingParts | None = None
+    """The pose at rest, if all parts rest within their play: its closed points prove it."""
+    moved: float = 0.0
+    """Longest way of a part [length unit]."""
+    joints: int = 0
+    """Number of joints that the rung added."""
+
+    @property
+    def marked(self) -> Assembly:
+        """The assembly, marked so that no rung is applied to it again."""
+        return _marked(self.assembly)
+
+
+def is_simulated(assembly: Assembly) -> bool:
+    """Whether an assembly comes from a file or a model of a simulator."""
+    source = assembly.source
+    return Path(source).suffix.lower() in SIMULATED
+
+
+def rung_of(asked: Question) -> str:
+    """The rung of a question: the given one, else that of the saved choices, else the default."""
+    saved = (asked.assembly.reading or {}).get("assume")
+    default = PLAY if is_simulated(asked.assembly) else DRAWN
+    return asked.assume or saved or default
+
+
+def assumed(asked: Question) -> Question:
+    """The question about the assembly on its rung, as the functions other than `check` ask it."""
+    rung = rung_of(asked)
+    if rung == DRAWN:
+        return asked
+    if asked.verb == "settle":
+        if rung == PLAY:
+            return asked
+        contacts = detect.touching(asked)
+        base = with_joints(asked.assembly, contacts, rung)
+        return asked.but(assembly=_marked(base), contacts=contacts.of(base))
+    found = assume(asked, rung)
+    return asked.but(assembly=found.marked, contacts=found.contacts)
+
+
+def assume(asked: Question, rung: str, *, settles: bool = True) -> Assumed:
+    """Apply a rung to the assembly of a question; without `settles` no part moves."""
+    drawn, contacts = asked.assembly, detect.touching(asked)
+    base = with_joints(drawn, contacts, rung)
+    known = contacts.of(base)
+    plain = Assumed(rung, base, known, contacts, joints=len(base.joints) - len(drawn.joints))
+    if rung == DRAWN or not settles or refusal(base) or not has_play(base, known):
+        return plain
+    if check_equilibrium(base, known).level is not None:
+        return plain
+    return _within_play(asked, plain)
+
+
+def with_joints(assembly: Assembly, contacts: ContactSet, rung: str) -> Assembly:
+    """The assembly with the joints of a rung, which its saved options then have, too."""
+    if rung in (DRAWN, PLAY):
+        return assembly
+    named = {frozenset(joint.parts) for joint in assembly.joints}
+    found = [s for s in suggest_joints(assembly, contacts) if s.kind in FASTENED and s.fixed]
+    joints = [Joint(s.parts, why=s.kind) for s in found if frozenset(s.parts) not in named]
+    base = replace(assembly, joints=[*assembly.joints, *joints])
+    if rung == JOINED:
+        base = joined(base, contacts)
+    added = base.joints[len(assembly.joints) :]
+    return with_entries(base, joints=[{"parts": list(j.parts), "kind": j.kind} for j in added])
+
+
+def with_entries(assembly: Assembly, **entries: Any) -> Assembly:
+    """The assembly whose saved options of reading have more joints or poses, for its proof."""
+    options = dict(assembly.reading or {})
+    known = dict(options.get("entries", {}))
+    if entries.get("joints"):
+        known["joints"] = [*known.get("joints", ()), *entries["joints"]]
+    if entries.get("poses"):
+        known["poses"] = {**known.get("poses", {}), **entries["poses"]}
+    return replace(assembly, reading={**options, "entries": known} if known else options)
+
+
+def _marked(assembly: Assembly) -> Assembly:
+    """The assembly with the rung "drawn" in its options: its poses and joints are final."""
+    return replace(assembly, reading={**(assembly.reading or {}), "assume": DRAWN})
+
+
+def play_of(assembly: Assembly) -> Array:
+    """Play of each part [length unit], shape (N,)."""
+    size = assembly.geometry.size
+    if is_simulated(assembly):
+        return np.asarray(SUNK_SHARE * size)
+    unit = metres_per_unit(assembly.units)
+    return np.asarray(np.clip(PLAY_SHARE * size, LEAST_PLAY / unit, MOST_PLAY / unit))
+
+
+def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
+    """Whether any part may move within its play: an overlap, a clearance or a narrow gap is open.
+
+    A free part or group that touches nothing is near enough to another part, too.
+    """
+    play = play_of(assembly)
+    if contacts.open_pairs or contacts.overlaps:
+        return True
+    if any(abs(pair.gap) <= play[list(pair.ends)].max() for pair in contacts.near):
+        return True
+    index = assembly.index
+    return any(lone.gap <= play[index[lone.part]] for lone in contacts.of(assembly).nearest)
+
+
+def _within_play(asked: Question, plain: Assumed) -> Assumed:
+    """The assembly with the parts at rest that move within their play."""
+    base, contacts = plain.assembly, plain.contacts
+    bodies = rigid_bodies(base, ())
+    play = _largest(bodies, play_of(base), len(bodies.mass))
+    rest = without_rounding(
+        come_to_rest(bodies, contacts, reach=None, tell=asked.tell, limit=LONGEST_CHAIN * play)
+    )
+    inner = asked.but(assembly=base, contacts=contacts, require="equilibrium", effort=0.0)
+    settled = rest.bodies.assembly()
+    verified = verify_rest(rest, settled, inner)
+    if isinstance(verified, RestingParts):
+        near = _near_rest(rest, verified, play)
+        complete = len(verified.assembly) == len(base) and is_verified(rest, verified)
+        if complete and near[bodies.free & bodies.moves].all():
+            return _posed(asked, plain, settled, verified)
+    else:
+        near = ~bodies.free
+    aside = opened(bodies, contacts, tell=asked.tell)
+    return _posed(asked, plain, rest.bodies.where(near, aside).assembly(), None)
+
+
+def _posed(
+    asked: Question, plain: Assumed, assembly: Assembly, closed: RestingParts | None
+) -> Assumed:
+    """The assumed assembly in new poses, with its contacts."""
+    base = plain.assembly
+    poses = {
+        part.name: {
+            "position": part.pose.position.tolist(),
+            "rotation": part.pose.rotation.tolist(),
+        }
+        for part, drawn in zip(assembly.parts, base.parts, strict=True)
+        if part.pose != drawn.pose
+    }
+    if not poses and closed is None:
+        return plain
+    assembly = with_entries(assembly, poses=poses)
+    contacts = detect.touching(asked.but(assembly=assembly, contacts=None))
+    far = np.linalg.norm(assembly.geometry.center - base.geometry.center, axis=1)
+    return replace(
+        plain, assembly=assembly, contacts=contacts, closed=closed, moved=float(far.max())
+    )
+
+
+def _near_rest(rest: RestResult, verified: RestingParts, play: Array) -> Mask:
+    """Bodies at rest whose way is within the play of their largest part, shape (B,).
+
+    A body above k contacts may move k times as far.
+    """
+    bodies = rest.bodies
+    rests = np.ones(len(bodies.mass), dtype=bool)
+    names = verified.assembly.index
+    rests[bodies.of_part[[name not in names for name in bodies.drawn.names]]] = False
+    shift = np.linalg.norm(bodies.center - bodies.drawn_center, axis=1)
+    turn = np.linalg.norm(bodies.rotation - np.eye(3), axis=(1, 2))
+    way = shift + turn * bodies.size / 2
+    mask: Mask = ~bodies.free | (rests & (way <= play * _chain(bodies, verified)))
+    return mask
+
+
+def _largest(bodies: RigidBodies, values: Array, count: int) -> Array:
+    """The largest value among the parts of each body, shape (B,)."""
+    most = np.zeros(count)
+    np.maximum.at(most, bodies.of_part, values)
+    return most
+
+
+def _chain(bodies: RigidBodies, verified: RestingParts) -> Array:
+    """Number of contacts of each body down to a held part, shape (B,); 0 without a chain."""
+    names = verified.assembly.names
+    index = np.array([bodies.body_of(name) for name in names])
+    links = {frozenset(pair) for pair in index[verified.closed.contacts.patch_parts].tolist()}
+    links |= {frozenset(map(bodies.body_of, joint.parts)) for joint in verified.assembly.joints}
+    depth = np.zeros(len(bodies.mass))
+    front, known = {0}, {0}
+    for k in range(1, len(depth)):
+        front = {other for link in links if link & front for other in link} - known
+        known |= front
+        depth[list(front)] = k
+    return depth

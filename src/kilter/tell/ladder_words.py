@@ -1,0 +1,153 @@
+"""The ladder of assumptions in words: the sentence, its rows, and the next command."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from kilter.errors import some
+from kilter.tell.numbers import count, number, plain
+from kilter.tell.words import VERDICTS
+
+Row = Mapping[str, Any]
+Fact = tuple[str, str]
+IF = {
+    "drawn": "as drawn",
+    "play": "after its parts move within their play",
+    "fits": "if the pairs that look fastened are joined",
+    "joined": "if its touching parts are joined",
+}
+"""Condition of each rung."""
+STANDS = ("stable", "settles")
+"""Verdicts of which a sentence says that the assembly stands."""
+NAMED = 3
+"""Number of falling parts that a sentence names."""
+
+
+def condition(row: Row) -> str:
+    """Return the condition of a row.
+
+    Examples
+    --------
+    >>> condition({"assume": "joined", "friction": None})
+    'if its touching parts are joined'
+    >>> condition({"assume": "drawn", "friction": 0.3})
+    'with friction 0.3'
+    """
+    words = IF[row["assume"]]
+    if row["friction"] is None:
+        return words
+    rubs = f"with friction {number(row['friction'])}"
+    return rubs if row["assume"] == "drawn" else f"{rubs}, {words}"
+
+
+def holding_row(ladder: Sequence[Row]) -> Row | None:
+    """Return the lowest row on which the assembly stands; else the lowest with equilibrium."""
+    held = [row for row in ladder if row["verdict"] in STANDS]
+    held = held or [row for row in ladder if row["level"] is not None]
+    return held[0] if held else None
+
+
+def rung_sentence(
+    sentence: str, *, assume: str, moved: float, joined: int, units: str, holds: bool
+) -> str:
+    """Return the sentence of a verdict with the assumptions of its rung.
+
+    Arguments: `moved`: longest way of a part [length unit]; `joined`: number of joints that the
+    rung added; `holds`: whether the verdict has a level.
+
+    Examples
+    --------
+    >>> rung_sentence("Stable: it cannot start to move.", assume="joined", moved=0.0, joined=3,
+    ...               units="mm", holds=True)
+    'Only if its touching parts are joined (3 joints): Stable: it cannot start to move.'
+    """
+    only = "Only if" if holds else "Even if"
+    if assume == "joined" and joined:
+        begin = f"{only} its touching parts are joined ({count(joined, 'joint')})"
+    elif assume == "fits" and joined:
+        begin = f"{only} the pairs that look fastened are joined ({count(joined, 'joint')})"
+    else:
+        begin = ""
+    if moved:
+        far = f"{number(moved, 3)} {units}"
+        begin += f", after moving at most {far}" if begin else f"After moving at most {far}"
+    return f"{begin}: {sentence}" if begin else sentence
+
+
+def ladder_sentence(ladder: Sequence[Row], verdict: str, *, assume: str) -> str | None:
+    """Return the sentence of an answer with a ladder; None if its own sentence says enough.
+
+    It states the lowest rung that holds and the parts that fall as drawn, or else the parts that
+    fall on every rung.
+
+    Examples
+    --------
+    >>> row = {"friction": None, "verdict": "unstable", "level": None, "decided": True}
+    >>> rows = [{**row, "assume": "drawn", "falls": 1, "names": ["lid"]},
+    ...         {**row, "assume": "joined", "verdict": "stable", "level": "proved", "falls": 0}]
+    >>> ladder_sentence(rows, "unstable", assume="drawn")
+    'Unstable as drawn; it stands if its touching parts are joined. As drawn 1 part falls: lid.'
+    """
+    if not ladder or assume != "drawn":
+        return None
+    begin = f"{VERDICTS[verdict]} as drawn"
+    falls = fall_words(ladder[0])
+    best = holding_row(ladder)
+    if best is None:
+        top = next((row for row in reversed(ladder) if row["decided"] and row["falls"]), None)
+        rung = f"{fall_words(top)} {condition(top)}, too" if top is not None else ""
+        return f"{begin}: {falls}{'; ' if rung else ''}{rung}."
+    stands = "it stands" if best["verdict"] in STANDS else "forces that hold it exist"
+    as_drawn = f" As drawn {falls}." if ladder[0]["falls"] else ""
+    return f"{begin}; {stands} {condition(best)}.{as_drawn}"
+
+
+def fall_words(row: Row) -> str:
+    """Return how many parts fall on a row, with the names of the largest."""
+    many = row["falls"]
+    if not many:
+        return "which parts fall is not known"
+    names = [plain(name) for name in row["names"]]
+    verb = "part falls" if many == 1 else "parts fall"
+    return f"{many} {verb}: {some(names, NAMED, many)}"
+
+
+def ladder_facts(answer: Mapping[str, Any]) -> list[Fact]:
+    """Return a line for each rung: its condition, the verdict, and the parts that fall.
+
+    Examples
+    --------
+    >>> row = {"assume": "fits", "friction": None, "verdict": "unstable", "level": None,
+    ...        "decided": True, "falls": 1, "names": ["lid"]}
+    >>> ladder_facts({"ladder": [row]})
+    [('fits', 'unstable: 1 part falls: lid')]
+    """
+    facts = []
+    for row in answer.get("ladder", ()):
+        name = row["assume"] if row["friction"] is None else f"mu {number(row['friction'])}"
+        if not row["decided"]:
+            words = f"not decided: --assume {row['assume']}"
+        elif row["level"] is not None:
+            words = VERDICTS[row["verdict"]].lower()
+        else:
+            words = f"{row['verdict']}: {fall_words(row)}"
+        facts.append((name, words))
+    return facts
+
+
+def ladder_step(ladder: Sequence[Row]) -> tuple[tuple[str, ...], str] | None:
+    """Return the options of the lowest rung that holds, and their meaning; None without one.
+
+    Examples
+    --------
+    >>> row = {"assume": "joined", "friction": None, "verdict": "stable", "level": "proved"}
+    >>> ladder_step([row])
+    (('--assume', 'joined'), 'if its touching parts are joined')
+    """
+    best = holding_row(ladder)
+    if best is None:
+        return None
+    words = () if best["assume"] == "drawn" else ("--assume", best["assume"])
+    rubs = () if best["friction"] is None else ("--friction", number(best["friction"]))
+    return (*words, *rubs), condition(best)
