@@ -29,7 +29,9 @@ from kilter.assembly import Assembly, Joint
 from kilter.assembly.assumption import DRAWN, JOINED, PLAY
 from kilter.assembly.question import Question
 from kilter.contact import ContactSet, detect
+from kilter.contact.fits.fastening import with_decided_pairs
 from kilter.contact.fits.suggestions import suggest_joints
+from kilter.contact.open_pairs import still_open
 from kilter.units import metres_per_unit
 
 FASTENED = ("thread", "press fit", "insert")
@@ -134,8 +136,9 @@ def with_entries(assembly: Assembly, **entries: Any) -> Assembly:
     """The assembly whose saved options of reading have more joints or poses, for its proof."""
     options = dict(assembly.reading or {})
     known = dict(options.get("entries", {}))
-    if entries.get("joints"):
-        known["joints"] = [*known.get("joints", ()), *entries["joints"]]
+    for key in ("joints", "open_pairs"):
+        if entries.get(key):
+            known[key] = [*known.get(key, ()), *entries[key]]
     if entries.get("poses"):
         known["poses"] = {**known.get("poses", {}), **entries["poses"]}
     return replace(assembly, reading={**options, "entries": known} if known else options)
@@ -207,14 +210,37 @@ def _posed(
         for part, drawn in zip(assembly.parts, base.parts, strict=True)
         if part.pose != drawn.pose
     }
-    if not poses and closed is None:
-        return plain
-    assembly = with_entries(assembly, poses=poses)
-    contacts = detect.touching(asked.but(assembly=assembly, contacts=None))
+    contacts = plain.contacts
+    if poses:
+        assembly = with_entries(assembly, poses=poses)
+        contacts = detect.touching(asked.but(assembly=assembly, contacts=None))
+    if closed is None:
+        assembly, contacts = _without_play(assembly, contacts)
     far = np.linalg.norm(assembly.geometry.center - base.geometry.center, axis=1)
     return replace(
         plain, assembly=assembly, contacts=contacts, closed=closed, moved=float(far.max())
     )
+
+
+def _without_play(assembly: Assembly, contacts: ContactSet) -> tuple[Assembly, ContactSet]:
+    """The assembly whose parts do not touch across gaps and clearances, and its contacts.
+
+    A part that does not rest within its play moves until it touches; here it does not touch.
+    """
+    touching = {frozenset(pair) for pair in contacts.patch_parts.tolist()}
+    apart = {
+        frozenset(pair.ends)
+        for pair in still_open(contacts.open_pairs, assembly)
+        if pair.kind in ("near", "clearance")
+    } - touching
+    if not apart:
+        return assembly, contacts
+    names = assembly.names
+    pairs_by_name = sorted(sorted(names[k] for k in pair) for pair in apart)
+    decided = [{"parts": pair, "as": "apart"} for pair in pairs_by_name]
+    assembly = with_entries(with_decided_pairs(assembly, decided), open_pairs=decided)
+    pairs = [pair for pair in contacts.open_pairs if frozenset(pair.ends) not in apart]
+    return assembly, replace(contacts, assembly=assembly, open_pairs=tuple(pairs))
 
 
 def _ways(rest: RestResult, near: Mask) -> dict[str, tuple[WayStep, ...]]:

@@ -22,6 +22,8 @@ def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
         verdict = check(asked, measures=measures)
         return replace(verdict, drawn=asked.assembly, drawn_contacts=verdict.contact_set)
     found = assume(asked, rung)
+    marked = found.marked
+    found = replace(found, assembly=marked, contacts=found.contacts.of(marked))
     verdict = _judged(asked, found, measures)
     return replace(
         verdict,
