@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+from kilter.analysis.assumptions.assume import at_poses
 from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold, wrong_lashing
@@ -41,7 +42,7 @@ from kilter.contact.fits.fastening import fasten_as_read, with_decided_pairs
 from kilter.errors import InputError
 from kilter.files.file_content import read_json
 from kilter.files.own.choices import digest, find_choices
-from kilter.files.own.saved_entries import valid_entries, with_bodies, with_interactions
+from kilter.files.own.saved_entries import valid_entries, with_interactions
 from kilter.files.reading import Reading
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
@@ -229,7 +230,7 @@ def _as_assumed(assembly: Assembly, options: Mapping[str, Any]) -> Assembly:
     if options.get("assume") != DRAWN:
         return assembly
     entries = valid_entries(options.get("entries", {}))
-    moved = with_bodies(assembly, {key: entries[key] for key in ("poses",) if key in entries})
+    moved = at_poses(assembly, entries.get("poses", {}))
     joined = {frozenset(joint.parts) for joint in moved.joints}
     new = [entry for entry in entries.get("joints", ()) if frozenset(entry["parts"]) not in joined]
     return with_decided_pairs(

@@ -32,6 +32,7 @@ from kilter.contact import ContactSet, detect
 from kilter.contact.fits.fastening import with_decided_pairs
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.open_pairs import still_open
+from kilter.files.own.saved_entries import with_bodies
 from kilter.units import metres_per_unit
 
 FASTENED = ("thread", "press fit", "insert")
@@ -212,17 +213,19 @@ def _posed(
     }
     contacts = plain.contacts
     if poses:
-        assembly = with_entries(assembly, poses=poses)
+        assembly = with_entries(at_poses(base, poses), poses=poses)
         contacts = detect.touching(asked.but(assembly=assembly, contacts=None))
     if closed is None:
-        assembly, contacts = _without_play(assembly, contacts)
+        assembly, contacts = _without_play(asked, assembly, contacts)
     far = np.linalg.norm(assembly.geometry.center - base.geometry.center, axis=1)
     return replace(
         plain, assembly=assembly, contacts=contacts, closed=closed, moved=float(far.max())
     )
 
 
-def _without_play(assembly: Assembly, contacts: ContactSet) -> tuple[Assembly, ContactSet]:
+def _without_play(
+    asked: Question, assembly: Assembly, contacts: ContactSet
+) -> tuple[Assembly, ContactSet]:
     """The assembly whose parts do not touch across gaps and clearances, and its contacts.
 
     A part that does not rest within its play moves until it touches; here it does not touch.
@@ -239,8 +242,22 @@ def _without_play(assembly: Assembly, contacts: ContactSet) -> tuple[Assembly, C
     pairs_by_name = sorted(sorted(names[k] for k in pair) for pair in apart)
     decided = [{"parts": pair, "as": "apart"} for pair in pairs_by_name]
     assembly = with_entries(with_decided_pairs(assembly, decided), open_pairs=decided)
-    pairs = [pair for pair in contacts.open_pairs if frozenset(pair.ends) not in apart]
-    return assembly, replace(contacts, assembly=assembly, open_pairs=tuple(pairs))
+    return assembly, detect.touching(asked.but(assembly=assembly, contacts=None))
+
+
+def at_poses(assembly: Assembly, poses: Mapping[str, Any]) -> Assembly:
+    """The assembly with the poses of a proof; joints and points of loads and bonds follow."""
+    if not poses:
+        return assembly
+    parts = with_bodies(assembly, {"poses": dict(poses)}).parts
+    bodies = rigid_bodies(assembly, ())
+    rotation, center = bodies.rotation.copy(), bodies.center.copy()
+    for old, new, body in zip(assembly.parts, parts, bodies.of_part.tolist(), strict=True):
+        turn = new.pose.matrix @ old.pose.matrix.T
+        rotation[body] = turn
+        center[body] = new.pose.position + turn @ (bodies.drawn_center[body] - old.pose.position)
+    moved = replace(bodies, rotation=rotation, center=center).assembly()
+    return replace(moved, parts=parts)
 
 
 def _ways(rest: RestResult, near: Mask) -> dict[str, tuple[WayStep, ...]]:

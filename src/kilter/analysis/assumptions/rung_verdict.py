@@ -42,7 +42,7 @@ def _judged(asked: Question, found: Assumed, measures: bool) -> Verdict:
     if found.closed is None or holds(verdict.level, asked.require):
         return verdict
     closed = found.closed.closed
-    listed = replace(closed.assembly, reading=found.assembly.reading)
+    listed = replace(found.assembly, contacts=closed.assembly.contacts, detect=False)
     other = check(asked.but(assembly=listed, contacts=closed.contacts.of(listed)),
                   measures=measures)  # fmt: skip
     if level_rank(other.level) <= level_rank(verdict.level):
