@@ -93,6 +93,7 @@ __all__ = sorted(_HOMES)
 _HOOKS = {
     "assumed": "kilter.analysis.assumptions.assume",
     "ladder": "kilter.analysis.assumptions.ladder",
+    "better_up": "kilter.analysis.assumptions.upward",
     "bodies_of": "kilter.analysis.assumptions.joined_bodies",
     "cell": "kilter.notebook",
     "copies": "kilter.contact.fits.copies",
