@@ -33,7 +33,6 @@ from kilter.analysis.decision.motion import (
     without_opening,
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
-from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -51,6 +50,7 @@ from kilter.analysis.verdict.verdict_answer import (
 from kilter.arrays import Array, Mask, sealed
 from kilter.assembly import Assembly, ListedBond, ListedJoint
 from kilter.assembly.assumption import DRAWN, JOINED, Body, LadderRow, RungWord
+from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet
 from kilter.contact.common.distances import LonePart
 from kilter.contact.common.patches import UnsupportedContact
