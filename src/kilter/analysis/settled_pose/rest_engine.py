@@ -540,7 +540,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
     size = np.full(len(island) + 1, np.inf)
-    np.minimum.at(size, island, state.bodies.size)
+    np.minimum.at(size, island, np.minimum(state.bodies.size, state.limit / (2.1 * FIRST)))
     stood = np.maximum(state.quiet, stride)
     state.quiet = np.where(moving, 0.0, np.where(quiet[island] & (island >= 0), stood, state.quiet))
     long = np.ones(len(island) + 1, dtype=bool)
