@@ -538,6 +538,7 @@ def _groups(normals: Array) -> Index:
     while (group < 0).any():
         first = int(np.flatnonzero(group < 0)[0])
         group[(group < 0) & (normals @ normals[first] > np.cos(SAME_WAY))] = number
+        group[first] = number
         number += 1
     return group
 
