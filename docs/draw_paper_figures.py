@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,6 +60,18 @@ def example(planar: bool = False) -> Program:
     """Program of Figure 8 of the paper, in the plane or in space."""
     assembly = paper.figure_8(planar=planar)
     return build_program(assembly, kilter.contacts(assembly))
+
+
+def example_sets(planar: bool = False) -> StabilityMap:
+    """Sets of the example, with vertices sorted by x, y and z.
+
+    The search finds the vertices in an order that depends on rounding, and so on the machine.
+    """
+    sets = stability_map(example(planar))
+    order = np.lexsort(np.round(sets.vertices / SAME_Z).T[::-1])
+    rank = np.argsort(order)
+    facets = tuple(rank[corners] for corners in sets.facets)
+    return replace(sets, vertices=sets.vertices[order], facets=facets)
 
 
 # Figure 5 -------------------------------------------------------------------------------
@@ -112,7 +125,7 @@ def stable_corners(sets: StabilityMap) -> Array:
 
 def figure_5() -> tuple[Figure, str]:
     """The sets of directions of gravity with the same optimal displacement, and their number."""
-    sets = stability_map(example())
+    sets = example_sets()
     figure = new_figure(8.0, 4.6)
     for k, (name, side) in enumerate(VIEWS.items()):
         axes = figure.add_axes((0.02 + 0.49 * k, 0.02, 0.47, 0.88))
@@ -142,13 +155,15 @@ def middle_turn(sets: StabilityMap, vertex: int) -> Array:
 
 
 def optimal_when_upright(sets: StabilityMap) -> int:
-    """Vertex with the least z for gravity along -z; of several, the first."""
-    return int(sets.vertices[:, 2].argmin())
+    """Vertex with the least z for gravity along -z; of several, the one with the greatest x."""
+    height = sets.vertices[:, 2]
+    lowest = np.flatnonzero(height <= height.min() + SAME_Z)
+    return int(lowest[sets.vertices[lowest, 0].argmax()])
 
 
 def figure_6() -> tuple[Figure, str]:
     """The reachable set in the plane, lines of constant z, and the limits of a vertex."""
-    sets = stability_map(example(planar=True))
+    sets = example_sets(planar=True)
     best = optimal_when_upright(sets)
     gravity = middle_turn(sets, best)
     least = float(sets.z(gravity[None])[0])
@@ -214,7 +229,7 @@ def distinct(facet: WalkFacet) -> Array:
 
 def figure_7() -> tuple[Figure, str]:
     """The walk over the sets of a facet of the diamond, drawn in the plane of the facet."""
-    sets, facet = stability_map(example()), longest_walk()
+    sets, facet = example_sets(), longest_walk()
     corners = np.diag(facet.signs)
     flat = np.array([[0.0, 0.0], [0.5, np.sqrt(0.75)], [1.0, 0.0]])
     figure = new_figure(7.0, 5.8)

@@ -159,6 +159,7 @@ def check(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Verdict:
     """Decide whether an assembly stays together under gravity, and prove the answer.
 
@@ -193,6 +194,11 @@ def check(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -602,6 +608,7 @@ def hold(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Fixture:
     """Find the fewest supports with which an assembly holds, and prove that fewer are not enough.
 
@@ -645,6 +652,11 @@ def hold(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -677,6 +689,7 @@ def improve(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Improvement:
     """Find the brick whose addition or removal lowers the required strength of studs most.
 
@@ -700,6 +713,11 @@ def improve(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -786,6 +804,7 @@ def load(
     friction: float | None = None,
     units: str | None = None,
     density: float | None = None,
+    keep_copies: bool = False,
     up: str | None = None,
     contacts: str | None = None,
     keyframe: str | None = None,
@@ -817,7 +836,7 @@ def load(
         shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
         model of MuJoCo or (model, data); a list of these, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
-        Length unit of a format that states none; default metres.
+        Length unit of a format that states none; default mm for STL, else m.
     density : float, optional
         Density of parts without density and mass [kg/m^3]; of all parts of STEP files.
     ground, without : str or iterable of str
@@ -853,6 +872,9 @@ def load(
         mu (f_n + pull); default "unlimited".
     brick_sides : {"lower-edge", "face", "none"}, optional
         Bricks: the points at which neighbours side by side push each other; default "lower-edge".
+    keep_copies : bool
+        CAD and meshes: keep the bodies that are in the file twice; by default a copy, or a step of
+        a feature beside its result, is left out, with a note.
     off : str or iterable of str
         Choices: options whose saved values are ignored, as in ``off=["floor", "loose"]``.
     release : str or iterable of str
@@ -888,6 +910,7 @@ def margin(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Margin:
     """Compute the margins of an assembly: tilt, least friction, load factor and pushes.
 
@@ -933,6 +956,11 @@ def margin(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -965,6 +993,7 @@ def orient(
     tolerance: Tolerance | None = None,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Orientation:
     """Find the stable direction of gravity with the widest margin, or the nearest to stable.
 
@@ -994,6 +1023,11 @@ def orient(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1035,6 +1069,7 @@ def place(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Places:
     """Find where the next part stands on an assembly, or decide whether it stands at a place.
 
@@ -1080,6 +1115,11 @@ def place(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -1125,6 +1165,7 @@ def plan(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Order:
     """Find an order in which an assembly can be put together, with a proof of each step.
 
@@ -1159,6 +1200,11 @@ def plan(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1193,6 +1239,7 @@ def region(
     tolerance: Tolerance | None = None,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Region:
     """Find every direction of gravity for which an assembly stays together.
 
@@ -1222,6 +1269,11 @@ def region(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1339,6 +1391,7 @@ def scene(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> SceneReport:
     """Decide for each object of a scene whether it is at rest, floats, overlaps or falls.
 
@@ -1374,6 +1427,11 @@ def scene(
         assembly.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -1418,6 +1476,7 @@ def settle(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Settled:
     """Bring the parts of an assembly to rest: a pose that it can reach without gaining energy.
 
@@ -1459,6 +1518,11 @@ def settle(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Returns
     -------
@@ -1572,6 +1636,7 @@ def states(
     tolerance: Tolerance | None = None,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> States:
     """Prepare verdicts on all states of an assembly that is being built.
 
@@ -1598,6 +1663,11 @@ def states(
         assembly.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------
@@ -1644,6 +1714,7 @@ def transport(
     effort: float = 1.0,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
+    assume: str | None = None,
 ) -> Transport:
     """Compute the accelerations of a carrier under which an assembly stays in place.
 
@@ -1696,6 +1767,11 @@ def transport(
         differ from run to run.
     progress : callable, optional
         Function that is called with the name of each stage.
+    assume : {"drawn", "play", "fits", "joined"}, optional
+        Rung of the ladder of assumptions about an inexact file: the drawn pose; parts move
+        within their play until they rest; pairs that look fastened are joined, too; parts
+        that touch are joined, too. The default is that of the saved choices, else play for
+        files of simulators, else drawn.
 
     Raises
     ------

@@ -237,6 +237,20 @@ def nearest(among: Array, points: Array, count: int = 1) -> tuple[Array, Index]:
     return distance, row
 
 
+def members_by_label(label: Index) -> list[Index]:
+    """Indices of the members of each label from 0 on, in the order of the first members.
+
+    Examples
+    --------
+    >>> members_by_label(np.array([2, -1, 0, 2]))
+    [array([0, 3]), array([2])]
+    """
+    member = np.flatnonzero(label >= 0)
+    member = member[np.argsort(label[member], kind="stable")]
+    ends = np.flatnonzero(np.diff(label[member])) + 1
+    return sorted(np.split(member, ends), key=lambda group: int(group[0])) if len(member) else []
+
+
 def connected(count: int, first: Index, second: Index) -> Index:
     """Label the connected components of a graph of `count` nodes with edges (first, second).
 

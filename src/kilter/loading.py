@@ -17,10 +17,11 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly
+from kilter.assembly.question import LOWEST
 from kilter.contact import Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
-from kilter.files.own.choices import LOWEST, Choices, find_choices
+from kilter.files.own.choices import Choices, find_choices
 from kilter.files.own.choices_writing import choices_about, require_place, write_choices
 from kilter.files.reading import Reading, chosen
 from kilter.files.reading_options import ReadingOptions
@@ -94,7 +95,7 @@ def load(source: Any, reading: Reading) -> Assembly:
         shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
         model of MuJoCo or (model, data); a list of these, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
-        Length unit of a format that states none; default metres.
+        Length unit of a format that states none; default mm for STL, else m.
     density : float, optional
         Density of parts without density and mass [kg/m^3]; of all parts of STEP files.
     ground, without : str or iterable of str
@@ -130,6 +131,9 @@ def load(source: Any, reading: Reading) -> Assembly:
         mu (f_n + pull); default "unlimited".
     brick_sides : {"lower-edge", "face", "none"}, optional
         Bricks: the points at which neighbours side by side push each other; default "lower-edge".
+    keep_copies : bool
+        CAD and meshes: keep the bodies that are in the file twice; by default a copy, or a step of
+        a feature beside its result, is left out, with a note.
     off : str or iterable of str
         Choices: options whose saved values are ignored, as in ``off=["floor", "loose"]``.
     release : str or iterable of str

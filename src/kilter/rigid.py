@@ -20,6 +20,15 @@ from kilter.validate import finite, frozen, in_range
 from kilter.values.guesses import guarded
 from kilter.values.value import Value
 
+UP: dict[str, tuple[float, float, float]] = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "-z": (0.0, 0.0, -1.0),
+}
+"""Unit vector of each value of the option `up`."""
 SAMPLE = 2000
 """Approximate number of normals that are sampled for the common frame."""
 ALL_PAIRS = 300

@@ -276,10 +276,10 @@ def test_names_must_differ_and_parts_exist():
         Assembly([])
 
 
-def test_nothing_held_is_refused_and_the_lowest_part_named():
+def test_nothing_held_is_refused_and_the_largest_part_named():
     with pytest.raises(InputError, match="nothing is held") as error:
-        judged(Assembly([block("b", [0, 0, 1], [1, 1, 2]), block("low", [0, 0, 0], [1, 1, 1])]))
-    assert "with_grounded('low'), or put a table under them" in str(error.value)
+        judged(Assembly([block("bolt", [0, 0, 0], [1, 1, 1]), block("b", [0, 0, 1], [1, 1, 3])]))
+    assert "with_grounded('b'), or put a table under them" in str(error.value)
 
 
 def test_joint_without_its_point_is_refused_in_words():

@@ -174,7 +174,8 @@ def test_w1_floating_block_falls_at_one_g_wherever_it_is_listed(index):
     part = 1 + index % 5
     assert verdict.moving == [f"cube-{index % 5}"]
     assert np.allclose(verdict.motion.acceleration[part], [0, 0, -G, 0, 0, 0], atol=1e-12)
-    assert verdict.words(part) == "falls freely at 1 g"
+    assert verdict.words(part) == "falls 1 m onto floor"
+    assert (verdict[part].below, verdict[part].fall) == ("floor", 1.0)
     assert verdict.motion.instability == pytest.approx(np.sqrt(1 / 5))
     assert any("touches nothing" in text for text in verdict.warnings)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from workbench_page import WorkbenchPage, loaded
+from workbench_page import DESK, FLOATS, WorkbenchPage, desk_page, loaded
 
 from kilter import Assembly, Bond, Box, Joint, Part, Pose
 from kilter.cli import main
@@ -106,13 +106,6 @@ def test_suggestions_are_joined_one_by_one_and_all_together(user, capsys, monkey
     page.command_agrees(capsys, monkeypatch)
     page.click("#joined button:has-text('Remove')")
     assert "fasten_suggested" not in page.choices()
-
-
-def test_a_remedy_is_done(user, capsys, monkeypatch):
-    page = user("paper-figure-1")
-    page.click("#remedies button:has-text('Do it')")
-    assert page.choices()["friction"] == 0.3
-    assert page.command_agrees(capsys, monkeypatch)["level"] is not None
 
 
 def test_the_parts_are_settled(user, capsys, monkeypatch):
@@ -325,6 +318,8 @@ MEASURE = "test_two_clicks_measure_and_the_result_is_copied"
 FRICTION = "test_the_friction_slider_changes_the_verdict_of_the_arch_at_its_limit"
 FLOOR = "test_floor_axis_and_gravity"
 VIEWS = "test_the_view_cube_and_keys_show_standard_views"
+LADDER = "test_a_rung_is_chosen_by_click_by_row_and_by_key_as_one_change"
+BLINK = "test_bodies_have_colours_and_loose_bodies_blink_once_and_are_selected"
 TABS = "test_analyses_are_tabs_with_their_command"
 PLACE = "test_places_are_mapped_by_the_button"
 CONTROLS = {
@@ -386,9 +381,12 @@ CONTROLS = {
     "joint-axis": PAIR,
     "joined Remove": "test_every_entry_of_the_lists_is_removed",
     # to decide
+    **dict.fromkeys(("rung-drawn", "rung-play", "rung-fits", "rung-joined"), LADDER),
+    "ladder *": LADDER,
+    "loose-bodies *": BLINK,
+    "bodies *": BLINK,
     "settle Settle": "test_the_parts_are_settled",
     "settle Stop": "test_settling_is_stopped_or_refused_beside_its_button",
-    "remedies Do it": "test_a_remedy_is_done",
     "suggestions *": SUGGESTED,
     "suggestions Join": SUGGESTED,
     "suggestions Join all of them": SUGGESTED,
@@ -471,7 +469,7 @@ CONTROLS = {
 label, `*` for labels that are names. "enter": a key in its field does the same, as the other tests
 of the form show.
 """
-LISTS = ("listed", "examples", "tree", "answer-section")
+LISTS = ("listed", "examples", "tree", "answer-section", "ladder", "loose-bodies", "bodies")
 LIST_CONTROLS = """(lists) => {
   const labelled = (e) => (e.getAttribute("aria-label") || e.textContent || e.title).trim();
   const key = (e) => {
@@ -521,7 +519,7 @@ def test_the_test_of_a_control_uses_it(control):
     assert re.search(rf"\b{re.escape(word)}(?![-\w])", text) or by_tab in text, word
 
 
-def test_every_control_of_the_page_has_a_test(user):
+def test_every_control_of_the_page_has_a_test(user, folder):
     """In many states of the page, so that controls that are made on demand appear."""
     page = user(None)
     found = set(page.js(LIST_CONTROLS, LISTS))
@@ -549,6 +547,8 @@ def test_every_control_of_the_page_has_a_test(user):
                 page.page.click(f"#tab-{name}")
             page.until(f"window.bench.tabs.results.has('{name}')", 60)
             look()
+    page = desk_page(user, folder, DESK | FLOATS)
+    look()
     page = user("paper-figure-8")
     for name in ("hold", "orient"):
         tab(page, name)

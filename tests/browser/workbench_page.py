@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import trimesh
 from opened_page import Opened
 
 from kilter import Assembly, Box, Part, Pose
@@ -121,3 +122,37 @@ def loaded() -> Assembly:
     high = Part("high", Box([1, 1, 1]), Pose([0.2, 0, 1.5]))
     side = Part("side", Box([1, 1, 1]), Pose([2, 0, 0.5]))
     return Assembly([base, low, high, side], friction=0.5)
+
+
+GAP = 0.035
+"""Distance of each loose part from the board [mm]."""
+DESK = {
+    "board": ([120, 80, 4], [0, 0, 62]),
+    "leg-1": ([10, 10, 60], [-50, 0, 30]),
+    "leg-2": ([10, 10, 60], [50, 0, 30]),
+    "bracket": ([20, 4, 20], [0, 42, 62]),
+    "stand": ([30, 30, 80], [120, 0, 40]),
+    "led-1": ([6, 6, 4], [-20, 0, 66 + GAP]),
+    "led-2": ([6, 6, 4], [20, 0, 66 + GAP]),
+}
+"""Size and centre of each part [mm]: a board on two legs, a bracket that is glued to its side, a
+stand beside it, and two parts that hang above the board."""
+FLOATS = {"lost": ([6, 6, 4], [0, 0, 90])}
+"""A part that hangs far above the board."""
+
+
+def desk_page(user: Any, folder: Path, parts: dict[str, Any], **options: Any) -> WorkbenchPage:
+    """The page of a desk, as a mesh file in mm with choices that add a floor."""
+    page: WorkbenchPage = user(None, **options)
+    lines, first = [], 1
+    for name, (size, center) in parts.items():
+        box = trimesh.creation.box(size)
+        lines.append(f"o {name}")
+        lines += ["v {:.6f} {:.6f} {:.6f}".format(*point) for point in box.vertices + center]
+        lines += ["f {} {} {}".format(*face) for face in box.faces + first]
+        first += len(box.vertices)
+    (folder / "desk.obj").write_text("\n".join(lines) + "\n")
+    choices = {"kilter": 1, "file": "desk.obj", "units": "mm", "floor": True}
+    (folder / "desk.kilter.json").write_text(json.dumps(choices))
+    page.act({"do": "open", "file": "desk.kilter.json"})
+    return page

@@ -16,7 +16,7 @@ from kilter.contact.convex_pieces import convex_pieces
 from kilter.contact.convex_points import PiecePoints, near_points
 from kilter.files.robots.one_body import capsule, one_body
 from kilter.rigid import Pose
-from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
+from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, hull_surface, surface
 
 CUBE = Box([1, 1, 1])
 LYING = Rotation.from_euler("x", 90, degrees=True)
@@ -446,6 +446,22 @@ def test_block_in_the_corner_of_a_tray() -> None:
     up = found.normal[:, 2] > 0.5
     assert up.sum() == 4
     np.testing.assert_allclose(found.normal[~up], np.tile([-1.0, 0, 0], (4, 1)), atol=1e-15)
+
+
+@pytest.mark.parametrize("gap", [-1e-4, 0.0, 1e-9])
+def test_an_edge_over_the_corner_of_two_walls_stays_apart_from_both(gap: float) -> None:
+    """The edge of a wedge leaves the corner over the rims of both walls, which cross there."""
+    walls = [(Box([0.02, 0.4, 0.1]), pose([-0.01, 0.18, -0.05])),
+             (Box([0.4, 0.02, 0.1]), pose([0.18, -0.01, -0.05]))]  # fmt: skip
+    tray = one_body(walls, "walls", [])[0]
+    edge = 0.02 * np.array([-1, -1, 2])
+    wedge = Mesh(*hull_surface(np.array([edge, -edge, [0.1, 0.03, 0.06], [0.03, 0.1, 0.06]])))
+    found = points((tray, pose([0, 0, 0])), (wedge, pose([gap, gap, 0])), reach=1e-3)
+    normals = np.array([[2, 0, 1], [0, 2, 1]]) / np.sqrt(5)
+    for towards in 1e-3 * np.array([[-1, 1, 0], [1, -1, 0]]):
+        assert (found.gap + found.normal @ towards).min() < -4e-4
+    away = 2 * abs(gap) * normals.sum(axis=0)
+    assert (found.gap + found.normal @ away).min() > -1e-12
 
 
 def test_far_pieces_in_other_directions_are_kept() -> None:

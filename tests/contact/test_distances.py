@@ -20,7 +20,6 @@ from kilter.contact.common.distances import TriangleTrees, near_triangles, surfa
 from kilter.contact.common.facets import find_facets
 from kilter.contact.common.patches import SAME_BODY
 from kilter.contact.contact_tolerances import SAME_PLACE
-from kilter.contact.fits.suggestions import parts_to_leave_out
 from kilter.contact.kept_contacts import KeptContacts
 from kilter.errors import InputError
 from kilter.scenes.pieces import block, tube
@@ -401,16 +400,6 @@ def test_a_copy_thinner_than_the_tolerance_is_no_overlap():
         SAME_BODY
     ]
     assert contacts(assembly, tolerance=Tolerance(gap=0.011)).overlaps == ()
-
-
-def test_a_copy_is_left_out_although_a_block_lies_in_its_variant():
-    """Both overlaps have the share 1; only the copy is certainly too many."""
-    block_in_variant = [block("block", [3, 3, 0], [4, 4, 1]), block("long", [3, 3, 0], [4, 5, 1])]
-    assembly = Assembly([BASE, *block_in_variant, *twice().parts[1:]])
-    found = contacts(assembly)
-    assert [overlap.why for overlap in found.overlaps] == ["overlap", SAME_BODY]
-    assert [overlap.share for overlap in found.overlaps] == pytest.approx([1.0, 1.0])
-    assert parts_to_leave_out(found) == ("copy",)
 
 
 @pytest.mark.slow

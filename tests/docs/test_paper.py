@@ -15,7 +15,7 @@ import pytest
 
 import kilter
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.turning.stability_map import StabilityMap, stability_map
+from kilter.analysis.turning.stability_map import StabilityMap
 from kilter.analysis.turning.virtual_work import VirtualWork
 from kilter.scenes import SCENES, paper
 from kilter.show.canvas import encode_figure
@@ -79,7 +79,7 @@ def drawing() -> Iterator[ModuleType]:
 
 @pytest.fixture(scope="module")
 def sets(drawing: ModuleType) -> StabilityMap:
-    return stability_map(drawing.example())
+    return drawing.example_sets()
 
 
 @pytest.mark.slow
@@ -121,12 +121,11 @@ def test_the_star_is_stable_and_a_degree_beside_it_is_not(drawing, sets):
 @pytest.mark.slow
 def test_a_vertex_is_optimal_exactly_between_its_limits(drawing):
     """Figure 6: the limits are the slope of the chamfer, 60 deg, and the vertical."""
-    program = drawing.example(planar=True)
-    flat = stability_map(program)
+    flat = drawing.example_sets(planar=True)
     best = drawing.optimal_when_upright(flat)
     low, high = drawing.turns(flat, best)
     assert (low, high) == pytest.approx((0, 60), abs=1e-9)
-    work = VirtualWork(program)
+    work = VirtualWork(drawing.example(planar=True))
 
     def is_optimal(degrees: float) -> bool:
         """Whether the displacement program gives the vertex for this direction of gravity."""

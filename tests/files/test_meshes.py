@@ -433,7 +433,7 @@ def test_a_file_without_rights(write, monkeypatch):
 
 
 def test_density_of_meshes(write):
-    assembly = load(write("a.stl", GOOD[".stl"]), density=7850)
+    assembly = load(write("a.stl", GOOD[".stl"]), density=7850, units="m")
     assert assembly.geometry.mass == pytest.approx([7850])
 
 

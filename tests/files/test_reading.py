@@ -17,8 +17,10 @@ import pytest
 import trimesh
 from pydantic import BaseModel, ValidationError
 
+from kilter.analysis.assumptions.upward import better_up
 from kilter.analysis.check import check
 from kilter.assembly import Assembly, GivenContact, Part
+from kilter.contact import contacts
 from kilter.errors import InputError, TimeLimitReached
 from kilter.files import dump, from_dict
 from kilter.files.meshes.placed import distinct
@@ -82,14 +84,13 @@ def toppled(turn: Any) -> list[tuple[Any, Any]]:
 
 
 @pytest.mark.parametrize(("turn", "up"), [([0, 1, 2], None), ([1, 2, 0], "y"), ([2, 0, 1], "x")])
-def test_a_hint_where_another_axis_seems_up(turn, up, tmp_path):
+def test_another_axis_is_proposed_if_the_file_falls_with_z_up(turn, up, tmp_path):
     path = obj(tmp_path / "a.obj", toppled(turn))
-    notes = [note for note in load(path).notes if "--up" in note]
-    assert len(notes) == (up is not None)
-    if up is not None:
-        assert f"--up {up} " in notes[0]
-        assert not load(path, up=up).notes
-        assert not load(path, down=[0, 0, -1]).notes
+    read = load(path)
+    assert not read.notes
+    assert better_up(read, contacts(read)) == up
+    for stated in (load(path, up="z"), load(path, down=[0, 0, -1])):
+        assert better_up(stated, contacts(stated)) is None
 
 
 def test_the_way_up_decides_the_verdict(tmp_path):

@@ -60,7 +60,7 @@ def test_a_block_slides_down_a_plane_that_is_turned(agree):
 
 def test_one_mesh_of_two_bodies_is_taken_apart(agree):
     both = trimesh.util.concatenate([box([1, 1, 1]), box([1, 1, 1]).apply_translation([0.2, 0, 1])])
-    found = agree(both, both.export, "part.stl", "stable", floor=True)
+    found = agree(both, both.export, "part.stl", "stable", floor=True, units="m")
     assert len(found.parts) == 3
 
 

@@ -22,7 +22,7 @@ from kilter.show.round_patches import _rings, round_patches
 from kilter.show.shapes import feature_edges, place_shapes, shape_mesh
 from kilter.show.sphere import draw_region
 from kilter.tell.csv_cells import REST_SIGNS, rest_table
-from kilter.tell.palette import GROUND, PALETTE, RAMP, ROLES, as_css, rgb
+from kilter.tell.palette import BODIES, GROUND, PALETTE, RAMP, ROLES, as_css, rgb
 from kilter.tell.region_facts import rest_words
 
 CUBE = surface(Box([1, 1, 1]))
@@ -221,6 +221,13 @@ def test_signs_are_told_apart(theme, eye):
         assert np.linalg.norm(places[a] - places[b]) > APART, (a, b)
 
 
+@pytest.mark.parametrize("eye", SEEN)
+def test_bodies_are_told_apart(eye):
+    places = [lab(SEEN[eye] @ linear(colour)) for colour in (*BODIES, GROUND)]
+    for a, b in itertools.combinations(places, 2):
+        assert np.linalg.norm(a - b) > 1.5 * APART
+
+
 @pytest.mark.parametrize("theme", THEMES)
 def test_words_and_signs_stand_out_from_what_is_behind_them(theme):
     of = {name: getattr(one, theme) for name, one in ROLES.items()}
@@ -239,7 +246,7 @@ def test_the_ramp_gets_darker_for_every_eye():
 
 
 def test_signs_are_stronger_than_the_parts_they_lie_on():
-    parts = [*PALETTE, GROUND]
+    parts = [*PALETTE, *BODIES, GROUND]
     for name in ("unstable", "force", "limit", "patch"):
         assert min(contrast(ROLES[name].light, part) for part in parts) > 1.7, name
 
@@ -279,7 +286,7 @@ def test_the_page_of_the_docs_has_the_table():
     text = (ROOT / "docs" / "colours.md").read_text(encoding="utf-8")
     rows = [f"| {name} | {one.says} | {one.light} | {one.dark} |" for name, one in ROLES.items()]
     assert "\n".join(rows) in text
-    for colour in (GROUND, *PALETTE, *RAMP):
+    for colour in (GROUND, *PALETTE, *BODIES, *RAMP):
         assert colour in text
 
 

@@ -14,10 +14,11 @@ from served_workbench import bench, folder, no_earlier_session  # noqa: F401  fi
 
 @pytest.fixture
 def page(bench: Workbench, folder: Path) -> Iterator[Page]:
+    link = Page(bench)
+    link.say(do="close")  # else the changes of an open file are kept for the file that replaces it
     for path in folder.iterdir():
         path.unlink()
     kilter.dump(scene("paper-figure-8"), folder / "f8.kilter.json")
-    link = Page(bench)
     assert link.say(do="open", file="f8.kilter.json")["ok"]
     link.answer()
     yield link

@@ -474,8 +474,7 @@ def test_the_settled_state_is_saved_and_repeated_by_the_command(
 ):
     drawn = opened(page, folder, sunken(), "sunken.kilter.json")
     assert drawn["check"]["verdict"] == "undecided"
-    assert drawn["settle"]["parts"] == "2 overlapping pairs"
-    assert drawn["settle"]["result"] == "at rest after moving 0.002 m, then stable"
+    assert drawn["settle"] == {"parts": "2 overlapping pairs"}
     answer = settle(page)
     assert answer["check"]["verdict"] == "stable"
     assert answer["settle"] is None
@@ -489,11 +488,6 @@ def test_the_settled_state_is_saved_and_repeated_by_the_command(
     capsys.readouterr()
     assert main([*shlex.split(page.last["session"]["command"])[1:], "--json"]) == 0
     assert without_seconds(capsys.readouterr().out) == shown
-    assert main(["check", "sunken.kilter.json", "--settle", "--json"]) == 0
-    settled = without_seconds(capsys.readouterr().out)
-    same = ("verdict", "level", "guarantee", "contacts", "open_pairs", "down", "neutral")
-    assert {key: settled[key] for key in same} == {key: shown[key] for key in same}
-    assert settled["sentence"] == f"Settled by 0.002 m: {shown['sentence']}"
 
 
 @pytest.mark.slow

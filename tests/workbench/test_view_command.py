@@ -276,6 +276,8 @@ EFFECTS = [
     ({"do": "floor", "on": -2.5}, {"floor": -2.5}),
     ({"do": "leave_out", "parts": ["nut_1"], "on": True}, {"left_out": ["nut_1"]}),
     ({"do": "fasten", "parts": ["plate", "nut_1"], "on": True}, {"joined": [["plate", "nut_1"]]}),
+    ({"do": "assume", "rung": "joined"}, {"assume": "joined"}),
+    ({"do": "assume", "rung": "play", "mu": 0.3}, {"assume": "play", "friction": 0.3}),
     ({"do": "fasten_suggested", "on": True}, {"fasten_suggested": True}),
     ({"do": "fasten_overlaps", "on": True}, {"fasten_overlaps": True}),
     ({"do": "loose", "on": True}, {"loose": True}),
@@ -375,6 +377,8 @@ WRONG = [
     ({"do": "gravity", "down": [0, 0, 0]}, "is zero"),
     ({"do": "units", "value": "mile"}, "units"),
     ({"do": "hold"}, "a wrong value"),
+    ({"do": "assume", "rung": "glued"}, "assume is .glued."),
+    ({"do": "assume", "rung": "play", "mu": -1}, "the friction coefficient is -1"),
 ]
 
 

@@ -8,12 +8,21 @@ export function ramp(share, table) {
 }
 
 /** The colour table of the page's style: rows of red, green, blue from 0 to 255. */
-export const rampOf = (style) => style("ramp").split(",").map((text) => rgb(text.trim()));
+export const rampOf = (style) => coloursOf(style, "ramp");
+
+/** A list of colours of the page's style, as rows of red, green, blue from 0 to 255. */
+export const coloursOf = (style, name) => style(name).split(",").map((text) => rgb(text.trim()));
 
 /** A function that returns a colour of the page's style by the name of its CSS variable. */
 export function themeOf(element) {
   const style = getComputedStyle(element);
   return (name) => style.getPropertyValue(`--${name}`).trim();
+}
+
+/** The colour of a body of joined parts by its number. */
+export function bodyColour(style, number) {
+  const table = coloursOf(style, "bodies");
+  return table[number % table.length];
 }
 
 /** "#rrggbb" as three numbers from 0 to 255. */

@@ -13,6 +13,7 @@ import { Tree } from "./tree.js";
 
 const NAMED = 14; // names are shown at first for up to this many parts
 const PATCHES = 40; // contacts are shown at first for up to this many patches
+const NEAR = 0.1; // least part of the assembly that is in view with selected parts [-]
 const STILL = 4; // a pointer that moves less than this has clicked [CSS px]
 
 /** A page; its `repose` places parts, arrows and names for the current controls. */
@@ -359,6 +360,12 @@ export class Look {
       if (!off) for (const k of parts) this.selection.add(k);
     }
     this.showSelection();
+  }
+
+  /** Select parts by their indices, and bring them into view. */
+  bring(parts) {
+    this.choose(parts);
+    if (this.stage) this.stage.zoomTo(parts, NEAR * this.page.radius);
   }
 
   /** Show the selection in the picture, the tree and the card. */

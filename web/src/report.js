@@ -3,10 +3,11 @@
 
 import { HELD, answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
-import { ramp, rampOf, themeOf } from "./colours.js";
+import { bodyColour, ramp, rampOf, rgb, themeOf } from "./colours.js";
 import { distance, isThin } from "./cone.js";
 import { Graph, fallen, frictionWords, overhang, paced, placeWords } from "./fall.js";
 import { id, on } from "./dom.js";
+import { Ladder } from "./ladder.js";
 import { Look } from "./look.js";
 import { deepest } from "./map.js";
 import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
@@ -42,6 +43,7 @@ const VISIBLE = 0.2; // a moving part is visible if at least this share of it is
 const SIDES = [1, 2, 3].flatMap((k) => [(k * Math.PI) / 4, (-k * Math.PI) / 4]).concat(Math.PI); // further views [rad]
 const MANY = 3000; // with more parts, no further views are tried
 const THROUGH = 0.75; // transparency of the parts at rest that would hide moving parts [-]
+const BLINK = 700; // duration of the blink of loose bodies [ms]
 const QUIET = 1200; // with more contact points, forces are hidden at first
 
 export class Report extends Look {
@@ -55,10 +57,12 @@ export class Report extends Look {
       id("marks-key").hidden = !words.length;
       id("marks-key").textContent = words.join(", ");
     };
+    this.ladder = new Ladder(this);
     this.look();
     this.controls();
     this.turn(this.down);
     this.begin();
+    if (page.given.assumption) this.ladder.tell(page.given.assumption);
     if (page.places) new Places({ report: this }).tell({ data: page.places, place: page.places.part });
     if (this.stage) {
       this.stage.begun = () => this.reveal();
@@ -329,21 +333,40 @@ export class Report extends Look {
     this.tell();
   }
 
-  /** Colour the parts as given, or by the largest bond use of each part. */
+  /** Show parts in the colour of warnings for a moment, unless the user wants no motion. */
+  blink(parts) {
+    if (!this.stage || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    const show = (list) => {
+      this.blinking = list;
+      this.painted = undefined;
+      this.repose();
+    };
+    show(parts);
+    setTimeout(() => show([]), BLINK);
+  }
+
+  /** Colour the parts as given, by their bodies, or by the largest bond use of each part. */
   paint() {
     const { stage, found, page } = this;
     if (found.bondUse === undefined) found.bondUse = bondUse(page, found.forces);
     const use = found.bondUse;
-    id("colour-row").hidden = !use;
-    const shown = use && id("colour-of").value === "bond" ? use : null;
-    id("bond-key").hidden = !shown;
+    const bodies = page.given.assumption?.bodies ?? [];
+    const values = { own: null, bond: use, body: bodies.length ? bodies : null };
+    const of = id("colour-of");
+    for (const option of of.options) option.hidden = option.disabled = option.value !== "own" && !values[option.value];
+    id("colour-row").hidden = !use && !bodies.length;
+    const shown = values[of.value];
+    id("bond-key").hidden = !shown || shown !== use;
+    id("body-key").hidden = shown !== bodies;
+    id("assumptions").dataset.coloured = String(shown === bodies);
     if (shown === this.painted) return;
     this.painted = shown;
     const colour = page.parts.colour.slice();
-    const table = rampOf(themeOf(document.body));
-    (shown || []).forEach((share, k) => {
-      if (!page.parts.grounded[k]) colour.set(ramp(share, table).map(Math.round), 3 * k);
-    });
+    const style = themeOf(document.body);
+    const put = (rgb_) => (k) => colour.set(rgb_.map(Math.round), 3 * k);
+    if (shown === bodies) bodies.forEach(({ parts }, number) => parts.forEach(put(bodyColour(style, number))));
+    else if (shown) use.forEach((share, k) => page.parts.grounded[k] || put(ramp(share, rampOf(style)))(k));
+    (this.blinking ?? []).forEach(put(rgb(style("unstable"))));
     stage.parts.paint(colour);
   }
 

@@ -116,13 +116,16 @@ export class Stage {
     this.draw();
   }
 
-  /** Bring the parts into the middle of the view, near enough to fill about half of it. */
-  zoomTo(list) {
+  /**
+   * Bring the parts into the middle of the view, near enough to fill about half of it; `least`:
+   * radius of the sphere that is in view at least.
+   */
+  zoomTo(list, least = 0) {
     const { parts } = this;
     const radius = this.page.parts.radius;
     const at = list.map((k) => parts.centre(k));
     const middle = [0, 1, 2].map((i) => at.reduce((sum, p) => sum + p[i], 0) / at.length);
-    const reach = list.reduce((most, k, n) => Math.max(most, radius[k] + Math.hypot(...at[n].map((c, i) => c - middle[i]))), 0);
+    const reach = list.reduce((most, k, n) => Math.max(most, radius[k] + Math.hypot(...at[n].map((c, i) => c - middle[i]))), least);
     const away = this.camera.position.clone().sub(this.controls.target);
     const target = new Vector3(...middle).applyQuaternion(this.root.quaternion);
     away.setLength((1.9 * reach) / Math.sin(OPENING / 2) / Math.min(1, this.camera.aspect));

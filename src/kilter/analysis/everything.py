@@ -26,12 +26,13 @@ from kilter.analysis.verdict.displacement import find_displacement
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
+from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError, SolverError, TimeLimitReached
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.answer.path_places import PathPlaces, find_path_places
-from kilter.work import stop_after
+from kilter.work import EFFORT, stop_after
 
 T = TypeVar("T")
 Tell = Callable[[str], None]
@@ -143,7 +144,7 @@ class Everything:
         return f"Everything({self.given.check['verdict']!r}, {len(self.assembly.parts)} parts)"
 
 
-@question(lacks="require")
+@question(lacks="require", own_rungs=True)
 def everything(asked: Question, *, margins: bool = False) -> Everything:
     """Compute all answers about an assembly that a page shows.
 
@@ -157,10 +158,10 @@ def everything(asked: Question, *, margins: bool = False) -> Everything:
     >>> everything(scene("tower"))
     Everything('stable', 6 parts)
     """
-    assembly, tell = asked.assembly, asked.tell
-    assembly.require_grounded()
-    contacts = detect.touching(asked)
-    verdict = check(asked.but(contacts=contacts))
+    tell = asked.tell
+    asked.assembly.require_grounded()
+    verdict = check(asked.but(contacts=detect.touching(asked), verb=check.__name__))
+    assembly, contacts = _final(verdict), verdict.contact_set
     tell("motion")
     given = full_answer(verdict)
     notes: list[str] = []
@@ -197,6 +198,14 @@ def everything(asked: Question, *, margins: bool = False) -> Everything:
         change=in_time("the changes are", _change, assembly, margins, tell, notes),
         notes=tuple(notes),
     )
+
+
+def _final(verdict: Verdict) -> Assembly:
+    """The assembly of a verdict, marked so that no rung is applied to it again."""
+    assembly = verdict.assembly
+    if verdict.assume == DRAWN:
+        return assembly
+    return replace(assembly, reading={**(assembly.reading or {}), "assume": DRAWN})
 
 
 def only_given(verdict: Verdict) -> Everything:
@@ -249,6 +258,14 @@ def _balance(down: Any, points: Any, parts: Any, forces: Any) -> Balance:
     )
 
 
+def turned_verdict(
+    assembly: Assembly, contacts: ContactSet, down: Array, effort: float = EFFORT
+) -> Verdict:
+    """The verdict for another direction of gravity, without a ladder of assumptions."""
+    turned = assembly.with_down(down)
+    return check(Question(assembly=turned, contacts=contacts.of(turned), effort=effort))
+
+
 def _free_count(assembly: Assembly) -> int:
     """Number of free parts."""
     return sum(not part.grounded for part in assembly.parts)
@@ -271,7 +288,7 @@ def _directions(
     try:
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
-            verdict = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
+            verdict = turned_verdict(assembly, contacts, answer.down, effort)
             return (
                 answer.stable_region,
                 full_answer(verdict, answer.sentence),
@@ -290,7 +307,7 @@ def _directions(
         )
         return stable, None, False
     tell("recommended direction")
-    verdict = check(assembly.with_down(center), contacts=contacts, effort=effort)
+    verdict = turned_verdict(assembly, contacts, center, effort)
     return stable, full_answer(verdict, verdict.sentence), False
 
 

@@ -20,7 +20,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Mask
 from kilter.assembly.bonds import Bond, require_apart
 from kilter.assembly.changed_copies import ChangedCopies, lowest_heights
 from kilter.assembly.geometry import Geometry, build_geometry
@@ -85,12 +85,20 @@ class Assembly(ChangedCopies):
     straps : sequence of Strap
     reading : mapping, optional
         Options with which `kilter.load` read the file, as JSON data: proofs list them.
+    file_up : array_like, shape (3,), optional
+        Up direction of a file of a format that states no held parts, world frame [-]: an answer
+        assumes a floor across it if nothing is held. None: nothing is assumed.
+    assumed : mapping
+        Options of reading that were assumed, as JSON data: the unit of a file that states none,
+        and the support of an assembly without a held part. Proofs list them, too.
+    up_assumed : bool
+        Whether neither the file nor an option states which axis points up.
 
     Notes
     -----
     An assembly is a frozen value: methods such as `with_friction` return a changed copy.
-    Assemblies with equal content are equal and have the same hash; `source` and `reading` do not
-    count.
+    Assemblies with equal content are equal and have the same hash; `source`, `reading`, `file_up`,
+    `assumed` and `up_assumed` do not count.
 
     Raises
     ------
@@ -134,6 +142,9 @@ class Assembly(ChangedCopies):
     tolerance: Any = None
     straps: Sequence[Strap] = ()
     reading: Mapping[str, Any] | None = field(default=None, compare=False)
+    file_up: Any = field(default=None, compare=False)
+    assumed: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    up_assumed: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:
         try:
@@ -329,10 +340,22 @@ class Assembly(ChangedCopies):
 
         World frame [length unit]. The box contains the exact curved surfaces.
         """
-        # imported late: few assemblies need these modules
+        return self._bounds_of(np.ones(len(self.parts), dtype=bool))
 
-        low = [lowest_heights(self.geometry, axis).min() for axis in np.eye(3)]
-        high = [-lowest_heights(self.geometry, -axis).min() for axis in np.eye(3)]
+    @property
+    def size(self) -> Array:
+        """Extents of the free parts along the axes, of all parts if none is free, shape (3,).
+
+        World frame [length unit]. They contain the exact curved surfaces.
+        """
+        free = ~self.geometry.grounded
+        low, high = self._bounds_of(free if free.any() else ~free)
+        return frozen(high - low)
+
+    def _bounds_of(self, chosen: Mask) -> Array:
+        """Lower and upper corner of the bounding box of the chosen parts, shape (2, 3)."""
+        low = [lowest_heights(self.geometry, axis)[chosen].min() for axis in np.eye(3)]
+        high = [-lowest_heights(self.geometry, -axis)[chosen].min() for axis in np.eye(3)]
         return frozen([low, high])
 
     @property
@@ -458,27 +481,35 @@ class Assembly(ChangedCopies):
                 )
         self.index_of(pattern)
 
+    @property
+    def holds(self) -> bool:
+        """Whether a part is held or joined to the ground."""
+        held = any(part.grounded for part in self.parts)
+        return held or any(GROUND in joint.parts for joint in self.joints)
+
+    @property
+    def largest(self) -> str:
+        """Name of the part with the largest volume."""
+        return self.names[int(self.geometry.volume.argmax())]
+
     def require_grounded(self) -> None:
         """Raise an InputError if no part is held or joined to the ground.
 
         Raises
         ------
         InputError
-            If nothing is held; the error names the parts and the lowest part.
+            If nothing is held; the error names the parts and the largest part.
         """
-        held = any(part.grounded for part in self.parts)
-        if held or any(GROUND in joint.parts for joint in self.joints):
+        if self.holds:
             return
-        # imported late: few assemblies need these modules
-
-        geometry = self.geometry
-        lowest = self.names[int(lowest_heights(geometry, -self.down).argmin())]
+        largest = self.largest
         raise InputError(
-            f"nothing is held; the parts are {some_names(self.names, 8)}, the lowest is {lowest!r}",
+            f"nothing is held; the parts are {some_names(self.names, 8)}, the largest is "
+            f"{largest!r}",
             file=self.source or None,
-            hint=f"hold a part with assembly.with_grounded({lowest!r}), or put a table under them "
+            hint=f"hold a part with assembly.with_grounded({largest!r}), or put a table under them "
             "with assembly.with_floor()",
-            option=f"hold a part with --ground {lowest!r}, or put a table under them with --floor",
+            option=f"hold a part with --ground {largest!r}, or put a table under them with --floor",
         )
 
 

@@ -180,7 +180,7 @@ class ChangedCopies(Value):
     def with_down(self, down: ArrayLike) -> Self:
         """A copy of the assembly with gravity turned to the direction `down`, same magnitude."""
         size = float(np.linalg.norm(self.gravity))
-        return self._replace(gravity=unit(down, "down") * size)
+        return self._replace(gravity=unit(down, "down") * size, up_assumed=False)
 
     def with_friction(self, friction: float) -> Self:
         """A copy of the assembly with another friction coefficient.

@@ -274,7 +274,7 @@ class Question:
             )
         if isinstance(subject, str | os.PathLike) or is_scene(subject):
             loaded: Assembly = hook("load")(subject, **self.changes)
-            return plain_joints(loaded, self.verb)
+            return plain_joints(self.supported(loaded), self.verb)
         require_assembly(subject, self.verb)
         assembly = cast("Assembly", subject)
         if self.friction is not None:
@@ -282,7 +282,16 @@ class Question:
         names = name_list(self.ground, "ground")
         if names:
             assembly = holding(assembly, names)
-        return plain_joints(on_floor(assembly, self.floor, self.down), self.verb)
+        assembly = on_floor(assembly, self.floor, self.down)
+        return plain_joints(self.supported(assembly), self.verb)
+
+    def supported(self, assembly: Assembly) -> Assembly:
+        """The assembly with the support that the question assumes if its file holds no part.
+
+        Given contacts are those without an assumed floor, so no floor is then added.
+        """
+        no_floor = self.floor is False or self.contacts is not None
+        return supported(assembly, self.verb, floor=not no_floor)
 
     def require_unchanged(self, subject: object) -> None:
         """Reject keywords that would change the assembly of a complete answer.
@@ -450,3 +459,61 @@ def on_floor(assembly: Assembly, floor: bool | float | None, down: ArrayLike | N
         "turns with the parts: gravity is oblique to it"
     )
     return dataclasses.replace(turned, notes=[*turned.notes, note])
+
+
+# Assume a support if the file holds no part: drawings and scenes rarely state held parts.
+
+
+FREE_STANDING = ("contacts", "hold")
+"""Functions that need no held part, and assume none."""
+TURNED = ("orient", "region", "common_region")
+"""Functions about all directions of gravity; a floor would be above the parts in half of them."""
+LOWEST = "lowest"
+"""Value of the option `floor`: a table under the lowest point."""
+ASSUMED_FLOOR = "assumed: a floor under it; --ground NAME holds a part instead"
+
+
+def supported(assembly: Assembly, verb: str, *, floor: bool = True) -> Assembly:
+    """The assembly with an assumed support and a note of it, if its file holds no part.
+
+    It is a floor under the lowest point, across the up direction of the file. `TURNED` functions
+    hold the largest part instead, as do all if only the contacts of the file count. The assembly
+    itself is returned if a part is held, or if nothing is assumed: for files of kilter, for
+    assemblies made in Python, and for `FREE_STANDING` functions.
+
+    Arguments: `verb`: name of the function; `floor`: whether a floor may be assumed.
+
+    Examples
+    --------
+    >>> from kilter import Box, Part
+    >>> cubes = [Part("cube", Box(1, 1, 1)), Part("large", Box(2, 2, 2), [0, 0, 1.5])]
+    >>> drawing = Assembly(cubes, file_up=[0, 0, 1])
+    >>> supported(drawing, "check").names, supported(drawing, "hold").names
+    (('cube', 'large', 'floor'), ('cube', 'large'))
+    >>> supported(drawing, "region").notes
+    ("assumed: 'large' is held, the largest part; --ground NAME holds another part instead",)
+    """
+    if assembly.file_up is None or assembly.holds or verb in FREE_STANDING:
+        return assembly
+    gravity, up_assumed = assembly.gravity, assembly.up_assumed
+    if verb in TURNED or not assembly.detect:
+        name = assembly.largest
+        note = (
+            f"assumed: {name!r} is held, the largest part; --ground NAME holds another part instead"
+        )
+        assumed: dict[str, Any] = {"ground": [name]}
+        assembly = assembly.with_grips([name])
+    elif floor:
+        note, assumed = ASSUMED_FLOOR, {"floor": LOWEST}
+        drawn = assembly.with_down(-np.asarray(assembly.file_up, dtype=np.float64))
+        down = None if np.allclose(drawn.down, assembly.down, atol=SAME_DOWN) else assembly.down
+        assembly = on_floor(drawn, True, down)
+    else:
+        return assembly
+    return dataclasses.replace(
+        assembly,
+        gravity=gravity,
+        up_assumed=up_assumed,
+        notes=[*assembly.notes, note],
+        assumed={**assembly.assumed, **assumed},
+    )

@@ -107,6 +107,8 @@ class Asked:
     """Options of the tolerance, with those of the choices."""
     straps: Path | None = None
     """File of straps that are added."""
+    verb: str = ""
+    """Name of the command."""
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
@@ -146,6 +148,7 @@ class Asked:
             proof=given.get("proof"),
             quiet=given["quiet"],
             verbose=given.get("verbose", False),
+            verb=given.get("verb", ""),
         )
         return asked.of_file(asked.file) if asked.file else asked
 
@@ -193,7 +196,7 @@ class Asked:
         asked.apart()
         choices = find_choices(file)
         if choices is None:
-            plain = replace(self.typed, off=())  # a file without choices has nothing to ignore
+            plain = self.typed.without_off()  # a file without choices has nothing to ignore
             return replace(asked, typed=plain, reading=plain, all_touch=self.touch)
         from kilter.files.reading import chosen
 
@@ -218,6 +221,7 @@ class Asked:
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
         """Read the assembly; return it, and its contacts if reading needed them."""
+        from kilter.assembly.question import supported
         from kilter.contact.fits.fastening import fasten_as_read
         from kilter.files.formats import EXACT
 
@@ -239,6 +243,7 @@ class Asked:
         if self.source is not None:
             notes = [*assembly.notes, *self.notes]
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
+        assembly = supported(assembly, self.verb)
         # joints from incomplete contacts would be wrong, so the limit ends the command here
         with stop_after(self.time_limit):
             return fasten_as_read(
@@ -310,6 +315,7 @@ class Asked:
 
     def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
         """The suggested next command to type; empty if the input is standard input."""
+        from kilter.assembly.question import FREE_STANDING
         from kilter.tell.facts import kind_of
         from kilter.tell.next_step import next_step
 
@@ -326,6 +332,8 @@ class Asked:
         if step is None:
             return ""
         name, *rest = step.words
+        if name in FREE_STANDING and "floor" in answer.get("assumed", ()):
+            rest.append("--floor")  # this command assumes none
         request = self
         if "--down" in rest:
             request = replace(self, typed=replace(self.typed, down=None))

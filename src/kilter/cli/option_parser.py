@@ -152,7 +152,7 @@ def _add(group: Any, each: Declared) -> None:
 
 def with_values(words: Sequence[str], options: Mapping[str, Declared]) -> list[str]:
     """Write ``--option=value`` where argparse would read the value as something else."""
-    from kilter.files.own.choices import LOWEST  # imported late: a help text does not need it
+    from kilter.assembly.question import LOWEST  # imported late: a help text does not need it
 
     result: list[str] = []
     rest = deque(words)

@@ -192,7 +192,8 @@ def asks(
         def command(**given: Any) -> int:
             if answers:
                 require_answer_file(given["output"], writes)
-            asked = Asked.of({k: v for k, v in given.items() if k not in names})
+            values = {k: v for k, v in given.items() if k not in names}
+            asked = Asked.of({**values, "verb": act.__name__})
             options = () if record is None else (record(**{name: given[name] for name in names}),)
             try:
                 return act(asked, *options)

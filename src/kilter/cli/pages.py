@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -186,6 +186,7 @@ def draw(asked: Asked, options: DrawOptions) -> int:
     else:
         publish.require_figure(options.output, options.view)
     asked.apart(options.output)
+    asked = replace(asked, verb=options.what.value)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         question = Question(**asked.shared(Question, contacts, progress))

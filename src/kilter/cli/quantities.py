@@ -105,7 +105,7 @@ def named_numbers(option: str, words: str, count: int, example: str) -> tuple[An
 
 def height_of(floor: str) -> float | str:
     """Height of the floor as a number, or the word for the lowest point."""
-    from kilter.files.own.choices import LOWEST
+    from kilter.assembly.question import LOWEST
 
     height = number_of(floor)
     if height is None and floor != LOWEST:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import field, replace
+from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -22,6 +23,7 @@ from kilter.arrays import (
     read_only,
 )
 from kilter.assembly import Assembly, ListedJoint
+from kilter.assembly.assumption import Body
 from kilter.contact.common.distances import LonePart, Neighbour
 from kilter.contact.common.gaps import RejectedPair, Tolerance, joints_beyond, nearest_gap
 from kilter.contact.common.patches import (
@@ -37,6 +39,7 @@ from kilter.contact.curved.coaxial_faces import Fit, odd_copies
 from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.open_pairs import OpenPair, still_open
 from kilter.errors import InputError
+from kilter.hooks import hook
 from kilter.tell.contact_words import copy_warnings, overlap_warnings
 from kilter.tell.record import AnswerInWords, InPython, Record, Shape, UnitWord, key
 
@@ -421,6 +424,14 @@ class ContactSet(AnswerInWords):
                     )
                 )
         return tuple(entries)
+
+    @cached_property
+    @key
+    def bodies(self) -> tuple[Body, ...]:
+        """Bodies of parts that touch or overlap; bodies on a floor or held first, then by mass."""
+        # an upper package computes them, which this package cannot import
+        found: tuple[Body, ...] = hook("bodies_of")(self.assembly, self)
+        return found
 
     @property
     @key

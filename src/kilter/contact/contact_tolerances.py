@@ -138,6 +138,8 @@ COPY_PLACE = 1e-6
 the result of an overlap [-]."""
 INSIDE = 0.99
 """A part lies inside another if they share more than this fraction of its volume [-]."""
+SAME_SURFACE = 0.7
+"""A body inside another is a copy of it if this share of the outer surface is its own [-]."""
 FIT_LENGTH = 1e-3
 """Shortest fit, as a fraction of its radius [-]; shorter fits are dropped."""
 SMOOTH_ANGLE = 0.02

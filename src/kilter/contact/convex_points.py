@@ -51,8 +51,7 @@ SUNK = 1e-6
 """Depth in another piece of the same part at which a point is no point of the surface, over the
 size of the piece [-]."""
 STAYS = 0.5
-"""Share of a hidden overlap that must stay when the overlaps found open, for it to count [-]: at a
-seam of a wall of many pieces, a small share stays."""
+"""Share of an overlap that may stay when a known overlap of the same parts opens [-]."""
 CLOSED = 1e-3
 """Points whose gap exceeds the least gap of their pair by less than this, over the size of the
 pair, are reduced to the extreme points among each other [-]."""
@@ -118,27 +117,31 @@ def near_points(
 
 
 def _lost(scene: Placed, hidden: PiecePoints, found: PiecePoints) -> PiecePoints:
-    """Hidden overlaps that must open although their points lie inside of a compound.
+    """Points near contact that count although another piece of their compound hides them.
 
-    First the deepest overlap of two parts that have none among the points found: its direction does
-    not leave the compound, but an overlap is never left out. Then the overlaps that stay when these
-    open: in a corner between two pieces, the point on each may lie inside of the other.
+    First the nearest of two parts that have no other points near contact: its direction may lead
+    into the compound, but no overlap is ever left out. Then the pairs of pieces that may still
+    overlap when the points found are closed: in a corner between two pieces, the point on each may
+    lie inside of the other.
     """
     pieces = scene.pieces
-    hidden = hidden.take(hidden.gap < -SUNK * pieces.size[hidden.piece_a])
+
+    def near_contact(points: PiecePoints) -> PiecePoints:
+        """Points of pairs that touch or overlap."""
+        size = np.minimum(pieces.size[points.piece_a], pieces.size[points.piece_b])
+        return points.take(points.gap <= CLOSED * size)
+
+    hidden, known = near_contact(hidden), near_contact(found)
     if not len(hidden):
         return hidden
-    count = len(pieces.whole)
-    known = found.take(found.gap < 0)
-    parts, known_parts = (x.part_a * count + x.part_b for x in (hidden, known))
-    new = hidden.take(~np.isin(parts, known_parts))
-    lost = _deepest(new, new.part_a * count + new.part_b)
+    parts, known_parts = (x.part_a * len(pieces.whole) + x.part_b for x in (hidden, known))
+    alone = ~np.isin(parts, known_parts)
+    lost = _deepest(hidden.take(alone), parts[alone])
     known = PiecePoints.join([known, lost])
     known = _deepest(known, known.piece_a * len(pieces) + known.piece_b)
-    own = _deepest(hidden, hidden.piece_a * len(pieces) + hidden.piece_b)
-    stays = _stay_when_open(scene, own, known)
     code = hidden.piece_a * len(pieces) + hidden.piece_b
-    kept = PiecePoints.join([lost, own.take(stays)])
+    own = _deepest(hidden, code)
+    kept = PiecePoints.join([lost, own.take(~_open_with(scene, own, known))])
     return hidden.take(np.isin(code, kept.piece_a * len(pieces) + kept.piece_b))
 
 
@@ -148,29 +151,29 @@ def _deepest(points: PiecePoints, code: Index) -> PiecePoints:
     return points.take(order[np.unique(code[order], return_index=True)[1]])
 
 
-def _stay_when_open(scene: Placed, own: PiecePoints, known: PiecePoints) -> Mask:
-    """Whether more than a share of overlaps stays when known overlaps of both parts open.
+def _open_with(scene: Placed, own: PiecePoints, known: PiecePoints) -> Mask:
+    """Whether pairs of pieces do not overlap if a known point of the same parts has no gap.
 
-    Each known overlap opens along its normal; the overlap must stay for each of them.
+    Such a point keeps the pair apart along its own normal. At a seam of a wall of many pieces, a
+    small share of an overlap stays.
     """
     pieces = scene.pieces
-    order = [
-        np.argsort(x.part_a * len(pieces.whole) + x.part_b, kind="stable") for x in (own, known)
-    ]
-    own, known = own.take(order[0]), known.take(order[1])
-    codes, row = np.unique(
-        np.concatenate([x.part_a * len(pieces.whole) + x.part_b for x in (own, known)]),
-        return_inverse=True,
-    )
+    own_row = np.argsort(own.part_a * len(pieces.whole) + own.part_b, kind="stable")
+    known = known.take(np.argsort(known.part_a * len(pieces.whole) + known.part_b, kind="stable"))
+    parts = [x.part_a * len(pieces.whole) + x.part_b for x in (own.take(own_row), known)]
+    codes, row = np.unique(np.concatenate(parts), return_inverse=True)
     i, j = products(len(codes), row[: len(own)], row[len(own) :])
+    i = own_row[i]
+    slack = SUNK * pieces.size[own.piece_a]
+    some = known.gap[j] <= own.gap[i] + slack[i]
+    i, j = i[some], j[some]
     pair = own.piece_a[i], own.piece_b[i]
     after = exact_separation(scene, pair, known.normal[j][:, None])[:, 0] - known.gap[j]
     after -= pieces.radius[pair[0]] + pieces.radius[pair[1]]
     best = np.full(len(own), -np.inf)
     np.maximum.at(best, i, after)
-    stays = np.zeros(len(own), dtype=bool)
-    stays[order[0]] = best < STAYS * own.gap
-    return stays
+    opens: Mask = best >= STAYS * np.minimum(own.gap, 0.0) - slack
+    return opens
 
 
 def _shown_points(scene: Placed, points: PiecePoints, row: Index) -> Mask:

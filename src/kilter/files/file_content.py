@@ -9,11 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
-from kilter.errors import InputError
+from kilter.errors import InputError, some
 from kilter.files.bricks.brick_lists import (
     BRICK_TEXT,
     from_stable_lego,
@@ -23,7 +20,6 @@ from kilter.files.bricks.brick_lists import (
 from kilter.files.bricks.ldraw import LDRAW_FILES, load_ldraw
 from kilter.files.compas import from_compas, is_compas
 from kilter.files.complaints import parse_json
-from kilter.files.file_tolerances import LOWEST_CORNERS, SAME_ANGLE
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import FORMATS, load_bodies, read_bodies
 from kilter.files.limits import is_folder, read_bounded, read_bytes, require_below, require_regular
@@ -33,6 +29,7 @@ from kilter.files.own.kilter_json import from_dict
 from kilter.files.packing.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
 from kilter.files.robots.scene_process import read_scene
 from kilter.files.usd.usd_stage import USD
+from kilter.hooks import hook
 from kilter.shape.primitives import Mesh
 
 # Read a folder of mesh and STEP files, one part per file.
@@ -64,14 +61,13 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
     except InputError as error:
         raise error.located(file=str(path)) from None
     solids = [read_bodies(entry) for entry in chosen]
-    target = _units(path, chosen, solids, units)
+    target, assumed = _units(path, chosen, solids, units)
     notes = _ignored_note([entry for entry in entries if entry not in chosen])
     for entry, bodies in zip(chosen, solids, strict=True):
         notes += [f"{entry.name}: {note}" for note in bodies.notes]
         notes += _several_bodies(entry, bodies)
-    return Assembly(
-        _parts(path, chosen, solids, target), units=target, source=str(path), notes=notes
-    )
+    parts = _parts(path, chosen, solids, target)
+    return Assembly(parts, units=target, source=str(path), notes=notes, assumed=assumed)
 
 
 def _remedy(entries: Sequence[Path]) -> str:
@@ -97,14 +93,17 @@ def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str)
     return parts
 
 
-def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str | None) -> str:
-    """Length unit of the assembly: the given unit, else that of the files, else "m".
+def _units(
+    path: Path, files: list[Path], solids: list[FileBodies], units: str | None
+) -> tuple[str, dict[str, str]]:
+    """Length unit of the assembly: the given unit, else that of the files, else the usual unit.
 
-    If the files state several units, metres serve as the common unit.
+    If the files state several units, or have several usual units, metres serve as the common unit.
+    The second value is the unit as an option of reading if it is assumed.
     """
     stated = sorted({bodies.units for bodies in solids if bodies.units})
     if units:
-        return units
+        return units, {}
     silent = [file.name for file, bodies in zip(files, solids, strict=True) if not bodies.units]
     if len(stated) > 1 and silent:
         raise InputError(
@@ -113,7 +112,11 @@ def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str |
             hint="give the units: load(path, units='mm')",
             option="give --units",
         )
-    return stated[0] if len(stated) == 1 else "m"
+    if stated:
+        return (stated[0] if len(stated) == 1 else "m"), {}
+    usual = {bodies.usual for bodies in solids}
+    assumed = usual.pop() if len(usual) == 1 else "m"
+    return assumed, {"units": assumed}
 
 
 def _ignored_note(entries: Sequence[Path], limit: int = 8) -> list[str]:
@@ -156,6 +159,27 @@ class FileContent(NamedTuple):
     left_out: tuple[str, ...] = ()
     from_cad: bool = False
 
+    def without_copies(self) -> FileContent:
+        """The content without the bodies that the file has twice; a note names them."""
+        assembly = self.assembly
+        if len(assembly) < 2 or not (found := hook("copies")(assembly)):
+            return self
+        names = some([f"{copy!r} (as {kept!r})" for copy, kept in found.items()])
+        count = len(found)
+        words = "1 body is" if count == 1 else f"{count} bodies are"
+        note = (
+            f"{words} in the file twice, left out: {names}; --keep-copies keeps "
+            f"{'it' if count == 1 else 'them'}"
+        )
+        less = assembly.without(list(found))
+        return self._replace(
+            assembly=replace(less, notes=[*less.notes, note]), left_out=(*self.left_out, *found)
+        )
+
+    def without_held_parts(self) -> FileContent:
+        """The content of a format that may hold no part: an answer then assumes a support."""
+        return self._replace(assembly=replace(self.assembly, file_up=-self.assembly.down))
+
 
 def read_path(
     source: str | os.PathLike[str],
@@ -178,19 +202,23 @@ def read_path(
             hint="leave the state out",
         )
     if is_folder(path):
-        return FileContent(load_folder(path, units=units), from_cad=True)
+        # equal bodies at the same place in two files are likelier two frames than a copy
+        return FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
     if suffix in FORMATS:
         assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
-        return FileContent(assembly, left_out=left_out, from_cad=True)
+        content = FileContent(assembly, left_out=left_out, from_cad=True)
+        content = content.without_held_parts()
+        return content if options.keep_copies else content.without_copies()
     if suffix in XML:
         # imported late: other files do not need these modules
         from kilter.files.robots.xml_scenes import load_xml
 
-        return FileContent(*load_xml(path, options))
+        return FileContent(*load_xml(path, options)).without_held_parts()
     if suffix in USD:
         # imported late: other files do not need these modules
 
-        return FileContent(read_scene("usd", path, options), states_gravity=True)
+        scene = FileContent(read_scene("usd", path, options), states_gravity=True)
+        return scene.without_held_parts()
     if suffix in LDRAW_FILES:
         return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
     if suffix in BRICK_TEXT:
@@ -248,7 +276,8 @@ def _from_other_json(
     """The assembly in JSON data of another program; None if no such format is recognised."""
     if is_compas(content):
         units, contacts = options.units, options.contacts
-        return FileContent(from_compas(content, units=units, source=source, contacts=contacts))
+        blocks = from_compas(content, units=units, source=source, contacts=contacts)
+        return FileContent(blocks).without_held_parts()
     if is_stable_lego(content):
         bricks = from_stable_lego(content, data, rules=options.studs, source=source)
         return FileContent(bricks, states_gravity=True)
@@ -269,63 +298,3 @@ def _check_units(assembly: Assembly, units: str | None) -> None:
             file=assembly.source,
             hint="leave the units out",
         )
-
-
-# Detect a file in which an axis other than z points up.
-
-
-UP: dict[str, tuple[float, float, float]] = {
-    "x": (1.0, 0.0, 0.0),
-    "y": (0.0, 1.0, 0.0),
-    "z": (0.0, 0.0, 1.0),
-    "-x": (-1.0, 0.0, 0.0),
-    "-y": (0.0, -1.0, 0.0),
-    "-z": (0.0, 0.0, -1.0),
-}
-"""Unit vector of each value of the option `up`."""
-USUAL = ("y", "x", "-z", "-y", "-x")
-"""Values of `up` other than z in the order in which they are tried, the most usual first."""
-
-
-def note_on_up(assembly: Assembly) -> list[str]:
-    """A note if the assembly seems to lie on its side; else an empty list.
-
-    It would stand with another axis up, but not with z.
-
-    Examples
-    --------
-    >>> from kilter.assembly import Part
-    >>> from kilter.shape.primitives import Prism
-    >>> tip = Part("tip", Prism([[0, 0], [2, -2], [2, 2]], 1))
-    >>> note_on_up(Assembly([tip]))[0][:58]
-    'with z up the centre of mass is outside the support polygo'
-    """
-    try:
-        geometry = assembly.geometry
-    except InputError:
-        return []  # the check of the geometry will report the fault
-    middle = geometry.mass @ geometry.center / geometry.mass.sum()
-    corners = geometry.vertices - middle
-    if _stands(corners, "z"):
-        return []
-    better = next((axis for axis in USUAL if _stands(corners, axis)), None)
-    if better is None:
-        return []
-    return [
-        f"with z up the centre of mass is outside the support polygon, with {better} up inside: "
-        f"if {better} points up in the file, give --up {better} (in Python up={better!r})"
-    ]
-
-
-def _stands(corners: Array, up: str) -> bool:
-    """Whether the centre of mass is above the support polygon, with the axis `up` upwards.
-
-    Arguments: `corners` (n, 3): positions relative to the centre of mass.
-    """
-    axis = int(np.abs(UP[up]).argmax())
-    heights = corners @ np.array(UP[up])
-    lowest = heights <= heights.min() + LOWEST_CORNERS * float(np.ptp(heights))
-    foot = np.delete(corners[lowest], axis, axis=1)
-    angles = np.sort(np.arctan2(foot[:, 1], foot[:, 0]))
-    gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
-    return bool(gaps.max() < np.pi - SAME_ANGLE)

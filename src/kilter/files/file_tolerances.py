@@ -35,9 +35,6 @@ VOLUME = 1e-6
 RECOGNISED = 1e-5
 """Largest distance of the points of a face from a recognised surface [sizes of the face].
 A larger value recognises more faces as planes, cylinders and so on."""
-LOWEST_CORNERS = 1e-4
-"""Corners within this height above the lowest corner bear the assembly [fractions of its height].
-A larger value adds corners."""
 SAME_ANGLE = 1e-5
 """Largest angle between two faces at an edge that count as lying on each other [rad]."""
 DEFLECTION = 1e-3

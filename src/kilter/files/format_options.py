@@ -27,5 +27,7 @@ class FormatOptions:
     """One of "fixed", "floating". URDF: whether the root link is held."""
     loose_robots: bool = False
     """MuJoCo: whether bodies that motors move are free."""
+    keep_copies: bool = False
+    """CAD and meshes: whether bodies that are in the file twice stay."""
     studs: StudRules | None = None
     """Bricks: strength of studs, and points at which sides push each other."""

@@ -4,8 +4,8 @@
 
 Objects keep their names. An object without a name is named after the file, and instances of the
 same object are numbered (``bolt``, ``bolt_2``). A mesh file without names is split into its
-separate bodies. STL and OBJ state no unit; GLB is in metres by its standard (y stays up); 3MF and
-STEP state their unit.
+separate bodies. STL and OBJ state no unit: a file by itself is read in mm (STL), as slicers and CAD
+do, or in m (OBJ). GLB is in metres by its standard (y stays up); 3MF and STEP state their unit.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def _obj(path: Path) -> FileBodies:
 
 def _stl(path: Path) -> FileBodies:
     """Read the meshes of an STL file."""
-    return _bodies(*read_stl(read_bytes(path)))
+    return replace(_bodies(*read_stl(read_bytes(path))), usual="mm")
 
 
 def _glb(path: Path) -> FileBodies:
@@ -146,6 +146,10 @@ def assembly_of(
     notes = list(bodies.notes)
     what = "the file" if source else "the object"
     agreed = agreed_units(bodies.units, units, notes if bodies.by_standard else None, what=what)
+    assumed = {}
+    if source and not (bodies.units or units):
+        agreed = bodies.usual
+        assumed = {"units": agreed}
     only = bodies.shapes[0]
     if bodies.names == (None,) and isinstance(only, Mesh):
         pieces = tuple(split_bodies(only))
@@ -153,7 +157,7 @@ def assembly_of(
     names = fill_names(bodies.names, stem)
     rows = zip(names, bodies.shapes, bodies.places, bodies.stated, strict=True)
     parts = [Part(name, shape, pose, **stated) for name, shape, pose, stated in rows]
-    return Assembly(parts, units=agreed, source=source, notes=notes)
+    return Assembly(parts, units=agreed, source=source, notes=notes, assumed=assumed)
 
 
 def agreed_units(

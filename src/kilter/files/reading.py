@@ -17,12 +17,12 @@ from typing import Any
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import valid_rung
 from kilter.assembly.bricks import StudRules
-from kilter.assembly.question import holding, on_floor
+from kilter.assembly.question import LOWEST, holding, on_floor
 from kilter.errors import InputError, some_names
-from kilter.files.file_content import UP, FileContent, note_on_up, read_path
+from kilter.files.file_content import FileContent, read_path
 from kilter.files.format_options import BASES, FormatOptions
 from kilter.files.objects.state_files import state_row
-from kilter.files.own.choices import LOWEST, Choices, digest, find_choices
+from kilter.files.own.choices import Choices, digest, find_choices
 from kilter.files.own.choices_writing import (
     released_in_part,
     require_off,
@@ -48,6 +48,7 @@ from kilter.files.reading_steps import (
     with_loads,
     with_masses,
 )
+from kilter.rigid import UP
 from kilter.units import metres_per_unit
 from kilter.values.guesses import guarded
 
@@ -93,6 +94,11 @@ class Reading(ReadingOptions):
             given = {**self.options(), **self.entries}.keys() - set(self.saved)
             require_off(self.off, self.release, given)
 
+    def without_off(self) -> Reading:
+        """The reading whose `off` has only the floor, which is then not assumed either."""
+        off = ("floor",) if "floor" in self.off else ()
+        return dataclasses.replace(self, off=off)
+
     @property
     def fastens(self) -> bool:
         """Whether an option joins parts; this requires contact detection."""
@@ -112,6 +118,7 @@ class Reading(ReadingOptions):
             states,
             self.base,
             self.loose_robots,
+            self.keep_copies,
             self.studs,
         )
 
@@ -144,7 +151,7 @@ class Reading(ReadingOptions):
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
             bonds = values.get("bond", ())
             values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
-            for key in ("fasten_suggested", "fasten_overlaps", "loose_robots"):
+            for key in ("fasten_suggested", "fasten_overlaps", "loose_robots", "keep_copies"):
                 values[key] = bool(values.get(key, False))
             values["mass"] = tuple((str(a), float(kg)) for a, kg in values.get("mass", ()))
             loads = values.get("load", ())
@@ -265,23 +272,29 @@ class Reading(ReadingOptions):
         if self.density is not None:
             assembly = with_density(assembly, self.density, replaces=content.from_cad)
         assembly = with_bodies(assembly, bodies)
-        remaining = [p for p in self.without if not fnmatch.filter(content.left_out, p)]
-        if remaining:  # the reader of STEP has left out the others
+        remaining = [
+            p
+            for p in self.without
+            if not fnmatch.filter(content.left_out, p) or fnmatch.filter(assembly.names, p)
+        ]
+        if remaining:  # the reader has left out the others
             assembly = assembly.without(remaining)
         assembly = with_masses(assembly, self.mass)
+        if "floor" in self.off:
+            assembly = dataclasses.replace(assembly, file_up=None)
         here, _ = self.for_parts(assembly.names)  # choices about parts that are left out
         if self.friction is not None:
             assembly = with_friction(assembly, self.friction)
         if self.up is not None:
             assembly = assembly.with_down([-x for x in UP[self.up]])
+            if assembly.file_up is not None:
+                assembly = dataclasses.replace(assembly, file_up=UP[self.up])
         here = here.released(assembly.names)
         if here.ground:
             assembly = holding(assembly, here.ground)
         directed = self.up is not None or self.down is not None or "gravity" in self.entries
         if not directed and not content.states_gravity:
-            notes = note_on_up(assembly)
-            if notes:  # an unchanged assembly keeps the geometry that it has computed
-                assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
+            assembly = dataclasses.replace(assembly, up_assumed=True)
         floor = self.floor if self.floor is None else self.floor == LOWEST or float(self.floor)
         gravity = self.entries.get("gravity")
         assembly = on_floor(assembly, floor, gravity if self.down is None else self.down)
@@ -318,7 +331,7 @@ def chosen(choices: Choices, reading: Reading | None = None) -> Chosen:
     given = reading or Reading()
     partly = released_in_part(choices.held, given.release)
     choices, notes = switched_off(choices, given.off, given.release)
-    merged, replaced = dataclasses.replace(given, off=(), release=()).over(choices)
+    merged, replaced = dataclasses.replace(given.without_off(), release=()).over(choices)
     notes += replaced
     present = digest(path)
     if choices.sha256 not in (None, present):

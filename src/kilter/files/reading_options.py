@@ -70,7 +70,7 @@ class ReadingOptions:
     )
     units: str | None = option(
         "--units m|cm|mm|in",
-        "Unit of length of a file that does not name its unit; m by default.",
+        "Unit of length of a file that does not name its unit; mm by default for STL, else m.",
         HELD,
     )
     density: float | None = option(
@@ -102,6 +102,12 @@ class ReadingOptions:
         "until they rest. fits: and threads, press fits and inserts are joined. joined: and parts "
         "that touch or overlap are joined. play by default for files of simulators, else drawn.",
         TOUCH,
+    )
+    keep_copies: bool = option(
+        "--keep-copies",
+        "CAD and mesh files only: keep bodies that are in the file twice; by default a copy, or a "
+        "step of a feature beside its result, is left out.",
+        HELD,
     )
     up: str | None = option(
         "--up x|y|z|-x|-y|-z", "The axis of the file that points up; z by default.", HELD

@@ -57,7 +57,9 @@ def make_proof(
     """JSON data of a proof file, from a certificate and the evidence about friction.
 
     Arguments: `options`: reading options of the file; if it is empty, those that the assembly
-    remembers. Raises `InputError` if the verdict is undecided (`certificate` is None): it has no
+    remembers. The proof lists those that were assumed as well.
+
+    Raises `InputError` if the verdict is undecided (`certificate` is None): it has no
     proof.
     """
     if certificate is None:
@@ -70,7 +72,7 @@ def make_proof(
         "planar": assembly.planar,
         "gravity": assembly.gravity.tolist(),
         "down": assembly.down.tolist(),
-        "options": options or dict(assembly.reading or {}),
+        "options": {**(options or assembly.reading or {}), **assembly.assumed},
         "tolerance": {key: getattr(contacts.searched, key) for key in TOLERANCES},
         "parts": _parts_data(program),
         "points": _points_data(program, rows, coefficients(contacts, program, rows)),

@@ -156,6 +156,8 @@ def _part_objections(program: Program, parts: list[dict[str, Any]]) -> list[str]
             reasons.append(
                 f"part {part['name']!r} is {'held' if part['grounded'] else 'free'} in the proof"
             )
+        if not program.free[k]:
+            continue  # the ground carries it, so that its mass counts nowhere
         if not _agree(part["mass"], program.mass[k], program.mass[k]):
             reasons.append(f"part {part['name']!r} has another mass in the proof")
         reach = program.radius[k] + float(np.abs(program.center[k]).max())

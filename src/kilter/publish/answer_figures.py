@@ -94,7 +94,7 @@ def draw(
     shown = contacts if isinstance(contacts, bool) else None
     known = None if isinstance(contacts, bool) else contacts
     asked = asked.but(contacts=known)
-    answer = answer_to_draw(changed_subject(subject, asked), what, asked)
+    answer = answer_to_draw(changed_subject(subject, asked.but(verb=what)), what, asked)
     if isinstance(answer, Region):
         figure = draw_region(answer)
     elif isinstance(answer, Settled):

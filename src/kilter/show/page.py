@@ -33,9 +33,14 @@ if TYPE_CHECKING:
     from kilter.analysis.planning.order.order import Order
 
 
-SLOTS = ("bar", "above", "panels", "side", "actions", "later", "motion", "player", "body")
+SLOTS = ("bar", "above", "rungs", "panels", "side", "actions", "later", "motion", "player", "body")
 """Slots of the template that hold asset files of one kind of page."""
-REPORT = {"motion": "motion.html", "player": "fall.html", "side": "ball.html"}
+REPORT = {
+    "motion": "motion.html",
+    "player": "fall.html",
+    "side": "ball.html",
+    "panels": "ladder.html",
+}
 """Asset files of a report, by the slot of the template."""
 PLAN = {"player": "player.html", "side": "step.html"}
 """Asset files of a plan, by the slot of the template."""
@@ -136,7 +141,8 @@ def _asset(name: str) -> str:
 WORKBENCH = {
     "bar": "bench_bar.html",
     "above": "bench_start.html",
-    "panels": "bench_decide.html",
+    "rungs": "bench_rungs.html",
+    "panels": "ladder.html bench_decide.html",
     "actions": "bench_actions.html",
     "later": "bench_forces.html ball.html",
     "motion": "motion.html",

@@ -13,6 +13,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.show.colours import assembly_colours
+from kilter.show.ladder_card import build_ladder
 from kilter.show.packing import pack, readable
 from kilter.show.round_patches import round_patches
 from kilter.show.shapes import ShapeMesh, place_shapes
@@ -44,7 +45,8 @@ def build_scene(answers: Everything) -> dict[str, Any]:
     same = coincide(answers)
     return {
         **things,
-        "given": build_orientation(answers, answers.given, center),
+        "given": build_orientation(answers, answers.given, center)
+        | {"assumption": build_ladder(answers.given.check, answers.assembly)},
         "recommended": None
         if recommended is None or same
         else build_orientation(answers, recommended, center),

@@ -120,7 +120,7 @@ def check_facts(answer: Answer) -> list[Fact]:
     facts = [
         *ladder_facts(answer),
         ("parts", parts_phrase(answer["parts"])),
-        ("units", f"{answer['units']}; {_density(answer['density'])}"),
+        ("units", f"{_size(answer)}; {_density(answer['density'])}"),
         ("mass", f"{mass(_free_mass(answer['parts']))} (all free parts)"),
         ("gravity", gravity_phrase(answer)),
         ("contacts", counts(**answer["contacts"])),
@@ -197,6 +197,21 @@ def _guide_facts(answer: Answer) -> list[Fact]:
             facts.append(("" if facts else "joint forces",
                           f"{' - '.join(joint['parts'])}: {', '.join(acting)}"))  # fmt: skip
     return facts
+
+
+def _size(answer: Answer) -> str:
+    """Return a phrase about the extents of the free parts; it says if the unit is assumed.
+
+    Examples
+    --------
+    >>> _size({"size": [120, 80, 40], "units": "mm", "assumed": ["units"]})
+    'size 120 x 80 x 40 mm, units assumed; --units m'
+    """
+    unit = answer["units"]
+    words = f"size {' x '.join(number(extent) for extent in answer['size'])} {unit}"
+    if "units" not in answer["assumed"]:
+        return words
+    return f"{words}, units assumed; --units {'m' if unit != 'm' else 'mm'}"
 
 
 def _density(density: Answer) -> str:

@@ -9,11 +9,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kilter.errors import some, some_names
-from kilter.tell.numbers import number
+from kilter.tell.name_groups import grouped, pattern, stem
+from kilter.tell.numbers import count, number
 
 Entry = Mapping[str, Any]
 FEW = 3
 """Largest number of misplaced copies, and of overlaps in one line, that a warning names."""
+NAMED = 5
+"""Largest number of parts, or groups of parts, that a warning names."""
 LISTED = 4
 """Largest number of overlaps that have a warning each."""
 ROUND = 0.005
@@ -81,12 +84,17 @@ def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
     >>> top = {"part": "top", "nearest": "base", "gap": 0.25, "accuracy": 0.0, "grounded": False}
     >>> lone_warnings([top], "mm")
     ["touches nothing: 'top' (0.25 mm from 'base')"]
+    >>> lone_warnings([top | {"part": f"LED_{k}", "gap": 0.25 + k} for k in range(3)], "mm")
+    ["touches nothing: 'LED_*' (3 parts, 0.25 to 2.25 mm from 'base')"]
     """
     warnings = []
     for held, words in ((False, "touches nothing"), (True, "is held, but touches nothing")):
-        alone = [_lone_part(entry, units) for entry in nearest if entry["grounded"] == held]
-        if alone:
-            warnings.append(f"{words}: {some(alone)}")
+        entries = [entry for entry in nearest if entry["grounded"] == held]
+        groups = grouped(entries, lambda entry: (stem(entry["part"]), stem(entry["nearest"] or "")))
+        if groups:
+            alone = [_lone_parts(group, units) for group in groups[:NAMED]]
+            more = len(entries) - sum(map(len, groups[:NAMED]))
+            warnings.append(f"{words}: {some(alone, len(alone), len(alone) + more)}")
     return warnings
 
 
@@ -102,11 +110,26 @@ def group_warnings(groups: Sequence[Sequence[str]]) -> list[str]:
     return [f"touch no other part: {some(named, FEW)}"] if named else []
 
 
-def _lone_part(entry: Entry, units: str) -> str:
-    """Return the name of a part that touches nothing, with its gap to the nearest part."""
-    if entry["nearest"] is None:
-        return repr(entry["part"])
-    return f"{entry['part']!r} ({gap_words(entry, units)} from {entry['nearest']!r})"
+def _lone_parts(entries: Sequence[Entry], units: str) -> str:
+    """Return the name of parts that touch nothing, with their gaps to the nearest parts."""
+    name = repr(pattern([entry["part"] for entry in entries]))
+    about = [count(len(entries), "part")] * (len(entries) > 1)
+    if entries[0]["nearest"] is not None:
+        ends = [f(entries, key=lambda entry: float(entry["gap"])) for f in (min, max)]
+        other = pattern([entry["nearest"] for entry in entries])
+        about.append(f"{range_words(*(gap_words(end, units) for end in ends))} from {other!r}")
+    return f"{name} ({', '.join(about)})" if about else name
+
+
+def range_words(least: str, most: str) -> str:
+    """Return a range of two lengths with the same unit, or a single length if both are equal.
+
+    Examples
+    --------
+    >>> range_words("2 mm", "3 mm"), range_words("2 mm", "2 mm")
+    ('2 to 3 mm', '2 mm')
+    """
+    return least if least == most else f"{least.rpartition(' ')[0]} to {most}"
 
 
 def gap_words(entry: Entry, units: str) -> str:

@@ -74,6 +74,9 @@ PALETTE = (
 )
 """Colours of free parts, in the order in which parts get them. They are pale, so that signs stand
 out."""
+BODIES = ("#9494f2", "#f0e070", "#40b0d0", "#f07494", "#a0f0b0", "#d09464")
+"""Colours of bodies of joined parts, in the order of the bodies. Every two of them differ for
+readers with any colour blindness."""
 RAMP = ("#fff6de", "#fdd68c", "#f3a14b", "#d55e00", "#8c3006")
 """Scale of instability or of the use of bonds. Its lightness falls from none to the most, so that
 it can be read without hue."""
@@ -120,7 +123,7 @@ def as_css() -> str:
     light, dark = (
         _properties([getattr(role, theme) for role in ROLES.values()]) for theme in _THEMES
     )
-    ramp = f"--ramp: {', '.join(RAMP)}; --ground: {GROUND};"
+    ramp = f"--ramp: {', '.join(RAMP)}; --bodies: {', '.join(BODIES)}; --ground: {GROUND};"
     return (
         f":root {{ color-scheme: light; {light} {ramp} }}\n"
         "@media (prefers-color-scheme: dark) "

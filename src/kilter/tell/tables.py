@@ -9,10 +9,12 @@ from functools import partial
 from typing import Any
 
 from kilter.errors import some
+from kilter.tell.body_words import body_sentences, support_words
 from kilter.tell.check_facts import Answer
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
 from kilter.tell.margin_facts import part_level_words
+from kilter.tell.motion_rows import motion_of, motion_rows
 from kilter.tell.numbers import Name, count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import deciding_option
 from kilter.tell.place_words import PACKING_HEAD, item_cells
@@ -20,7 +22,6 @@ from kilter.tell.plan_words import HEAD, change_cells, improve_sentence, step_ce
 from kilter.tell.scene_words import SCENE_HEAD, moved_cells, moved_head, object_cells, scene_order
 from kilter.tell.verify_words import verify_sentence
 from kilter.tell.why_words import WHY_HEAD, why_cells
-from kilter.tell.words import NAMED
 
 INTERFERENCE = "an interference fit: a press fit or a thread"
 NO_FORCE = 1e-9
@@ -82,13 +83,11 @@ def sentences(answer: Answer) -> list[str]:
         pairs = len({tuple(patch["parts"]) for patch in patches})
         points = sum(len(patch["points"]) for patch in patches)
         lines = [f"Parts touch in {counts(pairs=pairs, patches=len(patches), points=points)}."]
-        left_open, alone = len(answer["open_pairs"]), len(answer["nearest"])
+        left_open = len(answer["open_pairs"])
         if left_open:
             decides = "does not determine how they touch"
             lines.append(f"Open: {count(left_open, 'pair')}, since the geometry {decides}.")
-        if alone:
-            lines.append(f"Touching nothing: {count(alone, 'part')}.")
-        return lines
+        return [*lines, *body_sentences(answer["bodies"], answer["units"])]
     if kind == "assembly":
         return [f"An assembly of {count(len(answer['parts']), 'part')}."]
     if kind == "verify":
@@ -100,8 +99,6 @@ def sentences(answer: Answer) -> list[str]:
         moving = sum(part["moves"] for part in answer["parts"])
         if moving and all(part["acceleration"] is None for part in answer["parts"]):
             lines.append(NO_ACCELERATION)
-        if moving > NAMED:
-            lines.append(f"Fastest: {answer['summary']}.")
     return lines
 
 
@@ -165,7 +162,8 @@ def tables(answer: Answer) -> list[Table]:
     if kind == "contacts":
         every = [
             open_table(answer),
-            _lone_table(answer),
+            _body_table(answer),
+            _held_table(answer),
             fastened_table(answer),
             _fit_table(answer),
             _patch_table(answer),
@@ -176,8 +174,11 @@ def tables(answer: Answer) -> list[Table]:
     return []
 
 
-def moving_table(answer: Answer) -> Table | None:
-    """Return the table of the moving parts, the fastest first; None without a motion."""
+def moving_table(answer: Answer, *, brief: bool = False) -> Table | None:
+    """Return the table of the moving parts, the fastest first; None without a motion.
+
+    `brief`: whether parts with equal motions share a row, in at most `MOST_MOTIONS` rows.
+    """
     if kind_of(answer) not in ("check", "orient"):
         return None
     verdict = answer["verdict"]
@@ -202,9 +203,12 @@ def moving_table(answer: Answer) -> Table | None:
 
     if not moving:
         return None
+    if brief:
+        proof = bool(answer["open_pairs"])  # the title counts the parts that the proof moves
+        return Table(title, (), motion_rows(moving, by_proof=proof), tuple, complete=True)
 
     def row(part: Answer) -> Sequence[str]:
-        return Name(part["name"]), part["motion"] if part["moves"] else part["slow_motion"]
+        return Name(part["name"]), motion_of(part)
 
     return Table(title, (), moving, row)
 
@@ -377,8 +381,23 @@ def open_table(answer: Answer) -> Table:
     return Table("Open pairs, on which a verdict may depend:", head, answer["open_pairs"], row)
 
 
-def _lone_table(answer: Answer) -> Table:
-    """Return the table of parts that touch nothing, the smallest gap to another part first."""
+def _body_table(answer: Answer) -> Table:
+    """Return the table of bodies, those on a floor first; empty for a single body."""
+    bodies = answer["bodies"] if len(answer["bodies"]) > 1 else []
+    units = answer["units"]
+
+    def row(body: Answer) -> Sequence[str]:
+        name, parts = Name(body["name"]), str(len(body["parts"]))
+        near = "" if body["nearest"] is None else Name(body["nearest"])
+        apart = "" if near == "" else f"{number(body['distance'], 3)} {units}"
+        return name, parts, mass(body["mass"]), apart, near, support_words(body, units)
+
+    head = ("largest part", "parts", "mass", "distance", "nearest part", "support")
+    return Table("Bodies of parts that touch or overlap:", head, bodies, row)
+
+
+def _held_table(answer: Answer) -> Table:
+    """Return the table of held parts that touch nothing, the smallest gap to a part first."""
 
     def row(entry: Answer) -> Sequence[str]:
         if entry["nearest"] is None:
@@ -388,8 +407,8 @@ def _lone_table(answer: Answer) -> Table:
     def gap(entry: Answer) -> float:
         return math.inf if entry["gap"] is None else float(entry["gap"])
 
-    head = ("part", "gap", "nearest part")
-    return Table("Touching nothing:", head, sorted(answer["nearest"], key=gap), row)
+    held = sorted((entry for entry in answer["nearest"] if entry["grounded"]), key=gap)
+    return Table("Held, but touching nothing:", ("part", "gap", "nearest part"), held, row)
 
 
 def _fit_table(answer: Answer) -> Table:

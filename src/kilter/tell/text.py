@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 from kilter.errors import visible
 from kilter.tell.check_facts import Answer
@@ -27,11 +28,11 @@ def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
     <BLANKLINE>
     because  z is above 0
     """
-    moving = moving_table(answer)
+    moving = moving_table(answer, brief=brief)
     first, *rest = sentences(answer)
     blocks = [
         [first, *(plain(line, WIDE) for line in rest)],
-        [] if moving is None else listed(moving),
+        [] if moving is None else listed(replace(moving, complete=True)),
         aligned(facts(answer, brief=brief)),
         *(listed(table) for table in (*tables(answer), *more)),
     ]

@@ -319,6 +319,34 @@ def motion_words(
     return f"{about}{at}, its centre {_translation(acceleration[:3], linear, down, sizes)}"
 
 
+def fall_words(distance: float, units: str, *, lands: bool) -> str:
+    """Return a straight fall in words that end before the name of the part below.
+
+    `lands`: whether the part below stays at rest, so that the length of the fall is known.
+
+    Examples
+    --------
+    >>> fall_words(18.0, "mm", lands=True), fall_words(0.5, "m", lands=False)
+    ('falls 18 mm onto', 'falls freely 0.5 m above')
+    """
+    size = f"{number(distance, 3)} {units}"
+    return f"falls {size} onto" if lands else f"falls freely {size} above"
+
+
+def upward_words(up: str) -> str:
+    """Return the proposal of another upward axis, with which the assembly holds.
+
+    Examples
+    --------
+    >>> print(upward_words("y")[-59:])
+    if y points up in the file, give --up y (in Python up='y')
+    """
+    return (
+        f"with z up it falls even if parts that touch are joined, with {up} up it then stays: if "
+        f"{up} points up in the file, give --up {up} (in Python up={up!r})"
+    )
+
+
 def motion_summary(phrases: Sequence[str], total: int) -> str:
     """Return a phrase about the parts that move fastest.
 

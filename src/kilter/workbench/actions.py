@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from kilter.assembly.assumption import valid_rung
 from kilter.errors import InputError, short_name
 from kilter.files.own.choices import Choices
 from kilter.workbench.connections import index_of
@@ -311,6 +312,15 @@ GRAVITY = 9.81
 # reading -------------------------------------------------------------------------------
 
 
+def _assume(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
+    """The rung of the ladder of assumptions, and the friction that its row assumes."""
+    rung = valid_rung(str(action["rung"]))
+    if action.get("mu") is None:
+        return {"assume": rung}, f"assume {rung}"
+    mu = _not_negative(action["mu"], "the friction coefficient")
+    return {"assume": rung, "friction": mu}, f"assume {rung}, friction {mu:g}"
+
+
 def _units(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, str]:
     units = action.get("value")
     if keys.get("poses"):
@@ -339,6 +349,7 @@ def _contacts(action: Action, keys: Keys, bodies: OpenedParts) -> tuple[Keys, st
 
 
 ACTIONS: dict[str, Callable[[Action, Keys, OpenedParts], tuple[Keys, str]]] = {
+    "assume": _assume,
     "hold": _hold,
     "floor": _floor,
     "leave_out": _leave_out,

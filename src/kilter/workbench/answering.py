@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from kilter.analysis.assumptions.assume import assumed
 from kilter.analysis.check import check, check_equilibrium
-from kilter.analysis.everything import full_answer, only_given
+from kilter.analysis.everything import full_answer, only_given, turned_verdict
 from kilter.analysis.margins.margin import margin
 from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.analysis.planning.hold.hold import hold
@@ -19,10 +21,12 @@ from kilter.analysis.turning.orientation import orient
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.assembly.question import Question
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.errors import InputError, shell_words
 from kilter.files.own.choices import Choices, option_words
 from kilter.files.own.saved_entries import with_interactions
+from kilter.show.ladder_card import build_ladder
 from kilter.show.scene import build_orientation, build_things
 from kilter.show.sections import answer_html, placed_part
 from kilter.tell.facts import facts
@@ -113,9 +117,7 @@ ENTRIES = ("loads", "joints", "bonds")
 
 
 def settle_offer(verdict: Verdict) -> dict[str, str] | None:
-    """Parts that overlap, nearly touch or hang, and the known result of settling them, in words.
-
-    None if there is no such part. The result is empty if it was not tried.
+    """Parts that overlap, nearly touch or hang, in words; None if there is no such part.
 
     Examples
     --------
@@ -249,7 +251,7 @@ def _density(assembly: Assembly, k: int) -> float | None:
 def prepared_check(prepared: Prepared, phase: str, progress: Tell | None = None) -> Verdict:
     """The verdict on the present choices, as `kilter check` computes it from the saved choices.
 
-    The phase "equilibrium" stops when equilibrium is decided.
+    The phase "equilibrium" stops when equilibrium is decided, and is about the drawn pose.
     """
     if phase == "equilibrium":
         return check_equilibrium(prepared.assembly, prepared.contacts)
@@ -262,6 +264,27 @@ def prepared_check(prepared: Prepared, phase: str, progress: Tell | None = None)
     )
 
 
+def on_rung(prepared: Prepared, progress: Tell) -> Prepared:
+    """The assembly and the contacts with the poses and joints of their rung, for other questions.
+
+    Raises `InputError` if the parts cannot come to rest.
+    """
+    asked = Question(
+        assembly=prepared.assembly,
+        contacts=prepared.contacts,
+        tolerance=prepared.tolerance,
+        progress=progress,
+    )
+    found = assumed(asked)
+    assert found.contacts is not None
+    return replace(prepared, assembly=found.assembly, contacts=found.contacts)
+
+
+def posed(prepared: Prepared, verdict: Verdict) -> Prepared:
+    """The assembly and the contacts to which a verdict belongs, in the poses of its rung."""
+    return replace(prepared, assembly=verdict.assembly, contacts=verdict.contact_set)
+
+
 def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
     """Data of a verdict for the page.
 
@@ -271,6 +294,7 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
     answers = only_given(verdict)
     data = answers.given.check
     units = verdict.assembly.units
+    complete = phase == "complete"
     pairs = [
         {
             "parts": pair["parts"],
@@ -280,11 +304,11 @@ def answer_data(verdict: Verdict, phase: str, center: Array) -> dict[str, Any]:
         }
         for pair in data["open_pairs"][:LISTED]
     ]
-    complete = phase == "complete"
     suggestions = suggest_joints(verdict.assembly, verdict.contact_set) if complete else []
     return {
         "phase": phase,
-        "given": build_orientation(answers, answers.given, center),
+        "given": build_orientation(answers, answers.given, center)
+        | {"assumption": build_ladder(data, verdict.assembly) if complete else None},
         "facts": [[term, words] for term, words in facts(data) if term not in NOT_LISTED],
         "warnings": list(data["warnings"]),
         "open": pairs,
@@ -391,8 +415,7 @@ def tab_data(
     data = answer.to_dict()
     orientation = None
     if name == "orient" and data["found"]:
-        turned = prepared.assembly.with_down(data["down"])
-        verdict = check(turned, contacts=prepared.contacts.of(turned))
+        verdict = turned_verdict(prepared.assembly, prepared.contacts, data["down"])
         answers = only_given(verdict)
         orientation = build_orientation(answers, full_answer(verdict), center)
     return {

@@ -113,8 +113,7 @@ def _proof(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tel
     verdict = _verdict(prepared, progress)
     if verdict.evidence is None:
         raise InputError("this answer has no proof", hint="decide the open pairs first")
-    proof = verdict.proof(options=prepared.reading.options())
-    write_text(path, json.dumps(proof, ensure_ascii=False) + "\n")
+    write_text(path, json.dumps(verdict.proof(), ensure_ascii=False) + "\n")
 
 
 def _choices(prepared: Prepared, path: Path, job: Mapping[str, Any], progress: Tell) -> None:

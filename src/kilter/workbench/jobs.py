@@ -8,13 +8,17 @@ from __future__ import annotations
 
 import asyncio
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kilter.analysis.assumptions.assume import rung_of
+from kilter.arrays import Array
+from kilter.assembly.assumption import DRAWN
+from kilter.assembly.question import Question
 from kilter.errors import InputError
 from kilter.files.limits import only_below
 from kilter.files.own.choices import digest, find_choices
@@ -22,6 +26,8 @@ from kilter.show.scene import view_box
 from kilter.workbench.answering import (
     PHASES,
     answer_data,
+    on_rung,
+    posed,
     prepared_check,
     scene_data,
     settling_action,
@@ -193,7 +199,9 @@ class Jobs:
         self.bodies = OpenedParts()
         self._folder: str | None = None
         self._shapes: Any = None
+        self._shown: Sequence[str] = ()
         self._prepared: tuple[Any, Prepared] | None = None
+        self._at_rung: tuple[Prepared, Prepared] | None = None
 
     def run(self, job: Job, report: Report) -> None:
         """Run a job; `report` is called with the kind and the data of each result.
@@ -229,6 +237,7 @@ class Jobs:
             base = {**base, "gravity": (size * unit + 0.0).tolist()}
         bodies = live.opened_parts(base)
         self.live, self.bodies, self._shapes, self._prepared = live, bodies, None, None
+        self._shown = ()
         self._folder = job["folder"]
         report("opened", {"path": str(about), "keys": base, "bodies": bodies})
 
@@ -239,27 +248,46 @@ class Jobs:
             self._prepared = job["keys"], self.live.prepare(job["keys"])
         return self._prepared[1]
 
+    def _prepare_rung(self, job: Job, report: Report) -> Prepared:
+        """The assembly of a job with the poses and joints of its rung; kept, too."""
+        prepared = self._prepare(job)
+        if self._at_rung is None or self._at_rung[0] is not prepared:
+            self._at_rung = prepared, on_rung(prepared, _teller(report))
+        return self._at_rung[1]
+
     def _answer(self, job: Job, report: Report) -> None:
         """Answer the present choices: the scene, then the verdict in two phases."""
         assert self.live is not None
         self.live.progress = _teller(report)
         prepared = self._prepare(job)
+        moves = rung_of(Question(assembly=prepared.assembly)) != DRAWN
+        held = any(part.grounded for part in prepared.assembly.parts)
+        known = prepared.assembly.names == self._shown
+        if not (moves and held and known):  # else the last poses are shown until the next
+            center = self._show(prepared, report)
+        if not held:
+            raise InputError("nothing is held", hint="select a part and hold it, or add the floor")
+        for phase in PHASES[moves:]:
+            verdict = prepared_check(prepared, phase, _teller(report))
+            if moves:
+                center = self._show(posed(prepared, verdict), report)
+            report("answer", answer_data(verdict, phase, center))
+
+    def _show(self, prepared: Prepared, report: Report) -> Array:
+        """Report the scene of an assembly; return the point to which its positions are relative."""
         scene = scene_data(prepared, self.bodies)
+        self._shown = prepared.assembly.names
         if scene["shapes"] == self._shapes:
             scene["shapes"] = None
         else:
             self._shapes = scene["shapes"]
         report("scene", scene)
-        if not any(part.grounded for part in prepared.assembly.parts):
-            raise InputError("nothing is held", hint="select a part and hold it, or add the floor")
-        center = np.array(scene["center"])
-        for phase in PHASES:
-            verdict = prepared_check(prepared, phase, _teller(report))
-            report("answer", answer_data(verdict, phase, center))
+        return np.array(scene["center"])
 
     def _tab(self, job: Job, report: Report) -> None:
-        """Compute a tab for the present choices."""
-        prepared = self._prepare(job)
+        """Compute a tab for the present choices; contacts are those of the drawn pose."""
+        drawn = job["name"] == "contacts"
+        prepared = self._prepare(job) if drawn else self._prepare_rung(job, report)
         center, _ = view_box(prepared.assembly)
         data = tab_data(
             job["name"],

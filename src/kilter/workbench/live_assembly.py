@@ -22,7 +22,7 @@ from kilter.contact.fits.fastening import fasten_as_read
 from kilter.contact.kept_contacts import KeptContacts
 from kilter.files.file_content import FileContent
 from kilter.files.own.choices import Choices
-from kilter.files.reading import Chosen, Reading, chosen
+from kilter.files.reading import Chosen, chosen
 from kilter.loading import tolerance_of
 from kilter.units import metres_per_unit
 
@@ -65,8 +65,6 @@ class Prepared:
     assembly: Assembly
     contacts: ContactSet
     tolerance: Tolerance
-    reading: Reading
-    """The choices as options of a reading, for proofs."""
     left_out: tuple[str, ...]
     """Parts of the file that the choices leave out."""
 
@@ -109,7 +107,8 @@ class LiveAssembly:
         _, content = self._read(both)
         assembly = both.reading.read_content(content)
         notes = [*assembly.notes, *both.notes]
-        assembly = replace(assembly, notes=notes, tolerance=tolerance)
+        reading = both.reading.options()
+        assembly = replace(assembly, notes=notes, tolerance=tolerance, reading=reading)
 
         def find(changed: Assembly) -> ContactSet:
             return self._contacts(changed, tolerance, content)
@@ -119,7 +118,7 @@ class LiveAssembly:
             contacts = find(joined)
         here = set(joined.names)
         left_out = tuple(name for name in content.assembly.names if name not in here)
-        return Prepared(joined, contacts, tolerance, both.reading, left_out)
+        return Prepared(joined, contacts, tolerance, left_out)
 
     def _chosen(self, keys: dict[str, Any]) -> Chosen:
         return chosen(Choices.from_dict(keys, folder=self.path.parent))

@@ -6,6 +6,7 @@
 import { copyText } from "../clipboard.js";
 import { unpacked } from "../data.js";
 import { id, on } from "../dom.js";
+import { controls, press } from "../ladder.js";
 import { printWell } from "../paper.js";
 import { scrollPast } from "../scrolling.js";
 import { readTables } from "../tables.js";
@@ -30,6 +31,9 @@ export class Workbench {
     this.parts = new PartActions(this);
     this.decide = new Decide(this);
     this.tabs = new Tabs(this);
+    for (const one of controls()) {
+      one.addEventListener("click", () => this.assume({ assume: one.dataset.rung, friction: null }));
+    }
     on("undo", "click", () => this.act({ do: "undo" }));
     on("redo", "click", () => this.act({ do: "redo" }));
     on("save", "click", () => this.save());
@@ -64,6 +68,11 @@ export class Workbench {
     if (reply.ok) id("trouble").hidden = true;
     else this.complain(sentence(reply));
     return reply;
+  }
+
+  /** Choose the rung of a row of the ladder, with the friction of the row if it states one. */
+  assume({ assume: rung, friction: mu }) {
+    return this.act({ do: "assume", rung, ...(mu === null ? {} : { mu }) });
   }
 
   complain(words) {
@@ -115,6 +124,7 @@ export class Workbench {
     this.start.tell(session);
     this.forces.tell(session);
     if (!before || before.state !== session.state) this.stale();
+    if (session.choices.assume) press(session.choices.assume);
     if (!open) id("show").hidden = true;
     else if (this.report && before && before.file === session.file) id("show").hidden = false;
     if (this.report) this.parts.tell();
@@ -151,7 +161,7 @@ export class Workbench {
     this.shapes = page.shapes;
     prepareParts(page.parts);
     const { down } = page;
-    page.given = pending(page.parts.names.length, down);
+    page.given = pending(page.parts.names.length, down, this.other ? null : this.report?.page.given);
     id("show").hidden = false;
     const acted = id("part").contains(document.activeElement);
     if (/^Reading/.test(id("message-words").textContent)) this.note("");
@@ -172,6 +182,7 @@ export class Workbench {
   /** Make the picture with the first scene. */
   begin(page) {
     this.report = new LiveReport(page);
+    this.report.ladder.choose = (row) => this.assume(row);
     this.report.told = () => this.tellPhase();
     this.report.selected_ = () => this.parts.tell();
     window.kilter = this.report;
@@ -227,6 +238,8 @@ export class Workbench {
     id("verdict").textContent = "No answer";
     for (const name of ["level", "figure", "moving"]) id(name).textContent = "";
     id("sentence").textContent = sentence(problem);
+    this.report?.ladder.tell(null);
+    press(this.session.choices.assume);
     if (!this.report || id("show").hidden) this.complain(sentence(problem));
   }
 
@@ -256,7 +269,7 @@ export class Workbench {
   zoomToNames(names) {
     const { full_names: all } = this.report.page.parts;
     const pair = names.map((name) => all.indexOf(name)).filter((k) => k >= 0);
-    if (pair.length) this.report.zoomToPair(pair);
+    if (pair.length) this.report.bring(pair);
   }
 
   /** Download a file that the server makes; `as`: the name of the download. */

@@ -1,4 +1,4 @@
-// What the answer leaves to the user: remedies, pairs that look fastened, and open pairs.
+// Questions to the user: parts to settle, pairs that look fastened, and open pairs.
 
 import { id } from "../dom.js";
 import { button, entry, fill } from "./entries.js";
@@ -11,24 +11,14 @@ export class Decide {
     this.bench = bench;
   }
 
-  tell({ open, suggestions, remedies, settle }) {
+  tell({ open, suggestions, settle }) {
     const { bench } = this;
     Object.assign(this, { offer: settle, settling: false, refusal: "" });
     this.tellSettle();
     const decides = open.filter((pair) => pair.decides);
     const left = suggestions.filter((one) => !one.joined);
-    id("decide").hidden = !open.length && !left.length && !remedies.length && !settle;
+    id("decide").hidden = !open.length && !left.length && !settle;
     id("decide").classList.toggle("urgent", decides.length > 0);
-    const verdicts = bench.report.page.words;
-    fill(
-      id("remedies"),
-      "Remedies",
-      remedies.filter(({ actions }) => actions.length && actions[0].do !== "settle").map((one) => {
-        const words = one.actions.map((action) => this.words(action)).join(", ");
-        const end = verdicts[one.leads_to] ?? one.leads_to;
-        return entry(end ? `${words}: then ${end.toLowerCase()}` : words, button("Do it", () => this.all(one.actions)));
-      }),
-    );
     const fixed = left.filter((one) => one.fixed);
     fill(
       id("suggestions"),
@@ -64,8 +54,7 @@ export class Decide {
     };
     const line = () => {
       if (this.settling) return entry("The parts are moved until they rest on each other …", button("Stop", () => bench.act({ do: "stop" })));
-      const words = offer.result ? `${offer.parts}: ${offer.result}` : offer.parts;
-      return entry(words, button("Settle", ask, "moves the parts by little until they rest on each other; undo takes it back"));
+      return entry(offer.parts, button("Settle", ask, "moves the parts by little until they rest on each other; undo takes it back"));
     };
     fill(id("settle"), "Parts that overlap or hang", offer ? [line(), ...(this.refusal ? [entry(this.refusal)] : [])] : []);
   }
@@ -85,29 +74,5 @@ export class Decide {
     const item = entry("", ...actions.map(([label, action]) => button(label, action)));
     item.firstChild.append(show);
     return item;
-  }
-
-  /** Words for the action of a remedy. */
-  words({ do: name, parts = [], mu, ...rest }) {
-    const names = parts.map((part) => this.bench.shortName(part)).join(" and ");
-    const words = {
-      fasten_suggested: "join the pairs that look fastened",
-      fasten_overlaps: "join the pairs that overlap",
-      loose: "loose tolerances",
-      friction: `friction ${mu}`,
-      fasten: `join ${names}`,
-      leave_out: `leave out ${names}`,
-      hold: `hold ${names}`,
-      tolerance: `tolerance: ${Object.entries(rest).map(([key, value]) => `${key} ${value}`).join(", ")}`,
-    };
-    return words[name] ?? name;
-  }
-
-  /** Do several actions, one after the other. */
-  async all(actions) {
-    for (const action of actions) {
-      const reply = await this.bench.act(action);
-      if (!reply.ok) return;
-    }
   }
 }

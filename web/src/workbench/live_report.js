@@ -5,8 +5,8 @@ import { tailsOf } from "../tails.js";
 import { Report } from "../report.js";
 import { angleBetween } from "../vector.js";
 
-/** An answer that is still being computed, for `count` parts. */
-export const pending = (count, down) => ({
+/** An answer that is still being computed, for `count` parts; `before`: the answer until now. */
+export const pending = (count, down, before) => ({
   down,
   verdict: "unknown",
   sentence: "",
@@ -17,22 +17,27 @@ export const pending = (count, down) => ({
   forces: null,
   force_words: "",
   fall: null,
+  assumption: before?.moves.length === count ? before.assumption : null,
 });
 
 export class LiveReport extends Report {
   /** Show an answer for gravity as given; the picture of the parts stays. */
   answered(given) {
     const follows = angleBetween(this.down, this.page.given.down) < 1e-9;
+    const complete = Boolean(given.assumption);
+    given.assumption ??= this.page.given.assumption; // until the complete answer
     this.page.given = given;
     this.found = null;
     this.painted = undefined;
     this.offer();
     this.turn(follows ? given.down : this.down);
+    if (complete) this.ladder.tell(given.assumption);
   }
 
   /** Show the parts of another file, in the first view, with nothing selected or hidden. */
   restart(page) {
     this.select(-1);
+    this.ladder.tell(null);
     if (this.stage) {
       this.stage.parts.visible.fill(1);
       for (const name of ["explode", "see-through", "motion"]) id(name).value = "0";
@@ -62,12 +67,6 @@ export class LiveReport extends Report {
       id("moving").textContent = "";
     }
     if (this.told) this.told();
-  }
-
-  /** Select a pair of parts by their indices, and bring it into view. */
-  zoomToPair(pair) {
-    this.choose(pair);
-    if (this.stage) this.stage.zoomTo(pair);
   }
 
   showSelection() {

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.arrays import Index, connected
+from kilter.arrays import Index, Mask, connected
 from kilter.assembly import Assembly, Joint
 from kilter.contact import ContactSet
 
@@ -20,16 +20,26 @@ WHY = "touching"
 
 def touching_or_overlapping(assembly: Assembly, contacts: ContactSet) -> Index:
     """Pairs of parts that touch, overlap or are joined, without floors, shape (K, 2)."""
+    pairs = adjoining(assembly, contacts)
+    kept: Index = pairs[~tables(assembly)[pairs].any(axis=1)]
+    return kept
+
+
+def adjoining(assembly: Assembly, contacts: ContactSet) -> Index:
+    """Pairs of parts that touch, overlap or are joined, with floors, shape (K, 2)."""
     index = assembly.index
     joints = [
         [index[a], index[b]] for a, b in (j.parts for j in assembly.joints) if {a, b} <= {*index}
     ]
-    overlaps = [list(overlap.ends) for overlap in contacts.overlaps]
-    rows = [contacts.patch_parts, np.array([*joints, *overlaps], dtype=np.int64).reshape(-1, 2)]
-    pairs = np.unique(np.sort(np.concatenate(rows), axis=1), axis=0)
-    table = np.array([part.table for part in assembly.parts], dtype=bool)
-    kept: Index = pairs[~table[pairs].any(axis=1)]
-    return kept
+    other = [list(pair.ends) for pair in (*contacts.overlaps, *contacts.unsupported)]
+    rows = [contacts.patch_parts, np.array([*joints, *other], dtype=np.int64).reshape(-1, 2)]
+    pairs: Index = np.unique(np.sort(np.concatenate(rows), axis=1), axis=0)
+    return pairs
+
+
+def tables(assembly: Assembly) -> Mask:
+    """Mask of the floors and planes of the world, shape (N,)."""
+    return np.array([part.table for part in assembly.parts], dtype=bool)
 
 
 def body_labels(assembly: Assembly, contacts: ContactSet) -> Index:

@@ -115,6 +115,18 @@ class ImpendingMotion:
         return np.where(self.moves[:, None], 0.0 if shown is None else shown, 0.0)
 
 
+def falls_freely(motion: ImpendingMotion, gravity: Array) -> Mask:
+    """Mask of the parts that start to fall with gravity and without a turn, shape (N,).
+
+    Arguments: `gravity` (3,) [m/s^2]. No part is known to fall freely in a motion that is unknown.
+    """
+    if not motion.known:
+        return np.zeros(len(motion.moves), dtype=bool)
+    off = np.linalg.norm(motion.acceleration[:, :3] - gravity, axis=1)
+    free: Mask = off <= MOVES * np.linalg.norm(gravity)
+    return free & (motion.relative[:, 1] <= MOVES)
+
+
 def find_motion(program: Program) -> ImpendingMotion:
     """Compute the accelerations of all parts from rest, without friction.
 

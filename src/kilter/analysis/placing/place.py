@@ -30,6 +30,7 @@ from kilter.analysis.placing.place_proofs import (
 )
 from kilter.analysis.placing.polygon_sets import NOTHING, rings_of
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, placed_prism
+from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.assembly import Assembly, Part
 from kilter.assembly.mesh_surface import reweighed
 from kilter.assembly.question import Question, question
@@ -39,7 +40,7 @@ from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 from kilter.tell.levels import holds, require_level
 from kilter.tell.place_words import place_sentence
-from kilter.tell.record import Answer, InPython, Record, Shape, UnitWord, key
+from kilter.tell.record import InPython, Record, Shape, UnitWord, key
 from kilter.validate import finite, number
 from kilter.values.guesses import guarded
 from kilter.work import stop_after
@@ -95,7 +96,7 @@ class BestPlace(Record):
     """Distance from the boundary [length unit]."""
 
 
-class Places(Answer):
+class Places(SupportedAnswer):
     """Answer of `kilter.place`: where a part stands on an assembly."""
 
     answer: ClassVar[str] = "place"

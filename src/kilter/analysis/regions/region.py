@@ -148,6 +148,12 @@ class Region(InCells, RegionShape, AnswerInWords):
 
     @property
     @key
+    def assumed(self) -> tuple[str, ...]:
+        """Options that are assumed: "floor" or "ground" if the file holds no part, "units"."""
+        return tuple(dict.fromkeys(key for each in self.assemblies for key in each.assumed))
+
+    @property
+    @key
     def joints(self) -> tuple[ListedJoint, ...]:
         """Joints, with those that fastening added."""
         return self.assemblies[0].joints_data()

@@ -10,14 +10,16 @@ from typing import Annotated, ClassVar, Literal, get_args
 import numpy as np
 
 from kilter.analysis.settled_pose.settle import Way
+from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.assembly.assumption import DRAWN, RungWord
 from kilter.contact import ContactSet
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose
 from kilter.tell.levels import holds, level_rank
-from kilter.tell.record import Answer, InPython, Record, Shape, UnitWord, Vector, key
+from kilter.tell.record import InPython, Record, Shape, UnitWord, Vector, key
 from kilter.tell.scene_words import object_words, scene_sentence
 
 ObjectState = Literal["at-rest", "held", "floats", "overlaps", "falls", "open"]
@@ -80,7 +82,7 @@ class SceneObject(Record):
         return object_words(self.data_without("words"), self.units)
 
 
-class SceneReport(Answer):
+class SceneReport(SupportedAnswer):
     """Answer of `kilter.scene`: the state of each object of a scene.
 
     ``for entry in report`` yields each `SceneObject`; ``report["cup"]`` is that of a part.
@@ -100,6 +102,8 @@ class SceneReport(Answer):
     """Coefficient of the contacts without a coefficient of their own [-]."""
     units: UnitWord
     """Length unit."""
+    assume: RungWord = DRAWN
+    """The rung of the ladder of assumptions that moved or joined objects; else drawn."""
     settled: bool = False
     """Whether the objects were brought to rest first."""
     warnings: tuple[str, ...]

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.check import CUT, check
 from kilter.analysis.chosen_parts import chosen_parts
+from kilter.analysis.decision.motion import falls_freely
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.scene_states.scene_graph import SceneGraph
 from kilter.analysis.scene_states.scene_report import ObjectState, SceneObject, SceneReport
-from kilter.analysis.settled_pose.straight_falls import falling_distance
+from kilter.analysis.settled_pose.straight_falls import falling_distance, touching_gap
 from kilter.analysis.verdict.remarks import remarks
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
@@ -191,7 +191,8 @@ class _Survey:
             elif fall is None:
                 self.states[k] = self.entry(k, "falls", motion="nothing is below it")
             else:
-                other, touching = parts[fall.other].name, self._touching_gap(fall.part, fall.other)
+                other = parts[fall.other].name
+                touching = touching_gap(self.assembly, self.contacts, fall)
                 moved = Pose(pose.position + fall.distance * self.down, pose.rotation)
                 found = {"gap": fall.distance, "other": other}
                 if fall.distance <= touching:
@@ -201,12 +202,6 @@ class _Survey:
                     self.states[k] = self.entry(k, state, pose=raised, **found)
                     continue
                 self.states[k] = self.entry(k, "floats", pose=moved, if_held=if_held, **found)
-
-    def _touching_gap(self, part: int, other: int) -> float:
-        """Gap up to which two parts touch [length unit]."""
-        geometry, pair = self.assembly.geometry, [part, other]
-        gap = float(self.contacts.searched.gap_of(geometry.size[pair].min()[None])[0])
-        return max(gap, 2 * float(geometry.accuracy[pair].sum()))
 
     def _falling(self, members: Index, verdict: Verdict, if_held: tuple[str, ...]) -> bool:
         """Give states to the moving or overlapping parts of a cluster that does not hold.
@@ -220,12 +215,7 @@ class _Survey:
         decided = verdict.verdict == "unstable"
         if not decided and self._overlapping_among(members):
             return True
-        free_fall = np.zeros(len(members), dtype=bool)
-        if motion.known:
-            gravity = self.assembly.gravity
-            off = np.linalg.norm(motion.acceleration[rows, :3] - gravity, axis=1)
-            free_fall = moves & (off <= MOVES * np.linalg.norm(gravity))
-            free_fall &= motion.relative[rows, 1] <= MOVES
+        free_fall = moves & falls_freely(motion, self.assembly.gravity)[rows]
         drops = np.zeros(len(self.assembly), dtype=bool)
         drops[members[free_fall]] = True
         for group in self.graph.clusters(drops, near=False):

@@ -79,6 +79,8 @@ TWICE = 1e-7
 [-]."""
 SHARP = 0.01
 """Largest gap of edges and corners on curved faces, over the size of the smaller part [-]."""
+UNIT = 1e-6
+"""Largest error of the square of the length of a normal [-]; points with others have none."""
 SAME_WAY = 0.3
 """Largest angle between the normals of penetrating points that one motion opens [rad]."""
 OBLIQUE = 0.6
@@ -178,7 +180,9 @@ def _points(
     if values is None or not len(values[0]):
         return NearPoints.none()
     part_a, part_b, point, normal, gap, bears = values
-    return NearPoints(part_a, part_b, point, normal, gap, np.zeros(len(gap)), bears)
+    points = NearPoints(part_a, part_b, point, normal, gap, np.zeros(len(gap)), bears)
+    sound = np.isfinite(gap) & (np.abs(np.einsum("ki,ki->k", normal, normal) - 1) < UNIT)
+    return points if sound.all() else points.take(sound)
 
 
 # opposed flat faces ----------------------------------------------------------------------
@@ -534,12 +538,12 @@ def _crosses_box(ends: Array, low: Array, high: Array) -> bool:
 def _groups(normals: Array) -> Index:
     """Group of each unit normal: those within the angle `SAME_WAY` of the first of a group."""
     group = np.full(len(normals), -1)
-    number = 0
-    while (group < 0).any():
-        first = int(np.flatnonzero(group < 0)[0])
-        group[(group < 0) & (normals @ normals[first] > np.cos(SAME_WAY))] = number
-        group[first] = number
-        number += 1
+    number, left = 0, np.arange(len(normals))
+    while len(left):
+        alike = normals[left] @ normals[left[0]] > np.cos(SAME_WAY)
+        alike[0] = True
+        group[left[alike]] = number
+        number, left = number + 1, left[~alike]
     return group
 
 

@@ -52,7 +52,8 @@ SHORTEST = 1e-7
 STILL = 2.0
 """Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
-"""Number of steps without a descent after which the steps become shorter."""
+"""Number of steps without a descent after which the steps become shorter, and twice the movement
+counts as none, up to half of the gap that the verification accepts."""
 STANDS = 24
 """Number of steps without a descent after which bodies without loads stand still."""
 EXACT = 2e-5
@@ -61,6 +62,8 @@ EXACT = 2e-5
 SHORT, SHORTER = 2e-6, 100.0
 """Length of the last step of a body at rest [sizes], and factor between the steps that confirm it.
 """
+WILD = 1e6
+"""Movement in a step from which the solver has failed [strides]."""
 DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
@@ -98,6 +101,10 @@ class _State:
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
     """Movement in the last step, over its stride, shape (B,)."""
+    still: Array
+    """Movement in a step that counts as none [length unit], shape (B,)."""
+    quiet: Array
+    """Longest stride at which a body and its island stood still since it moved, shape (B,)."""
     joined: Index
     """Pairs of bodies with a joint between them, shape (n, 2)."""
     limit: Array
@@ -178,6 +185,7 @@ def come_to_rest(
     state = _begin(bodies, contacts, tell)
     if limit is not None:
         state.limit, state.most_rounds = limit, LIMITED_ROUNDS
+        state.stride = np.minimum(state.stride, limit / 8)
     _open_overlaps(state)
     again = True
     while again:
@@ -209,6 +217,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
+        np.zeros(count), np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
@@ -390,7 +399,7 @@ def _settle_down(state: _State) -> bool:
         stride = _stride_of_islands(state, island)
         reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
         near = (points.gap <= reach) & (reach > 0)
-        points = points.take(near)
+        points = _without_still_gaps(state, points.take(near))
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
         rough = points.gap <= 0.5 * reach[near]
         group = _falling_freely(state, points, program, stride, rough)
@@ -398,7 +407,7 @@ def _settle_down(state: _State) -> bool:
             last = None
             continue
         step = program.step(stride / state.length, rough)
-        if step is None:
+        if step is None or (state.bodies.travel(step) > WILD * stride.max()).any():
             state.stride[island >= 0] /= 4
             state.asleep |= (island >= 0) & (state.stride < SHORTEST * state.length)
             continue
@@ -446,6 +455,7 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     lowest[:] = np.maximum(lowest, depth)
     late = (stalled > 0) & (stalled % STALLS == 0)
     state.stride = np.where(late, state.stride / 4, state.stride)
+    state.still[late] = np.minimum(2 * state.still[late], 5 * state.closed)
     loaded = np.zeros(len(island) + 1, dtype=bool)
     loaded[island[[state.bodies.body_of(load.part) for load in state.bodies.drawn.loads]]] = True
     state.asleep |= (stalled >= STANDS) & ~loaded[island]
@@ -456,7 +466,8 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
 def _reach(state: _State) -> Array:
     """Largest gap of the points of each body in the next step [length unit], shape (B,)."""
     awake = ~state.asleep & ~state.gone & state.bodies.moves
-    step = 2 * np.minimum(state.stride, LONGEST * state.bodies.size)
+    stride = np.minimum(state.stride, state.limit / 4)
+    step = 2 * np.minimum(stride, LONGEST * state.bodies.size)
     return np.maximum(np.where(awake, step, 0.0), 4 * state.loose)
 
 
@@ -467,15 +478,32 @@ def _widest(state: _State, points: NearPoints, reach: Array) -> Array:
     return widest
 
 
+def _without_still_gaps(state: _State, points: NearPoints) -> NearPoints:
+    """The points, with gap 0 where closing the gap counts as no movement.
+
+    Friction would permit a slip of the gap over mu there in each step.
+    """
+    body = state.bodies.of_part
+    still = np.maximum(state.still[body[points.part_a]], state.still[body[points.part_b]])
+    gap = np.where((points.gap > 0) & (points.gap <= still), 0.0, points.gap)
+    return replace(points, gap=gap)
+
+
 def _awake_points(state: _State) -> tuple[NearPoints, Index]:
-    """Points near contact, and the island of each body (B,); resting bodies of islands wake up."""
+    """Points near contact, and the island of each body (B,).
+
+    Resting bodies of islands wake up. Bodies that stand still take the stride of those that move.
+    """
     while True:
         points = _points(state, _reach(state))
         island = _islands(state, points, ~state.asleep & ~state.gone & state.bodies.moves)
         woken = state.asleep & (island >= 0)
-        if not woken.any():
+        stride = np.maximum(_stride_of_islands(state, island), state.stride)
+        longer = (state.quiet > 0) & (stride > state.stride)
+        if not (woken | longer).any():
             return points, island
         state.asleep &= ~woken
+        state.stride = np.where(longer, stride, state.stride)
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
@@ -490,27 +518,40 @@ def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
 
 
 def _stride_of_islands(state: _State, island: Index) -> Array:
-    """The shortest stride of each island, for its bodies; 0 for bodies that stand still."""
-    least = np.full(len(island) + 1, np.inf)
-    np.minimum.at(least, island, state.stride)
-    return np.where(island >= 0, least[island], 0.0)
+    """The shortest stride of the bodies that move in each island, or of all if none moves.
+
+    It is 0 for bodies that stand still.
+    """
+    least, moving = np.full((2, len(island) + 1), np.inf)
+    own = np.minimum(state.stride, state.limit / 4)
+    np.minimum.at(least, island, own)
+    np.minimum.at(moving, island, np.where(state.quiet > 0, np.inf, own))
+    stride = np.where(np.isfinite(moving), moving, least)
+    return np.where(island >= 0, stride[island], 0.0)
 
 
 def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
-    """Take a step; islands in which nothing moves, in steps of any length, are at rest.
+    """Take a step; islands in which nothing moves, in a long step and then in a short one, rest.
 
     A long step shows slow motions, a short one small gaps. What comes from the solver is no motion.
     """
     step, far = _shortened(state, island, step)
-    moving = far > np.maximum(STILL * state.closed, EXACT * stride)
+    moving = far > np.maximum(state.still, EXACT * stride)
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
-    rests = quiet[island] & (stride <= SHORT * state.bodies.size)
+    size = np.full(len(island) + 1, np.inf)
+    np.minimum.at(size, island, np.minimum(state.bodies.size, state.limit / (2.1 * FIRST)))
+    stood = np.maximum(state.quiet, stride)
+    state.quiet = np.where(moving, 0.0, np.where(quiet[island] & (island >= 0), stood, state.quiet))
+    long = np.ones(len(island) + 1, dtype=bool)
+    np.logical_and.at(long, island, state.quiet >= FIRST / 2 * size[island])
+    rests = quiet[island] & long[island] & (stride <= SHORT * state.bodies.size)
     state.asleep = np.where(island >= 0, rests, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
     next_stride = _next_stride(state, island, stride, far)
-    first = np.minimum(stride / SHORTER, FIRST * state.bodies.size)
-    next_stride = np.where(quiet[island], np.maximum(first, SHORT * state.bodies.size), next_stride)
+    first = np.where(long[island], stride / SHORTER, np.inf)
+    first = np.clip(first, SHORT * state.bodies.size, FIRST * state.bodies.size)
+    next_stride = np.where(quiet[island], first, next_stride)
     next_stride = np.where(rests, FIRST * state.bodies.size, next_stride)  # if it moves again
     state.stride = np.where(island >= 0, next_stride, state.stride)
     state.move(np.where(moving[:, None], step, 0.0), None)

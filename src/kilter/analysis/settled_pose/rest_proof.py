@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
+from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.analysis.settled_pose.settle_tolerances import BETWEEN_FACES, CLOSED, NORMAL
 from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, ragged, starts
 from kilter.assembly import Assembly, GivenContact, Part
@@ -41,6 +42,8 @@ from kilter.shape.primitives import Mesh, Shape, surface
 WARPS = 2.0
 """Least gap that counts as closed, in multiples of the warp of a face: both faces of a contact may
 be warped [-]."""
+SLIVER = 1e-9
+"""Area of a sliver, over the square of its reach [-]."""
 BATCH = 1_000_000
 """Pairs of a point and a facet that are compared at once; a larger value needs more memory."""
 FIT = 1e-9
@@ -84,12 +87,15 @@ def closed_gap(assembly: Assembly) -> float:
 
 
 def _warps(geometry: Geometry, facets: Facets) -> Array:
-    """Largest distance of a corner of each facet from its plane, 0 on curved surfaces, (F,)."""
+    """Largest distance of a corner of each facet from its plane, shape (F,).
+
+    It is 0 on curved surfaces, and for slivers, which have no plane.
+    """
     owner = np.repeat(np.arange(len(facets)), np.diff(facets.corner_start))
     offset = geometry.vertices[facets.corners] - facets.origin[owner]
     warp = np.zeros(len(facets))
     np.maximum.at(warp, owner, np.abs(np.einsum("ij,ij->i", offset, facets.normal[owner])))
-    return np.where(facets.curved, 0.0, warp)
+    return np.where(facets.curved | (facets.area <= SLIVER * facets.reach**2), 0.0, warp)
 
 
 def closed_contacts(
@@ -126,12 +132,18 @@ def strict_contacts(
 
 
 def deepest_overlap(contacts: ContactSet, gap: float) -> tuple[float, str, tuple[int, ...]]:
-    """Deepest overlap of two parts [length unit]; if it exceeds `gap`, a clause and both parts."""
+    """Deepest overlap of two parts [length unit]; if it exceeds `gap`, a clause and both parts.
+
+    Parts of a rigid body may overlap, as a screw in its thread does.
+    """
     names, units = contacts.assembly.names, contacts.assembly.units
-    lowest = contacts.patch_gap[:, 0]
+    body = rigid_bodies(contacts.assembly, ()).of_part
+    apart = body[contacts.patch_parts[:, 0]] != body[contacts.patch_parts[:, 1]]
+    lowest = np.where(apart, contacts.patch_gap[:, 0], 0.0)
     penetration = max(0.0, -float(lowest.min(initial=0.0)))
-    if contacts.overlaps:
-        worst = max(contacts.overlaps, key=lambda overlap: overlap.depth)
+    overlaps = [o for o in contacts.overlaps if body[o.ends[0]] != body[o.ends[1]]]
+    if overlaps:
+        worst = max(overlaps, key=lambda overlap: overlap.depth)
         both = some_names([names[k] for k in worst.ends])
         clause = f"{both} overlap by {worst.depth:.3g} {units}"
         return max(worst.depth, penetration), clause, tuple(worst.ends)

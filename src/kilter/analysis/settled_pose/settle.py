@@ -32,6 +32,7 @@ from kilter.analysis.settled_pose.rest_verification import (
     with_level,
 )
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
+from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
@@ -41,7 +42,7 @@ from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.numbers import NO_ANGLE
-from kilter.tell.record import Answer, InPython, Record, UnitWord, key
+from kilter.tell.record import InPython, Record, UnitWord, key
 from kilter.tell.scene_words import settle_sentence
 from kilter.validate import number
 from kilter.work import stop_after
@@ -76,7 +77,7 @@ class Moved(Record):
     """The pieces of its way, in time; empty with `nearest`."""
 
 
-class Settled(Answer):
+class Settled(SupportedAnswer):
     """Answer of `kilter.settle`: the pose at rest, or the reason why there is none."""
 
     answer: ClassVar[str] = "settle"

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Direction, Sweeps
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Mask, connected, members_by_label
 from kilter.assembly import Assembly
-from kilter.contact import Tolerance, detect
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.rigid import Pose
 
 
@@ -75,8 +75,12 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: M
 
 ROUNDS = 6
 """Largest number of Newton steps to the first contact of round faces."""
+MEETS = 4.0
+"""Curved faces that are less than this above a level face may meet first [slacks of the parts]."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
+MOST_GROUPS = 200
+"""Largest number of groups of parts whose straight falls are computed for an answer."""
 EXACT = 1e-12
 """Newton step that ends the search [sizes of the part]."""
 
@@ -106,22 +110,53 @@ def falling_distance(
     slack = assembly.geometry.slack
     # contacts without points: the pair never touches
     apart = {frozenset(entry.parts) for entry in assembly.contacts if not len(entry.points)}
+    ways: list[tuple[float, int, int]] = []
+    for part in parts.tolist():
+        others, bounds = sweeps.under(np.array([part]), direction)
+        outside = ~np.isin(others, parts)
+        pairs = zip(bounds[outside].tolist(), others[outside].tolist(), strict=True)
+        ways += [(bound, part, other) for bound, other in pairs]
     best: StraightFall | None = None
-    for other, bound in zip(*(a.tolist() for a in sweeps.under(parts, direction)), strict=True):
-        spare = float(slack[parts].max() + slack[other])
-        if best is not None and bound - spare >= best.distance:
-            break
-        for part in parts.tolist():
-            if frozenset((assembly.names[part], assembly.names[other])) in apart:
-                continue
-            distance = sweeps.clearance(part, other, direction)
-            if not np.isfinite(distance):
-                continue
-            if slack[part] + slack[other] > 0:
-                distance = height_on_surfaces(assembly, part, other, down, distance)
-            if best is None or distance < best.distance:
-                best = StraightFall(distance, part, other)
+    for bound, part, other in sorted(ways):
+        spare = float(slack[part] + slack[other])
+        most = np.inf if best is None else best.distance + spare
+        if bound >= most or frozenset((assembly.names[part], assembly.names[other])) in apart:
+            continue
+        level, sloped = sweeps.heights(part, other, direction)
+        distance = min(level, sloped)
+        if not np.isfinite(distance) or distance >= most:
+            continue
+        if spare > 0 and sloped < level + MEETS * spare:  # curved faces may meet first
+            distance = height_on_surfaces(assembly, part, other, down, distance)
+        if best is None or distance < best.distance:
+            best = StraightFall(distance, part, other)
     return best
+
+
+def touching_gap(assembly: Assembly, contacts: ContactSet, fall: StraightFall) -> float:
+    """Length of a fall up to which its two parts touch already [length unit]."""
+    geometry, pair = assembly.geometry, [fall.part, fall.other]
+    gap = float(contacts.searched.gap_of(geometry.size[pair].min()[None])[0])
+    return max(gap, 2 * float(geometry.accuracy[pair].sum()))
+
+
+def landings(assembly: Assembly, contacts: ContactSet, falling: Mask) -> dict[int, StraightFall]:
+    """The straight fall of each part of a mask, shape (N,), to the first part that it meets.
+
+    Parts of the mask that touch fall together. The other parts count as drawn. Parts with nothing
+    below them, parts that touch the part below, and groups after the first `MOST_GROUPS` are left
+    out.
+    """
+    a, b = contacts.patch_parts.T
+    both = falling[a] & falling[b]
+    label = np.where(falling, connected(len(falling), a[both], b[both]), -1)
+    sweeps = Sweeps(contacts)
+    found: dict[int, StraightFall] = {}
+    for group in members_by_label(label)[:MOST_GROUPS]:
+        fall = falling_distance(assembly, sweeps, group, assembly.down)
+        if fall is not None and fall.distance > touching_gap(assembly, contacts, fall):
+            found |= dict.fromkeys(group.tolist(), fall)
+    return found
 
 
 def height_on_surfaces(

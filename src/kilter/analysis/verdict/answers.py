@@ -1,4 +1,4 @@
-"""Units, joints and open pairs, which several answers share."""
+"""Assumed supports, units, joints and open pairs, which several answers share."""
 
 from __future__ import annotations
 
@@ -8,11 +8,22 @@ from kilter.contact import ContactSet
 from kilter.tell.record import Answer, InPython, UnitWord, Vector, key
 
 
-class OfAssembly(Answer):
-    """Base class of answers about an assembly and its contacts."""
+class SupportedAnswer(Answer):
+    """Base class of answers about an assembly that may have an assumed support."""
 
     assembly: InPython[Assembly]
     """The assembly."""
+
+    @property
+    @key
+    def assumed(self) -> tuple[str, ...]:
+        """Options that are assumed: "floor" or "ground" if the file holds no part, "units"."""
+        return tuple(self.assembly.assumed)
+
+
+class OfAssembly(SupportedAnswer):
+    """Base class of answers about an assembly and its contacts."""
+
     contacts: InPython[ContactSet]
     """Its contacts."""
 

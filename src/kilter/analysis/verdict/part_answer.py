@@ -37,6 +37,10 @@ class PartAnswer(Record):
     """Whether the motion of the proof moves the part."""
     motion: str
     """How the part starts to move, in words."""
+    below: str | None = None
+    """Part onto which the part falls straight down; null unless it falls freely onto a part."""
+    fall: float | None = None
+    """Length of this fall in the drawn pose [length unit]."""
     slow_motion: str | None
     """An acceleration below the threshold of `moves`, in words, if no part is above it."""
 

@@ -23,6 +23,7 @@ from kilter.analysis.decision.motion import (
     NO_MOTION_OF_LIMITS,
     UNKNOWN_MOTION,
     ImpendingMotion,
+    falls_freely,
     find_motion,
     find_motion_with_friction,
     motion_of,
@@ -32,6 +33,7 @@ from kilter.analysis.decision.motion import (
     without_opening,
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
+from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -60,13 +62,21 @@ from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.html import InCells
 from kilter.tell.ladder_words import ladder_sentence, rung_sentence
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
-from kilter.tell.record import Answer, InPython, LevelWord, OrAbsent, UnitWord, Vector, key
-from kilter.tell.words import GAINS, NAMED, motion_summary, motion_words
+from kilter.tell.record import InPython, LevelWord, OrAbsent, UnitWord, Vector, key
+from kilter.tell.words import (
+    GAINS,
+    NAMED,
+    fall_words,
+    motion_summary,
+    motion_words,
+    upward_words,
+)
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
+    from kilter.analysis.settled_pose.straight_falls import StraightFall
     from kilter.contact.fits.suggestions import Suggestion
     from kilter.friction.answer import FrictionAnswer, Why
     from kilter.second_order.answer.second_order_answer import SecondOrder, SecondOrderSummary
@@ -83,7 +93,7 @@ ROUNDING = 1e-15
 """Accelerations up to this count as zero [g]."""
 
 
-class Verdict(InCells, Answer):
+class Verdict(InCells, SupportedAnswer):
     """Answer of `kilter.check`: the verdict on an assembly, with its proof and its motion."""
 
     answer: ClassVar[str] = "check"
@@ -152,6 +162,7 @@ class Verdict(InCells, Answer):
         one, motion = self.assembly.parts[k], self.motion
         shift = self.displacement.displacement if self.measured else None
         slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
+        landing = self._landings.get(k)
         return PartAnswer(
             name=one.name,
             grounded=one.grounded,
@@ -164,6 +175,8 @@ class Verdict(InCells, Answer):
             moves=bool(motion.moves[k]),
             moved_by_proof=bool(self.moved_by_proof[k]),
             motion=self.words(k),
+            below=None if landing is None else self.program.names[landing.other],
+            fall=None if landing is None else landing.distance,
             # reported only if no part is above the threshold of `moves`
             slow_motion=self.words(k, slow=True) if slow and not one.grounded else None,
         )
@@ -191,12 +204,23 @@ class Verdict(InCells, Answer):
         return rows
 
     @cached_property
+    @on_one_thread
+    def better_up(self) -> str | None:
+        """Upward axis with which it holds although it holds on no rung with z up; else None."""
+        held = self.level is not None or any(row.level is not None for row in self.ladder)
+        if self.drawn is None or held or self.time_limit is not None:
+            return None
+        axis: str | None = hook("better_up")(self.drawn, self.drawn_contacts)
+        return axis
+
+    @cached_property
     @key
     def bodies(self) -> tuple[Body, ...]:
         """Bodies of the parts that touch or overlap, with a ladder or on the rung joined."""
         if self.drawn is None or not (self.ladder or self.assume == JOINED):
             return ()
-        return ()
+        found: tuple[Body, ...] = hook("bodies_of")(self.drawn, self.drawn_contacts)
+        return found
 
     @property
     @key
@@ -347,6 +371,12 @@ class Verdict(InCells, Answer):
     def units(self) -> UnitWord:
         """Length unit."""
         return self.assembly.units
+
+    @property
+    @key
+    def size(self) -> Vector:
+        """Extents of the free parts along the axes, of all parts if none is free [length unit]."""
+        return self.assembly.size
 
     @property
     @key
@@ -579,6 +609,17 @@ class Verdict(InCells, Answer):
         words, motion = self._motion_words(k, slow), self.motion
         return words if motion.known or not motion.moves[k] else f"{words}{self._gains}"
 
+    @cached_property
+    def _landings(self) -> Mapping[int, StraightFall]:
+        """The straight fall of each part that falls freely onto another part."""
+        falling = falls_freely(self.motion, self.assembly.gravity) & self.motion.moves
+        if not falling.any():
+            return {}
+        found: Mapping[int, StraightFall] = hook("landings")(
+            self.assembly, self.contact_set, falling
+        )
+        return found
+
     @property
     def _gains(self) -> str:
         """Suffix of words for the motion of a proof; empty if the words are about none."""
@@ -588,6 +629,11 @@ class Verdict(InCells, Answer):
     def _motion_words(self, k: int, slow: bool = False) -> str:
         """Describe the motion of part `k`: its accelerations, or else the motion of the proof."""
         motion, metres = self.motion, metres_per_unit(self.program.units)
+        landing = self._landings.get(k)
+        if landing is not None:
+            below, names = landing.other, self.program.names
+            onto = fall_words(landing.distance, self.program.units, lands=not motion.moves[below])
+            return f"{onto} {names[below]}"
         if motion.known:
             twist, relative = motion.acceleration[k], motion.relative[k] * (slow or motion.moves[k])
         elif motion.gains is None or not motion.moves[k]:
@@ -683,7 +729,8 @@ class Verdict(InCells, Answer):
         why = NO_MOTION_OF_LIMITS if self._not_modelled else why
         open_motion = [] if self.motion.known else [why]
         last = [*([unfinished] if failed else []), *open_motion]
-        return (*self.notes, *filter(None, [self.barely]), *last)
+        upward = [] if self.better_up is None else [upward_words(self.better_up)]
+        return (*self.notes, *upward, *filter(None, [self.barely]), *last)
 
     def to_dict(self) -> dict[str, Any]:
         """The verdict as JSON data, as ``kilter check --json`` prints it."""

@@ -440,37 +440,46 @@ def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, 
     searched = list(parts)[:MOST_PARTS]
     if not searched or len(geometry.mass) < 2:
         return ()
-    solids = PartSolids(geometry)
-    boxes = geometry.part_boxes
+    solids, boxes = PartSolids(geometry), geometry.part_boxes
     return tuple(
-        _nearest(solids, part, boxes) for part in takewhile(lambda _: not is_late(), searched)
+        nearest_to_group(solids, np.array([part]), boxes)
+        for part in takewhile(lambda _: not is_late(), searched)
     )
 
 
-def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neighbour:
-    """The part nearest to a given part; other parts are tried by the distance of their boxes."""
-    low, high = boxes
-    between = np.maximum(np.maximum(low - high[part], low[part] - high), 0.0)
-    boxes_apart = np.linalg.norm(between, axis=1)
-    boxes_apart[part] = np.inf
-    nearest_part, gap = -1, np.inf
-    for other in _order(boxes_apart):
-        # the distance of the boxes is a lower bound: no later part is nearer
-        if boxes_apart[other] >= gap:
-            break
-        distance = _gap(solids, part, int(other), gap)
-        if distance < gap:
-            nearest_part, gap = int(other), distance
+def nearest_to_group(solids: PartSolids, group: Index, boxes: tuple[Array, Array]) -> Neighbour:
+    """The part outside a group that is nearest to it, and the part of the group at that distance.
+
+    Arguments: `group` (n,): parts, fewer than all; `boxes`: lower and upper corners of the boxes of
+    all parts, shape (N, 3) each [length unit]. Pairs are tried by the distances of their boxes.
+    """
     geometry = solids.geometry
-    pair = [part, nearest_part]
+    low, high = boxes
+    around = low[group].min(axis=0), high[group].max(axis=0)
+    from_group = _box_distance(around, (low, high))
+    from_group[group] = np.inf
+    pair, gap = [-1, -1], np.inf
+    for other in np.argsort(from_group, kind="stable")[: -len(group)].tolist():
+        # the distance of the boxes is a lower bound: no later part is nearer
+        if from_group[other] >= gap:
+            break
+        apart = _box_distance((low[other], high[other]), (low[group], high[group]))
+        for k in np.argsort(apart, kind="stable").tolist():
+            if apart[k] >= gap:
+                break
+            distance = _gap(solids, int(group[k]), other, gap)
+            if distance < gap:
+                pair, gap = [int(group[k]), other], distance
     accuracy = float((geometry.slack[pair] + geometry.accuracy[pair]).sum())
-    return Neighbour(part, nearest_part, gap, accuracy)
+    return Neighbour(pair[0], pair[1], gap, accuracy)
 
 
-def _order(apart: Array) -> Index:
-    """Indices of the other parts, sorted by their distance."""
-    order: Index = np.argsort(apart, kind="stable")[:-1]
-    return order
+def _box_distance(box: tuple[Array, Array], boxes: tuple[Array, Array]) -> Array:
+    """Distance of a box from each of n boxes [length unit], shape (n,)."""
+    low, high = boxes
+    between = np.maximum(np.maximum(low - box[1], box[0] - high), 0.0)
+    distance: Array = np.linalg.norm(between, axis=1)
+    return distance
 
 
 def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:

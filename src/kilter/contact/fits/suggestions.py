@@ -5,9 +5,10 @@ both held nor fixed to each other. A screw in a nut that is drawn without its ho
 causes:
 
     the same body twice, variants in a single file, the whole beside its parts
-        the answer has a warning, and leaving parts out is tried as a remedy
+        the answer has a warning, whose option leaves parts out; the reader of drawings has left out
+        bodies that they contain twice (`kilter.contact.fits.copies`)
     a part modelled without the hole for another, a misplaced part
-        the answer has a warning, and joining the parts is tried as a remedy
+        the answer has a warning, whose option joins the parts
     files in frames of their own, a table above the lowest part
         the assembly is rejected, since all of its contacts are wrong
 
@@ -134,12 +135,6 @@ def coincident_remarks(contacts: ContactSet) -> list[str]:
     return [f"{_pairs_in_words(contacts, overlaps)}: {cause.reason}; {cause.option}"]
 
 
-def parts_to_leave_out(contacts: ContactSet) -> tuple[str, ...]:
-    """Names of the copies, variants or wholes that lie on other parts; empty for other causes."""
-    overlaps = coincident(contacts)
-    return _cause_and_remedy(contacts, overlaps).leave_out if overlaps else ()
-
-
 def _pairs_in_words(contacts: ContactSet, overlaps: Sequence[Overlap]) -> str:
     """Describe the first coincident pair, and the second pair or the number of further pairs."""
     more = f", and {len(overlaps) - 1} more pairs coincide" if len(overlaps) > 2 else ""
@@ -152,13 +147,12 @@ def _pairs_in_words(contacts: ContactSet, overlaps: Sequence[Overlap]) -> str:
 class _Cause:
     """Likely cause of parts in the same place: its remedy in Python (`hint`) and as an option.
 
-    `leave_out`: the parts that the remedy leaves out. `rejects`: whether no answer is possible.
+    `rejects`: whether no answer is possible.
     """
 
     reason: str
     hint: str
     option: str
-    leave_out: tuple[str, ...] = ()
     rejects: bool = False
 
 
@@ -204,12 +198,11 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cau
         )
         return _Cause("the table is too high", how, option, rejects=True)
     if first.why == SAME_BODY and len(overlaps) < MANY:
-        copy = _copies(contacts, overlaps[:1])
+        copy = names[0] if parts[smaller].grounded else names[1]
         return _Cause(
             "a copy or an exploded view, or a file given under two names",
-            f"leave a part out with assembly.without({copy[0]!r})",
-            f"leave a part out with --without {shell_words(copy)}",
-            _copies(contacts, overlaps),
+            f"leave a part out with assembly.without({copy!r})",
+            f"leave a part out with --without {shell_words((copy,))}",
         )
     whole = _whole_of(contacts, overlaps)
     if whole is not None:
@@ -218,7 +211,6 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cau
             f"{name!r} is the whole beside its parts",
             f"leave the whole out with assembly.without({name!r})",
             f"leave the whole out with --without {shell_words((name,))}",
-            (name,),
         )
     join = f"kilter.fastened(assembly, [{names!r}])"
     fasten = f"--fasten {shell_words(names[:2])}"
@@ -230,7 +222,6 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cau
             f"leave the smaller parts out with assembly.without({out!r}); or join with {join}",
             f"leave the smaller parts out with {words}; "
             f"or join parts that are meant to overlap with {fasten} or --fasten-overlaps",
-            tuple(out),
         )
     if len(overlaps) >= MANY:
         place = "export the parts where they are in the assembly, not each in its own frame"
@@ -245,18 +236,6 @@ def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> _Cau
         f"correct the model; or join parts that are meant to overlap with {join}",
         f"correct the model; or join parts that are meant to overlap with {fasten}",
     )
-
-
-def _copies(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tuple[str, ...]:
-    """Names of the second body of each pair that is the same body twice, without a held body."""
-    parts = contacts.assembly.parts
-    names = []
-    for overlap in overlaps:
-        larger, smaller = _sort_by_volume(contacts, overlap)
-        if overlap.why == SAME_BODY:
-            extra = larger if parts[smaller].grounded else smaller
-            names.append(parts[extra].name)
-    return tuple(sorted(set(names)))
 
 
 Kind = Literal["thread", "press fit", "insert", "overlap", "same body", "size on size"]

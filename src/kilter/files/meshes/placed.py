@@ -185,6 +185,8 @@ class FileBodies:
     """Length unit; None if the file states none."""
     by_standard: bool = False
     """Whether the unit is fixed by the standard of the format, and not stated in the file."""
+    usual: str = "m"
+    """Unit that a file by itself is assumed to have if it states none."""
     notes: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     """Names of the bodies that the options leave out."""

@@ -18,14 +18,13 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import MappingProxyType
 from typing import Any
 
+from kilter.assembly.question import LOWEST
 from kilter.errors import InputError
 from kilter.files.complaints import complaint, parse_json
-from kilter.files.file_content import UP
 from kilter.files.file_tolerances import SAME_DIRECTION
 from kilter.files.limits import is_file, read_bytes
+from kilter.rigid import UP
 
-LOWEST = "lowest"
-"""Value of the option `floor` that puts the floor under the lowest point of the assembly."""
 SIGNS = ("file", "sha256", "held", "left_out", "joined", "open_pairs", "materials", "tolerance")
 """Keys that only a file of choices has at its top."""
 OPTIONS = {
@@ -39,6 +38,7 @@ OPTIONS = {
             "up",
             "fasten_suggested",
             "fasten_overlaps",
+            "keep_copies",
             "density",
             "keyframe",
             "state",
@@ -93,6 +93,8 @@ class Choices:
         True: a held table under the lowest point; a number: at this height [length unit].
     fasten_suggested, fasten_overlaps : bool
         Join the pairs that look fastened, or that overlap.
+    keep_copies : bool
+        Keep bodies that are in the file twice.
     loose : bool
         Loose tolerances, for scanned data.
     density : float, optional
@@ -151,6 +153,7 @@ class Choices:
     floor: bool | float | None = None
     fasten_suggested: bool = False
     fasten_overlaps: bool = False
+    keep_copies: bool = False
     loose: bool = False
     density: float | None = None
     keyframe: str | None = None

@@ -9,8 +9,9 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from kilter.assembly.question import LOWEST
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.files.own.choices import LOWEST, OPTIONS, STUDS, Choices, digest, find_choices
+from kilter.files.own.choices import OPTIONS, STUDS, Choices, digest, find_choices
 from kilter.files.writing import json_lines, write_text
 
 OFF: dict[str, tuple[str, str | None]] = {

@@ -434,6 +434,7 @@ class ChoicesFile(Entry):
     )
     fasten_suggested: Flag | None = None
     fasten_overlaps: Flag | None = None
+    keep_copies: Flag | None = None
     assume: Literal["drawn", "play", "fits", "joined"] | None = None
     loose: Flag | None = None
     density: Positive | None = Field(None, description="[kg/m^3]")

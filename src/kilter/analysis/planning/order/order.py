@@ -275,6 +275,12 @@ class Order(InCells, Answer):
 
     @property
     @key
+    def assumed(self) -> tuple[str, ...]:
+        """Options that are assumed: "floor" or "ground" if the file holds no part, "units"."""
+        return tuple(self.states.assembly.assumed)
+
+    @property
+    @key
     def verdict(self) -> Literal["found", "none-found", "impossible", "undecided", "fails"]:
         """Verdict of the plan as a word.
 

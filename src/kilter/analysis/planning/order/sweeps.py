@@ -38,6 +38,8 @@ WELD = 1e-3
 
 SLIVER = 1e-3
 """Width up to which an overlap of two faces in projection comes from rounding [tolerances]."""
+ACROSS = 1 - 1e-14
+"""Least facing cosine of a face across the direction of a path: a slope of 1.4e-7 [-]."""
 
 Direction = tuple[float, float, float]
 
@@ -150,8 +152,15 @@ class Sweeps:
 
         Returns distance [length unit]; infinite if the parts never meet.
         """
+        return min(self.heights(part, other, direction))
+
+    def heights(self, part: int, other: int, direction: Direction) -> tuple[float, float]:
+        """Distance as `clearance`, between faces across the direction, and between all others.
+
+        Triangles of curved surfaces are among the others.
+        """
         moving, still = self._shadow(part, direction), self._shadow(other, direction)
-        return _least_height(moving, still, self.tolerance(part, other))
+        return _least_heights(moving, still, self.tolerance(part, other))
 
     def under(self, parts: Index, direction: Direction) -> tuple[Index, Array]:
         """Other parts that the given parts may meet on a straight path, the nearest first.
@@ -225,16 +234,17 @@ def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: 
     return not shapely.is_empty(shapely.buffer(joined, -tolerance))
 
 
-def _least_height(moving: _Shadow, still: _Shadow, tolerance: float) -> float:
+def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[float, float]:
     """Least height from exit faces of a part to entry faces of another; infinite without any.
 
-    Slivers that come from the rounding of touching outlines do not count.
+    The first height is that between faces across the direction, the second that of all other
+    pairs. Slivers that come from the rounding of touching outlines do not count.
     """
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     above = moving.height[exits].min(initial=np.inf)
     entries = entries[still.height[entries].max(axis=1) >= above - tolerance]
     if not len(exits) or not len(entries):
-        return np.inf
+        return np.inf, np.inf
     below = shapely.polygons(moving.plane[exits])
     tree = shapely.STRtree(shapely.polygons(still.plane[entries]))
     first, second = tree.query(below, predicate="intersects")
@@ -244,12 +254,16 @@ def _least_height(moving: _Shadow, still: _Shadow, tolerance: float) -> float:
     first, second, shared = first[wide], second[wide], shared[wide]
     corner, owner = shapely.get_coordinates(shared, return_index=True)
     if not len(corner):
-        return np.inf
+        return np.inf, np.inf
     between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
     starts = np.flatnonzero(np.diff(owner, prepend=-1))
     ahead = np.maximum.reduceat(between, starts) >= -tolerance
-    lowest = np.minimum.reduceat(between, starts)[ahead]
-    return float(np.maximum(lowest, -tolerance).min(initial=np.inf))
+    lowest = np.maximum(np.minimum.reduceat(between, starts), -tolerance)
+    across = (moving.facing[first] > ACROSS) & (still.facing[second] < -ACROSS)
+    return (
+        float(lowest[ahead & across].min(initial=np.inf)),
+        float(lowest[ahead & ~across].min(initial=np.inf)),
+    )
 
 
 def _near_faces(

@@ -1,0 +1,160 @@
+"""Bodies of the rung "joined": their support, the tilt at which they tip, their fall if loose.
+
+A body that stands on a floor tips over an edge of its support polygon, the convex hull of its
+contact points with the floor. The plane through the edge and the centre of mass makes an angle
+with gravity, whose least value over all edges is the tilt. On a level floor it is
+
+    tilt = min over the edges of  atan(b / h)
+
+with b the horizontal distance of the centre of mass from the edge, and h its height.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.analysis_tolerances import ALONG
+from kilter.analysis.assumptions.joining import adjoining, body_labels, tables
+from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.settled_pose.straight_falls import falling_distance
+from kilter.arrays import Array, Index, Mask, across, cross, members_by_label, unit_rows
+from kilter.assembly import Assembly
+from kilter.assembly.assumption import Body
+from kilter.assembly.part import GROUND
+from kilter.contact import ContactSet
+from kilter.contact.common.distances import MOST_PARTS, PartSolids, nearest_to_group
+from kilter.contact.common.polygons import convex_hull
+
+
+def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
+    """The bodies of an assembly in which parts that touch or overlap are joined.
+
+    Floors, and groups of parts that are all held, are no bodies. Of more than `MOST_PARTS` loose
+    bodies, the later ones have neither a nearest part nor a fall.
+
+    Arguments: `contacts`: those of the assembly. Returns bodies on a floor or held first, then by
+    mass.
+    """
+    loose = _LooseBodies(assembly, contacts)
+    groups = body_groups(assembly, contacts)
+    carried = on_floor(assembly, contacts)
+    mass = assembly.geometry.mass
+    groups.sort(key=lambda group: (not carried[group].any(), -mass[group].sum()))
+    standing = [group for group in groups if carried[group].any()]
+    tilt: dict[str, Any] = {}
+    if len(standing) == 1:
+        limit = tipping(assembly, contacts, standing[0])
+        if limit is not None:
+            tilt = {"tilt_deg": float(np.degrees(limit[0])), "tilt_down": limit[1]}
+    bodies = [_body(assembly, group, on_floor=True, **tilt) for group in standing]
+    for number, group in enumerate(groups[len(standing) :]):
+        found = loose.found(group) if number < MOST_PARTS else {}
+        bodies.append(_body(assembly, group, on_floor=False, **found))
+    return tuple(bodies)
+
+
+def body_groups(assembly: Assembly, contacts: ContactSet) -> list[Index]:
+    """Parts of each body that has a free part; floors belong to no body."""
+    label = np.where(tables(assembly), -1, body_labels(assembly, contacts))
+    held = assembly.geometry.grounded
+    return [group for group in members_by_label(label) if not held[group].all()]
+
+
+def on_floor(assembly: Assembly, contacts: ContactSet) -> Mask:
+    """Mask of the parts that are held, are joined to the ground, or touch a floor, shape (N,)."""
+    carried = assembly.geometry.grounded.copy()
+    pairs = adjoining(assembly, contacts)
+    carried[pairs[tables(assembly)[pairs].any(axis=1)]] = True
+    joined = [name for joint in assembly.joints if GROUND in joint.parts for name in joint.parts]
+    carried[[assembly.index[name] for name in joined if name != GROUND]] = True
+    return carried
+
+
+def tipping(assembly: Assembly, contacts: ContactSet, group: Index) -> tuple[float, Array] | None:
+    """Tilt at which a body tips over [rad], and the direction of gravity at this tilt, shape (3,).
+
+    The tilt is 0 if the centre of mass is not above the inside of the support polygon. None if the
+    body is held, if it touches a floor in a way that is not modelled, or if its contacts with
+    floors have several normals.
+
+    Arguments: `group` (n,): parts of the body.
+    """
+    table, down = tables(assembly), assembly.down
+    pairs = adjoining(assembly, contacts)
+    floors = {(a, b) for a, b in pairs[table[pairs].any(axis=1)].tolist() if {a, b} & {*group}}
+    modelled = {(min(a, b), max(a, b)) for a, b in contacts.patch_parts.tolist()}
+    fixed = {name for joint in assembly.joints if GROUND in joint.parts for name in joint.parts}
+    names = {assembly.names[k] for k in group.tolist()}
+    if assembly.geometry.grounded[group].any() or fixed & names or not floors <= modelled:
+        return None
+    below, above = contacts.patch_parts.T
+    turned = table[above]
+    below, above = np.where(turned, above, below), np.where(turned, below, above)
+    chosen = table[below] & np.isin(above, group)
+    normals = np.where(turned, -1.0, 1.0)[chosen, None] * contacts.patch_normal[chosen]
+    if not chosen.any() or (np.linalg.norm(normals - normals[0], axis=1) > ALONG).any():
+        return None
+    geometry = assembly.geometry
+    center = geometry.mass[group] @ geometry.center[group] / geometry.mass[group].sum()
+    feet = contacts.points[chosen[contacts.point_patch]] - center
+    return _tilt_of_polygon(feet, normals[0], down) if normals[0] @ down < 0 else None
+
+
+def _tilt_of_polygon(feet: Array, up: Array, down: Array) -> tuple[float, Array]:
+    """Tilt [rad] to the nearest edge of the support polygon, and gravity there; else 0.
+
+    Arguments: `feet` (n, 3): contact points relative to the centre of mass [length unit].
+    """
+    flat = feet @ np.stack(across(up), axis=1)
+    corners = convex_hull(flat)
+    if len(corners) < 3:
+        return 0.0, down
+    nearest = np.linalg.norm(corners[:, None] - flat[None], axis=2).argmin(axis=1)
+    first = feet[nearest]
+    inward = unit_rows(cross(np.roll(first, -1, axis=0), first))
+    sine = inward @ down
+    edge = int(sine.argmin())
+    if sine[edge] <= 0.0:
+        return 0.0, down
+    over = down - sine[edge] * inward[edge]
+    return float(np.arcsin(min(sine[edge], 1.0))), over / np.linalg.norm(over)
+
+
+class _LooseBodies:
+    """Search for the nearest part, and for the fall, of each loose body of an assembly."""
+
+    def __init__(self, assembly: Assembly, contacts: ContactSet) -> None:
+        self._assembly = assembly
+        self._sweeps = Sweeps(contacts)
+        self._solids = PartSolids(assembly.geometry)
+        self._boxes = assembly.geometry.part_boxes
+        self._known = {neighbour.part: neighbour for neighbour in contacts.neighbours}
+        self._on_surfaces: dict[frozenset[int], float] = {}
+        for pair in contacts.near:  # the nearest first
+            self._on_surfaces.setdefault(frozenset(pair.ends), pair.gap)
+
+    def found(self, group: Index) -> dict[str, Any]:
+        """The keys of a loose body about its nearest part and its fall."""
+        names = self._assembly.names
+        if len(group) == len(names):
+            return {}
+        near = self._known.get(int(group[0])) if len(group) == 1 else None
+        if near is None:
+            near = nearest_to_group(self._solids, group, self._boxes)
+        exact = self._on_surfaces.get(frozenset((near.part, near.other)), np.inf)
+        distance = exact if abs(exact - near.gap) <= near.accuracy else near.gap
+        found: dict[str, Any] = {"nearest": names[near.other], "distance": distance}
+        fall = falling_distance(self._assembly, self._sweeps, group, self._assembly.down)
+        if fall is not None:
+            found |= {"below": names[fall.other], "fall": max(fall.distance, 0.0)}
+        return found
+
+
+def _body(assembly: Assembly, group: Index, **found: Any) -> Body:
+    """The record of a body from its parts, with the given further keys."""
+    geometry, names = assembly.geometry, assembly.names
+    parts = [names[k] for k in group[np.argsort(-geometry.volume[group], kind="stable")]]
+    mass = float(geometry.mass[group].sum())
+    return Body(parts=tuple(parts), name=parts[0], mass=mass, **found)

@@ -1,0 +1,196 @@
+"""Bodies of parts that touch: support, tilt, nearest part and fall, from closed forms."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere, contacts
+from kilter.analysis.assumptions.joined_bodies import bodies_of
+from kilter.analysis.assumptions.joining import joined
+from kilter.assembly.assumption import Body
+from kilter.scenes.pieces import block
+from kilter.tell.text import text_of
+
+
+def bodies(assembly: Assembly) -> tuple[Body, ...]:
+    return bodies_of(assembly, contacts(assembly))
+
+
+def shelf() -> list[Part]:
+    """Six boards that touch in faces: a bottom, two sides, a middle, a top, and a long back."""
+    return [
+        block("bottom", [0, 0, 0], [0.8, 0.3, 0.02]),
+        block("left", [0, 0, 0.02], [0.02, 0.3, 1.0]),
+        block("right", [0.78, 0, 0.02], [0.8, 0.3, 1.0]),
+        block("middle", [0.02, 0, 0.5], [0.78, 0.3, 0.52]),
+        block("top", [0, 0, 1.0], [0.8, 0.3, 1.02]),
+        block("back", [0, 0.3, 0.1], [0.8, 0.31, 0.9]),
+    ]
+
+
+def center_of(parts: list[Part]) -> np.ndarray:
+    geometry = Assembly(parts).geometry
+    return geometry.mass @ geometry.center / geometry.mass.sum()
+
+
+def test_six_boards_are_one_body_that_tips_at_the_known_tilt():
+    parts = shelf()
+    [body] = bodies(Assembly(parts).with_floor())
+    x, y, z = center_of(parts)
+    limits = {(0, 1): math.atan((0.3 - y) / z), (0, -1): math.atan(y / z),
+              (1, 0): math.atan((0.8 - x) / z), (-1, 0): math.atan(x / z)}  # fmt: skip
+    way, least = min(limits.items(), key=lambda item: item[1])
+    assert (body.name, len(body.parts), body.on_floor) == ("back", 6, True)
+    assert body.parts[0] == "back"
+    assert (body.nearest, body.below, body.fall) == (None, None, None)
+    assert body.mass == pytest.approx(sum(Assembly(parts).geometry.mass))
+    assert body.tilt_deg == pytest.approx(math.degrees(least), abs=1e-9)
+    turned = [way[0] * math.sin(least), way[1] * math.sin(least), -math.cos(least)]
+    assert body.tilt_down == pytest.approx(turned, abs=1e-12)
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.999, True), (1.001, False)])
+def test_the_joined_assembly_holds_below_the_tilt_and_falls_above_it(share, holds):
+    assembly = Assembly(shelf(), friction=5.0).with_floor()
+    found = contacts(assembly)
+    [body] = bodies_of(assembly, found)
+    angle = share * math.radians(body.tilt_deg)
+    level = body.tilt_down - (body.tilt_down @ assembly.down) * assembly.down
+    down = math.cos(angle) * assembly.down + math.sin(angle) * level / np.linalg.norm(level)
+    tilted = joined(assembly, found).with_down(down)
+    assert (kilter.check(tilted, effort=0).level is not None) is holds
+
+
+@pytest.mark.parametrize("down", [[0.1, -0.05, -1], [0.2, 0.1, -1]])
+def test_the_tilt_is_measured_from_the_given_direction_of_gravity(down):
+    assembly = Assembly([block("box", [0, 0, 0], [1, 1, 1])]).with_floor().with_down(down)
+    [body] = bodies(assembly)
+    faces = np.array([[1, 0, 1], [-1, 0, 1], [0, 1, 1], [0, -1, 1]]) / math.sqrt(2)
+    # the planes through the centre and the lower edges: the box holds while it lies above them
+    assert body.tilt_deg == pytest.approx(
+        math.degrees(min(np.arcsin(-faces @ assembly.down))), abs=1e-9
+    )
+    assert min(np.abs(faces @ body.tilt_down)) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("shift", "degrees"), [(0.499, math.degrees(math.atan(0.001))), (0.5, 0.0), (0.6, 0.0)]
+)
+def test_a_body_whose_centre_is_not_above_its_support_tips_at_once(shift, degrees):
+    post = Part("post", Box([1, 1, 0.5]), Pose([0, 0, 0.25]), mass=1e-9)
+    top = Part(
+        "top", Box([1, 1, 1.5]), Pose([shift, 0, 1.25]), mass=1.0, center_of_mass=[0, 0, -0.25]
+    )
+    [body] = bodies(Assembly([post, top]).with_floor())
+    assert body.tilt_deg == pytest.approx(degrees, abs=1e-6)
+
+
+def test_held_bodies_come_first_and_have_no_tilt():
+    base = block("base", [0, 0, 0], [1, 1, 1], grounded=True)
+    cube = block("cube", [0, 0, 1], [1, 1, 2])
+    far = Part("far", Box([3, 3, 3]), Pose([9, 0, 0]))
+    first, second = bodies(Assembly([far, cube, base]))
+    assert (first.parts, first.on_floor, first.tilt_deg) == (("cube", "base"), True, None)
+    assert (second.name, second.on_floor, second.nearest) == ("far", False, "cube")
+    assert second.distance == pytest.approx(6.5)
+    hung = Assembly([far, cube], joints=[Joint(("ground", "cube"), point=[0, 0, 5])])
+    assert [(body.name, body.on_floor) for body in bodies(hung)] == [("cube", True), ("far", False)]
+
+
+def test_two_bodies_on_a_floor_are_not_one_body_and_have_no_tilt():
+    heavy, light = block("heavy", [0, 0, 0], [2, 2, 2]), block("light", [3, 0, 0], [4, 1, 1])
+    found = bodies(Assembly([light, heavy]).with_floor())
+    assert [(body.name, body.on_floor, body.tilt_deg) for body in found] == [
+        ("heavy", True, None),
+        ("light", True, None),
+    ]
+
+
+def keypad() -> Assembly:
+    """A board on a floor, lamps .035 above it, and a bridge of two parts 2 above it [mm]."""
+    lamps = [Part(f"LED_{k}", Box(1, 1, 1), Pose([3 * k, 0, 1.535])) for k in range(5)]
+    board = block("board", [-5, -5, 0], [20, 5, 1])
+    bridge = [block("span", [-5, 2, 3], [20, 3, 4]), block("stub", [0, 2, 4], [1, 3, 5])]
+    return Assembly([*lamps, *bridge, board], units="mm").with_floor()
+
+
+def test_loose_bodies_have_their_nearest_part_and_their_fall():
+    board, span, *lamps = bodies(keypad())
+    assert board.on_floor
+    assert (span.parts, span.nearest, span.below) == (("span", "stub"), "LED_0", "board")
+    assert span.distance == pytest.approx(math.hypot(1.5, 3 - 2.035))
+    assert span.fall == pytest.approx(2)
+    for lamp in lamps:
+        assert (lamp.nearest, lamp.below) == ("board", "board")
+        assert (lamp.distance, lamp.fall) == (pytest.approx(0.035), pytest.approx(0.035))
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_body_beside_all_others_falls_onto_the_floor_or_onto_nothing(order):
+    aside = block("aside", [5, 0, 2], [6, 1, 3])
+    alone = Assembly([block("cube", [0, 0, 0], [1, 1, 1]), aside][::order])
+    second = {body.name: body for body in bodies(alone)}["aside"]
+    assert (second.nearest, second.below, second.fall) == ("cube", None, None)
+    assert second.distance == pytest.approx(math.hypot(4, 1))
+    second = bodies(alone.with_floor())[1]
+    assert (second.nearest, second.distance) == ("floor", pytest.approx(2))
+    assert (second.below, second.fall) == ("floor", pytest.approx(2))
+
+
+@pytest.mark.parametrize("sideways", [0.0, 0.3])
+def test_a_ball_falls_onto_exact_surfaces(sideways):
+    """Ball of radius 1 above a held ball of radius 1: the centres meet at a distance of 2."""
+    low = Part("low", Sphere(1.0), Pose([0, 0, 0]), grounded=True)
+    high = Part("high", Sphere(1.0), Pose([sideways, 0, 3]))
+    [ball] = bodies(Assembly([low, high]))
+    assert ball.fall == pytest.approx(3 - math.sqrt(4 - sideways**2), abs=1e-9)
+
+
+def test_a_pin_in_a_wide_hole_falls_onto_the_bottom_line():
+    """Known answer 10: a ring of inner diameter 2 around a bar of diameter 1.6 drops .2."""
+    bar = Part("bar", Cylinder(0.8, 6.0), Pose([0, 0, 0], [math.sqrt(0.5), math.sqrt(0.5), 0, 0]))
+    ring = kilter.scenes.pieces.tube("ring", 1.0, 1.5, 2.0)
+    ring = replace(ring, pose=Pose([0, 0, 0], [math.sqrt(0.5), math.sqrt(0.5), 0, 0]))
+    [loose] = bodies(Assembly([replace(bar, grounded=True), ring]))
+    assert (loose.name, loose.below) == ("ring", "bar")
+    assert loose.fall == pytest.approx(0.2, abs=1e-6)
+
+
+@pytest.mark.parametrize(("clearance", "exact"), [(0.01, True), (0.2, False)])
+def test_the_distance_of_a_coaxial_pin_is_its_clearance(clearance, exact):
+    """Exact for a small clearance; a large one is that of the triangles, within their accuracy."""
+    pin = Part("pin", Cylinder(1.0 - clearance, 2.0), Pose([0, 0, 0]), grounded=True)
+    found = contacts(Assembly([pin, kilter.scenes.pieces.tube("ring", 1.0, 1.5, 2.0)]))
+    [ring] = found.bodies
+    assert (ring.nearest, ring.below) == ("pin", None)
+    assert (abs(ring.distance - clearance) < 1e-12) is exact
+    assert abs(ring.distance - clearance) <= found.nearest[0].accuracy
+
+
+def test_the_answer_of_contacts_lists_the_bodies_in_words_and_data():
+    found = contacts(keypad())
+    answer = found.to_dict()
+    assert [body["name"] for body in answer["bodies"]][:2] == ["board", "span"]
+    assert found.bodies[2].to_dict() == answer["bodies"][2]
+    text = text_of(answer)
+    tips = f"board (1 part, tips at {found.bodies[0].tilt_deg:.3g} deg)"
+    assert f"Bodies of parts that touch or overlap: 7. On a floor or held: {tips}.\n" in text
+    assert "6 loose bodies: span (" in text
+    assert "LED_* (5 bodies, 0.035 mm above board)." in text
+    assert "falls 2 mm onto board" in text
+
+
+def test_without_a_floor_all_bodies_but_the_heaviest_are_loose():
+    parts = keypad().without("floor")
+    text = text_of(contacts(parts).to_dict())
+    assert "The heaviest: board (1 part)." in text
+    assert "6 loose bodies: " in text
+    [cube] = contacts(Assembly([block("cube", [0, 0, 0], [1, 1, 1])])).bodies
+    assert (cube.on_floor, cube.nearest, cube.tilt_deg) == (False, None, None)
+
+
+def test_held_parts_alone_are_no_body():
+    assert bodies(Assembly([block("base", [0, 0, 0], [1, 1, 1], grounded=True)])) == ()
