@@ -93,10 +93,11 @@ __all__ = sorted(_HOMES)
 _HOOKS = {
     "assumed": "kilter.analysis.assumptions.assume",
     "ladder": "kilter.analysis.assumptions.ladder",
+    "better_up": "kilter.analysis.assumptions.upward",
     "bodies_of": "kilter.analysis.assumptions.joined_bodies",
     "cell": "kilter.notebook",
-    "landings": "kilter.analysis.settled_pose.straight_falls",
     "copies": "kilter.contact.fits.copies",
+    "landings": "kilter.analysis.settled_pose.straight_falls",
     "load": "kilter.loading",
     "mass_of": "kilter.assembly.geometry",
     "scene_of": "kilter.files.objects.trimesh_objects",

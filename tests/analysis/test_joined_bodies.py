@@ -159,13 +159,24 @@ def test_a_pin_in_a_wide_hole_falls_onto_the_bottom_line():
     assert loose.fall == pytest.approx(0.2, abs=1e-6)
 
 
+@pytest.mark.parametrize(("clearance", "exact"), [(0.01, True), (0.2, False)])
+def test_the_distance_of_a_coaxial_pin_is_its_clearance(clearance, exact):
+    """Exact for a small clearance; a large one is that of the triangles, within their accuracy."""
+    pin = Part("pin", Cylinder(1.0 - clearance, 2.0), Pose([0, 0, 0]), grounded=True)
+    found = contacts(Assembly([pin, kilter.scenes.pieces.tube("ring", 1.0, 1.5, 2.0)]))
+    [ring] = found.bodies
+    assert (ring.nearest, ring.below) == ("pin", None)
+    assert (abs(ring.distance - clearance) < 1e-12) is exact
+    assert abs(ring.distance - clearance) <= found.nearest[0].accuracy
+
+
 def test_the_answer_of_contacts_lists_the_bodies_in_words_and_data():
     found = contacts(keypad())
     answer = found.to_dict()
     assert [body["name"] for body in answer["bodies"]][:2] == ["board", "span"]
     assert found.bodies[2].to_dict() == answer["bodies"][2]
     text = text_of(answer)
-    tips = f"board (1 part, tips at {found.bodies[0].tilt_deg:.6g} deg)"
+    tips = f"board (1 part, tips at {found.bodies[0].tilt_deg:.3g} deg)"
     assert f"Bodies of parts that touch or overlap: 7. On a floor or held: {tips}.\n" in text
     assert "6 loose bodies: span (" in text
     assert "LED_* (5 bodies, 0.035 mm above board)." in text

@@ -92,7 +92,7 @@ def test_hold_and_contacts_assume_no_floor_and_the_next_step_names_it(say):
     assert [patch["parts"] for patch in json.loads(say("contacts s.obj --json")[1])["patches"]] == [
         ["low", "up"]
     ]
-    assert "next: kilter hold s.obj --floor" in say("check s.obj")[1]
+    assert "next: kilter hold s.obj --floor" in say("transport s.obj")[1]
 
 
 def test_an_assumed_floor_lies_across_the_up_direction_of_the_file():

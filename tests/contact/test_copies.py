@@ -104,18 +104,21 @@ def files(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("name", ["s.obj", "folder"])
-def test_a_file_is_read_without_its_copies(name, files):
-    assembly = kilter.load(files / name, units="mm")
-    assert sorted(assembly.names) == ["bolt", "result"]
+def test_a_file_is_read_without_its_copies(files):
+    assembly = kilter.load(files / "s.obj")
+    assert assembly.names == ("result", "bolt")
     note = "1 body is in the file twice, left out: 'pad' (as 'result'); --keep-copies keeps it"
     assert assembly.notes == (note,)
-    whole = kilter.load(files / name, units="mm", keep_copies=True)
-    assert sorted(whole.names) == ["bolt", "pad", "result"]
-    assert whole.notes == ()
+    whole = kilter.load(files / "s.obj", keep_copies=True)
+    assert (whole.names, whole.notes) == (("pad", "result", "bolt"), ())
     for pattern in ("pad", "p*"):
-        assert "bolt" in kilter.load(files / name, units="mm", without=pattern).names
-    assert kilter.load(files / name, units="mm", without=["pad", "bolt"]).names == ("result",)
+        assert kilter.load(files / "s.obj", without=pattern).names == ("result", "bolt")
+    assert kilter.load(files / "s.obj", without=["pad", "bolt"]).names == ("result",)
+
+
+def test_bodies_of_different_files_of_a_folder_are_no_copies(files):
+    """The files may be drawn in frames of their own."""
+    assert sorted(kilter.load(files / "folder").names) == ["bolt", "pad", "result"]
 
 
 def test_choices_keep_the_copies(files):

@@ -19,7 +19,7 @@ from translations import sink
 import kilter
 from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
-from kilter.analysis.settled_pose.clear_segments import are_clear
+from kilter.analysis.settled_pose.clear_segments import _crosses, are_clear
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
 from kilter.analysis.settled_pose.rest_proof import closed_points
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
@@ -293,6 +293,16 @@ def test_the_normal_of_a_warped_face_is_uncertain_by_its_tilt(share, sound):
     pair, point = np.array([[0, 1]]), np.array([[0, 0, 0.5]])
     _, found = closed_points(Assembly([table, ball]), pair, point, tilted, drop)
     assert found.tolist() == [sound]
+
+
+@pytest.mark.parametrize(("x", "crosses"), [(0.2, True), (-0.1, False)])
+def test_a_segment_crosses_a_triangle_from_both_sides(x, crosses):
+    corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    low, high = np.array([[x, 0.2, -1.0]]), np.array([[x, 0.2, 1.0]])
+    along = high, high + 1e-3 * np.eye(3)[:1]
+    for start, end in ((low, high), (high, low)):
+        assert _crosses(start, end, corners, np.array([1e-9])).tolist() == [crosses]
+    assert not _crosses(*along, corners, np.array([1e-9])).any()
 
 
 def test_pairs_that_stay_keep_the_points_of_a_new_search():

@@ -7,7 +7,7 @@ import pytest
 from kilter import Assembly, Box, Part, Pose
 from kilter.analysis.everything import everything
 from kilter.assembly.assumption import RUNGS
-from kilter.show.ladder import NOT_DECIDED, build_ladder
+from kilter.show.ladder_card import NOT_DECIDED, build_ladder
 from kilter.show.scene import build_scene
 from kilter.tell.ladder_words import ladder_facts
 

@@ -28,7 +28,7 @@ KEYS: dict[str, tuple[str, ...]] = {
         "sentence", "verdict", "level", "stable", "summary", "moving", "remedies", "open_pairs",
         "if_joined", "nearest", "units", "warnings",
     ),
-    "contacts": ("patches", "overlaps", "open_pairs", "nearest", "rejected", "units", "warnings"),
+    "contacts": ("patches", "overlaps", "open_pairs", "bodies", "rejected", "units", "warnings"),
     "margin": (
         "sentence", "verdict", "level", "tilt_deg", "tilt_down", "friction", "load_factor",
         "helps", "pushes", "units", "warnings",

@@ -85,20 +85,20 @@ class Assembly(ChangedCopies):
     straps : sequence of Strap
     reading : mapping, optional
         Options with which `kilter.load` read the file, as JSON data: proofs list them.
-    up_assumed : bool
-        Whether neither the file nor an option states which axis points up.
     file_up : array_like, shape (3,), optional
         Up direction of a file of a format that states no held parts, world frame [-]: an answer
         assumes a floor across it if nothing is held. None: nothing is assumed.
     assumed : mapping
         Options of reading that were assumed, as JSON data: the unit of a file that states none,
         and the support of an assembly without a held part. Proofs list them, too.
+    up_assumed : bool
+        Whether neither the file nor an option states which axis points up.
 
     Notes
     -----
     An assembly is a frozen value: methods such as `with_friction` return a changed copy.
-    Assemblies with equal content are equal and have the same hash; `source`, `reading`,
-    `up_assumed`, `file_up` and `assumed` do not count.
+    Assemblies with equal content are equal and have the same hash; `source`, `reading`, `file_up`,
+    `assumed` and `up_assumed` do not count.
 
     Raises
     ------
@@ -142,9 +142,9 @@ class Assembly(ChangedCopies):
     tolerance: Any = None
     straps: Sequence[Strap] = ()
     reading: Mapping[str, Any] | None = field(default=None, compare=False)
-    up_assumed: bool = field(default=False, compare=False)
     file_up: Any = field(default=None, compare=False)
     assumed: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    up_assumed: bool = field(default=False, compare=False)
 
     def __post_init__(self) -> None:
         try:

@@ -66,13 +66,14 @@ class Body(Record):
     on_floor: bool
     """Whether the body touches a floor, a table or a part that is held."""
     tilt_deg: float | None = None
-    """Tilt at which the body tips over [deg]; null unless it is the only body on a floor."""
+    """Tilt at which the body tips over [deg]; 0 if it tips as it stands. Null unless it is the only
+    body on a floor, without a held part, and its contacts with the floor are modelled."""
     tilt_down: Vector | None = None
     """Direction of gravity at this tilt [-]; null without a tilt."""
     nearest: str | None = None
     """Nearest part of another body; null for a body on the floor."""
     distance: float | None = None
-    """Distance of this part [length unit]."""
+    """Distance of this part [length unit]; far curved faces count as their triangles."""
     below: str | None = None
     """Part or floor onto which the body falls straight down; null if it is on the floor, or if
     nothing is below it."""

@@ -495,7 +495,7 @@ def supported(assembly: Assembly, verb: str, *, floor: bool = True) -> Assembly:
     """
     if assembly.file_up is None or assembly.holds or verb in FREE_STANDING:
         return assembly
-    gravity = assembly.gravity
+    gravity, up_assumed = assembly.gravity, assembly.up_assumed
     if verb in TURNED or not assembly.detect:
         name = assembly.largest
         note = (
@@ -513,6 +513,7 @@ def supported(assembly: Assembly, verb: str, *, floor: bool = True) -> Assembly:
     return dataclasses.replace(
         assembly,
         gravity=gravity,
+        up_assumed=up_assumed,
         notes=[*assembly.notes, note],
         assumed={**assembly.assumed, **assumed},
     )

@@ -202,8 +202,8 @@ def read_path(
             hint="leave the state out",
         )
     if is_folder(path):
-        content = FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
-        return content if options.keep_copies else content.without_copies()
+        # equal bodies at the same place in two files are likelier two frames than a copy
+        return FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
     if suffix in FORMATS:
         assembly, left_out = load_bodies(path, units=units, without=without, progress=progress)
         content = FileContent(assembly, left_out=left_out, from_cad=True)

@@ -105,7 +105,7 @@ class ReadingOptions:
     )
     keep_copies: bool = option(
         "--keep-copies",
-        "CAD and meshes only: keep bodies that are in the file twice; by default a copy, or a step "
+        "CAD and mesh files only: keep bodies that are in the file twice; by default a copy, or a step "
         "of a feature beside its result, is left out.",
         HELD,
     )

@@ -13,7 +13,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.show.colours import assembly_colours
-from kilter.show.ladder import build_ladder
+from kilter.show.ladder_card import build_ladder
 from kilter.show.packing import pack, readable
 from kilter.show.round_patches import round_patches
 from kilter.show.shapes import ShapeMesh, place_shapes

@@ -8,7 +8,7 @@ from typing import Any
 from kilter.errors import some
 from kilter.tell.contact_words import range_words
 from kilter.tell.name_groups import FEW, grouped, pattern, stem
-from kilter.tell.numbers import angle, count, number, plain
+from kilter.tell.numbers import count, number, plain
 
 SAME_WAY = 1e-3
 """A fall differs from the distance of the nearest part by at most this, if it is below [-]."""
@@ -46,11 +46,29 @@ def body_sentences(bodies: Sequence[Entry], units: str) -> list[str]:
     return lines
 
 
+def body_words(body: Entry, units: str) -> str:
+    """Return a body and its place: its parts if it stands, else its nearest part and its fall.
+
+    Examples
+    --------
+    >>> led = {"name": "LED_2", "on_floor": False, "nearest": "board", "distance": 0.035}
+    >>> body_words({**led, "below": "board", "fall": 0.035}, "mm")
+    'LED_2 (0.035 mm above board)'
+    >>> body_words({**led, "below": "desk", "fall": 18.0}, "mm")
+    'LED_2 (0.035 mm from board); falls 18 mm onto desk'
+    """
+    if body["on_floor"]:
+        return _standing_words(body)
+    words = _loose_words([body], units)
+    return words if _is_above(body) else f"{words}; {support_words(body, units)}"
+
+
 def _standing_words(body: Entry) -> str:
     """Return the name of a body that stands, with its number of parts and its tilt."""
     about = [count(len(body["parts"]), "part")]
     if body["tilt_deg"] is not None:
-        about.append(f"tips at {angle(body['tilt_deg'])}")
+        tilt = number(body["tilt_deg"], 3)
+        about.append(f"tips at {tilt} deg" if body["tilt_deg"] else "tips as it stands")
     return f"{plain(body['name'])} ({', '.join(about)})"
 
 

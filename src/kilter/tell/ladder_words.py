@@ -88,19 +88,25 @@ def ladder_sentence(ladder: Sequence[Row], verdict: str, *, assume: str) -> str 
     ...         {**row, "assume": "joined", "verdict": "stable", "level": "proved", "falls": 0}]
     >>> ladder_sentence(rows, "unstable", assume="drawn")
     'Unstable as drawn; it stands if its touching parts are joined. As drawn 1 part falls: lid.'
+    >>> rows[1] |= {"verdict": "unstable", "level": None, "falls": 1, "names": ["pin"]}
+    >>> rows[0] |= {"falls": 2, "names": ["lid", "pin"]}
+    >>> ladder_sentence(rows, "unstable", assume="drawn")
+    'Unstable: 1 part falls: pin, even if its touching parts are joined (as drawn 2 parts fall: \
+lid, pin).'
     """
     if not ladder or assume != "drawn":
         return None
-    begin = f"{VERDICTS[verdict]} as drawn"
-    falls = fall_words(ladder[0])
-    best = holding_row(ladder)
-    if best is None:
-        top = next((row for row in reversed(ladder) if row["decided"] and row["falls"]), None)
-        rung = f"{fall_words(top)} {condition(top)}, too" if top is not None else ""
-        return f"{begin}: {falls}{'; ' if rung else ''}{rung}."
-    stands = "it stands" if best["verdict"] in STANDS else "forces that hold it exist"
-    as_drawn = f" As drawn {falls}." if ladder[0]["falls"] else ""
-    return f"{begin}; {stands} {condition(best)}.{as_drawn}"
+    drawn, best = ladder[0], holding_row(ladder)
+    if best is not None:
+        stands = "it stands" if best["verdict"] in STANDS else "forces that hold it exist"
+        falls = f" As drawn {fall_words(drawn)}." if drawn["falls"] else ""
+        return f"{VERDICTS[verdict]} as drawn; {stands} {condition(best)}.{falls}"
+    begin = VERDICTS[verdict]
+    known = [row for row in ladder if row["decided"] and row["falls"]]
+    top = min(known, key=lambda row: row["falls"], default=None)
+    if top is None or top["falls"] >= drawn["falls"]:
+        return f"{begin} as drawn and on every other assumption: {fall_words(drawn)}."
+    return f"{begin}: {fall_words(top)}, even {condition(top)} (as drawn {fall_words(drawn)})."
 
 
 def fall_words(row: Row) -> str:

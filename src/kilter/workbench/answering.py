@@ -26,7 +26,7 @@ from kilter.contact.fits.suggestions import suggest_joints
 from kilter.errors import InputError, shell_words
 from kilter.files.own.choices import Choices, option_words
 from kilter.files.own.saved_entries import with_interactions
-from kilter.show.ladder import build_ladder
+from kilter.show.ladder_card import build_ladder
 from kilter.show.scene import build_orientation, build_things
 from kilter.show.sections import answer_html, placed_part
 from kilter.tell.facts import facts

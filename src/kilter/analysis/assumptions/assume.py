@@ -9,7 +9,8 @@ least motion, so that a contact that is merely sunk decides nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,12 @@ import numpy as np
 
 from kilter.analysis.assumptions.joining import joined
 from kilter.analysis.check import check_equilibrium
-from kilter.analysis.settled_pose.rest import RestResult
+from kilter.analysis.settled_pose.rest import RestResult, WayStep
 from kilter.analysis.settled_pose.rest_engine import come_to_rest, opened
 from kilter.analysis.settled_pose.rest_verification import RestingParts, verify_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle import is_verified, refusal, without_rounding
+from kilter.analysis.verdict.remarks import floating_groups
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint
 from kilter.assembly.assumption import DRAWN, JOINED, PLAY
@@ -60,6 +62,8 @@ class Assumed:
     """Longest way of a part [length unit]."""
     joints: int = 0
     """Number of joints that the rung added."""
+    ways: Mapping[str, tuple[WayStep, ...]] = field(default_factory=dict)
+    """The pieces of the way of each part that took its pose at rest, by name."""
 
     @property
     def marked(self) -> Assembly:
@@ -95,8 +99,12 @@ def assumed(asked: Question) -> Question:
     return asked.but(assembly=found.marked, contacts=found.contacts)
 
 
-def assume(asked: Question, rung: str, *, settles: bool = True) -> Assumed:
-    """Apply a rung to the assembly of a question; without `settles` no part moves."""
+def assume(asked: Question, rung: str, *, settles: bool = True, opens: bool = True) -> Assumed:
+    """Apply a rung to the assembly of a question.
+
+    Arguments: `settles`: whether parts move; `opens`: whether overlaps of the parts that find no
+    rest within their play are opened.
+    """
     drawn, contacts = asked.assembly, detect.touching(asked)
     base = with_joints(drawn, contacts, rung)
     known = contacts.of(base)
@@ -105,7 +113,7 @@ def assume(asked: Question, rung: str, *, settles: bool = True) -> Assumed:
         return plain
     if check_equilibrium(base, known).level is not None:
         return plain
-    return _within_play(asked, plain)
+    return _within_play(asked, plain, opens)
 
 
 def with_joints(assembly: Assembly, contacts: ContactSet, rung: str) -> Assembly:
@@ -150,18 +158,20 @@ def play_of(assembly: Assembly) -> Array:
 def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
     """Whether any part may move within its play: an overlap, a clearance or a narrow gap is open.
 
-    A free part or group that touches nothing is near enough to another part, too.
+    A free group of parts that touches nothing may be near enough to other parts, too.
     """
     play = play_of(assembly)
     if contacts.open_pairs or contacts.overlaps:
         return True
     if any(abs(pair.gap) <= play[list(pair.ends)].max() for pair in contacts.near):
         return True
+    if floating_groups(assembly, contacts):
+        return True
     index = assembly.index
     return any(lone.gap <= play[index[lone.part]] for lone in contacts.of(assembly).nearest)
 
 
-def _within_play(asked: Question, plain: Assumed) -> Assumed:
+def _within_play(asked: Question, plain: Assumed, opens: bool) -> Assumed:
     """The assembly with the parts at rest that move within their play."""
     base, contacts = plain.assembly, plain.contacts
     bodies = rigid_bodies(base, ())
@@ -176,11 +186,12 @@ def _within_play(asked: Question, plain: Assumed) -> Assumed:
         near = _near_rest(rest, verified, play)
         complete = len(verified.assembly) == len(base) and is_verified(rest, verified)
         if complete and near[bodies.free & bodies.moves].all():
-            return _posed(asked, plain, settled, verified)
+            return replace(_posed(asked, plain, settled, verified), ways=_ways(rest, near))
     else:
         near = ~bodies.free
-    aside = opened(bodies, contacts, tell=asked.tell)
-    return _posed(asked, plain, rest.bodies.where(near, aside).assembly(), None)
+    aside = opened(bodies, contacts, tell=asked.tell) if opens else bodies
+    found = _posed(asked, plain, rest.bodies.where(near, aside).assembly(), None)
+    return replace(found, ways=_ways(rest, near))
 
 
 def _posed(
@@ -204,6 +215,13 @@ def _posed(
     return replace(
         plain, assembly=assembly, contacts=contacts, closed=closed, moved=float(far.max())
     )
+
+
+def _ways(rest: RestResult, near: Mask) -> dict[str, tuple[WayStep, ...]]:
+    """The ways of the parts whose bodies took their pose at rest, by name."""
+    bodies = rest.bodies
+    rows = zip(bodies.drawn.names, bodies.of_part.tolist(), strict=True)
+    return {name: rest.ways[body] for name, body in rows if near[body]}
 
 
 def _near_rest(rest: RestResult, verified: RestingParts, play: Array) -> Mask:

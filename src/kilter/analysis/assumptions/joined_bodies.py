@@ -131,6 +131,9 @@ class _LooseBodies:
         self._solids = PartSolids(assembly.geometry)
         self._boxes = assembly.geometry.part_boxes
         self._known = {neighbour.part: neighbour for neighbour in contacts.neighbours}
+        self._on_surfaces: dict[frozenset[int], float] = {}
+        for pair in contacts.near:  # the nearest first
+            self._on_surfaces.setdefault(frozenset(pair.ends), pair.gap)
 
     def found(self, group: Index) -> dict[str, Any]:
         """The keys of a loose body about its nearest part and its fall."""
@@ -140,7 +143,9 @@ class _LooseBodies:
         near = self._known.get(int(group[0])) if len(group) == 1 else None
         if near is None:
             near = nearest_to_group(self._solids, group, self._boxes)
-        found: dict[str, Any] = {"nearest": names[near.other], "distance": near.gap}
+        exact = self._on_surfaces.get(frozenset((near.part, near.other)), np.inf)
+        distance = exact if abs(exact - near.gap) <= near.accuracy else near.gap
+        found: dict[str, Any] = {"nearest": names[near.other], "distance": distance}
         fall = falling_distance(self._assembly, self._sweeps, group, self._assembly.down)
         if fall is not None:
             found |= {"below": names[fall.other], "fall": max(fall.distance, 0.0)}

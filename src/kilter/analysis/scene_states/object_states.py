@@ -19,9 +19,9 @@ high parts for the smaller part.
 
 from __future__ import annotations
 
+from kilter.analysis.scene_states.played_scene import played_scene
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.scene_states.settled_scene import settled_scene
-from kilter.analysis.scene_states.survey import survey
 from kilter.assembly.question import Question, question
 from kilter.contact import detect
 from kilter.tell.levels import require_level
@@ -84,4 +84,4 @@ def scene(
     if settle:
         return settled_scene(asked.but(require=require))
     contacts = detect.touching(asked)
-    return survey(asked.but(contacts=contacts, require=require))
+    return played_scene(asked.but(contacts=contacts, require=require))

@@ -14,6 +14,7 @@ from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.assembly.assumption import DRAWN, RungWord
 from kilter.contact import ContactSet
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose
@@ -101,6 +102,8 @@ class SceneReport(SupportedAnswer):
     """Coefficient of the contacts without a coefficient of their own [-]."""
     units: UnitWord
     """Length unit."""
+    assume: RungWord = DRAWN
+    """The rung of the ladder of assumptions that moved or joined objects; else drawn."""
     settled: bool = False
     """Whether the objects were brought to rest first."""
     warnings: tuple[str, ...]

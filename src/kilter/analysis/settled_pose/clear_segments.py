@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, ragged, ratio
+from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, ragged
 from kilter.contact.common.broad import joins
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import SAME_PLACE
@@ -90,8 +90,8 @@ def _crosses(start: Array, end: Array, corners: Array, margin: Array) -> Mask:
     area = lengths(double)
     rise = np.einsum("ij,ij->i", along, double)
     height = np.einsum("ij,ij->i", corners[:, 0] - start, double)
-    share = ratio(height, rise)
     crosses: Mask = np.abs(rise) > PARALLEL * length * area
+    share = height / np.where(crosses, rise, 1.0)
     crosses &= (share > AT_END) & (share < 1 - AT_END)
     crosses &= np.minimum(np.abs(height), np.abs(rise - height)) > margin * area
     foot = start + share[:, None] * along

@@ -53,7 +53,9 @@ STILL = 2.0
 """Movement in a step that counts as none, over the gap that counts as closed [-]."""
 STALLS = 8
 """Number of steps without a descent after which the steps become shorter, and twice the movement
-counts as none, up to the gap that counts as closed."""
+counts as none, up to half of the gap that the verification accepts."""
+STANDS = 24
+"""Number of steps without a descent after which bodies without loads stand still."""
 EXACT = 2e-5
 """Movement in a step that may come from the solver, whose objective is exact to the square of this
 [strides]."""
@@ -397,7 +399,7 @@ def _settle_down(state: _State) -> bool:
         stride = _stride_of_islands(state, island)
         reach = _widest(state, points, 2 * np.minimum(stride, LONGEST * state.bodies.size))
         near = (points.gap <= reach) & (reach > 0)
-        points = points.take(near)
+        points = _without_still_gaps(state, points.take(near))
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
         rough = points.gap <= 0.5 * reach[near]
         group = _falling_freely(state, points, program, stride, rough)
@@ -439,7 +441,10 @@ def _deepest(state: _State, island: Index, points: NearPoints) -> Array:
 
 
 def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
-    """Shorten the stride of islands whose centre has not sunk for some steps."""
+    """Shorten the stride of islands whose centre has not sunk for some steps.
+
+    Round faces that fit each other closely may rock by rounding, about gaps that count as closed.
+    """
     mass = state.bodies.mass
     total, weight = np.zeros(len(mass) + 1), np.zeros(len(mass) + 1)
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
@@ -448,10 +453,13 @@ def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -
     sinks = depth > lowest + STILL * state.closed
     stalled[:] = np.where(sinks, 0, stalled + (island >= 0))
     lowest[:] = np.maximum(lowest, depth)
-    late = stalled >= STALLS
+    late = (stalled > 0) & (stalled % STALLS == 0)
     state.stride = np.where(late, state.stride / 4, state.stride)
-    state.still[late] = np.minimum(2 * state.still[late], 10 * state.closed)
-    stalled[late] = 0
+    state.still[late] = np.minimum(2 * state.still[late], 5 * state.closed)
+    loaded = np.zeros(len(island) + 1, dtype=bool)
+    loaded[island[[state.bodies.body_of(load.part) for load in state.bodies.drawn.loads]]] = True
+    state.asleep |= (stalled >= STANDS) & ~loaded[island]
+    stalled[stalled >= STANDS] = 0
     state.asleep |= late & (state.stride < SHORTEST * state.length)
 
 
@@ -468,6 +476,17 @@ def _widest(state: _State, points: NearPoints, reach: Array) -> Array:
     body = state.bodies.of_part
     widest: Array = np.maximum(reach[body[points.part_a]], reach[body[points.part_b]])
     return widest
+
+
+def _without_still_gaps(state: _State, points: NearPoints) -> NearPoints:
+    """The points, with gap 0 where closing the gap counts as no movement.
+
+    Friction would permit a slip of the gap over mu there in each step.
+    """
+    body = state.bodies.of_part
+    still = np.maximum(state.still[body[points.part_a]], state.still[body[points.part_b]])
+    gap = np.where((points.gap > 0) & (points.gap <= still), 0.0, points.gap)
+    return replace(points, gap=gap)
 
 
 def _awake_points(state: _State) -> tuple[NearPoints, Index]:
@@ -521,7 +540,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     quiet = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(quiet, island, ~moving)
     size = np.full(len(island) + 1, np.inf)
-    np.minimum.at(size, island, state.bodies.size)
+    np.minimum.at(size, island, np.minimum(state.bodies.size, state.limit / (2.1 * FIRST)))
     stood = np.maximum(state.quiet, stride)
     state.quiet = np.where(moving, 0.0, np.where(quiet[island] & (island >= 0), stood, state.quiet))
     long = np.ones(len(island) + 1, dtype=bool)

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.settled_pose.near_points import NearPoints, surface_gaps
+from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.analysis.settled_pose.settle_tolerances import BETWEEN_FACES, CLOSED, NORMAL
 from kilter.arrays import TINY, Array, Index, Mask, cross, lengths, ragged, starts
 from kilter.assembly import Assembly, GivenContact, Part
@@ -131,12 +132,18 @@ def strict_contacts(
 
 
 def deepest_overlap(contacts: ContactSet, gap: float) -> tuple[float, str, tuple[int, ...]]:
-    """Deepest overlap of two parts [length unit]; if it exceeds `gap`, a clause and both parts."""
+    """Deepest overlap of two parts [length unit]; if it exceeds `gap`, a clause and both parts.
+
+    Parts of a rigid body may overlap, as a screw in its thread does.
+    """
     names, units = contacts.assembly.names, contacts.assembly.units
-    lowest = contacts.patch_gap[:, 0]
+    body = rigid_bodies(contacts.assembly, ()).of_part
+    apart = body[contacts.patch_parts[:, 0]] != body[contacts.patch_parts[:, 1]]
+    lowest = np.where(apart, contacts.patch_gap[:, 0], 0.0)
     penetration = max(0.0, -float(lowest.min(initial=0.0)))
-    if contacts.overlaps:
-        worst = max(contacts.overlaps, key=lambda overlap: overlap.depth)
+    overlaps = [o for o in contacts.overlaps if body[o.ends[0]] != body[o.ends[1]]]
+    if overlaps:
+        worst = max(overlaps, key=lambda overlap: overlap.depth)
         both = some_names([names[k] for k in worst.ends])
         clause = f"{both} overlap by {worst.depth:.3g} {units}"
         return max(worst.depth, penetration), clause, tuple(worst.ends)

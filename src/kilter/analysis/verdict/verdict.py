@@ -63,7 +63,14 @@ from kilter.tell.html import InCells
 from kilter.tell.ladder_words import ladder_sentence, rung_sentence
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
 from kilter.tell.record import InPython, LevelWord, OrAbsent, UnitWord, Vector, key
-from kilter.tell.words import GAINS, NAMED, fall_words, motion_summary, motion_words
+from kilter.tell.words import (
+    GAINS,
+    NAMED,
+    fall_words,
+    motion_summary,
+    motion_words,
+    upward_words,
+)
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.work import EFFORT
@@ -197,12 +204,23 @@ class Verdict(InCells, SupportedAnswer):
         return rows
 
     @cached_property
+    @on_one_thread
+    def better_up(self) -> str | None:
+        """Upward axis with which it holds although it holds on no rung with z up; else None."""
+        held = self.level is not None or any(row.level is not None for row in self.ladder)
+        if self.drawn is None or held or self.time_limit is not None:
+            return None
+        axis: str | None = hook("better_up")(self.drawn, self.drawn_contacts)
+        return axis
+
+    @cached_property
     @key
     def bodies(self) -> tuple[Body, ...]:
         """Bodies of the parts that touch or overlap, with a ladder or on the rung joined."""
         if self.drawn is None or not (self.ladder or self.assume == JOINED):
             return ()
-        return ()
+        found: tuple[Body, ...] = hook("bodies_of")(self.drawn, self.drawn_contacts)
+        return found
 
     @property
     @key
@@ -711,7 +729,8 @@ class Verdict(InCells, SupportedAnswer):
         why = NO_MOTION_OF_LIMITS if self._not_modelled else why
         open_motion = [] if self.motion.known else [why]
         last = [*([unfinished] if failed else []), *open_motion]
-        return (*self.notes, *filter(None, [self.barely]), *last)
+        upward = [] if self.better_up is None else [upward_words(self.better_up)]
+        return (*self.notes, *upward, *filter(None, [self.barely]), *last)
 
     def to_dict(self) -> dict[str, Any]:
         """The verdict as JSON data, as ``kilter check --json`` prints it."""

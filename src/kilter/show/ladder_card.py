@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from kilter.show.packing import readable
+from kilter.tell.body_words import body_words
 from kilter.tell.ladder_words import condition, ladder_facts
-from kilter.tell.numbers import angle, count, mass, number, shortened
+from kilter.tell.numbers import number
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
@@ -23,7 +24,6 @@ def build_ladder(check: Answer, assembly: Assembly) -> dict[str, Any]:
     `parts` of a body are indices, and `loose` states that it touches neither a floor nor a held
     part.
     """
-    names = shortened(assembly.names)
     return {
         "assume": check["assume"],
         "rows": [
@@ -41,7 +41,7 @@ def build_ladder(check: Answer, assembly: Assembly) -> dict[str, Any]:
             {
                 "parts": [assembly.index[name] for name in body["parts"]],
                 "loose": not body["on_floor"],
-                "words": readable(body_words(body, names, assembly.units)),
+                "words": readable(body_words(body, assembly.units)),
             }
             for body in check["bodies"]
         ],
@@ -52,35 +52,3 @@ def _row_name(row: Answer) -> str:
     """The rung of a row, or the friction that the row assumes."""
     mu = row["friction"]
     return str(row["assume"]) if mu is None else f"friction {number(mu)}"
-
-
-def body_words(body: Answer, names: Mapping[str, str], units: str) -> str:
-    """A body of joined parts in words: its largest part, and its place.
-
-    Examples
-    --------
-    >>> led = {"name": "LED_2", "parts": ["LED_2"], "on_floor": False, "nearest": "board"}
-    >>> led |= {"distance": 0.035, "below": "board", "fall": 0.035}
-    >>> body_words(led, {}, "mm")
-    'LED_2, 0.035 mm above board'
-    >>> body_words(led | {"below": "desk", "fall": 18.0}, {}, "mm")
-    'LED_2, 0.035 mm from board; falls 18 mm onto desk'
-    """
-
-    def short(name: str) -> str:
-        return names.get(name, name)
-
-    others = len(body["parts"]) - 1
-    words = short(body["name"]) + (f" and {count(others, 'other')}" if others else "")
-    if body["on_floor"]:
-        tips = body["tilt_deg"]
-        return f"{words}, {mass(body['mass'])}" + (
-            f", tips at {angle(tips)}" if tips is not None else ""
-        )
-    near, below = body["nearest"], body["below"]
-    if below is not None and below == near:
-        return f"{words}, {number(body['fall'], 3)} {units} above {short(below)}"
-    places = [] if near is None else [f"{number(body['distance'], 3)} {units} from {short(near)}"]
-    if below is not None:
-        places.append(f"falls {number(body['fall'], 3)} {units} onto {short(below)}")
-    return f"{words}, {'; '.join(places) or 'nothing is near it'}"
