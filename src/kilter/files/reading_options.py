@@ -105,8 +105,8 @@ class ReadingOptions:
     )
     keep_copies: bool = option(
         "--keep-copies",
-        "CAD and mesh files only: keep bodies that are in the file twice; by default a copy, or a step "
-        "of a feature beside its result, is left out.",
+        "CAD and mesh files only: keep bodies that are in the file twice; by default a copy, or a "
+        "step of a feature beside its result, is left out.",
         HELD,
     )
     up: str | None = option(
