@@ -38,7 +38,7 @@ from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_f
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.neutral import Neutral, find_neutral, find_slipping_motion
-from kilter.analysis.verdict.part_answer import PartAnswer
+from kilter.analysis.verdict.part_answer import PartAnswer, StraightFall
 from kilter.analysis.verdict.verdict_answer import (
     BondsNeeded,
     ContactCounts,
@@ -76,7 +76,6 @@ from kilter.units import metres_per_unit
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
-    from kilter.analysis.settled_pose.straight_falls import StraightFall
     from kilter.contact.fits.suggestions import Suggestion
     from kilter.friction.answer import FrictionAnswer, Why
     from kilter.second_order.answer.second_order_answer import SecondOrder, SecondOrderSummary

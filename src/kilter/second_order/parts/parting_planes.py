@@ -22,7 +22,7 @@ from kilter.arrays import Array, across, cross
 from kilter.assembly import Assembly
 from kilter.mechanics.program import Program
 from kilter.rigid import matrix_to_quaternion, turn_of
-from kilter.second_order.parts.separation import Body, bodies_of, parting, parting_point
+from kilter.second_order.parts.separation import ConvexBody, bodies_of, parting, parting_point
 
 FAN = 2e-4 * 4.0 ** np.arange(7)
 RIM = np.concatenate([[0.0], FAN, -FAN, np.pi / 4 * np.arange(1, 8)])
@@ -115,14 +115,16 @@ class PartingPlanes:
                 bounds.append(-sign * (held - anchor) @ normal - rounded - gap / 2)
         return np.vstack(blocks), np.concatenate(bounds)
 
-    def _near_pairs(self, places: PartPlaces, reach: Array) -> list[tuple[Pair, Body, Body]]:
+    def _near_pairs(
+        self, places: PartPlaces, reach: Array
+    ) -> list[tuple[Pair, ConvexBody, ConvexBody]]:
         """Pairs of displaced bodies within reach of each other, at least one of them free."""
         program, count = self._program, len(self._bodies)
         middles = [
             (middle - program.center[k]) @ places.turns[k].T + program.center[k] + places.shifts[k]
             for k, (middle, _) in enumerate(self._balls)
         ]
-        moved: dict[tuple[int, int], Body] = {}
+        moved: dict[tuple[int, int], ConvexBody] = {}
         pairs = []
         for i in range(count):
             for j in range(i + 1, count):
@@ -141,14 +143,14 @@ class PartingPlanes:
                         pairs.append(((i, m, j, n), a, b))
         return pairs
 
-    def _moved_corners(self, key: tuple[int, int], places: PartPlaces) -> Body:
+    def _moved_corners(self, key: tuple[int, int], places: PartPlaces) -> ConvexBody:
         part, body = key
         center, shift, turn = (
             values[part] for values in (self._program.center, places.shifts, places.turns)
         )
         return self._bodies[part][body].moved(center, shift, turn)
 
-    def _normal(self, pair: Pair, a: Body, b: Body) -> Array:
+    def _normal(self, pair: Pair, a: ConvexBody, b: ConvexBody) -> Array:
         """Unit normal of the best separating plane of two bodies, from first to second."""
         if _is_ball(a) and b.radius == 0:
             return -parting_point(b, a.corners[0])[1]
@@ -164,11 +166,11 @@ class PartingPlanes:
         return normal
 
 
-def _is_ball(body: Body) -> bool:
+def _is_ball(body: ConvexBody) -> bool:
     return body.radius > 0 and body.axis is None
 
 
-def _bounding_balls(bodies: list[Body]) -> tuple[Array, Array]:
+def _bounding_balls(bodies: list[ConvexBody]) -> tuple[Array, Array]:
     """Balls that contain bodies: centres, shape (n, 3), and radii, shape (n,) [length unit]."""
     middles = np.array([body.corners.mean(axis=0) for body in bodies]).reshape(-1, 3)
     radii = [
@@ -178,7 +180,7 @@ def _bounding_balls(bodies: list[Body]) -> tuple[Array, Array]:
     return middles, np.array(radii)
 
 
-def _box_distance(a: Body, b: Body) -> float:
+def _box_distance(a: ConvexBody, b: ConvexBody) -> float:
     """Largest distance of two bodies' boxes along an axis [length unit]; negative in overlap."""
     gap = np.maximum(
         b.corners.min(axis=0) - a.corners.max(axis=0), a.corners.min(axis=0) - b.corners.max(axis=0)
@@ -186,7 +188,7 @@ def _box_distance(a: Body, b: Body) -> float:
     return float(gap.max()) - a.radius - b.radius
 
 
-def _farthest(body: Body, toward: Array) -> Array:
+def _farthest(body: ConvexBody, toward: Array) -> Array:
     """Points of a body that are farthest along a direction, the farthest first, shape (m, 3).
 
     For a ball its centre, for a cylinder points of its rims.

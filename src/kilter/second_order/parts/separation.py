@@ -48,7 +48,7 @@ SIMPLEX = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class ConvexBody:
     """A convex body: a polyhedron, a ball or a cylinder.
 
     `corners`, shape (m, 3), span the polyhedron if `radius` is 0. With a radius but no `axis` the
@@ -62,12 +62,12 @@ class Body:
     normals: Array | None = None
     edges: Array | None = None
 
-    def moved(self, center: Array, shift: Array, turn: Array) -> Body:
+    def moved(self, center: Array, shift: Array, turn: Array) -> ConvexBody:
         """The body after the motion x -> center + shift + turn (x - center)."""
         corners = (self.corners - center) @ turn.T + center + shift
         parts = (self.axis, self.normals, self.edges)
         axis, normals, edges = (None if rows is None else rows @ turn.T for rows in parts)
-        return Body(corners, self.radius, axis, normals, edges)
+        return ConvexBody(corners, self.radius, axis, normals, edges)
 
     def reach(self, directions: Array) -> Array:
         """Largest n.x over the points x of the body, for each direction n, shape (k,)."""
@@ -80,16 +80,16 @@ class Body:
         return most + self.radius * np.sqrt(np.maximum(1.0 - along**2, 0.0))
 
 
-def bodies_of(assembly: Assembly, part: int) -> list[Body] | None:
+def bodies_of(assembly: Assembly, part: int) -> list[ConvexBody] | None:
     """Convex bodies whose surfaces cover the boundary of a part; None for other shapes."""
     shape, geometry = assembly.parts[part].shape, assembly.geometry
     pose = assembly.parts[part].pose
     if isinstance(shape, Sphere):
-        return [Body(pose.position[None], shape.radius)]
+        return [ConvexBody(pose.position[None], shape.radius)]
     if isinstance(shape, Cylinder):
         axis = pose.matrix[:, 2]
         ends = pose.position + np.outer([0.5, -0.5], axis) * shape.height
-        return [Body(ends, shape.radius, axis)]
+        return [ConvexBody(ends, shape.radius, axis)]
     if geometry.surfaces.start[part] != geometry.surfaces.start[part + 1]:
         return _round_pieces(geometry, part)
     triangles = geometry.corners_of(part)
@@ -101,7 +101,7 @@ def bodies_of(assembly: Assembly, part: int) -> list[Body] | None:
     return [_hull(triangle[None], triangle) for triangle in triangles]
 
 
-def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
+def _round_pieces(geometry: Geometry, part: int) -> list[ConvexBody] | None:
     """Whole balls and cylinders that enclose a round part; None if its faces exceed them."""
     s, near = geometry.surfaces, CONVEX * float(geometry.size[part])
     pieces = []
@@ -110,7 +110,7 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
             return None
         radius = float(s.radius[row])
         if s.kind[row] == SPHERE:
-            pieces.append(Body(s.point[row][None], radius))
+            pieces.append(ConvexBody(s.point[row][None], radius))
             continue
         axis = s.axis[row]
         corners = geometry.vertices[np.unique(geometry.triangles[s.triangles_of(row)])]
@@ -120,7 +120,7 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
         straight = min(int(end.sum()) for end in ends) > ON_QUARTIC
         if not straight or not (ends[0] | ends[1]).all():
             return None  # an oblique end reaches farther than its corners
-        pieces.append(Body(s.point[row] + np.outer([low, high], axis), radius, axis))
+        pieces.append(ConvexBody(s.point[row] + np.outer([low, high], axis), radius, axis))
     span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     flat = geometry.vertices[geometry.triangles[span][geometry.triangle_surface[span] < 0]]
     points = flat.reshape(-1, 3)
@@ -128,7 +128,7 @@ def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
     return pieces if np.any(within, axis=0).all() else None
 
 
-def _is_within(body: Body, points: Array, near: float) -> Mask:
+def _is_within(body: ConvexBody, points: Array, near: float) -> Mask:
     """Mask of points, (n, 3), inside a ball or cylinder enlarged by `near`, shape (n,)."""
     off = points - body.corners[0]
     if body.axis is None:
@@ -143,7 +143,7 @@ def _normals(triangles: Array) -> Array:
     return cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
 
 
-def _hull(triangles: Array, corners: Array) -> Body:
+def _hull(triangles: Array, corners: Array) -> ConvexBody:
     """Convex polyhedron (or triangle) with the normals of its faces and its edge directions."""
     edges = np.concatenate([triangles[:, k] - triangles[:, k - 1] for k in range(3)])
     normals = unit_rows(_normals(triangles))
@@ -153,15 +153,15 @@ def _hull(triangles: Array, corners: Array) -> Body:
     edges = edges * np.where(edges @ np.array([1.0, 1e-3, 1e-6]) < 0, -1.0, 1.0)[:, None]
     _, first = np.unique(np.round(edges, 9), axis=0, return_index=True)
     _, other = np.unique(np.round(normals, 9), axis=0, return_index=True)
-    return Body(corners, normals=normals[other], edges=edges[first])
+    return ConvexBody(corners, normals=normals[other], edges=edges[first])
 
 
-def separation(a: Body, b: Body, hints: Array) -> float:
+def separation(a: ConvexBody, b: ConvexBody, hints: Array) -> float:
     """Largest gap between two bodies along any tried direction [length unit]."""
     return parting(a, b, hints)[0]
 
 
-def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, Array]:
+def parting(a: ConvexBody, b: ConvexBody, hints: Array, tries: int = 1000) -> tuple[float, Array]:
     """Largest gap between two bodies along any tried direction, and this direction."""
     if a.radius == 0 and b.radius == 0:
         assert a.normals is not None
@@ -195,7 +195,7 @@ def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, A
     return -cost(best), unit_rows(best[None])[0]
 
 
-def _across_axes(a: Body, b: Body, near: Array) -> list[Array]:
+def _across_axes(a: ConvexBody, b: ConvexBody, near: Array) -> list[Array]:
     """Directions, from the axes of cylinders, that may separate two bodies.
 
     Along an axis, across both axes, and the best direction across each axis.
@@ -217,7 +217,7 @@ def _across_axes(a: Body, b: Body, near: Array) -> list[Array]:
     return directions
 
 
-def _gaps_along(a: Body, b: Body, directions: Array) -> Array:
+def _gaps_along(a: ConvexBody, b: ConvexBody, directions: Array) -> Array:
     """Gap between bodies a and b along each of several directions, shape (k,)."""
     return np.asarray(-b.reach(-directions) - a.reach(directions))
 
@@ -240,7 +240,7 @@ def least_separation(
     """
     count = len(program.names)
     turns = [turn_of(motion[k, 3:]) for k in range(count)]
-    moved: dict[int, list[Body] | None] = {}
+    moved: dict[int, list[ConvexBody] | None] = {}
     least = beyond
     for i in range(count):
         for j in range(i + 1, count):
@@ -271,7 +271,7 @@ def least_separation(
     return least
 
 
-Pieces = list[Body] | None
+Pieces = list[ConvexBody] | None
 
 
 def _parted_as_before(
@@ -297,7 +297,9 @@ def _far(assembly: Assembly, motion: Array, pair: tuple[int, int], beyond: float
     return bool((np.maximum(low[i] - high[j], low[j] - high[i]) > room).any())
 
 
-def _pair_separation(first: list[Body], second: list[Body], hints: Array, least: float) -> float:
+def _pair_separation(
+    first: list[ConvexBody], second: list[ConvexBody], hints: Array, least: float
+) -> float:
     """Least separation of the bodies of two parts, at most `least` [length unit]."""
     for a in first:
         for b in second:
@@ -316,7 +318,7 @@ def _pair_separation(first: list[Body], second: list[Body], hints: Array, least:
     return least
 
 
-def _ball_separation(ball: Body, other: Body) -> float:
+def _ball_separation(ball: ConvexBody, other: ConvexBody) -> float:
     """Separation of a ball from a polyhedron or a triangle [length unit]."""
     assert other.normals is not None
     if len(other.corners) == 3:
@@ -324,12 +326,12 @@ def _ball_separation(ball: Body, other: Body) -> float:
     return separation_of_point(other, ball.corners[0]) - ball.radius
 
 
-def separation_of_point(body: Body, point: Array) -> float:
+def separation_of_point(body: ConvexBody, point: Array) -> float:
     """Distance of a point from a convex polyhedron [length unit]; negative inside."""
     return parting_point(body, point)[0]
 
 
-def parting_point(body: Body, point: Array) -> tuple[float, Array]:
+def parting_point(body: ConvexBody, point: Array) -> tuple[float, Array]:
     """Distance of a point from a convex polyhedron or triangle, and the direction from it."""
     assert body.normals is not None
     assert body.edges is not None
