@@ -17,7 +17,7 @@ from solids import (
 )
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check
-from kilter.contact import detect
+from kilter.contact import Tolerance, detect
 from kilter.contact.curved.contact_points import AROUND
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import floor, turn
@@ -431,6 +431,16 @@ def test_ball_just_above_the_rim_of_a_hole_is_open_as_far_as_loose_data_would_re
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("lean", "count"), [(0.0, AROUND), (0.1, 1)])
+def test_rings_have_a_circle_of_contact_only_about_a_common_axis(lean, count):
+    """Within a wide gap, the gaps of a leaning ring differ by less than the tolerance."""
+    quaternion = np.roll(Rotation.from_rotvec([lean, lean / 2, 0]).as_quat(), 1)
+    ring = Part("ring", torus(2.0, 0.5), Pose([0, 0, 1.5], quaternion))
+    contacts = contacts_of(held(torus(2.0, 0.5)), ring, tolerance=Tolerance(gap=1.0))
+    assert len(contacts.points) == count
+    assert np.linalg.norm(contacts.normals, axis=1) == pytest.approx(1.0, abs=1e-12)
+
+
 def test_torus_on_a_torus_touches_along_a_circle():
     parts = [held(torus(2, 0.5)), Part("ring", torus(2, 0.5), Pose([0, 0, 1.0]))]
     contacts = detect.contacts(Assembly(parts))

@@ -314,8 +314,10 @@ def test_check_and_contacts_name_the_nearest_in_words_and_data(tmp_path, capsys)
     assert "touches nothing: 'top' (0.25 mm from 'base')" in capsys.readouterr().err
     main(["contacts", file])
     out = capsys.readouterr().out
-    assert "Touching nothing: 2 parts." in out
-    assert "  top   0.25 mm  base\n" in out
+    assert (
+        "Held, but touching nothing:\n  part  gap      nearest part\n  base  0.25 mm  top\n" in out
+    )
+    assert "The heaviest: top (1 part)." in out
 
 
 # parts on one another ---------------------------------------------------------------------

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import fastjsonschema
+import numpy as np
 import pytest
 from shapely import Geometry
 
@@ -157,12 +158,25 @@ def _packing(folder: Path) -> list[str]:
     return ["check-plan", str(path)]
 
 
-def _explaining(folder: Path) -> list[str]:
-    pytest.importorskip("mujoco")
+def _ball(folder: Path) -> str:
+    """Path of a scene of MuJoCo with a ball above a floor."""
     path = folder / "ball.xml"
     ball = '<body name="ball" pos="0 0 1"><freejoint/><geom size=".1"/></body>'
-    path.write_text(f"<mujoco><worldbody>{ball}</worldbody></mujoco>", encoding="utf-8")
-    return ["why", str(path), "--creep", "0.01"]
+    floor = '<geom type="plane" size="1 1 1"/>'
+    path.write_text(f"<mujoco><worldbody>{floor}{ball}</worldbody></mujoco>", encoding="utf-8")
+    return str(path)
+
+
+def _explaining(folder: Path) -> list[str]:
+    pytest.importorskip("mujoco")
+    return ["why", _ball(folder), "--creep", "0.01"]
+
+
+def _settling_states(folder: Path) -> list[str]:
+    pytest.importorskip("mujoco")
+    states = folder / "states.npy"
+    np.save(states, [[0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]])
+    return ["settle", _ball(folder), "--states", str(states)]
 
 
 def _placing(folder: Path) -> list[str]:
@@ -182,6 +196,7 @@ COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     "check": _suggesting,
     "check-plan": _packing,
     "place": _placing,
+    "settle-states": _settling_states,
     "verify": _verifying,
     "why": _explaining,
     "improve": _improving,

@@ -1,5 +1,6 @@
 """Poses at rest in closed form: play, sunk and floating parts, tipping, sliding and rolling."""
 
+import itertools
 import math
 
 import numpy as np
@@ -8,10 +9,11 @@ from compared_rest import rest_error
 from play_scenes import EXACT, KnownRest, ball_in_groove, sunk_stack
 
 import kilter
-from kilter import Assembly, Box, Cylinder, FrictionPair, Part, Pose
+from kilter import Assembly, Box, Cylinder, FrictionPair, Mesh, Part, Pose
 from kilter.files.robots.one_body import one_body
 from kilter.rigid import rotation_between
 from kilter.scenes.pieces import block, floor, moved, turn
+from kilter.shape.primitives import hull_surface
 
 TABLE = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
 KNOWN = [build() for build in EXACT]
@@ -78,6 +80,27 @@ def test_a_compound_rests_on_the_exact_rim_of_a_member():
     answer = kilter.settle(Assembly([TABLE, cup], friction=0.5), require="equilibrium")
     assert answer.state == "at-rest"
     assert answer.movement[1] == pytest.approx([0, 0, 1e-5, 0, 0, 0], abs=1e-9)
+
+
+@pytest.mark.parametrize("sunk", [0.0, 1e-5])
+def test_a_bowl_of_flat_wedges_rests_on_their_corners(sunk: float):
+    """A sphere through the corners would reach 1.5 mm into the table."""
+    angles, low = np.radians(np.arange(0, 361, 15)), np.radians(10)
+    wedges = []
+    for heights in ([low, 2 * low], [2 * low, 3 * low]):
+        for pair in itertools.pairwise(angles):
+            outer = [[np.sin(h) * np.cos(a), np.sin(h) * np.sin(a), -np.cos(h)]
+                     for h in heights for a in pair]  # fmt: skip
+            corners = 0.1 * np.vstack([outer, 0.9 * np.array(outer)])
+            wedges.append((Mesh(*hull_surface(corners)), Pose()))
+    shape, at = one_body(wedges, "bowl", [])
+    lift = np.array([0, 0, 0.1 * np.cos(low) - sunk])
+    bowl = Part("bowl", shape, Pose(at.position + lift, at.rotation))
+    drawn = Assembly([TABLE, bowl], friction=0.5)
+    assert not len(drawn.geometry.surfaces)
+    answer = kilter.settle(drawn, require="equilibrium")
+    assert answer.state == "at-rest"
+    assert answer.movement[1] == pytest.approx([0, 0, sunk, 0, 0, 0], abs=1e-8)
 
 
 @pytest.mark.parametrize("over", [0.49, 0.51])

@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+from kilter.analysis.assumptions.assume import at_poses
 from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold, wrong_lashing
@@ -34,12 +35,14 @@ from kilter.analysis.settled_pose.rest_proof import (
 )
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.assembly import end_words, with_ends_of
+from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import plain_joints
 from kilter.contact import ContactSet, Tolerance, contacts
-from kilter.contact.fits.fastening import fasten_as_read
+from kilter.contact.fits.fastening import fasten_as_read, with_decided_pairs
 from kilter.errors import InputError
 from kilter.files.file_content import read_json
 from kilter.files.own.choices import digest, find_choices
+from kilter.files.own.saved_entries import valid_entries, with_interactions
 from kilter.files.reading import Reading
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
@@ -183,6 +186,9 @@ def verify(
             assembly, known = fasten_as_read(
                 assembly, reading, tolerance=tolerance, progress=progress
             )
+        else:
+            require_assembly(assembly, "verify")
+            assembly = _as_assumed(assembly, first["options"])
         require_assembly(assembly, "verify")
         if not several and is_proof_of_rest(first):
             return _verify_rest(assembly, first, require, progress)
@@ -216,6 +222,19 @@ def _verify_rest(
         level=None if objections else result.level,
         reasons=(*objections, *result.reasons),
         notes=result.notes if objections else (note, *result.notes),
+    )
+
+
+def _as_assumed(assembly: Assembly, options: Mapping[str, Any]) -> Assembly:
+    """An assembly with the poses, joints and decided pairs of the rung of a proof."""
+    if options.get("assume") != DRAWN:
+        return assembly
+    entries = valid_entries(options.get("entries", {}))
+    moved = at_poses(assembly, entries.get("poses", {}))
+    joined = {frozenset(joint.parts) for joint in moved.joints}
+    new = [entry for entry in entries.get("joints", ()) if frozenset(entry["parts"]) not in joined]
+    return with_decided_pairs(
+        with_interactions(moved, {"joints": new} if new else {}), entries.get("open_pairs", ())
     )
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, read_only, 
 from kilter.assembly.assembly_tolerances import BESIDE_SEAM, COPLANAR, CREASE, SAME_SURFACE, SMOOTH
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
+from kilter.shape.primitives import surface as triangulated
 from kilter.shape.solid import Solid, Surface, same_surface
 
 KINDS = ("sphere", "cylinder", "cone", "torus", "free")
@@ -33,6 +34,9 @@ SPHERE, CYLINDER, CONE, TORUS, FREE = range(5)
 FEWEST = 16
 """Least number of triangles of a mesh that may represent a curved surface. At least half as many
 edges must be smooth."""
+MEMBER = 1e-6
+"""Largest difference between the radii of a surface recognised in a compound and of that of its
+member, relative [-]: the mesh of the compound may be in single precision."""
 RECENT_MESHES = 256
 """Largest number of meshes whose curved surfaces are kept; more need more memory."""
 
@@ -169,8 +173,27 @@ def surfaces_of(
     if isinstance(shape, Solid):
         return _curved_only(shape.surfaces, shape.triangle_surface, shape.sagitta, exact=True)
     if isinstance(shape, Mesh) and _may_be_curved(vertices, triangles):
-        return _recognise_curved(vertices, triangles, accuracy)
+        found = _recognise_curved(vertices, triangles, accuracy)
+        return _of_members(found, shape, accuracy) if found and shape.members else found
     return None
+
+
+def _of_members(found: PartSurfaces, shape: Mesh, accuracy: float) -> PartSurfaces | None:
+    """The surfaces recognised in a compound that one of its members has; None without such ones.
+
+    Flat pieces around a bowl approximate no surface: the members are the exact shape.
+    """
+    round_members = (surfaces_of(each, *triangulated(each), accuracy) for each, _ in shape.members)
+    own = [s for each in round_members if each for s in each.surfaces]
+    kept = [
+        any(s.kind == o.kind and abs(s.radius - o.radius) <= MEMBER * o.radius for o in own)
+        for s in found.surfaces
+    ]
+    if not any(kept):
+        return None
+    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)
+    surfaces = tuple(s for s, keep in zip(found.surfaces, kept, strict=True) if keep)
+    return replace(found, surfaces=surfaces, triangle_surface=number[found.triangle_surface])
 
 
 def _curved_only(

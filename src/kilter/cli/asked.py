@@ -234,7 +234,7 @@ class Asked:
 
             import kilter.analysis.check
             import kilter.solvers.highs  # noqa: F401
-        assembly = self.reading.read(source, progress=progress)
+        assembly = supported(self.reading.read(source, progress=progress), self.verb)
         report_fact = facts_of(progress)
         if report_fact is not None:
             held = sum(part.grounded for part in assembly.parts)
@@ -243,7 +243,6 @@ class Asked:
         if self.source is not None:
             notes = [*assembly.notes, *self.notes]
             assembly = replace(assembly, notes=notes, tolerance=self.tolerance)
-        assembly = supported(assembly, self.verb)
         # joints from incomplete contacts would be wrong, so the limit ends the command here
         with stop_after(self.time_limit):
             return fasten_as_read(

@@ -233,12 +233,12 @@ def scene_data(prepared: Prepared, bodies: OpenedParts) -> dict[str, Any]:
 
 
 def _held_by(assembly: Assembly, k: int, bodies: OpenedParts) -> str:
-    """Reason why a part is held: "file", "floor" or "choice"; empty for a free part."""
+    """Reason why a part is held: "file", "floor", "assumed" or "choice"; empty for a free part."""
     part = assembly.parts[k]
     if not part.grounded:
         return ""
     if part.table and part.name not in bodies.names:
-        return "floor"
+        return "assumed" if "floor" in assembly.assumed else "floor"
     return "file" if part.name in bodies.held else "choice"
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from kilter.analysis.assumptions.assume import rung_of
 from kilter.arrays import Array
 from kilter.assembly.assumption import DRAWN
-from kilter.assembly.question import Question
+from kilter.assembly.question import FREE_STANDING, TURNED, Question
 from kilter.errors import InputError
 from kilter.files.limits import only_below
 from kilter.files.own.choices import digest, find_choices
@@ -244,8 +244,10 @@ class Jobs:
     def _prepare(self, job: Job) -> Prepared:
         """The assembly and contacts of a job; kept, as the next job is often about the same."""
         assert self.live is not None
-        if self._prepared is None or self._prepared[0] != job["keys"]:
-            self._prepared = job["keys"], self.live.prepare(job["keys"])
+        verb = job["name"] if job.get("name") in (*FREE_STANDING, *TURNED) else "check"
+        key = job["keys"], verb
+        if self._prepared is None or self._prepared[0] != key:
+            self._prepared = key, self.live.prepare(*key)
         return self._prepared[1]
 
     def _prepare_rung(self, job: Job, report: Report) -> Prepared:

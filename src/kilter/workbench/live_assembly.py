@@ -17,6 +17,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.assembly.question import supported
 from kilter.contact import ContactSet, Tolerance
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.contact.kept_contacts import KeptContacts
@@ -97,8 +98,10 @@ class LiveAssembly:
         both = self._chosen(keys)
         return np.asarray(both.reading.read_content(self._read(both)[1]).gravity)
 
-    def prepare(self, keys: dict[str, Any]) -> Prepared:
+    def prepare(self, keys: dict[str, Any], verb: str = "check") -> Prepared:
         """The assembly and the contacts for the given choices.
+
+        If nothing is held, the support is that which the question `verb` assumes.
 
         Raises `InputError` if the choices are invalid, or the file cannot be read.
         """
@@ -109,6 +112,7 @@ class LiveAssembly:
         notes = [*assembly.notes, *both.notes]
         reading = both.reading.options()
         assembly = replace(assembly, notes=notes, tolerance=tolerance, reading=reading)
+        assembly = supported(assembly, verb)
 
         def find(changed: Assembly) -> ContactSet:
             return self._contacts(changed, tolerance, content)

@@ -66,14 +66,16 @@ export class PartActions {
     if (!list.length) return;
     const { parts } = report.page;
     const by = new Set(list.map((k) => parts.held_by?.[k]));
-    const fixed = by.has("file") || by.has("floor");
+    const fixed = by.has("file") || by.has("floor") || by.has("assumed");
     id("do-hold").textContent = this.allHeld() ? "Release" : "Hold";
     id("do-hold").hidden = this.allHeld() && fixed;
     id("hold-note").hidden = !fixed;
     id("hold-note").textContent = by.has("floor")
       ? "The floor is held, and can be switched off below."
-      : "The file itself holds this part.";
-    id("do-leave-out").hidden = by.has("floor");
+      : by.has("assumed")
+        ? "A floor is assumed, since nothing is held: hold a part instead."
+        : "The file itself holds this part.";
+    id("do-leave-out").hidden = by.has("floor") || by.has("assumed");
     const single = list.length === 1;
     for (const name of ["mass-form", "load-form"]) id(name).hidden = !single || parts.grounded[list[0]];
     id("pair-actions").hidden = list.length !== 2;

@@ -29,7 +29,10 @@ from kilter.assembly import Assembly, Joint
 from kilter.assembly.assumption import DRAWN, JOINED, PLAY
 from kilter.assembly.question import Question
 from kilter.contact import ContactSet, detect
+from kilter.contact.fits.fastening import with_decided_pairs
 from kilter.contact.fits.suggestions import suggest_joints
+from kilter.contact.open_pairs import still_open
+from kilter.files.own.saved_entries import with_bodies
 from kilter.units import metres_per_unit
 
 FASTENED = ("thread", "press fit", "insert")
@@ -134,8 +137,9 @@ def with_entries(assembly: Assembly, **entries: Any) -> Assembly:
     """The assembly whose saved options of reading have more joints or poses, for its proof."""
     options = dict(assembly.reading or {})
     known = dict(options.get("entries", {}))
-    if entries.get("joints"):
-        known["joints"] = [*known.get("joints", ()), *entries["joints"]]
+    for key in ("joints", "open_pairs"):
+        if entries.get(key):
+            known[key] = [*known.get(key, ()), *entries[key]]
     if entries.get("poses"):
         known["poses"] = {**known.get("poses", {}), **entries["poses"]}
     return replace(assembly, reading={**options, "entries": known} if known else options)
@@ -207,14 +211,53 @@ def _posed(
         for part, drawn in zip(assembly.parts, base.parts, strict=True)
         if part.pose != drawn.pose
     }
-    if not poses and closed is None:
-        return plain
-    assembly = with_entries(assembly, poses=poses)
-    contacts = detect.touching(asked.but(assembly=assembly, contacts=None))
+    contacts = plain.contacts
+    if poses:
+        assembly = with_entries(at_poses(base, poses), poses=poses)
+        contacts = detect.touching(asked.but(assembly=assembly, contacts=None))
+    if closed is None:
+        assembly, contacts = _without_play(asked, assembly, contacts)
     far = np.linalg.norm(assembly.geometry.center - base.geometry.center, axis=1)
     return replace(
         plain, assembly=assembly, contacts=contacts, closed=closed, moved=float(far.max())
     )
+
+
+def _without_play(
+    asked: Question, assembly: Assembly, contacts: ContactSet
+) -> tuple[Assembly, ContactSet]:
+    """The assembly whose parts do not touch across gaps and clearances, and its contacts.
+
+    A part that does not rest within its play moves until it touches; here it does not touch.
+    """
+    touching = {frozenset(pair) for pair in contacts.patch_parts.tolist()}
+    apart = {
+        frozenset(pair.ends)
+        for pair in still_open(contacts.open_pairs, assembly)
+        if pair.kind in ("near", "clearance")
+    } - touching
+    if not apart:
+        return assembly, contacts
+    names = assembly.names
+    pairs_by_name = sorted(sorted(names[k] for k in pair) for pair in apart)
+    decided = [{"parts": pair, "as": "apart"} for pair in pairs_by_name]
+    assembly = with_entries(with_decided_pairs(assembly, decided), open_pairs=decided)
+    return assembly, detect.touching(asked.but(assembly=assembly, contacts=None))
+
+
+def at_poses(assembly: Assembly, poses: Mapping[str, Any]) -> Assembly:
+    """The assembly with the poses of a proof; joints and points of loads and bonds follow."""
+    if not poses:
+        return assembly
+    parts = with_bodies(assembly, {"poses": dict(poses)}).parts
+    bodies = rigid_bodies(assembly, ())
+    rotation, center = bodies.rotation.copy(), bodies.center.copy()
+    for old, new, body in zip(assembly.parts, parts, bodies.of_part.tolist(), strict=True):
+        turn = new.pose.matrix @ old.pose.matrix.T
+        rotation[body] = turn
+        center[body] = new.pose.position + turn @ (bodies.drawn_center[body] - old.pose.position)
+    moved = replace(bodies, rotation=rotation, center=center).assembly()
+    return replace(moved, parts=parts)
 
 
 def _ways(rest: RestResult, near: Mask) -> dict[str, tuple[WayStep, ...]]:

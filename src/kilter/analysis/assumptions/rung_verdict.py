@@ -22,6 +22,8 @@ def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
         verdict = check(asked, measures=measures)
         return replace(verdict, drawn=asked.assembly, drawn_contacts=verdict.contact_set)
     found = assume(asked, rung)
+    marked = found.marked
+    found = replace(found, assembly=marked, contacts=found.contacts.of(marked))
     verdict = _judged(asked, found, measures)
     return replace(
         verdict,
@@ -40,7 +42,7 @@ def _judged(asked: Question, found: Assumed, measures: bool) -> Verdict:
     if found.closed is None or holds(verdict.level, asked.require):
         return verdict
     closed = found.closed.closed
-    listed = replace(closed.assembly, reading=found.assembly.reading)
+    listed = replace(found.assembly, contacts=closed.assembly.contacts, detect=False)
     other = check(asked.but(assembly=listed, contacts=closed.contacts.of(listed)),
                   measures=measures)  # fmt: skip
     if level_rank(other.level) <= level_rank(verdict.level):

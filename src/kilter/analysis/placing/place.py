@@ -30,10 +30,10 @@ from kilter.analysis.placing.place_proofs import (
 )
 from kilter.analysis.placing.polygon_sets import NOTHING, rings_of
 from kilter.analysis.placing.upright_prisms import PlacedPrism, Top, find_tops, placed_prism
-from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.assembly import Assembly, Part
 from kilter.assembly.mesh_surface import reweighed
 from kilter.assembly.question import Question, question
+from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.rigid import Pose

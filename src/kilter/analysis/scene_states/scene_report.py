@@ -10,11 +10,11 @@ from typing import Annotated, ClassVar, Literal, get_args
 import numpy as np
 
 from kilter.analysis.settled_pose.settle import Way
-from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import DRAWN, RungWord
+from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose

@@ -32,11 +32,11 @@ from kilter.analysis.settled_pose.rest_verification import (
     with_level,
 )
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
-from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
+from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of

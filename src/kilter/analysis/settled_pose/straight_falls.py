@@ -129,8 +129,10 @@ def touching_gap(assembly: Assembly, contacts: ContactSet, fall: StraightFall) -
     return max(gap, 2 * float(geometry.accuracy[pair].sum()))
 
 
-def landings(assembly: Assembly, contacts: ContactSet, falling: Mask) -> dict[int, StraightFall]:
-    """The straight fall of each part of a mask, shape (N,), to the first part that it meets.
+def landings(
+    assembly: Assembly, contacts: ContactSet, falling: Mask
+) -> dict[int, tuple[int, float]]:
+    """The first part that each part of a mask, shape (N,), meets in a straight fall, and its way.
 
     Parts of the mask that touch fall together. The other parts count as drawn. Parts with nothing
     below them, parts that touch the part below, and groups after the first `MOST_GROUPS` are left
@@ -140,11 +142,11 @@ def landings(assembly: Assembly, contacts: ContactSet, falling: Mask) -> dict[in
     both = falling[a] & falling[b]
     label = np.where(falling, connected(len(falling), a[both], b[both]), -1)
     sweeps = Sweeps(contacts)
-    found: dict[int, StraightFall] = {}
+    found: dict[int, tuple[int, float]] = {}
     for group in members_by_label(label)[:MOST_GROUPS]:
         fall = falling_distance(assembly, sweeps, group, assembly.down)
         if fall is not None and fall.distance > touching_gap(assembly, contacts, fall):
-            found |= dict.fromkeys(group.tolist(), fall)
+            found |= dict.fromkeys(group.tolist(), (fall.other, fall.distance))
     return found
 
 

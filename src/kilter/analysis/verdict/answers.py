@@ -1,24 +1,12 @@
-"""Assumed supports, units, joints and open pairs, which several answers share."""
+"""Units, joints and open pairs, which several answers share."""
 
 from __future__ import annotations
 
 from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
-from kilter.assembly import Assembly, ListedJoint
+from kilter.assembly import ListedJoint
+from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet
-from kilter.tell.record import Answer, InPython, UnitWord, Vector, key
-
-
-class SupportedAnswer(Answer):
-    """Base class of answers about an assembly that may have an assumed support."""
-
-    assembly: InPython[Assembly]
-    """The assembly."""
-
-    @property
-    @key
-    def assumed(self) -> tuple[str, ...]:
-        """Options that are assumed: "floor" or "ground" if the file holds no part, "units"."""
-        return tuple(self.assembly.assumed)
+from kilter.tell.record import InPython, UnitWord, Vector, key
 
 
 class OfAssembly(SupportedAnswer):

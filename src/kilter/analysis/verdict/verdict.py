@@ -33,7 +33,6 @@ from kilter.analysis.decision.motion import (
     without_opening,
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
-from kilter.analysis.verdict.answers import SupportedAnswer
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -51,6 +50,7 @@ from kilter.analysis.verdict.verdict_answer import (
 from kilter.arrays import Array, Mask, sealed
 from kilter.assembly import Assembly, ListedBond, ListedJoint
 from kilter.assembly.assumption import DRAWN, JOINED, Body, LadderRow, RungWord
+from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet
 from kilter.contact.common.distances import LonePart
 from kilter.contact.common.patches import UnsupportedContact
@@ -174,8 +174,8 @@ class Verdict(InCells, SupportedAnswer):
             moves=bool(motion.moves[k]),
             moved_by_proof=bool(self.moved_by_proof[k]),
             motion=self.words(k),
-            below=None if landing is None else self.program.names[landing.other],
-            fall=None if landing is None else landing.distance,
+            below=None if landing is None else self.program.names[landing[0]],
+            fall=None if landing is None else landing[1],
             # reported only if no part is above the threshold of `moves`
             slow_motion=self.words(k, slow=True) if slow and not one.grounded else None,
         )
@@ -609,12 +609,12 @@ class Verdict(InCells, SupportedAnswer):
         return words if motion.known or not motion.moves[k] else f"{words}{self._gains}"
 
     @cached_property
-    def _landings(self) -> Mapping[int, StraightFall]:
-        """The straight fall of each part that falls freely onto another part."""
+    def _landings(self) -> Mapping[int, tuple[int, float]]:
+        """For each part that falls freely onto another part: that part, and the way to it."""
         falling = falls_freely(self.motion, self.assembly.gravity) & self.motion.moves
         if not falling.any():
             return {}
-        found: Mapping[int, StraightFall] = hook("landings")(
+        found: Mapping[int, tuple[int, float]] = hook("landings")(
             self.assembly, self.contact_set, falling
         )
         return found
@@ -630,9 +630,9 @@ class Verdict(InCells, SupportedAnswer):
         motion, metres = self.motion, metres_per_unit(self.program.units)
         landing = self._landings.get(k)
         if landing is not None:
-            below, names = landing.other, self.program.names
-            onto = fall_words(landing.distance, self.program.units, lands=not motion.moves[below])
-            return f"{onto} {names[below]}"
+            below, way = landing
+            onto = fall_words(way, self.program.units, lands=not motion.moves[below])
+            return f"{onto} {self.program.names[below]}"
         if motion.known:
             twist, relative = motion.acceleration[k], motion.relative[k] * (slow or motion.moves[k])
         elif motion.gains is None or not motion.moves[k]:

@@ -320,9 +320,11 @@ def torus_on_face(a: Side, b: Side, limits: FormLimits) -> Candidates:
     """Candidate contacts of solid tori `a` with other faces `b`: circles and points."""
     t = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
     t = np.tile(t, (len(a.row), 1))
-    gap, _, _ = _gaps(a, b, t)
+    gap, slope, _ = _gaps(a, b, t)
     high, low = gap.max(axis=1), gap.min(axis=1)
     is_round = high - low <= 2 * limits.gap
+    # within a wide gap the torus may lie askew, so that no circle has the normals of the face
+    is_round &= np.abs(slope).max(axis=1) <= np.sin(limits.angle) * a.radius
     circles = _circles(a, b, (low + high) / 2, (high - low) / 2)
     return Candidates.join(
         [circles.take(is_round[circles.row]), _nearest_spheres(a, b, t, ~is_round)]
@@ -378,10 +380,11 @@ def _circles(a: Side, b: Side, gap: Array, swing: Array) -> Candidates:
     normal = -_gaps(a, b, start)[2][:, 0]
     at = centre + (radius + gap / 2)[:, None] * normal
     height, rho, away = a.polar(at)
+    out_and_up = np.column_stack([dot(normal, away), dot(normal, a.axis), 0 * rho])
     circle = make_candidates(
         CIRCLE,
         a.point + height[:, None] * a.axis,
-        np.column_stack([dot(normal, away), dot(normal, a.axis), 0 * rho]),
+        unit_rows(out_and_up),
         gap,
         along=a.axis,
         radius=rho,

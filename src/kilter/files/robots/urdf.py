@@ -204,6 +204,7 @@ class _Robot:
             )
         self.root = roots[0] if roots else ""
         self.frames: dict[str, Pose] = {}
+        """World pose of each link; a parent stands before its children."""
         for name in self.links:
             self._place(name)
         self.tally = Tally()
@@ -240,13 +241,14 @@ class _Robot:
     def _driven(self, held: bool) -> set[str]:
         """Links of the kinematic trees that motors move; a held root belongs to none."""
         top: dict[str, str] = {}
-        for name in self.links:
-            link, tree = name, ""
-            while link in self.leads:
-                if self.leads[link].get("type") != "fixed":
-                    tree = link
-                link = self._end(self.leads[link], "parent")
-            top[name] = tree if held else link
+        for name in self.frames:
+            joint = self.leads.get(name)
+            if joint is None:
+                top[name] = "" if held else name
+                continue
+            top[name] = top[self._end(joint, "parent")]
+            if not top[name] and joint.get("type") != "fixed":
+                top[name] = name
         moved = {
             top[link]
             for link, joint in self.leads.items()
@@ -304,18 +306,17 @@ class _Robot:
         It is the link itself, or the nearest link above it under fixed joints, or else the first
         link of the file that fixed joints connect to it. For a held root it is the ground.
         """
-        tops = {}
-        for name in self.links:
-            link, above = name, self._fixed_above(name)
-            while link not in solid and above is not None:
-                link, above = above, self._fixed_above(above)
-            tops[name] = link
+        shaped = set(solid)
+        tops: dict[str, str] = {}
+        for name in self.frames:
+            above = self._fixed_above(name)
+            tops[name] = name if name in shaped or above is None else tops[above]
         below = {self.root: GROUND} if held else {}
         for name in solid:
             above = self._fixed_above(name)
             if above is not None:
                 below.setdefault(tops[above], name)
-        found = {name: link if link in solid else below.get(link) for name, link in tops.items()}
+        found = {name: link if link in shaped else below.get(link) for name, link in tops.items()}
         return {name: link for name, link in found.items() if link is not None}
 
     def _carried(self, bearers: dict[str, str]) -> dict[str, list[MassProperties]]:
