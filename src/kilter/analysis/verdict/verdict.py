@@ -37,7 +37,7 @@ from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_f
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
 from kilter.analysis.verdict.neutral import Neutral, find_neutral, find_slipping_motion
-from kilter.analysis.verdict.part_answer import PartAnswer, StraightFall
+from kilter.analysis.verdict.part_answer import PartAnswer
 from kilter.analysis.verdict.verdict_answer import (
     BondsNeeded,
     ContactCounts,
