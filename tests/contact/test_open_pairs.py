@@ -246,7 +246,7 @@ def test_a_gap_between_faces_edges_and_corners_is_their_distance(factor):
 
 def test_a_play_below_a_floating_part_is_closed_and_a_wide_gap_is_not():
     """The play of the part is 2 mm, the most."""
-    for gap, verdict in ((1.9e-3, "stable"), (2.1e-3, "undecided"), (0.3, "unstable")):
+    for gap, verdict in ((1.9e-3, "stable"), (2.1e-3, "unstable")):
         hook = block("hook", [-1, -1, gap], [1, 1, 1 + gap])
         assert check(Assembly([GROUND, hook]), assume="play").verdict == verdict
 
