@@ -266,6 +266,8 @@ def at_poses(assembly: Assembly, poses: Mapping[str, Any]) -> Assembly:
     bodies = rigid_bodies(assembly, ())
     rotation, center = bodies.rotation.copy(), bodies.center.copy()
     for old, new, body in zip(assembly.parts, parts, bodies.of_part.tolist(), strict=True):
+        if new.pose == old.pose:
+            continue
         turn = new.pose.matrix @ old.pose.matrix.T
         rotation[body] = turn
         center[body] = new.pose.position + turn @ (bodies.drawn_center[body] - old.pose.position)
