@@ -148,9 +148,7 @@ class _LooseBodies:
             owner[group] = number
         falls = [self._fall(group) for group in groups]
         cluster, lowest = np.arange(len(groups)), list(falls)
-        while circle := _circle(
-            [-1 if f is None else _of(cluster, owner[f.other]) for f in lowest]
-        ):
+        while circle := _circle([_of(cluster, owner, fall) for fall in lowest]):
             together = np.isin(cluster, circle)
             cluster[together] = circle[0]
             fall = self._fall(np.flatnonzero(np.isin(owner, np.flatnonzero(together))))
