@@ -26,7 +26,7 @@ region      a direction is in the region iff check holds there at equilibrium; d
 orient      check holds at the recommended direction, at the reported level
 report      the page and the notebook show the verdict and the sentence of check
 many        check_many and the row of batch give the verdict of check, batch also its level
-remedy      each printed remedy, typed as a command, has the verdict that its line states
+ladder      as a drawing, each row of the ladder has the verdict of check on its rung
 verify      the proof of check passes `verify`
 
 Balanced assemblies are counted apart: the tests of their rules have names that end in "balanced".
@@ -36,17 +36,15 @@ Exit code 1 if there is a contradiction.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import html
-import io
 import json
 import os
-import shlex
 import subprocess
 import sys
 import tempfile
 import traceback
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -62,7 +60,6 @@ import kilter
 from kilter.analysis.everything import everything
 from kilter.analysis.many.batch_rows import BatchQuestion, judged_rows
 from kilter.assembly import Assembly
-from kilter.cli import main as command_line
 from kilter.mechanics.bundle import apply_change
 from kilter.tell.levels import holds
 from kilter.work import EFFORT
@@ -91,7 +88,7 @@ def judge(family: str, seed: int, real: Path | None, folder: Path) -> Case | Non
             return case
         case.verdict = verdict.verdict
         kilter.dump(assembly, folder / f"{family}-{seed}.kilter.json")
-        for rule in (_verify, _plan, _hold, _limits, _region, _orient, _report, _many, _remedies):
+        for rule in (_verify, _plan, _hold, _limits, _region, _orient, _report, _many, _ladder):
             rule(case, assembly, verdict)
         _batch(case, verdict, folder / f"{family}-{seed}.kilter.json")
     except Exception as error:
@@ -264,30 +261,20 @@ def _batch(case: Case, verdict: Any, path: Path) -> None:
         case.test("batch", agrees, words)
 
 
-def _remedies(case: Case, assembly: Assembly, verdict: Any) -> None:
-    remedies = case.run("remedies", lambda: verdict.to_dict()["remedies"])
-    if not remedies:
+def _ladder(case: Case, assembly: Assembly, verdict: Any) -> None:
+    if verdict.level is not None:
         return
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "a.kilter.json"
-        kilter.dump(assembly, path)
-        for remedy in remedies:
-            words = ["check", str(path), *shlex.split(remedy["option"]), "--json", "--quiet"]
-            words += ["--effort", str(case.effort)]
-            out = io.StringIO()
-
-            def typed(words: list[str] = words, out: io.StringIO = out) -> int:
-                with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
-                    return command_line(words)
-
-            if case.run("remedy", typed) is None:
-                continue
-            result = json.loads(out.getvalue() or "{}")
-            stated = remedy["leads_to"]
-            # for lack of work an option may state only that equilibrium forces exist
-            agrees = result.get("level") if stated is None else result.get("verdict") == stated
-            typed_words = f"{remedy['option']}: {result.get('verdict')}, not {stated}"
-            case.test("remedy", bool(agrees), typed_words)
+    drawing = replace(assembly, source="drawing.step")
+    rows = case.run("ladder", lambda: kilter.check(drawing, effort=case.effort).ladder)
+    for row in rows or ():
+        if not row.decided:
+            continue
+        options = {"assume": row.assume, "friction": row.friction, "effort": case.effort}
+        typed = case.run("rung", partial(kilter.check, drawing, **options))
+        if typed is not None:
+            words = f"{row}: check {typed.verdict} {typed.level}, {len(typed.moving)} fall"
+            same = (row.level is None) == (typed.level is None) and row.falls == len(typed.moving)
+            case.test("ladder", same, words)
 
 
 def main() -> int:

@@ -62,7 +62,7 @@ def census_assembly(family: str, seed: int, real: Path | None) -> Assembly | Non
     """The assembly of a family and a seed; None without the folder of real files.
 
     It is the first assembly with few free parts (`FEW`, `MANY`) of a sequence of seeds. One of
-    eight has no friction: its answer offers friction as a remedy.
+    eight has no friction: its ladder has a row with friction.
     """
     most = MANY if turn_of(seed) % 8 == 0 else FEW
     for k in range(1000):

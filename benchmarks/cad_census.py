@@ -181,7 +181,7 @@ def main() -> int:
         case = cases[options.seed]
         print(f"falls: {sorted(case.drawn.falls)}, joined: {case.drawn.joined}")
         for words, answer in zip(case.commands, case.answers, strict=False):
-            print(" ".join(words[1:]), "->", answer["sentence"], answer["remedies"])
+            print(" ".join(words[1:]), "->", answer["sentence"], answer["ladder"])
     if cases:
         _report(cases)
     if interrupted:

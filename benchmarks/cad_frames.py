@@ -177,7 +177,7 @@ def measured(path: Path, *, profile: bool) -> dict[str, Any]:
     return {
         "solids": len(assembly.parts),
         "verdict": answer["verdict"],
-        "remedies": [(remedy["option"], remedy["leads_to"]) for remedy in answer["remedies"]],
+        "ladder": [(row["assume"], row["verdict"]) for row in answer["ladder"]],
         "seconds": seconds,
     }
 
@@ -215,7 +215,7 @@ def main() -> None:
             print(
                 f"{row['solids']:6}" + "".join(f"{t:10.2f}" for t in times) + f"{growth:>8}  "
                 f"{row['verdict']}"
-                + "".join(f"; {option}: {leads}" for option, leads in row["remedies"]),
+                + "".join(f"; {rung}: {verdict}" for rung, verdict in row["ladder"]),
                 flush=True,
             )
             print("\n".join(shown), end="\n" if shown else "")

@@ -4,7 +4,7 @@
 
 A sequence opens an example, or one of the given files, through the WebSocket of a real server and
 makes 30 random changes with undo, redo and revert. After each change the complete answer (picture,
-words, facts, open pairs, suggestions, remedies) is compared with the answer to the same choices,
+words, facts, open pairs, suggestions, ladder) is compared with the answer to the same choices,
 which are written to a file and read anew. Every tenth sequence also runs `kilter check --json` on
 this file at its end and compares the verdict. Prints the differences, the median and the worst time
 from a change to its equilibrium and to its complete answer, the memory of the processes, and the

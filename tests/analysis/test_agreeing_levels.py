@@ -13,13 +13,9 @@ import pytest
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose, Sphere
-from kilter.analysis.decision.cascade import Decision
-from kilter.analysis.verdict import remedies
 from kilter.cli import main
-from kilter.contact import Tolerance
 from kilter.scenes import SCENES, scene, stacks
 from kilter.tell.text import text_of
-from kilter.work import Work
 
 SHARED = Path(__file__).parents[3] / "shared" / "data"
 FIGURES = "paper-figure-1", "paper-figure-11", "paper-figure-12"
@@ -139,125 +135,57 @@ def test_bonds_report_the_share_that_is_needed_not_that_of_one_equilibrium():
     assert "0.25 times their strength is needed" in text_of(answer)
 
 
-def test_without_friction_the_sentence_states_it_and_mu_is_a_remedy():
-    slope = scene("slope")
-    verdict = kilter.check(slope)
-    assert verdict.sentence.startswith("Unstable: without friction")
-    assert verdict.remedies == ()  # mu .3 is not enough at 20 deg
-    (remedy,) = kilter.check(stacks.block_on_slope(10.0)).remedies
-    rough = kilter.check(stacks.block_on_slope(10.0, friction=0.3), require="equilibrium")
-    assert (remedy.option, remedy.leads_to) == ("--friction 0.3", None)
-    assert remedy.level == rough.level == "equilibrium"
+def as_drawing(assembly: Assembly) -> Assembly:
+    """The assembly as if read from a CAD file, whose answer has a ladder."""
+    return replace(assembly, source="drawing.step")
 
 
-def tried(
-    monkeypatch: pytest.MonkeyPatch, charge: float, verdict_units: float, require: str
-) -> tuple[list[str], list[tuple[str | None, str | None]], float]:
-    """Levels of the tries of four friction coefficients, their results, and their work [units].
-
-    Each try charges `charge` units to the tries of a verdict of `verdict_units` units.
-    """
-    levels: list[str] = []
-    totals: list[float] = []
-    decide = remedies.decide
-
-    def charged(*arguments, require: str, work: Work, **options) -> Decision:
-        levels.append(require)
-        work.charge(charge)
-        decision = decide(*arguments, require=require, work=work, **options)
-        totals.append(work.total)
-        return replace(decision, units=work.total)
-
-    monkeypatch.setattr(remedies, "decide", charged)
-    changes = [remedies._Change(friction=mu) for mu in (0.21, 0.22, 0.23, 0.24)]
-    monkeypatch.setattr(remedies, "_changes", lambda *_: iter(changes))
-    verdict = kilter.check(stacks.block_on_slope(10.0))
-    decision = replace(verdict.decision, units=verdict_units)
-    found = remedies.find_remedies(
-        verdict.assembly, verdict.contact_set, decision, require=require, work=Work(1e6)
-    )
-    return levels, [(remedy.leads_to, remedy.level) for remedy in found], sum(totals)
+def test_without_friction_the_sentence_states_it_and_mu_is_a_row_of_the_ladder():
+    steep, flat = scene("slope"), stacks.block_on_slope(10.0)
+    assert kilter.check(steep).sentence.startswith("Unstable: without friction")
+    for slope, holds in ((steep, False), (flat, True)):  # mu .3 is not enough at 20 deg
+        row = kilter.check(as_drawing(slope)).ladder[-1]
+        assert (row.friction, row.level is not None, row.falls) == (0.3, holds, not holds)
+        assert kilter.check(slope, friction=0.3).stable == holds
 
 
-@pytest.mark.parametrize(("charge", "tries"), [(10.0, 3), (30e3, 2), (80e3, 1)])
-def test_a_cheap_verdict_pays_only_for_equilibrium_forces(monkeypatch, charge, tries):
-    levels, found, units = tried(monkeypatch, charge, 1e3, "settles")
-    assert levels == ["equilibrium"] * tries
-    assert found == [(None, "equilibrium")] * tries
-    assert units <= remedies.LEAST_WORK
+def sunk_arm() -> Assembly:
+    """A box 1 mm above a table, and an arm that enters a held post sideways by 1 mm."""
+    table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    post = Part("post", Box([1, 1, 4]), Pose([3, 0, 2]), grounded=True)
+    arm = Part("arm", Box([1, 1, 1]), Pose([3.999, 0, 2.5]))
+    return Assembly([table, post, arm, Part("box", Box([1, 1, 1]), Pose([0, 0, 0.501]))])
 
 
-def test_a_costly_verdict_pays_for_the_required_level(monkeypatch):
-    levels, found, units = tried(monkeypatch, 0.0, 2e6, "settles")
-    assert levels == [*["equilibrium"] * 3, "settles"]
-    assert found == [("stable", "proved")]  # a larger change is not offered
-    assert units <= 2e6
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("ball", [False, True])
-def test_a_remedy_that_holds_without_friction_has_the_verdict_of_check_whatever_its_work(
-    monkeypatch, ball
-):
-    """A box on a held box is stable, a ball on a held ball balanced; each floats by 1e-3."""
-    shapes = (Sphere(1.0), Sphere(0.5)) if ball else (Box(2, 2, 2), Box(1, 1, 1))
-    parts = [Part("base", shapes[0], grounded=True), Part("top", shapes[1], [0, 0, 1.501])]
-    monkeypatch.setattr(remedies, "_changes", lambda *_: iter([remedies._Change(gap=1.01e-3)]))
-    monkeypatch.setattr(remedies, "LEAST_WORK", 50_000.0)
-    decide, spent = remedies.decide, []
-
-    def costly(*arguments, work: Work, **options) -> Decision:
-        decision = decide(*arguments, work=work, **options)
-        spent.append(decision.units)
-        return replace(decision, units=1e9)
-
-    monkeypatch.setattr(remedies, "decide", costly)
-    floating = Assembly(parts)
-    remedy = kilter.check(floating).remedies[0]
-    typed = kilter.check(floating, tolerance=Tolerance(gap=1.01e-3))
-    assert len(spent) == 1
-    assert typed.verdict == ("balanced" if ball else "stable")
-    assert (remedy.option, remedy.leads_to, remedy.level) == (
-        "--gap 0.00101", typed.verdict, typed.level,
-    )  # fmt: skip
+@pytest.mark.quick("sunk")
+@pytest.mark.parametrize(
+    "build",
+    [sunk_arm, sunk, lambda: stacks.block_on_slope(10.0), lambda: scene("hanging-brick")],
+    ids=["sunk arm", "sunk", "slope", "brick"],
+)
+def test_each_row_of_a_ladder_has_the_answer_of_check_on_its_rung(build):
+    drawn = as_drawing(build())
+    rows = kilter.check(drawn).ladder
+    assert [row.assume for row in rows[:4]] == ["drawn", "play", "fits", "joined"]
+    for row in rows:
+        typed = kilter.check(drawn, assume=row.assume, friction=row.friction)
+        assert row.decided
+        assert (row.level is None, row.falls) == (typed.level is None, len(typed.moving))
+        assert row.verdict in (typed.verdict, "settles" if typed.stable else "")
 
 
 @needs_shared
 @pytest.mark.slow
-def test_the_remedy_of_a_flange_has_the_verdict_of_its_own_check(capsys):
+def test_the_next_command_of_a_flange_has_the_verdict_of_its_row(capsys):
     pytest.importorskip("OCP")
     command = ["check", str(SHARED / "cad/flange_coupling.step"), "--floor", "--up", "y", "--json"]
     main(command)
-    (remedy,) = json.loads(capsys.readouterr().out)["remedies"]
-    assert remedy["option"] == "--fasten-suggested"
-    main([*command, remedy["option"]])
+    rows = {row["assume"]: row for row in json.loads(capsys.readouterr().out)["ladder"]}
+    main([*command, "--assume", "fits"])
     typed = json.loads(capsys.readouterr().out)
     assert typed["verdict"] == "stable"
-    assert (remedy["leads_to"], remedy["level"]) == (typed["verdict"], typed["level"])
-    main(["margin", *command[1:-1], remedy["option"], "--quiet"])
+    assert (rows["fits"]["verdict"], rows["fits"]["level"]) == (typed["verdict"], typed["level"])
+    main(["margin", *command[1:-1], "--assume", "fits", "--quiet"])
     text = capsys.readouterr().out
     assert "at its limit  without friction the least tilt or push" in text
-    assert f"--floor {remedy['option']} --up y --friction 0.3\n" in text
-
-
-def test_a_guarantee_that_lacks_work_is_not_reported(monkeypatch):
-    levels, found, _ = tried(monkeypatch, 0.3e6, 1.8e6, "settles")
-    assert levels == [*["equilibrium"] * 3, *["settles"] * 3]
-    assert found == [(None, "equilibrium")] * 3
-
-
-@pytest.mark.quick("slot")
-@pytest.mark.parametrize("name", ["slot", "paper-figure-4", "wall-with-opening", "hanging-brick"])
-def test_the_remedies_of_a_scene_cost_no_more_work_than_its_verdict_or_the_least(monkeypatch, name):
-    decide, totals = remedies.decide, []
-
-    def counted(*arguments, work: Work, **options) -> Decision:
-        decision = decide(*arguments, work=work, **options)
-        totals.append(work.total)
-        return decision
-
-    monkeypatch.setattr(remedies, "decide", counted)
-    verdict = kilter.check(scene(name))
-    assert verdict.remedies is not None
-    assert totals
-    assert 0 < sum(totals) <= max(verdict.decision.units, remedies.LEAST_WORK)
+    assert "--assume fits" in text

@@ -110,13 +110,15 @@ def test_changed_number_is_refused_by_the_mechanics(proven, count):
 
 
 def _another_proof(proof, other, path):
-    """Whether a changed motion is itself a proof, of the power it claims, for a stranger.
+    """Whether a changed proof proves as much, for a stranger: a motion of the power it claims.
 
     A part that moves on, without work, opens its contacts: that motion proves as much. So does
     any that slides and turns parts on level faces, of what stands on such faces alone.
     """
     if path[:2] == ("second_order", "motion") and "level" in proof["second_order"]:
         return not np.array(list(other["second_order"]["motion"].values()))[:, 2:5].any()
+    if path[0] == "parts":  # the ground carries a held part, so that its mass counts nowhere
+        return proof["parts"][path[1]]["grounded"] and path[2] in ("mass", "center")
     if path[0] != "motion":
         return False
     if np.linalg.matrix_rank([rays(proof), rays(other)], tol=1e-9) == 1:

@@ -73,7 +73,9 @@ def test_a_zip_may_unfold_as_far_as_meshes_do(tmp_path):
 
 @pytest.mark.parametrize("mesh", [TETRAHEDRON, "<mesh/>"], ids=["meshes", "nothing"])
 def test_components_do_not_double_for_ever(mesh, tmp_path, monkeypatch):
-    assert len(kilter.load(threemf(tmp_path / "few.3mf", doubled(TETRAHEDRON, 4)))) == 16
+    few = threemf(tmp_path / "few.3mf", doubled(TETRAHEDRON, 4))
+    assert len(kilter.load(few, keep_copies=True)) == 16
+    assert len(kilter.load(few)) == 1
     monkeypatch.setattr(limits.Tally.__init__, "__defaults__", ("triangles", 10_000))
     refused(threemf(tmp_path / "many.3mf", doubled(mesh, 40)), "more than 10,000 triangles")
 

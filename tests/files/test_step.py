@@ -84,7 +84,8 @@ def kinds(solid: Solid) -> Counter[str]:
 def test_parts_are_named_by_the_products_above_them(tmp_path):
     nut, rod = box(1.0, 1.0, 1.0), box(1.0, 2.0, 3.0)
     pair = [("nut", nut, placement()), ("nut", nut, placement((5, 0, 0))), ("rod", rod, None)]
-    tree = [("pair", pair, None), ("pair", pair, placement((0, 9, 0))), ("rod", rod, None)]
+    tree = [("pair", pair, None), ("pair", pair, placement((0, 9, 0)))]
+    tree.append(("rod", rod, placement((0, 0, 9))))
     path = write_step(tmp_path / "a.stp", [("all", tree, None)])
     assembly = load(path)
     below = ("nut_1", "nut_2", "rod")

@@ -316,7 +316,7 @@ def test_what_it_explains_is_not_proved_unstable(beyond, accuracy, verdict, tmp_
     assembly = leaning(tmp_path / "a.step", beyond, accuracy)
     found = check(assembly)
     assert found.verdict == verdict
-    assert ("coordinates are not accurate enough" in found.sentence) == (verdict == "undecided")
+    assert ("coordinates are not accurate enough" in found.own_sentence) == (verdict == "undecided")
     written = to_dict(assembly)
     assert to_dict(from_dict(written)) == written
     assert check(from_dict(written)).verdict == verdict

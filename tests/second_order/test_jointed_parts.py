@@ -107,6 +107,17 @@ def test_a_pendulum_falls_above_its_joint_and_swings_below_it(kind, below, state
         assert found.rate == (pytest.approx(rate, rel=1e-3) if below else None)
 
 
+@pytest.mark.parametrize("slope", [0.0, 30.0, 60.0])
+def test_an_axis_that_a_ball_joint_does_not_use_changes_nothing(slope):
+    """A rod hangs below its ball joint, whatever axis the joint also names."""
+    axis = [np.cos(np.radians(slope)), 0, np.sin(np.radians(slope))]
+    rod = bar("rod", (0, 0, -1), (0, 0, 0))
+    joint = Joint(("rod", "ground"), "spherical", point=[0, 0, 0], axis=axis)
+    assert second(Assembly([rod], joints=[joint])).state == "free"
+    aside = replace(joint, point=[0.1, 0, 0])
+    assert kilter.check(Assembly([rod], joints=[aside])).verdict == "unstable"
+
+
 def test_a_pendulum_on_a_level_rail_slides_and_swings():
     for below, state in ((0.5, "free"), (-0.5, "balanced")):
         cart = Part("cart", Box([0.2, 0.2, 0.2]), Pose([0, 1, 0]))

@@ -308,40 +308,26 @@ def test_a_wrong_ending_is_an_error(tmp_path, capsys):
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("height", [0.4995, 0.5005], ids=["overlaps", "hangs"])
-def test_an_undecided_check_offers_the_pose_at_rest(height, tmp_path, capsys):
+def test_an_undecided_check_proposes_the_play_which_decides_it(
+    height, tmp_path, monkeypatch, capsys
+):
     from kilter.cli import main
 
-    drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, height])])
-    verdict = kilter.check(drawn)
-    assert verdict.verdict == "undecided"
-    words = "kilter settle FILE --nearest: at rest after moving 0.0005 m, then stable"
-    (offered,) = [remedy for remedy in verdict.to_dict()["remedies"] if remedy["moved"] is not None]
-    assert offered["moved"] == pytest.approx(5e-4, abs=1e-8)
-    assert (offered["option"], offered["leads_to"], offered["level"]) == (
-        "--settle", "stable", "proved"
-    )  # fmt: skip
-    assert offered["words"] == words
-    file = tmp_path / "drawn.kilter.json"
-    kilter.dump(drawn, file)
-    assert main(["check", str(file), "--quiet"]) == 4
-    assert words in capsys.readouterr().out
-    assert main(["check", str(file), "--settle", "--quiet"]) == 0
-    assert capsys.readouterr().out.startswith("Settled by 0.0005 m: Stable")
+    monkeypatch.chdir(tmp_path)
+    file = "drawn.kilter.json"
+    kilter.dump(Assembly([TABLE, box("box", [1, 1, 1], [0, 0, height])]), file)
+    assert main(["check", file]) == 4
+    assert "next: kilter check drawn.kilter.json --assume play\n" in capsys.readouterr().out
+    assert main(["check", file, "--assume", "play", "--quiet"]) == 0
+    assert capsys.readouterr().out.startswith(
+        "Stable after moving at most 0.0005 m within its play: "
+    )
 
 
-@pytest.mark.parametrize(("depth", "offered"), [(0.99, True), (1.01, False)])
-def test_the_pose_at_rest_is_offered_for_shallow_overlaps(depth, offered):
-    from kilter.analysis.settled_pose.settle_remedy import DEEPEST
-
-    size = float(Assembly([box("box", [1, 1, 1], [0, 0, 0])]).geometry.size[0])
-    drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5 - depth * DEEPEST * size])])
-    options = [remedy.option for remedy in kilter.check(drawn).remedies]
-    assert ("--settle" in options) == offered
-
-
-def test_a_decided_check_offers_no_movement():
+def test_parts_at_rest_have_no_play():
     drawn = Assembly([TABLE, box("box", [1, 1, 1], [0, 0, 0.5])])
-    assert not kilter.check(drawn).remedies
+    verdict = kilter.check(drawn, assume="play")
+    assert (verdict.verdict, verdict.moved) == ("stable", 0.0)
 
 
 def test_a_time_limit_ends_the_search_with_a_sentence(tmp_path, capsys):

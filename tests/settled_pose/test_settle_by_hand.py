@@ -9,7 +9,6 @@ import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.cli import main
 from kilter.scenes.pieces import block
-from kilter.tell.next_step import next_step
 
 TABLE = block("table", [-500, -500, -10], [500, 500, 0], grounded=True)
 
@@ -135,24 +134,3 @@ def test_each_state_has_its_words_and_its_exit_code(assembly, code, state, words
     assert words in capsys.readouterr().out.splitlines()[0]
     assert main(["settle", file, "--nearest", "--quiet", "--json"]) == code
     assert json.loads(capsys.readouterr().out)["state"] == state
-
-
-@pytest.mark.parametrize(
-    ("options", "first"),
-    [
-        (["--gap 0.002", "--settle"], "--settle"),
-        (["--loose", "--settle"], "--settle"),
-        (["--fasten a b", "--settle"], "--fasten"),
-        (["--gap 0.002"], "--gap"),
-    ],
-)
-def test_moving_parts_is_a_smaller_assumption_than_a_wider_gap(options, first):
-    """The pose at rest is examined at the level of equilibrium, the other options completely."""
-    found = [
-        {"option": option, "level": "settles", "leads_to": "settles"}
-        if option != "--settle"
-        else {"option": option, "level": "equilibrium", "leads_to": "potentially-stable"}
-        for option in options
-    ]
-    answer = {"certificate": [], "verdict": "undecided", "bonds": [], "remedies": found}
-    assert next_step(answer, "wall").words[1] == first

@@ -242,7 +242,7 @@ def test_a_notebook_shows_hostile_names_as_text():
     assert "&lt;script&gt;" in text
     assert "\u202e" not in text
     assert len(text) < 8000
-    told = dataclasses.replace(verdict, sentence="<img src=x onerror=alert(1)>", notes=("<b>",))
+    told = dataclasses.replace(verdict, own_sentence="<img src=x onerror=alert(1)>", notes=("<b>",))
     assert "<img" not in told._repr_html_()
     assert "<b>" not in told._repr_html_()
 

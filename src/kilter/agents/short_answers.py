@@ -25,8 +25,8 @@ WORDS = 300
 
 KEYS: dict[str, tuple[str, ...]] = {
     "check": (
-        "sentence", "verdict", "level", "stable", "summary", "moving", "remedies", "open_pairs",
-        "if_joined", "nearest", "units", "warnings",
+        "sentence", "verdict", "level", "stable", "summary", "moving", "assume", "ladder",
+        "open_pairs", "if_joined", "nearest", "units", "warnings",
     ),
     "contacts": ("patches", "overlaps", "open_pairs", "bodies", "rejected", "units", "warnings"),
     "margin": (

@@ -326,8 +326,8 @@ INSTRUCTIONS = (
     "kilter decides by statics, with proofs, whether assemblies and scenes of rigid parts stay "
     "together under gravity. Files are paths below the start folder (kilter JSON, STEP, OBJ, STL, "
     "3MF, GLB, MJCF, URDF, USD, folders of meshes). Something must be held: ground, floor, or by "
-    "the file. Begin with scene (simulator scenes) or check; its remedies were tried. An answer "
-    "has at most 4 kB; the resource named by `complete` has the whole answer."
+    "the file. Begin with scene (simulator scenes) or check; its ladder decides drawings on each "
+    "assumption. An answer has at most 4 kB; the resource named by `complete` has the whole answer."
 )
 NOT_FOUND = -32002
 """Error code of the protocol for a resource that does not exist."""

@@ -127,7 +127,7 @@ def check(
 def check_equilibrium(assembly: Assembly, contacts: ContactSet) -> Verdict:
     """Decide only whether forces of equilibrium exist: a first answer while the rest is computed.
 
-    Second order, the deciding open pairs, remedies, z and displacements are left out. Forces and
+    Second order, the deciding open pairs, z and displacements are left out. Forces and
     motion are proved.
 
     Raises `InputError` if no part is held.
@@ -203,7 +203,7 @@ def _worst_end(assembly: Assembly, verdicts: list[Verdict]) -> Verdict:
 
 
 def _verdict(decision: Decision, assembly: Assembly, contacts: ContactSet, require: str) -> Verdict:
-    """The verdict of a decision, with its sentence and warnings, but without remedies."""
+    """The verdict of a decision, with its sentence and warnings."""
     return Verdict(
         verdict=VerdictWord(decision.verdict),
         own_sentence=_sentence(decision, assembly, contacts),

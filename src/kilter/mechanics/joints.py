@@ -103,7 +103,7 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
     if joint.kind in ("fixed", "prismatic") or joint.point is None:
         return center
     point = np.asarray(joint.point)
-    if joint.axis is None:
+    if joint.kind in ("spherical", "general"):  # they may have an axis, which is unused
         return point
     # the point of the axis nearest to the centre keeps the lever arms short
     along: Array = point + joint.axis * float(joint.axis @ (center - point))

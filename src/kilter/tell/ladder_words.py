@@ -18,6 +18,8 @@ IF = {
     "joined": "if its touching parts are joined",
 }
 """Condition of each rung."""
+TOUCHES = "touching"
+"""Reason of the joints between parts that touch or overlap."""
 STANDS = ("stable", "settles")
 """Verdicts of which a sentence says that the assembly stands."""
 NAMED = 3
@@ -60,19 +62,18 @@ def rung_sentence(
     --------
     >>> rung_sentence("Stable: it cannot start to move.", assume="joined", moved=0.0, joined=3,
     ...               units="mm", holds=True)
-    'Only if its touching parts are joined (3 joints): Stable: it cannot start to move.'
+    'Stable only if its touching parts are joined (3 joints): it cannot start to move.'
     """
-    only = "Only if" if holds else "Even if"
+    only = "only if" if holds else "even if"
+    words = []
     if assume == "joined" and joined:
-        begin = f"{only} its touching parts are joined ({count(joined, 'joint')})"
+        words.append(f"{only} its touching parts are joined ({count(joined, 'joint')})")
     elif assume == "fits" and joined:
-        begin = f"{only} the pairs that look fastened are joined ({count(joined, 'joint')})"
-    else:
-        begin = ""
+        words.append(f"{only} the pairs that look fastened are joined ({count(joined, 'joint')})")
     if moved:
-        far = f"{number(moved, 3)} {units}"
-        begin += f", after moving at most {far}" if begin else f"After moving at most {far}"
-    return f"{begin}: {sentence}" if begin else sentence
+        words.append(f"after moving at most {number(moved, 3)} {units} within its play")
+    verdict, colon, rest = sentence.partition(":")
+    return f"{verdict} {', '.join(words)}{colon}{rest}" if words else sentence
 
 
 def ladder_sentence(ladder: Sequence[Row], verdict: str, *, assume: str) -> str | None:
@@ -104,6 +105,8 @@ lid, pin).'
     begin = VERDICTS[verdict]
     known = [row for row in ladder if row["decided"] and row["falls"]]
     top = min(known, key=lambda row: row["falls"], default=None)
+    if not all(row["decided"] for row in ladder):
+        return f"{begin} as drawn: {fall_words(drawn)}."
     if top is None or top["falls"] >= drawn["falls"]:
         return f"{begin} as drawn and on every other assumption: {fall_words(drawn)}."
     return f"{begin}: {fall_words(top)}, even {condition(top)} (as drawn {fall_words(drawn)})."

@@ -167,9 +167,10 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     if step is not None and answer["assume"] == "drawn":
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
-    if answer["bodies"]:
+    if answer["ladder"] and answer["level"] is None:
         return BODIES
-    if any(pair["kind"] in MOVABLE for pair in answer["open_pairs"]):
+    moves = any(pair["kind"] in MOVABLE for pair in answer["open_pairs"])
+    if moves and answer["level"] is None:
         return PLAYED if answer["assume"] == "drawn" else SETTLE
     if answer["verdict"] == "unstable" and any(w.startswith(FLOATS) for w in answer["warnings"]):
         return SETTLED

@@ -19,7 +19,7 @@ import numpy as np
 from kilter.analysis.assumptions.joining import joined
 from kilter.analysis.check import check_equilibrium
 from kilter.analysis.settled_pose.rest import RestResult, WayStep
-from kilter.analysis.settled_pose.rest_engine import come_to_rest, opened
+from kilter.analysis.settled_pose.rest_engine import come_to_rest
 from kilter.analysis.settled_pose.rest_verification import RestingParts, verify_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle import is_verified, refusal, without_rounding
@@ -44,6 +44,9 @@ PLAY_SHARE, LEAST_PLAY, MOST_PLAY = 0.02, 5e-5, 2e-3
 drawn pins, drawers and lids."""
 LONGEST_CHAIN = 5
 """Largest number of plays that a part may move before the search leaves it out [-]."""
+VERTICES, LEAST_STEPS, MOST_STEPS = 400_000, 12, 100
+"""Work limit of a search for a pose at rest: number of steps times vertices of the assembly, and
+the least and the largest number of steps."""
 SUNK_SHARE = 1e-3
 """Play of a part in a file of a simulator, whose contacts are soft: a share of its size [-]."""
 
@@ -61,6 +64,8 @@ class Assumed:
     """Contacts of the drawn pose."""
     closed: RestingParts | None = None
     """The pose at rest, if all parts rest within their play: its closed points prove it."""
+    finished: bool = True
+    """Whether the search for a pose at rest ended before its work limit."""
     moved: float = 0.0
     """Longest way of a part [length unit]."""
     joints: int = 0
@@ -102,11 +107,14 @@ def assumed(asked: Question) -> Question:
     return asked.but(assembly=found.marked, contacts=found.contacts)
 
 
-def assume(asked: Question, rung: str, *, settles: bool = True, opens: bool = True) -> Assumed:
+def assume(
+    asked: Question, rung: str, *, settles: bool = True, opens: bool = True, work: float = 1.0
+) -> Assumed:
     """Apply a rung to the assembly of a question.
 
     Arguments: `settles`: whether parts move; `opens`: whether overlaps of the parts that find no
-    rest within their play are opened.
+    rest within their play are opened; `work`: work of the search for a pose at rest, over the usual
+    one [-].
     """
     drawn, contacts = asked.assembly, detect.touching(asked)
     base = with_joints(drawn, contacts, rung)
@@ -116,7 +124,7 @@ def assume(asked: Question, rung: str, *, settles: bool = True, opens: bool = Tr
         return plain
     if check_equilibrium(base, known).level is not None:
         return plain
-    return _within_play(asked, plain, opens)
+    return _within_play(asked, plain, opens, work)
 
 
 def with_joints(assembly: Assembly, contacts: ContactSet, rung: str) -> Assembly:
@@ -175,14 +183,19 @@ def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
     return any(lone.gap <= play[index[lone.part]] for lone in contacts.of(assembly).nearest)
 
 
-def _within_play(asked: Question, plain: Assumed, opens: bool) -> Assumed:
+def _within_play(asked: Question, plain: Assumed, opens: bool, work: float) -> Assumed:
     """The assembly with the parts at rest that move within their play."""
     base, contacts = plain.assembly, plain.contacts
     bodies = rigid_bodies(base, ())
     play = _largest(bodies, play_of(base), len(bodies.mass))
-    rest = without_rounding(
-        come_to_rest(bodies, contacts, reach=None, tell=asked.tell, limit=LONGEST_CHAIN * play)
+    steps = work * VERTICES / max(len(base.geometry.vertices), 1)
+    rounds = int(np.clip(steps, LEAST_STEPS, MOST_STEPS))
+    rest = come_to_rest(
+        bodies, contacts, reach=None, tell=asked.tell, limit=LONGEST_CHAIN * play, rounds=rounds
     )
+    finished, aside = rest.rounds < rounds, rest.aside if opens else bodies
+    rest = without_rounding(rest)
+    plain = replace(plain, finished=finished)
     inner = asked.but(assembly=base, contacts=contacts, require="equilibrium", effort=0.0)
     settled = rest.bodies.assembly()
     verified = verify_rest(rest, settled, inner)
@@ -193,7 +206,7 @@ def _within_play(asked: Question, plain: Assumed, opens: bool) -> Assumed:
             return replace(_posed(asked, plain, settled, verified), ways=_ways(rest, near))
     else:
         near = ~bodies.free
-    aside = opened(bodies, contacts, tell=asked.tell) if opens else bodies
+    assert aside is not None
     found = _posed(asked, plain, rest.bodies.where(near, aside).assembly(), None)
     return replace(found, ways=_ways(rest, near))
 
@@ -253,6 +266,8 @@ def at_poses(assembly: Assembly, poses: Mapping[str, Any]) -> Assembly:
     bodies = rigid_bodies(assembly, ())
     rotation, center = bodies.rotation.copy(), bodies.center.copy()
     for old, new, body in zip(assembly.parts, parts, bodies.of_part.tolist(), strict=True):
+        if new.pose == old.pose:
+            continue
         turn = new.pose.matrix @ old.pose.matrix.T
         rotation[body] = turn
         center[body] = new.pose.position + turn @ (bodies.drawn_center[body] - old.pose.position)

@@ -6,9 +6,10 @@ long is not decided: its rung must be asked for.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from kilter.analysis.assumptions.assume import assume, has_play
+from kilter.analysis.assumptions.assume import Assumed, assume, has_play
 from kilter.analysis.check import check_level
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
@@ -24,6 +25,8 @@ DRAWINGS = (
 """Endings of the files whose answers have a ladder; folders of such files have one, too."""
 MOST_PARTS, MOST_VERTICES = 60, 60_000
 """Sizes up to which the rows search for a pose at rest."""
+WORK = 0.1
+"""Work of the search for a pose of a row, over that of a rung that is asked for [-]."""
 MU = 0.3
 """Friction coefficient of the last row [-]."""
 NAMED = 5
@@ -45,16 +48,17 @@ def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
         assembly=drawn, contacts=contacts, require=verdict.require, effort=verdict.effort,
         time_limit=verdict.seconds_left,
     )  # fmt: skip
-    own = _row(verdict, verdict.assume)
-    first = own if verdict.assume == DRAWN else _decided(asked, DRAWN)
-    if first.level is not None:
-        return ()
-    rows = [first]
-    for rung in RUNGS[1:]:
-        rows.append(own if rung == verdict.assume else _decided(asked, rung))
-    stands = any(row.level is not None for row in rows[:-1])
-    if not stands and not rubs(drawn, contacts):
-        rows.append(_with_friction(asked, rows))
+    rows: list[LadderRow] = []
+    known: dict[int, Assumed] = {}
+    for rung in RUNGS:
+        if rung == verdict.assume:
+            rows.append(_row(verdict, rung))
+        else:
+            rows.append(_decided(asked, rung, known))
+        if rung == DRAWN and rows[0].level is not None:
+            return ()
+    if not any(row.level is not None for row in rows[:-1]) and not rubs(drawn, contacts):
+        rows.append(_with_friction(asked, known))
     return tuple(rows)
 
 
@@ -80,30 +84,55 @@ def _row(verdict: Verdict, rung: str, friction: float | None = None) -> LadderRo
     )
 
 
-def _decided(asked: Question, rung: str, friction: float | None = None) -> LadderRow:
-    """The row of a rung, decided now; undecided if its search for a pose takes too long."""
-    assembly = asked.assembly
-    large = len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > MOST_VERTICES
-    undecided = LadderRow(assume=rung, friction=friction, decided=False)
+def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow:
+    """The row of a rung, decided now; undecided if its search for a pose takes too long.
+
+    `known`: what was found on lower rungs, by their number of joints: without a further joint a
+    rung is as the one before it.
+    """
+    undecided = LadderRow(assume=rung, decided=False)
     try:
-        found = assume(asked, rung, settles=not large)
-        verdict = check_level(asked.but(assembly=found.assembly, contacts=found.contacts))
-        closed = None if found.closed is None else found.closed.closed
-        if closed is not None and verdict.level is None:
-            at_rest = asked.but(assembly=closed.assembly, contacts=closed.contacts)
-            other = check_level(at_rest)
-            verdict = verdict if other.level is None else other
+        found = assume(asked, rung, settles=False)
+        if rung != DRAWN:
+            found = known[found.joints] if found.joints in known else _settled(asked, rung)
+            known.setdefault(found.joints, found)
+        verdict = _verdict(asked, found)
     except KilterError:
         return undecided
-    if large and verdict.level is None and has_play(found.assembly, found.contacts):
+    if verdict.level is None and not found.finished:
         return undecided
-    return _row(verdict, rung, friction)
+    return _row(verdict, rung)
 
 
-def _with_friction(asked: Question, rows: list[LadderRow]) -> LadderRow:
-    """The row with friction on the lowest rung on which parts may move, if it was decided."""
-    assert asked.contacts is not None
-    rung = PLAY if rows[RUNGS.index(PLAY)].decided else DRAWN
-    rough = asked.assembly.with_friction(MU)
-    contacts = detect.detected_with_friction(asked.contacts, MU)
-    return _decided(asked.but(assembly=rough, contacts=contacts.of(rough)), rung, MU)
+def _settled(asked: Question, rung: str) -> Assumed:
+    """The assembly on a rung; of a large one only if it holds without a movement."""
+    assembly = asked.assembly
+    if len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > MOST_VERTICES:
+        found = assume(asked, rung, settles=False)
+        return replace(found, finished=not has_play(found.assembly, found.contacts))
+    return assume(asked, rung, work=WORK)
+
+
+def _verdict(asked: Question, found: Assumed) -> Verdict:
+    """The verdict on a rung, on its closed points if they prove more."""
+    verdict = check_level(asked.but(assembly=found.assembly, contacts=found.contacts))
+    if found.closed is None or verdict.level is not None:
+        return verdict
+    closed = found.closed.closed
+    other = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
+    return verdict if other.level is None else other
+
+
+def _with_friction(asked: Question, known: dict[int, Assumed]) -> LadderRow:
+    """The row with friction, in the pose of the rung play if its search ended."""
+    found = known.get(0)
+    rung = DRAWN if found is None or not found.finished else PLAY
+    if found is None or rung == DRAWN:
+        found = assume(asked, DRAWN)
+    rough = found.assembly.with_friction(MU)
+    contacts = detect.detected_with_friction(found.contacts, MU)
+    try:
+        verdict = check_level(asked.but(assembly=rough, contacts=contacts.of(rough)))
+    except KilterError:
+        return LadderRow(assume=rung, friction=MU, decided=False)
+    return _row(verdict, rung, MU)

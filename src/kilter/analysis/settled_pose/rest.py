@@ -43,5 +43,7 @@ class RestResult:
     why: str = ""
     """Cause of a failure as a clause."""
     rounds: int = 0
+    aside: RigidBodies | None = None
+    """The bodies after their overlaps were opened, before any fall."""
     points: NearPoints | None = None
     """Points that the engine regards as closed."""

@@ -39,8 +39,8 @@ Tell = Callable[[str], None]
 
 PUSHES = 30
 """Largest number of rounds that open overlaps."""
-ROUNDS, LIMITED_ROUNDS = 400, 40
-"""Largest numbers of steps, without and with a limit of the way."""
+ROUNDS = 400
+"""Largest number of steps."""
 PATIENCE = 5
 """Number of steps after which a fall that moved nothing is tried again."""
 FIRST, LONGEST = 0.02, 0.15
@@ -176,32 +176,25 @@ def come_to_rest(
     reach: float | None,
     tell: Tell,
     limit: Array | None = None,
+    rounds: int = ROUNDS,
 ) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
-    None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene.
+    None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene;
+    `rounds`: largest number of steps.
     """
     state = _begin(bodies, contacts, tell)
+    state.most_rounds = rounds
     if limit is not None:
-        state.limit, state.most_rounds = limit, LIMITED_ROUNDS
+        state.limit = limit
         state.stride = np.minimum(state.stride, limit / 8)
     _open_overlaps(state)
-    again = True
+    aside, again = state.bodies, True
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
-    return _result(state, reach)
-
-
-def opened(bodies: RigidBodies, contacts: ContactSet, *, tell: Tell) -> RigidBodies:
-    """The bodies after their overlaps were opened by the least motion, without a fall.
-
-    If no motion opens the overlaps, the bodies stay as drawn.
-    """
-    state = _begin(bodies, contacts, tell)
-    _open_overlaps(state)
-    return bodies if state.unfit else state.bodies
+    return replace(_result(state, reach), aside=aside)
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -614,5 +607,5 @@ def _result(state: _State, reach: float | None) -> RestResult:
         why = f"{names[k]!r} would move {number(float(far[k]), 3)} {state.bodies.drawn.units}"
     return RestResult(
         verdict, state.bodies, _ways(state), leaves, parts, state.depth, why, state.rounds,
-        points.take(closed),
+        points=points.take(closed),
     )  # fmt: skip
