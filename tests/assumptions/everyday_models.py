@@ -41,14 +41,15 @@ class Expected:
     may_fall : frozenset of str
         Further parts that may be counted among these, since the falling parts press on them.
     below : mapping
-        Body (name of its largest part) -> parts onto which it falls, and the way [mm].
+        Body (name of its largest part) -> parts onto which it falls, and the way [mm]; None if
+        several are right.
     """
 
     holds: str | None
     drawn: frozenset[str]
     falls: frozenset[str] = frozenset()
     may_fall: frozenset[str] = frozenset()
-    below: Mapping[str, tuple[frozenset[str], float]] = field(default_factory=dict)
+    below: Mapping[str, tuple[frozenset[str], float | None]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -347,7 +348,10 @@ CAPS_AND_SWITCHES = {
     **{f"Switch_{k}": (some("Plate"), 0.1) for k in range(1, 7)},
 }
 ROUND_PLAY = {
-    **{f"Bearing_{k}": (some("Housing_lower"), 0.05) for k in (1, 2, 3, 4)},
+    # a bearing lies around its shaft: it falls onto the shaft, or with the shaft onto the housing
+    **{
+        f"Bearing_{k}": (some("Housing_lower", f"Shaft_{(k + 1) // 2}"), None) for k in (1, 2, 3, 4)
+    },
     "Gear_1": (some("Bearing_1", "Bearing_2"), 0.02),
     "Gear_2": (some("Bearing_3", "Bearing_4"), 0.02),
 }
@@ -410,7 +414,8 @@ THINGS = (
             None,
             some(*(name for name in TURNING if name != "Bearing_4")),
             some("Shaft_2", "Gear_2"),
-            some("Bearing_3"),
+            # no part is put to rest beside parts without a rest within their play
+            some(*(name for name in TURNING if name not in ("Shaft_2", "Gear_2", "Bearing_4"))),
             below={
                 **{name: way for name, way in ROUND_PLAY.items() if name != "Bearing_4"},
                 "Gear_2": (some("Bearing_3"), 0.02),

@@ -149,6 +149,8 @@ TRAPS = {
     "cap on a peg": with_a_peg,
 }
 """The trap, and eleven variants of it."""
+UNPROVED = ("box between smooth walls", "disc beyond an edge")
+"""Traps whose fall may stay without a proof: the walls leave no room, and rounding decides."""
 SPOKEN = ("check", "scene", "settle", "hold", "contacts", "margin")
 """Commands that a test may run; others open a browser or write pictures."""
 
@@ -188,8 +190,9 @@ def test_no_proposed_command_calls_a_sunk_stack_stable(trap, tmp_path, monkeypat
 def test_a_sunk_stack_falls_on_every_rung_that_joins_nothing(trap, rung, tmp_path):
     verdict = kilter.check(TRAPS[trap](tmp_path), assume=rung, require="equilibrium")
     assert verdict.level is None
-    assert verdict.verdict == "unstable" or rung == "drawn"
+    assert verdict.verdict == "unstable" or rung == "drawn" or trap in UNPROVED
     assert not verdict.stable
+    assert verdict.moving
 
 
 @pytest.mark.slow

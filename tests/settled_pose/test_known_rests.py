@@ -319,7 +319,9 @@ def test_an_undecided_check_proposes_the_play_which_decides_it(
     assert main(["check", file]) == 4
     assert "next: kilter check drawn.kilter.json --assume play\n" in capsys.readouterr().out
     assert main(["check", file, "--assume", "play", "--quiet"]) == 0
-    assert capsys.readouterr().out.startswith("After moving at most 0.0005 m: Stable")
+    assert capsys.readouterr().out.startswith(
+        "Stable after moving at most 0.0005 m within its play: "
+    )
 
 
 def test_parts_at_rest_have_no_play():

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from kilter.errors import some
+from kilter.tell.body_words import body_sentences
 from kilter.tell.ladder_words import ladder_facts
 from kilter.tell.numbers import counts, force, mass, number, percent, plain, shortened, vector
 from kilter.tell.open_words import open_facts
@@ -119,6 +120,7 @@ def check_facts(answer: Answer) -> list[Fact]:
     """Return the lines below the verdict of `kilter check`, each a term and its words."""
     facts = [
         *ladder_facts(answer),
+        *_body_facts(answer),
         ("parts", parts_phrase(answer["parts"])),
         ("units", f"{_size(answer)}; {_density(answer['density'])}"),
         ("mass", f"{mass(_free_mass(answer['parts']))} (all free parts)"),
@@ -152,6 +154,12 @@ def check_facts(answer: Answer) -> list[Fact]:
         closed = answer["counted_gap"] is not None
         facts.append(("neutral", _neutral_words(**answer["neutral"], second=second, closed=closed)))
     return [*facts, *_seconds(answer)]
+
+
+def _body_facts(answer: Answer) -> list[Fact]:
+    """Return the lines about the bodies of parts that touch: those that stand, and the others."""
+    lines = body_sentences(answer.get("bodies", ()), answer["units"])
+    return [("" if k else "bodies", line) for k, line in enumerate(lines)]
 
 
 def _level(answer: Answer) -> str:

@@ -18,6 +18,8 @@ IF = {
     "joined": "if its touching parts are joined",
 }
 """Condition of each rung."""
+TOUCHES = "touching"
+"""Reason of the joints between parts that touch or overlap."""
 STANDS = ("stable", "settles")
 """Verdicts of which a sentence says that the assembly stands."""
 NAMED = 3

@@ -167,7 +167,7 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     if step is not None and answer["assume"] == "drawn":
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
-    if answer["bodies"]:
+    if answer["ladder"] and answer["level"] is None:
         return BODIES
     moves = any(pair["kind"] in MOVABLE for pair in answer["open_pairs"])
     if moves and answer["level"] is None:

@@ -13,6 +13,7 @@ from kilter.tell.body_words import body_sentences, support_words
 from kilter.tell.check_facts import Answer
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
+from kilter.tell.ladder_words import TOUCHES
 from kilter.tell.margin_facts import part_level_words
 from kilter.tell.motion_rows import motion_of, motion_rows
 from kilter.tell.numbers import Name, count, counts, force, mass, number, percent, plain, vector
@@ -240,7 +241,9 @@ def _moving_title(answer: Answer, moving: Sequence[Answer]) -> str:
 
 def fastened_table(answer: Answer) -> Table:
     """Return the table of pairs that options joined because they look fastened or overlap."""
-    joined = [joint for joint in answer["joints"] if joint.get("why")]
+    whys = [joint.get("why") for joint in answer["joints"]]
+    rows = zip(answer["joints"], whys, strict=True)
+    joined = [joint for joint, why in rows if why not in (None, TOUCHES)]
     title = f"Fastened by option: {count(len(joined), 'pair')}"
     return Table(title, (), joined, lambda joint: (*_names(joint), joint["why"]))
 

@@ -18,7 +18,7 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.assumptions.joining import adjoining, body_labels, tables
 from kilter.analysis.planning.order.sweeps import Sweeps
-from kilter.analysis.settled_pose.straight_falls import falling_distance
+from kilter.analysis.settled_pose.straight_falls import StraightFall, falling_distance
 from kilter.arrays import Array, Index, Mask, across, cross, members_by_label, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import Body
@@ -49,8 +49,10 @@ def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
         if limit is not None:
             tilt = {"tilt_deg": float(np.degrees(limit[0])), "tilt_down": limit[1]}
     bodies = [_body(assembly, group, on_floor=True, **tilt) for group in standing]
-    for number, group in enumerate(groups[len(standing) :]):
-        found = loose.found(group) if number < MOST_PARTS else {}
+    hanging = groups[len(standing) :]
+    falls = loose.falls(hanging[:MOST_PARTS])
+    for number, group in enumerate(hanging):
+        found = loose.found(group, falls[number]) if number < MOST_PARTS else {}
         bodies.append(_body(assembly, group, on_floor=False, **found))
     return tuple(bodies)
 
@@ -135,7 +137,33 @@ class _LooseBodies:
         for pair in contacts.near:  # the nearest first
             self._on_surfaces.setdefault(frozenset(pair.ends), pair.gap)
 
-    def found(self, group: Index) -> dict[str, Any]:
+    def falls(self, groups: list[Index]) -> list[StraightFall | None]:
+        """The fall of each loose body.
+
+        Bodies may lie within each other, as a shaft in its bearing: each falls onto the other. They
+        fall together then, and the body that meets a part of another body first has this fall.
+        """
+        owner = np.full(len(self._assembly.parts), -1)
+        for number, group in enumerate(groups):
+            owner[group] = number
+        falls = [self._fall(group) for group in groups]
+        cluster, lowest = np.arange(len(groups)), list(falls)
+        while circle := _circle([_of(cluster, owner, fall) for fall in lowest]):
+            together = np.isin(cluster, circle)
+            cluster[together] = circle[0]
+            fall = self._fall(np.flatnonzero(np.isin(owner, np.flatnonzero(together))))
+            for number in circle:
+                lowest[number] = None
+            lowest[circle[0]] = fall
+            if fall is not None:
+                falls[owner[fall.part]] = fall
+        return falls
+
+    def _fall(self, group: Index) -> StraightFall | None:
+        """The straight fall of parts that move together."""
+        return falling_distance(self._assembly, self._sweeps, group, self._assembly.down)
+
+    def found(self, group: Index, fall: StraightFall | None) -> dict[str, Any]:
         """The keys of a loose body about its nearest part and its fall."""
         names = self._assembly.names
         if len(group) == len(names):
@@ -146,10 +174,26 @@ class _LooseBodies:
         exact = self._on_surfaces.get(frozenset((near.part, near.other)), np.inf)
         distance = exact if abs(exact - near.gap) <= near.accuracy else near.gap
         found: dict[str, Any] = {"nearest": names[near.other], "distance": distance}
-        fall = falling_distance(self._assembly, self._sweeps, group, self._assembly.down)
         if fall is not None:
             found |= {"below": names[fall.other], "fall": max(fall.distance, 0.0)}
         return found
+
+
+def _of(cluster: Index, owner: Index, fall: StraightFall | None) -> int:
+    """Cluster of the loose body onto which a fall leads; -1 if it leads onto none."""
+    return -1 if fall is None or owner[fall.other] < 0 else int(cluster[owner[fall.other]])
+
+
+def _circle(following: list[int]) -> list[int]:
+    """Numbers that follow each other in a circle; empty without a circle. -1: none follows."""
+    for start in range(len(following)):
+        path, at = [], start
+        while at >= 0 and at not in path:
+            path.append(at)
+            at = following[at]
+        if at >= 0:
+            return path[path.index(at) :]
+    return []
 
 
 def _body(assembly: Assembly, group: Index, **found: Any) -> Body:

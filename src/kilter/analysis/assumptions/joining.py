@@ -13,9 +13,7 @@ import numpy as np
 from kilter.arrays import Index, Mask, connected
 from kilter.assembly import Assembly, Joint
 from kilter.contact import ContactSet
-
-WHY = "touching"
-"""Reason of the joints between parts that touch or overlap."""
+from kilter.tell.ladder_words import TOUCHES
 
 
 def touching_or_overlapping(assembly: Assembly, contacts: ContactSet) -> Index:
@@ -55,6 +53,6 @@ def joined(assembly: Assembly, contacts: ContactSet) -> Assembly:
     held = assembly.geometry.grounded
     pairs = touching_or_overlapping(assembly, contacts)
     pairs = pairs[~held[pairs].all(axis=1)]
-    joints = [Joint((names[a], names[b]), why=WHY) for a, b in pairs.tolist()]
+    joints = [Joint((names[a], names[b]), why=TOUCHES) for a, b in pairs.tolist()]
     new = [joint for joint in joints if frozenset(joint.parts) not in known]
     return replace(assembly, joints=[*assembly.joints, *new])

@@ -10,12 +10,11 @@ c(part, other) that a part falls until it meets another part as drawn:
 from __future__ import annotations
 
 import heapq
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Direction, Sweeps
-from kilter.analysis.verdict.part_answer import StraightFall
 from kilter.arrays import Array, Index, Mask, connected, members_by_label
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, detect
@@ -84,6 +83,18 @@ MOST_GROUPS = 200
 """Largest number of groups of parts whose straight falls are computed for an answer."""
 EXACT = 1e-12
 """Newton step that ends the search [sizes of the part]."""
+
+
+@dataclass(frozen=True, slots=True)
+class StraightFall:
+    """A straight fall until the first contact."""
+
+    distance: float
+    """Length of the fall [length unit]."""
+    part: int
+    """The falling part that meets another part first."""
+    other: int
+    """The part that it meets."""
 
 
 def falling_distance(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -11,18 +10,6 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array
 from kilter.tell.record import Lines, Record, Shape, Twist
 from kilter.validate import frozen
-
-
-@dataclass(frozen=True, slots=True)
-class StraightFall:
-    """A straight fall until the first contact."""
-
-    distance: float
-    """Length of the fall [length unit]."""
-    part: int
-    """The falling part that meets another part first."""
-    other: int
-    """The part that it meets."""
 
 
 class PartAnswer(Record):

@@ -219,7 +219,17 @@ class Verdict(InCells, SupportedAnswer):
         if self.drawn is None or not (self.ladder or self.assume == JOINED):
             return ()
         found: tuple[Body, ...] = hook("bodies_of")(self.drawn, self.drawn_contacts)
-        return found
+        if self.assume == JOINED:
+            stands = self.level is not None
+        else:
+            stands = any(r.assume == JOINED and r.level is not None for r in self.ladder)
+        # as drawn it may touch the floor at fewer points than at rest
+        return tuple(
+            dataclasses.replace(body, tilt_deg=None, tilt_down=None)
+            if stands and body.tilt_deg == 0.0
+            else body
+            for body in found
+        )
 
     @property
     @key
