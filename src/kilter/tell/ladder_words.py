@@ -11,8 +11,10 @@ from kilter.tell.words import VERDICTS
 
 Row = Mapping[str, Any]
 Fact = tuple[str, str]
+DRAWN = "drawn"
+"""The rung that assumes nothing."""
 IF = {
-    "drawn": "as drawn",
+    DRAWN: "as drawn",
     "play": "after its parts move within their play",
     "fits": "if the pairs that look fastened are joined",
     "joined": "if its touching parts are joined",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from kilter.tell.check_facts import Answer
 from kilter.tell.facts import kind_of
-from kilter.tell.ladder_words import ladder_step
+from kilter.tell.ladder_words import DRAWN, ladder_step
 from kilter.tell.margin_facts import moved_by_least
 from kilter.tell.numbers import near_zero, number
 from kilter.tell.open_words import MOVABLE
@@ -164,14 +164,17 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     if answer["verdict"] == "balanced":
         return FALL
     step = ladder_step(answer["ladder"])
-    if step is not None and answer["assume"] == "drawn":
+    if step is not None and answer["assume"] == DRAWN:
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
+    later = [row["assume"] for row in answer["ladder"] if not row["decided"]]
+    if later and answer["assume"] == DRAWN:
+        return NextStep(("check", "--assume", later[0]), f"decides the row {later[0]}")
     if answer["ladder"] and answer["level"] is None:
         return BODIES
     moves = any(pair["kind"] in MOVABLE for pair in answer["open_pairs"])
     if moves and answer["level"] is None:
-        return PLAYED if answer["assume"] == "drawn" else SETTLE
+        return PLAYED if answer["assume"] == DRAWN else SETTLE
     if answer["verdict"] == "unstable" and any(w.startswith(FLOATS) for w in answer["warnings"]):
         return SETTLED
     return AFTER_CHECK[answer["verdict"]]

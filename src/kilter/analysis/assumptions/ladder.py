@@ -86,14 +86,15 @@ def _row(verdict: Verdict, rung: str) -> LadderRow:
 def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow:
     """The row of a rung, decided now; undecided if its search for a pose takes too long.
 
-    `known`: what was found on lower rungs, by their number of joints: without a further joint a
-    rung is as the one before it.
+    `known`: findings on lower rungs, by their number of joints: without a further joint a rung is
+    as the one before it. After a search without an end, higher rungs are decided without a search.
     """
     undecided = LadderRow(assume=rung, decided=False)
     try:
         found = assume(asked, rung, settles=False)
         if rung != DRAWN:
-            found = known[found.joints] if found.joints in known else _settled(asked, rung)
+            late = any(not other.finished for other in known.values())
+            found = known.get(found.joints) or _settled(asked, rung, moves=not late)
             known.setdefault(found.joints, found)
         verdict = _verdict(asked, found)
     except KilterError:
@@ -103,10 +104,11 @@ def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow
     return _row(verdict, rung)
 
 
-def _settled(asked: Question, rung: str) -> Assumed:
+def _settled(asked: Question, rung: str, *, moves: bool) -> Assumed:
     """The assembly on a rung; of a large one only if it holds without a movement."""
     assembly = asked.assembly
-    if len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > MOST_VERTICES:
+    large = len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > MOST_VERTICES
+    if large or not moves:
         found = assume(asked, rung, settles=False)
         return replace(found, finished=not has_play(found.assembly, found.contacts))
     return assume(asked, rung, work=WORK)
