@@ -30,6 +30,7 @@ from play_scenes import (
 
 import kilter
 from kilter.cli import main
+from kilter.scenes.pieces import block, cells
 
 CLOSE = 1e-6
 """Largest error of a position over the size of the assembly [-], and of an angle [rad]."""
@@ -159,3 +160,16 @@ def test_the_proof_of_a_pose_within_the_play_contains_the_pose(tmp_path, capsys)
     proof.write_text(json.dumps(data), encoding="utf-8")
     assert main(["verify", str(path), str(proof)]) != 0
     capsys.readouterr()
+
+
+def test_bodies_within_each_other_fall_together():
+    """A bar in a ring: each falls onto the other; together they fall until the ring is down."""
+    across = [-0.05, -0.02, 0.02, 0.05]
+    solid = np.ones((3, 1, 3), dtype=bool)
+    solid[1, 0, 1] = False
+    ring = kilter.Part("ring", cells(across, [-0.05, 0.05], across, solid), [0, 0, 0.15])
+    bar = block("bar", [-0.01, -0.2, 0.14], [0.01, 0.2, 0.16])
+    verdict = kilter.check(kilter.Assembly([ring, bar]), floor=0.0, assume="joined")
+    falls = {body.name: (body.below, body.fall) for body in verdict.bodies}
+    assert falls["ring"] == ("floor", pytest.approx(0.1))
+    assert falls["bar"] == ("ring", pytest.approx(0.01))

@@ -136,6 +136,9 @@ def _verify_facts(answer: Answer) -> list[Fact]:
 def _option(name: str, value: Any) -> str:
     """Return a reading option in words; the name alone if its value is `True`."""
     words = name.replace("_", "-")
+    if name == "entries":
+        sizes = {key: len(entry) for key, entry in value.items() if isinstance(entry, list | dict)}
+        return ", ".join(f"{many} {key.replace('_', ' ')}" for key, many in sizes.items()) or words
     return words if value is True else f"{words} {value}"
 
 

@@ -76,6 +76,19 @@ def rung_sentence(
     return f"{verdict} {', '.join(words)}{colon}{rest}" if words else sentence
 
 
+def assumed_words(joints: int, moved: float, units: str) -> str:
+    """Return a note about the joints and the movement that a rung assumes; empty without them.
+
+    Examples
+    --------
+    >>> assumed_words(14, 0.5, "mm")
+    'assumed: 14 joints between its parts, and movements of at most 0.5 mm within its play'
+    """
+    words = [f"{count(joints, 'joint')} between its parts"] if joints else []
+    words += [f"movements of at most {number(moved, 3)} {units} within its play"] if moved else []
+    return f"assumed: {', and '.join(words)}" if words else ""
+
+
 def ladder_sentence(ladder: Sequence[Row], verdict: str, *, assume: str) -> str | None:
     """Return the sentence of an answer with a ladder; None if its own sentence says enough.
 

@@ -33,6 +33,7 @@ from kilter.contact.fits.fastening import with_decided_pairs
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.open_pairs import still_open
 from kilter.files.own.saved_entries import with_bodies
+from kilter.tell.ladder_words import assumed_words
 from kilter.units import metres_per_unit
 
 FASTENED = ("thread", "press fit", "insert")
@@ -104,7 +105,11 @@ def assumed(asked: Question) -> Question:
         base = with_joints(asked.assembly, contacts, rung)
         return asked.but(assembly=_marked(base), contacts=contacts.of(base))
     found = assume(asked, rung)
-    return asked.but(assembly=found.marked, contacts=found.contacts)
+    words = assumed_words(found.joints, found.moved, found.assembly.units)
+    marked = found.marked
+    if words:
+        marked = replace(marked, notes=[*marked.notes, words])
+    return asked.but(assembly=marked, contacts=found.contacts.of(marked))
 
 
 def assume(
@@ -180,7 +185,10 @@ def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
     if floating_groups(assembly, contacts):
         return True
     index = assembly.index
-    return any(lone.gap <= play[index[lone.part]] for lone in contacts.of(assembly).nearest)
+    return any(
+        lone.gap is None or lone.gap <= play[index[lone.part]]
+        for lone in contacts.of(assembly).nearest
+    )
 
 
 def _within_play(asked: Question, plain: Assumed, opens: bool, work: float) -> Assumed:

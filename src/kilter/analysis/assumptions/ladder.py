@@ -58,7 +58,7 @@ def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
         if rung == DRAWN and rows[0].level is not None:
             return ()
     if not any(row.level is not None for row in rows[:-1]) and not rubs(drawn, contacts):
-        rows.append(_with_friction(asked, known))
+        rows.append(_with_friction(asked))
     return tuple(rows)
 
 
@@ -68,7 +68,7 @@ def rubs(assembly: Assembly, contacts: ContactSet) -> bool:
     return bool(stated or (contacts.patch_mu > 0).any())
 
 
-def _row(verdict: Verdict, rung: str, friction: float | None = None) -> LadderRow:
+def _row(verdict: Verdict, rung: str) -> LadderRow:
     """The row of a verdict."""
     mass = verdict.program.mass
     falls = [] if verdict.level is not None else verdict.moving
@@ -76,7 +76,6 @@ def _row(verdict: Verdict, rung: str, friction: float | None = None) -> LadderRo
     largest = sorted(falls, key=lambda name: -mass[index[name]])
     return LadderRow(
         assume=rung,
-        friction=friction,
         verdict=verdict.verdict,
         level=verdict.level,
         falls=len(falls),
@@ -123,16 +122,13 @@ def _verdict(asked: Question, found: Assumed) -> Verdict:
     return verdict if other.level is None else other
 
 
-def _with_friction(asked: Question, known: dict[int, Assumed]) -> LadderRow:
-    """The row with friction, in the pose of the rung play if its search ended."""
-    found = known.get(0)
-    rung = DRAWN if found is None or not found.finished else PLAY
-    if found is None or rung == DRAWN:
-        found = assume(asked, DRAWN)
-    rough = found.assembly.with_friction(MU)
-    contacts = detect.detected_with_friction(found.contacts, MU)
-    try:
-        verdict = check_level(asked.but(assembly=rough, contacts=contacts.of(rough)))
-    except KilterError:
-        return LadderRow(assume=rung, friction=MU, decided=False)
-    return _row(verdict, rung, MU)
+def _with_friction(asked: Question) -> LadderRow:
+    """The row with friction, on the rung play if it was decided there, else as drawn.
+
+    Friction holds parts elsewhere than without it, so that their pose is searched for anew.
+    """
+    assembly = asked.assembly.with_friction(MU)
+    contacts = detect.detected_with_friction(detect.touching(asked), MU).of(assembly)
+    rough = asked.but(assembly=assembly, contacts=contacts)
+    row = _decided(rough, PLAY, {})
+    return replace(row if row.decided else _decided(rough, DRAWN, {}), friction=MU)

@@ -10,6 +10,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import Question
 from kilter.tell.levels import holds, level_rank
+from kilter.work import stop_after
 
 
 def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
@@ -21,7 +22,8 @@ def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
     if rung == DRAWN:
         verdict = check(asked, measures=measures)
         return replace(verdict, drawn=asked.assembly, drawn_contacts=verdict.contact_set)
-    found = assume(asked, rung)
+    with stop_after(asked.seconds_left):
+        found = assume(asked, rung)
     marked = found.marked
     found = replace(found, assembly=marked, contacts=found.contacts.of(marked))
     verdict = _judged(asked, found, measures)
