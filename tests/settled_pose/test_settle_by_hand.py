@@ -7,6 +7,9 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
+from kilter.analysis.settled_pose.near_points import find_near_points
+from kilter.analysis.settled_pose.rest_programs import RestPrograms
+from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.cli import main
 from kilter.scenes.pieces import block
 
@@ -134,3 +137,17 @@ def test_each_state_has_its_words_and_its_exit_code(assembly, code, state, words
     assert words in capsys.readouterr().out.splitlines()[0]
     assert main(["settle", file, "--nearest", "--quiet", "--json"]) == code
     assert json.loads(capsys.readouterr().out)["state"] == state
+
+
+@pytest.mark.parametrize(("by_mass", "share"), [(False, 1 / 2), (True, 1 / 21)])
+def test_the_heavier_of_two_cubes_moves_less_only_if_masses_weigh_the_motion(by_mass, share):
+    """Two cubes overlap by 1 mm; the least sum of m x^2 moves each by the other's share of mass."""
+    cubes = [
+        Part("light", Box([0.1, 0.1, 0.1]), [0, 0, 0], mass=1.0),
+        Part("heavy", Box([0.1, 0.1, 0.1]), [0.099, 0, 0], mass=20.0),
+    ]
+    assembly = Assembly(cubes)
+    points = find_near_points(assembly, 2e-3, 2e-3)
+    programs = RestPrograms.of(rigid_bodies(assembly, ()), points, 1.0, 1.0)
+    light, heavy = programs.push_apart(by_mass=by_mass).reshape(2, 6)[:, 0]
+    assert [-light, heavy] == pytest.approx([1e-3 * (1 - share), 1e-3 * share], abs=1e-9)

@@ -239,7 +239,7 @@ def _open_overlaps(state: _State) -> None:
             return
         state.tell(f"overlaps: {number(deep)}")
         programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
-        apart = programs.push_apart()
+        apart = programs.push_apart(by_mass=True)
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:

@@ -2,7 +2,8 @@
 
 Let p be the small motions of the bodies, J_n p the rates of the gaps g, and f the forces at the
 points in Coulomb's cones. M weighs motions by the squares of the distances that points move,
-and D by the masses of the bodies: a heavy bin stays where it is, and its light contents move.
+and D by the masses of the bodies, unless the least motion is searched: a heavy bin stays where it
+is, and its light contents move.
 
     push apart     min p'MDp                                    g + J_n p >= 0
     carry          min sum f_n c + PRICE |J'f + w|_1            f in the cones, c >= 0
@@ -106,12 +107,15 @@ class RestPrograms:
         """Rates of the gaps for motions of the bodies that may move."""
         return csr_array(self.normal[:, self.columns])
 
-    def push_apart(self) -> Array | None:
-        """Least motion that opens all overlaps; None if none exists to first order."""
+    def push_apart(self, *, by_mass: bool) -> Array | None:
+        """Least motion that opens all overlaps; None if none exists to first order.
+
+        `by_mass`: whether D weighs the motion, too. The search for the least motion leaves it out.
+        """
         deep = float(max(-self.gap.min(initial=0.0), np.abs(self.drift).max(initial=0.0)))
         if deep == 0.0:
             return np.zeros(len(self.columns))
-        weights = self.weights * self.mass
+        weights = self.weights * (self.mass if by_mass else 1.0)
         step = self._step(weights, np.zeros(len(self.columns)), self.gap / deep, deep)
         return None if step is None else deep * step
 

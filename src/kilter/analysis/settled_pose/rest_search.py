@@ -188,7 +188,7 @@ def _round(
         if np.abs(imbalance).max(initial=0.0) <= BALANCED:
             return SearchResult("at-rest", bodies, rounds)
     else:
-        apart = programs.push_apart()
+        apart = programs.push_apart(by_mass=False)
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth > state.accepted:
@@ -196,7 +196,7 @@ def _round(
             if depth > state.closed:
                 state.closed = state.accepted
             programs = replace(programs, gap=gap + 2 * depth + state.closed / 2)
-            apart = programs.push_apart()
+            apart = programs.push_apart(by_mass=False)
         if apart is not None:
             opened = gap + programs.rates @ apart
     forces, imbalance = programs.carry(
