@@ -11,13 +11,13 @@ from kilter.tell.words import VERDICTS
 
 Row = Mapping[str, Any]
 Fact = tuple[str, str]
-DRAWN = "drawn"
-"""The rung that assumes nothing."""
+DRAWN, JOINED = "drawn", "joined"
+"""The rung that assumes nothing, and the rung that joins all parts that touch."""
 IF = {
     DRAWN: "as drawn",
     "play": "after its parts move within their play",
     "fits": "if the pairs that look fastened are joined",
-    "joined": "if its touching parts are joined",
+    JOINED: "if its touching parts are joined",
 }
 """Condition of each rung."""
 TOUCHES = "touching"
@@ -46,7 +46,17 @@ def condition(row: Row) -> str:
 
 
 def holding_row(ladder: Sequence[Row]) -> Row | None:
-    """Return the lowest row on which the assembly stands; else the lowest with equilibrium."""
+    """Return the lowest row on which the assembly stands; else the lowest with equilibrium.
+
+    Friction assumes less than joints between all parts that touch.
+
+    Examples
+    --------
+    >>> row = {"friction": None, "verdict": "stable", "level": "proved"}
+    >>> holding_row([{**row, "assume": "joined"}, {**row, "assume": "drawn", "friction": 0.3}])
+    {'friction': 0.3, 'verdict': 'stable', 'level': 'proved', 'assume': 'drawn'}
+    """
+    ladder = sorted(ladder, key=lambda row: row["assume"] == JOINED)
     held = [row for row in ladder if row["verdict"] in STANDS]
     held = held or [row for row in ladder if row["level"] is not None]
     return held[0] if held else None
@@ -68,7 +78,7 @@ def rung_sentence(
     """
     only = "only if" if holds else "even if"
     words = []
-    if assume == "joined" and joined:
+    if assume == JOINED and joined:
         words.append(f"{only} its touching parts are joined ({count(joined, 'joint')})")
     elif assume == "fits" and joined:
         words.append(f"{only} the pairs that look fastened are joined ({count(joined, 'joint')})")

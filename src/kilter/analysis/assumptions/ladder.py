@@ -58,7 +58,8 @@ def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
         if rung == DRAWN and rows[0].level is not None:
             return ()
     if not any(row.level is not None for row in rows[:-1]) and not rubs(drawn, contacts):
-        rows.append(_with_friction(asked))
+        searched = all(found.finished for found in known.values())
+        rows.append(_with_friction(asked, PLAY if searched else DRAWN))
     return tuple(rows)
 
 
@@ -124,13 +125,13 @@ def _verdict(asked: Question, found: Assumed) -> Verdict:
     return verdict if other.level is None else other
 
 
-def _with_friction(asked: Question) -> LadderRow:
-    """The row with friction, on the rung play if it was decided there, else as drawn.
+def _with_friction(asked: Question, rung: str) -> LadderRow:
+    """The row with friction on a rung; as drawn if the rung cannot be decided.
 
     Friction holds parts elsewhere than without it, so that their pose is searched for anew.
     """
     assembly = asked.assembly.with_friction(MU)
     contacts = detect.detected_with_friction(detect.touching(asked), MU).of(assembly)
     rough = asked.but(assembly=assembly, contacts=contacts)
-    row = _decided(rough, PLAY, {})
+    row = _decided(rough, rung, {})
     return replace(row if row.decided else _decided(rough, DRAWN, {}), friction=MU)
