@@ -23,7 +23,7 @@ DRAWINGS = (
     *(".dae", ".gltf", ".glb"),
 )
 """Endings of the files whose answers have a ladder; folders of such files have one, too."""
-MOST_PARTS, MOST_VERTICES = 60, 60_000
+MOST_PARTS, MOST_VERTICES = 60, 16_000
 """Sizes up to which the rows search for a pose at rest."""
 WORK = 0.1
 """Work of the search for a pose of a row, over that of a rung that is asked for [-]."""

@@ -230,6 +230,8 @@ def _open_overlaps(state: _State) -> None:
     """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place."""
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
+    if np.isfinite(state.limit).any():  # deeper overlaps would move bodies beyond their limits
+        reach = min(reach, float(state.limit[np.isfinite(state.limit)].max()))
     pushes = 0
     while pushes < PUSHES:
         stop_if_late()
