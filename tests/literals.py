@@ -8,10 +8,10 @@ SMALL = 0.01
 
 
 def unnamed(package: str, but: str) -> list[str]:
-    """Places of numbers between 0 and `SMALL` in a package, its module `but` left out."""
+    """Places of numbers from 0 to `SMALL` in a package, without modules whose name ends so."""
     found = []
     for path in sorted((SOURCE / package).rglob("*.py")):
-        if path.name == but:
+        if path.name.endswith(but):
             continue
         for node in ast.walk(ast.parse(path.read_text())):
             value = getattr(node, "value", None)

@@ -111,7 +111,7 @@ def test_a_gap_tolerance_as_wide_as_a_play_adds_little_to_the_reach():
 
 @pytest.mark.slow
 def test_no_small_number_of_the_contacts_goes_without_a_name():
-    assert unnamed("contact", but="contact_tolerances.py") == []
+    assert unnamed("contact", but="_tolerances.py") == []
 
 
 def test_a_gap_is_a_contact_up_to_its_limits():

@@ -16,17 +16,12 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, columns, counted, cross
 from kilter.contact.convex_pieces import Cores
+from kilter.contact.convex_tolerances import CONVERGED, PARALLEL, TOUCHING
 
 ROUNDS = 64
 """Largest number of support points of a pair."""
-CONVERGED = 1e-14
-"""A distance is final if its square exceeds a lower bound by less than this fraction [-]."""
-PARALLEL = 1e-9
-"""Sine of the angle between two edges below which they are parallel [-]."""
 PRODUCTS = 500_000
 """Largest number of pairs of edges that are compared together."""
-TOUCHING = 1e-10
-"""Cores nearer than this fraction of their size have no sure direction of nearest points [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,18 +14,14 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.contact.convex_distance import edge_separations, face_separations, nearest_points
 from kilter.contact.convex_pieces import Cores, Placed
+from kilter.contact.convex_tolerances import EXACT, NEAR, OPPOSED
 
 FACE_ANGLE = 0.06
 """Largest angle between the nearest points and a face normal that replaces it [rad]."""
 FACE_SHARE = 0.998
 """Least separation along such a normal, over the distance [-]."""
-EXACT = 1e-12
-"""Rounding of a separation, over the size of a pair [-]."""
 ALIKE = 0.99
 """Cosine of the angle to a direction that was tried above which a direction is the same [-]."""
-NEAR = 1e-4
-"""Distance below which directions across edges are compared with the nearest points, over the size
-of a pair [-]."""
 ROUNDS = 2
 """Number of times that the prisms of cylinders are turned to the normal."""
 STEPS = 12
@@ -338,7 +334,7 @@ def _rim_directions(scene: Placed, pair: tuple[Index, Index], found: PairNormals
     )  # fmt: skip
     start = np.repeat(found.normal, several, axis=0)
     both = cross(a.along, b.along)
-    two = np.linalg.norm(both, axis=1) > 1e-9
+    two = np.linalg.norm(both, axis=1) > OPPOSED
     one = np.where((np.abs(a.along).max(axis=1) > 0)[:, None], a.along, b.along)
     n = start - np.einsum("ki,ki->k", start, one)[:, None] * one
     n[two] = both[two] * np.sign(np.einsum("ki,ki->k", both[two], n[two]))[:, None]

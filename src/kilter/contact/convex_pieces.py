@@ -14,6 +14,14 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected, counted, cross, starts
 from kilter.assembly import Assembly
+from kilter.contact.convex_tolerances import (
+    CONVEX_VOLUME,
+    INNER,
+    LEVEL,
+    NO_AREA,
+    ON_PLANE,
+    SAME_PLANE,
+)
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.closed import signed_volume
@@ -33,18 +41,10 @@ SIDES = 32
 """Number of sides of the prism that starts the search for the nearest points of a cylinder."""
 EVEN_ANGLES: Array = np.linspace(0.0, 2 * np.pi, SIDES, endpoint=False)
 """Angles of the corners of this prism [rad], shape (SIDES,)."""
-CONVEX_VOLUME = 1e-9
-"""Largest difference between the volume of a convex mesh and that of its hull, relative [-]."""
 ROUNDED = 2.0
 """The same, over the volume between the hull and its offset by the errors of coordinates [-]."""
-SAME_PLANE = 1e-7
-"""Largest angle between triangles of the same face [rad]."""
-LEVEL = 1e-9
-"""Sine of an angle to the axis of a cylinder below which a direction is along the axis [-]."""
 LYING = 0.3
 """Cosine of the angle between a normal and the axis of a cylinder below which it lies [-]."""
-INNER = 1e-6
-"""Distance in front of a face at which another piece of the part covers it, over the size [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -337,7 +337,7 @@ def _hull(points: Array) -> tuple[Polytope, float, float] | None:
     i, j = owner[first], owner[second]
     sine = np.linalg.norm(cross(normal[i], normal[j]), axis=1)
     # a sliver has no sure normal: it joins the face beside it
-    thin = np.minimum(area[i], area[j]) <= 1e-12 * size * size
+    thin = np.minimum(area[i], area[j]) <= NO_AREA * size * size
     flat = (sine <= SAME_PLANE) | thin
     label = connected(len(triangles), i[flat], j[flat])
     face_count = int(label.max()) + 1
@@ -387,7 +387,7 @@ def _covered(pieces: ConvexPieces, piece: int, others: Index) -> Mask:
     normal, offset = pieces.normal[span], pieces.offset[span]
     vertex = pieces.vertex[pieces.vertex_start[piece] : pieces.vertex_start[piece + 1]]
     size = pieces.size[piece]
-    on = np.abs(vertex @ normal.T - offset) <= 1e-9 * size
+    on = np.abs(vertex @ normal.T - offset) <= ON_PLANE * size
     face, corner = np.nonzero(on.T)
     middle = on.T.astype(float) @ vertex / np.maximum(on.sum(axis=0), 1)[:, None]
     # corners a little inwards, since neighbours may end at the same edge

@@ -23,13 +23,17 @@ from kilter.contact.convex_pieces import (
     placed,
     with_generators,
 )
+from kilter.contact.convex_tolerances import (
+    BESIDE,
+    CLOSED,
+    INWARDS,
+    ROUND,
+    SAME_POINT,
+    SLOPE,
+    STEP_BACK,
+    SUNK,
+)
 
-ROUND = 0.005
-"""Largest distance of the prism of a cylinder from its surface, over the radius [-]."""
-BESIDE = 1e-9
-"""Distance beside a face at which a corner still lies over it, over the size of a pair [-]."""
-SLOPE = 1e-6
-"""A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
 BEYOND = 0.15
 """Faces look along a direction if they deviate by at most this more than the nearest one [rad]."""
 LAYER = 0.1
@@ -43,18 +47,10 @@ CLASSES = (8, 16, 32, 64, 128, 256, 512, 1024, 4096)
 """Limits of the numbers of vertices of pairs that are handled together."""
 ENTRIES = 20_000_000
 """Largest number of entries of an array over vertices and faces of pairs."""
-INWARDS = 1e-3
-"""Way from a corner towards the middle of its face to the place that is examined [-]."""
 TRIES = 5
 """Number of directions along which an overlap of pieces of compounds is left."""
-SUNK = 1e-6
-"""Depth in another piece of the same part at which a point is no point of the surface, over the
-size of the piece [-]."""
 STAYS = 0.5
 """Share of an overlap that may stay when a known overlap of the same parts opens [-]."""
-CLOSED = 1e-3
-"""Points whose gap exceeds the least gap of their pair by less than this, over the size of the
-pair, are reduced to the extreme points among each other [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -585,7 +581,7 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
     angle = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS) + 0.1
     ahead = flat @ np.stack([np.cos(angle), np.sin(angle)])
     # of points at the same place, the one with the least gap
-    ahead -= 1e-3 * gap[:, None]
+    ahead -= STEP_BACK * gap[:, None]
     rank = np.concatenate([gap[:, None], -ahead, np.where(closed[:, None], -ahead, np.inf)], axis=1)
     best = np.minimum.reduceat(rank, first)
     count = np.diff(np.append(first, len(row)))
@@ -689,7 +685,7 @@ def distinct_points(points: PiecePoints, pieces: ConvexPieces) -> PiecePoints:
         [
             points.part_a,
             points.part_b,
-            np.round(points.point / (1e-8 * size)),
+            np.round(points.point / (SAME_POINT * size)),
             np.round(points.normal * 1e6),
         ]
     )
