@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -131,7 +132,11 @@ lid, pin).'
     known = [row for row in ladder if row["decided"] and row["falls"]]
     top = min(known, key=lambda row: row["falls"], default=None)
     if not all(row["decided"] for row in ladder):
-        return f"{begin} as drawn: {fall_words(drawn)}."
+        joined = next((row for row in known if row["assume"] == JOINED), None)
+        if joined is None:
+            return f"{begin} as drawn: {fall_words(drawn)}."
+        falls = fall_words(min(drawn, joined, key=lambda row: row["falls"] or math.inf))
+        return f"{begin}, even {condition(joined)}: {falls}."
     if top is None or top["falls"] >= drawn["falls"]:
         return f"{begin} as drawn and on every other assumption: {fall_words(drawn)}."
     return f"{begin}: {fall_words(top)}, even {condition(top)} (as drawn {fall_words(drawn)})."

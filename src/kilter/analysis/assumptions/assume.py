@@ -173,14 +173,17 @@ def play_of(assembly: Assembly) -> Array:
 
 
 def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
-    """Whether any part may move within its play: an overlap, a clearance or a narrow gap is open.
+    """Whether any part may move within its play: an overlap, a clearance or a narrow gap is open
+    between two rigid bodies.
 
     A free group of parts that touches nothing may be near enough to other parts, too.
     """
-    play = play_of(assembly)
-    if contacts.open_pairs or contacts.overlaps:
+    play, body = play_of(assembly), rigid_bodies(assembly, ()).of_part
+    found = (*contacts.open_pairs, *contacts.overlaps)
+    if any(body[pair.ends[0]] != body[pair.ends[1]] for pair in found):
         return True
-    if any(abs(pair.gap) <= play[list(pair.ends)].max() for pair in contacts.near):
+    near = [pair for pair in contacts.near if body[pair.ends[0]] != body[pair.ends[1]]]
+    if any(abs(pair.gap) <= play[list(pair.ends)].max() for pair in near):
         return True
     if floating_groups(assembly, contacts):
         return True
