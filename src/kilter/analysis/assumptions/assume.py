@@ -175,7 +175,8 @@ def play_of(assembly: Assembly) -> Array:
 def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
     """Whether any part may move within its play: something is open between two rigid bodies.
 
-    That is an overlap, a clearance or a narrow gap. A free group of parts that touches nothing may be near enough to other parts, too.
+    That is an overlap, a clearance or a narrow gap. A free group of parts that touches nothing may
+    be near enough to other parts, too.
     """
     play, body = play_of(assembly), rigid_bodies(assembly, ()).of_part
     found = (*contacts.open_pairs, *contacts.overlaps)
