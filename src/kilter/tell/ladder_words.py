@@ -166,7 +166,7 @@ def ladder_facts(answer: Mapping[str, Any]) -> list[Fact]:
     for row in answer.get("ladder", ()):
         name = row["assume"] if row["friction"] is None else f"mu {number(row['friction'])}"
         if not row["decided"]:
-            words = f"not decided: --assume {row['assume']}"
+            words = f"not decided: {' '.join(_options(row))}"
         elif row["level"] is not None:
             words = VERDICTS[row["verdict"]].lower()
         else:
@@ -187,6 +187,10 @@ def ladder_step(ladder: Sequence[Row]) -> tuple[tuple[str, ...], str] | None:
     best = holding_row(ladder)
     if best is None:
         return None
-    words = () if best["assume"] == "drawn" else ("--assume", best["assume"])
-    rubs = () if best["friction"] is None else ("--friction", number(best["friction"]))
-    return (*words, *rubs), condition(best)
+    return _options(best), condition(best)
+
+
+def _options(row: Row) -> tuple[str, ...]:
+    """Return the options that ask for a row."""
+    words = () if row["assume"] == DRAWN else ("--assume", row["assume"])
+    return words if row["friction"] is None else (*words, "--friction", number(row["friction"]))

@@ -167,7 +167,8 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     if step is not None and answer["assume"] == DRAWN:
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
-    later = [row["assume"] for row in answer["ladder"] if not row["decided"]]
+    rows = [row for row in answer["ladder"] if row["friction"] is None]
+    later = [row["assume"] for row in rows if not row["decided"]]
     if later and answer["assume"] == DRAWN:
         return NextStep(("check", "--assume", later[0]), f"decides the row {later[0]}")
     if answer["ladder"] and answer["level"] is None:

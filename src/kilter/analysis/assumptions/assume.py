@@ -48,6 +48,8 @@ LONGEST_CHAIN = 5
 VERTICES, LEAST_STEPS, MOST_STEPS = 400_000, 12, 100
 """Work limit of a search for a pose at rest: number of steps times vertices of the assembly, and
 the least and the largest number of steps."""
+ROUNDING = 1e-9
+"""Gap to a floor that comes from rounding, over the size of the assembly [-]."""
 SUNK_SHARE = 1e-3
 """Play of a part in a file of a simulator, whose contacts are soft: a share of its size [-]."""
 
@@ -185,13 +187,24 @@ def has_play(assembly: Assembly, contacts: ContactSet) -> bool:
     near = [pair for pair in contacts.near if body[pair.ends[0]] != body[pair.ends[1]]]
     if any(abs(pair.gap) <= play[list(pair.ends)].max() for pair in near):
         return True
-    if floating_groups(assembly, contacts):
+    if floating_groups(assembly, contacts) or _hovers(assembly, play):
         return True
     index = assembly.index
     return any(
         lone.gap is None or lone.gap <= play[index[lone.part]]
         for lone in contacts.of(assembly).nearest
     )
+
+
+def _hovers(assembly: Assembly, play: Array) -> bool:
+    """Whether a free part is above a floor by a gap within its play, as a foot of a body may be."""
+    geometry = assembly.geometry
+    depth, start = geometry.vertices @ assembly.down, geometry.vertex_start[:-1]
+    lowest, top = np.maximum.reduceat(depth, start), np.minimum.reduceat(depth, start)
+    closed = ROUNDING * geometry.size.max()
+    floors = [k for k, part in enumerate(assembly.parts) if part.table]
+    gaps = top[floors][:, None] - lowest[None, ~geometry.grounded]
+    return bool(((gaps > closed) & (gaps <= play[None, ~geometry.grounded])).any())
 
 
 def _within_play(asked: Question, plain: Assumed, opens: bool, work: float) -> Assumed:

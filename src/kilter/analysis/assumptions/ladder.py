@@ -13,7 +13,7 @@ from kilter.analysis.assumptions.assume import Assumed, assume, has_play
 from kilter.analysis.check import check_level
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
-from kilter.assembly.assumption import DRAWN, PLAY, RUNGS, LadderRow
+from kilter.assembly.assumption import DRAWN, JOINED, PLAY, RUNGS, LadderRow
 from kilter.assembly.question import Question
 from kilter.contact import ContactSet, detect
 from kilter.errors import KilterError
@@ -23,8 +23,9 @@ DRAWINGS = (
     *(".dae", ".gltf", ".glb"),
 )
 """Endings of the files whose answers have a ladder; folders of such files have one, too."""
-MOST_PARTS, MOST_VERTICES = 60, 16_000
-"""Sizes up to which the rows search for a pose at rest."""
+MOST_PARTS, MOST_VERTICES, MOST_JOINED = 60, 5_000, 16_000
+"""Sizes up to which the rows search for a pose at rest: numbers of parts and of vertices, and of
+vertices on the rung joined, whose bodies are few."""
 WORK = 0.1
 """Work of the search for a pose of a row, over that of a rung that is asked for [-]."""
 MU = 0.3
@@ -59,7 +60,10 @@ def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
             return ()
     if not any(row.level is not None for row in rows[:-1]) and not rubs(drawn, contacts):
         searched = all(found.finished for found in known.values())
-        rows.append(_with_friction(asked, PLAY if searched else DRAWN))
+        if len(drawn.geometry.vertices) > MOST_VERTICES:
+            rows.append(LadderRow(assume=DRAWN, friction=MU, decided=False))
+        else:
+            rows.append(_with_friction(asked, PLAY if searched else DRAWN))
     return tuple(rows)
 
 
@@ -95,7 +99,8 @@ def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow
         found = assume(asked, rung, settles=False)
         if rung != DRAWN:
             late = any(not other.finished for other in known.values())
-            found = known.get(found.joints) or _settled(asked, rung, moves=not late)
+            moves = rung == JOINED or not late
+            found = known.get(found.joints) or _settled(asked, rung, moves=moves)
             known.setdefault(found.joints, found)
         verdict = _verdict(asked, found)
     except KilterError:
@@ -108,7 +113,8 @@ def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow
 def _settled(asked: Question, rung: str, *, moves: bool) -> Assumed:
     """The assembly on a rung; of a large one only if it holds without a movement."""
     assembly = asked.assembly
-    large = len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > MOST_VERTICES
+    most = MOST_JOINED if rung == JOINED else MOST_VERTICES
+    large = len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > most
     if large or not moves:
         found = assume(asked, rung, settles=False)
         return replace(found, finished=not has_play(found.assembly, found.contacts))
