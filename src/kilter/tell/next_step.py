@@ -170,7 +170,8 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     rows = [row for row in answer["ladder"] if row["friction"] is None]
     later = [row["assume"] for row in rows if not row["decided"]]
     if later and answer["assume"] == DRAWN:
-        return NextStep(("check", "--assume", later[0]), f"decides the row {later[0]}")
+        asked = later[-1]  # fewer bodies are decided sooner
+        return NextStep(("check", "--assume", asked), f"decides the row {asked}")
     if answer["ladder"] and answer["level"] is None:
         return BODIES
     moves = any(pair["kind"] in MOVABLE for pair in answer["open_pairs"])
