@@ -45,7 +45,7 @@ PLAY_SHARE, LEAST_PLAY, MOST_PLAY = 0.02, 5e-5, 2e-3
 drawn pins, drawers and lids."""
 LONGEST_CHAIN = 5
 """Largest number of plays that a part may move before the search leaves it out [-]."""
-VERTICES, LEAST_STEPS, MOST_STEPS = 400_000, 12, 100
+VERTICES, LEAST_STEPS, MOST_STEPS = 200_000, 12, 100
 """Work limit of a search for a pose at rest: number of steps times vertices of the assembly, and
 the least and the largest number of steps."""
 ROUNDING = 1e-9

@@ -26,7 +26,7 @@ DRAWINGS = (
 MOST_PARTS, MOST_VERTICES, MOST_JOINED = 60, 5_000, 16_000
 """Sizes up to which the rows search for a pose at rest: numbers of parts and of vertices, and of
 vertices on the rung joined, whose bodies are few."""
-WORK = 0.1
+WORK = 0.2
 """Work of the search for a pose of a row, over that of a rung that is asked for [-]."""
 MU = 0.3
 """Friction coefficient of the last row [-]."""
