@@ -182,14 +182,9 @@ def require_pose_form(output: Path, asked: Asked) -> None:
 
 def _with_poses(asked: Asked, answer: Settled | SceneReport) -> Reading:
     """The options of reading with the settled poses of all moved parts."""
-    poses = {
-        part.name: {
-            "position": part.pose.position.tolist(),
-            "rotation": part.pose.rotation.tolist(),
-        }
-        for part, drawn in zip(answer.assembly.parts, _drawn(answer).parts, strict=True)
-        if part.pose != drawn.pose
-    }
+    from kilter.files.own.saved_entries import changed_poses
+
+    poses = changed_poses(_drawn(answer), answer.assembly)
     entries = {**asked.reading.entries}
     if poses:
         entries["poses"] = {**entries.get("poses", {}), **poses}

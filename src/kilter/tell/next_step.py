@@ -61,7 +61,7 @@ SETTLED = NextStep(
 PLAYED = NextStep(
     ("check", "--assume", "play"), "decides it after its parts move within their play"
 )
-BODIES = NextStep(("contacts",), "lists its bodies: what touches, and what is loose")
+BODIES = NextStep(("contacts",), "lists its bodies: the parts that touch, and the loose parts")
 SETTLE = NextStep(("settle",), "brings the parts to rest, or names those that leave or do not fit")
 MENDED = ("floats", "overlaps", "falls")
 """States of objects that may come to rest elsewhere."""

@@ -32,7 +32,7 @@ from kilter.contact import ContactSet, detect
 from kilter.contact.fits.fastening import with_decided_pairs
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.open_pairs import still_open
-from kilter.files.own.saved_entries import with_bodies
+from kilter.files.own.saved_entries import changed_poses, with_bodies
 from kilter.tell.ladder_words import assumed_words
 from kilter.units import metres_per_unit
 
@@ -40,6 +40,8 @@ FASTENED = ("thread", "press fit", "insert")
 """Kinds of suggestions that the rung "fits" joins. Other overlaps may be merely sunk."""
 SIMULATED = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz", ".sdf")
 """Endings of the files of simulators, whose default rung is "play"."""
+COLLIDER = "collider"
+"""Geometry of a part of a simulator, whose model in memory has no file."""
 PLAY_SHARE, LEAST_PLAY, MOST_PLAY = 0.02, 5e-5, 2e-3
 """Play of a part in CAD: a share of its size [-], at least and at most this [m]: the clearances of
 drawn pins, drawers and lids."""
@@ -67,8 +69,10 @@ class Assumed:
     """Contacts of the drawn pose."""
     closed: RestingParts | None = None
     """The pose at rest, if all parts rest within their play: its closed points prove it."""
-    finished: bool = True
+    ended: bool = True
     """Whether the search for a pose at rest ended before its work limit."""
+    finished: bool = True
+    """Whether it ended, and its result was verified."""
     moved: float = 0.0
     """Longest way of a part [length unit]."""
     joints: int = 0
@@ -84,15 +88,18 @@ class Assumed:
 
 def is_simulated(assembly: Assembly) -> bool:
     """Whether an assembly comes from a file or a model of a simulator."""
-    source = assembly.source
-    return Path(source).suffix.lower() in SIMULATED
+    collides = any(part.geometry == COLLIDER for part in assembly.parts)
+    return collides or Path(assembly.source).suffix.lower() in SIMULATED
 
 
-def rung_of(asked: Question) -> str:
-    """The rung of a question: the given one, else that of the saved choices, else the default."""
+def rung_of(asked: Question, default: str | None = None) -> str:
+    """The rung of a question: the given one, else that of the saved choices, else the default.
+
+    `default`: None for that of the file: play for files of simulators, else drawn.
+    """
     saved = (asked.assembly.reading or {}).get("assume")
-    default = PLAY if is_simulated(asked.assembly) else DRAWN
-    return asked.assume or saved or default
+    of_file = PLAY if is_simulated(asked.assembly) else DRAWN
+    return asked.assume or saved or default or of_file
 
 
 def assumed(asked: Question) -> Question:
@@ -217,12 +224,12 @@ def _within_play(asked: Question, plain: Assumed, opens: bool, work: float) -> A
     rest = come_to_rest(
         bodies, contacts, reach=None, tell=asked.tell, limit=LONGEST_CHAIN * play, rounds=rounds
     )
-    finished, aside = rest.rounds < rounds, rest.aside if opens else bodies
+    ended, aside = rest.rounds < rounds, rest.aside if opens else bodies
     rest = without_rounding(rest)
-    plain = replace(plain, finished=finished)
     inner = asked.but(assembly=base, contacts=contacts, require="equilibrium", effort=0.0)
     settled = rest.bodies.assembly()
     verified = verify_rest(rest, settled, inner)
+    plain = replace(plain, ended=ended, finished=ended and is_verified(rest, verified))
     if isinstance(verified, RestingParts):
         near = _near_rest(rest, verified, play)
         complete = len(verified.assembly) == len(base) and is_verified(rest, verified)
@@ -240,19 +247,12 @@ def _posed(
 ) -> Assumed:
     """The assumed assembly in new poses, with its contacts."""
     base = plain.assembly
-    poses = {
-        part.name: {
-            "position": part.pose.position.tolist(),
-            "rotation": part.pose.rotation.tolist(),
-        }
-        for part, drawn in zip(assembly.parts, base.parts, strict=True)
-        if part.pose != drawn.pose
-    }
+    poses = changed_poses(base, assembly)
     contacts = plain.contacts
     if poses:
         assembly = with_entries(at_poses(base, poses), poses=poses)
         contacts = detect.touching(asked.but(assembly=assembly, contacts=None))
-    if closed is None:
+    if closed is None and plain.finished:
         assembly, contacts = _without_play(asked, assembly, contacts)
     far = np.linalg.norm(assembly.geometry.center - base.geometry.center, axis=1)
     return replace(

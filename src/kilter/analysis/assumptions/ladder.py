@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from kilter.analysis.assumptions.assume import Assumed, assume, has_play
+from kilter.analysis.assumptions.rung_verdict import judged
 from kilter.analysis.check import check_level
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
@@ -27,7 +28,7 @@ MOST_PARTS, MOST_VERTICES, MOST_JOINED = 60, 5_000, 16_000
 """Sizes up to which the rows search for a pose at rest: numbers of parts and of vertices, and of
 vertices on the rung joined, whose bodies are few."""
 WORK = 0.2
-"""Work of the search for a pose of a row, over that of a rung that is asked for [-]."""
+"""Work limit of the search for the pose of a row, over the limit with `--assume` [-]."""
 MU = 0.3
 """Friction coefficient of the last row [-]."""
 NAMED = 5
@@ -59,7 +60,7 @@ def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
         if rung == DRAWN and rows[0].level is not None:
             return ()
     if not any(row.level is not None for row in rows[:-1]) and not rubs(drawn, contacts):
-        searched = all(found.finished for found in known.values())
+        searched = all(found.ended for found in known.values())
         if len(drawn.geometry.vertices) > MOST_VERTICES:
             rows.append(LadderRow(assume=DRAWN, friction=MU, decided=False))
         else:
@@ -98,14 +99,14 @@ def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow
     try:
         found = assume(asked, rung, settles=False)
         if rung != DRAWN:
-            late = any(not other.finished for other in known.values())
+            late = any(not other.ended for other in known.values())
             moves = rung == JOINED or not late
             found = known.get(found.joints) or _settled(asked, rung, moves=moves)
             known.setdefault(found.joints, found)
-        verdict = _verdict(asked, found)
+        verdict = judged(asked, found, check_level)
     except KilterError:
         return undecided
-    if verdict.level is None and not found.finished:
+    if verdict.level is None and not found.ended:
         return undecided
     return _row(verdict, rung)
 
@@ -117,18 +118,8 @@ def _settled(asked: Question, rung: str, *, moves: bool) -> Assumed:
     large = len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > most
     if large or not moves:
         found = assume(asked, rung, settles=False)
-        return replace(found, finished=not has_play(found.assembly, found.contacts))
+        return replace(found, ended=not has_play(found.assembly, found.contacts))
     return assume(asked, rung, work=WORK)
-
-
-def _verdict(asked: Question, found: Assumed) -> Verdict:
-    """The verdict on a rung, on its closed points if they prove more."""
-    verdict = check_level(asked.but(assembly=found.assembly, contacts=found.contacts))
-    if found.closed is None or verdict.level is not None:
-        return verdict
-    closed = found.closed.closed
-    other = check_level(asked.but(assembly=closed.assembly, contacts=closed.contacts))
-    return verdict if other.level is None else other
 
 
 def _with_friction(asked: Question, rung: str) -> LadderRow:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from kilter.analysis.assumptions.assume import Assumed, assume, rung_of
 from kilter.analysis.check import check
@@ -11,6 +13,12 @@ from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import Question
 from kilter.tell.levels import holds, level_rank
 from kilter.work import stop_after
+
+OPEN = (
+    "the search for a pose at rest found none for some parts within its work, which does not prove "
+    "that they fall: these parts count as drawn"
+)
+"""Warning of an answer about a pose that the search left open."""
 
 
 def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
@@ -26,9 +34,11 @@ def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
         found = assume(asked, rung)
     marked = found.marked
     found = replace(found, assembly=marked, contacts=found.contacts.of(marked))
-    verdict = _judged(asked, found, measures)
+    verdict = judged(asked, found, partial(check, measures=measures))
+    notes = verdict.notes if found.finished or verdict.level is not None else (*verdict.notes, OPEN)
     return replace(
         verdict,
+        notes=notes,
         assume=rung,
         moved=found.moved,
         joined_pairs=found.joints,
@@ -37,16 +47,14 @@ def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
     )
 
 
-def _judged(asked: Question, found: Assumed, measures: bool) -> Verdict:
+def judged(asked: Question, found: Assumed, judge: Callable[[Question], Verdict]) -> Verdict:
     """The verdict on the contacts of the pose, or on its closed points if they prove more."""
-    pose = asked.but(assembly=found.assembly, contacts=found.contacts)
-    verdict = check(pose, measures=measures)
+    verdict = judge(asked.but(assembly=found.assembly, contacts=found.contacts))
     if found.closed is None or holds(verdict.level, asked.require):
         return verdict
     closed = found.closed.closed
     listed = replace(found.assembly, contacts=closed.assembly.contacts, detect=False)
-    other = check(asked.but(assembly=listed, contacts=closed.contacts.of(listed)),
-                  measures=measures)  # fmt: skip
+    other = judge(asked.but(assembly=listed, contacts=closed.contacts.of(listed)))
     if level_rank(other.level) <= level_rank(verdict.level):
         return verdict
     return replace(other, rest_gap=found.closed.gap)

@@ -19,7 +19,7 @@ from kilter.assembly.question import Question
 
 def played_scene(asked: Question) -> SceneReport:
     """The report about a scene on its rung; the question has its contacts."""
-    rung = rung_of(asked) if asked.assume or asked.assembly.reading else PLAY
+    rung = rung_of(asked, PLAY)
     drawn = survey(asked)
     if rung == DRAWN or (rung == PLAY and drawn.at_rest):
         return drawn

@@ -53,6 +53,18 @@ def _parts(entry: Mapping[str, Any]) -> list[str]:
     return [named] if isinstance(named, str) else list(named or ())
 
 
+def changed_poses(before: Assembly, after: Assembly) -> dict[str, Any]:
+    """The entry `poses` of the parts of an assembly that have another pose afterwards."""
+    return {
+        new.name: {
+            "position": new.pose.position.tolist(),
+            "rotation": new.pose.rotation.tolist(),
+        }
+        for old, new in zip(before.parts, after.parts, strict=True)
+        if new.pose != old.pose
+    }
+
+
 def with_bodies(assembly: Assembly, entries: Entries) -> Assembly:
     """The assembly with the saved poses and materials of a user's choices.
 
