@@ -134,8 +134,7 @@ def assume(
     base = with_joints(drawn, contacts, rung)
     known = contacts.of(base)
     plain = Assumed(rung, base, known, contacts, joints=len(base.joints) - len(drawn.joints))
-    hung = not base.geometry.grounded.any()  # joints to the ground alone: nothing verifies a rest
-    if rung == DRAWN or not settles or hung or refusal(base) or not has_play(base, known):
+    if rung == DRAWN or not settles or refusal(base) or not has_play(base, known):
         return plain
     if check_equilibrium(base, known).level is not None:
         return plain

@@ -77,6 +77,8 @@ def held_aside(assembly: Assembly) -> Mask:
     linked = [name for joint in assembly.joints for name in joint.parts]
     linked += [name for bond in assembly.bonds for name in bond.parts]
     aside[[assembly.index[name] for name in linked if name in assembly.index]] = False
+    if len(held) and aside[held].all():
+        aside[held[0]] = False  # a verdict needs a held part
     return aside
 
 
