@@ -86,7 +86,8 @@ def rung_sentence(
     if moved:
         words.append(f"after moving at most {number(moved, 3)} {units} within its play")
     verdict, colon, rest = sentence.partition(":")
-    return f"{verdict} {', '.join(words)}{colon}{rest}" if words else sentence
+    comma = "," if "," in verdict else ""
+    return f"{verdict}{comma} {', '.join(words)}{colon}{rest}" if words else sentence
 
 
 def assumed_words(joints: int, moved: float, units: str) -> str:
