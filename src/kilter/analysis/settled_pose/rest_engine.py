@@ -241,7 +241,7 @@ def _open_overlaps(state: _State) -> None:
             return
         state.tell(f"overlaps: {number(deep)}")
         programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
-        apart = programs.push_apart(by_mass=True)
+        apart = programs.push_apart(by_mass=True, upright=bool(np.isfinite(state.limit).any()))
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:

@@ -38,6 +38,9 @@ LEAST_PUSH = 0.1
 it, points with small forces stay open."""
 FAR = 1e4
 """Largest gap of a point in a step, in multiples of the widest carrying gap [-]."""
+UPRIGHT = 1e6
+"""Weight of a turn in the opening of overlaps, over that of a shift, where faces stay parallel [-].
+"""
 HEAVIER = 1e3
 """Largest and least mass of a body in the opening of overlaps, over the median mass [-]."""
 OVERLAP_WEIGHT = 1e-6
@@ -107,15 +110,17 @@ class RestPrograms:
         """Rates of the gaps for motions of the bodies that may move."""
         return csr_array(self.normal[:, self.columns])
 
-    def push_apart(self, *, by_mass: bool) -> Array | None:
+    def push_apart(self, *, by_mass: bool, upright: bool = False) -> Array | None:
         """Least motion that opens all overlaps; None if none exists to first order.
 
         `by_mass`: whether D weighs the motion, too. The search for the least motion leaves it out.
+        `upright`: whether bodies shift rather than turn, so that their faces stay parallel.
         """
         deep = float(max(-self.gap.min(initial=0.0), np.abs(self.drift).max(initial=0.0)))
         if deep == 0.0:
             return np.zeros(len(self.columns))
         weights = self.weights * (self.mass if by_mass else 1.0)
+        weights = np.where(upright & (self.columns % 6 >= 3), UPRIGHT * weights, weights)
         step = self._step(weights, np.zeros(len(self.columns)), self.gap / deep, deep)
         return None if step is None else deep * step
 
