@@ -18,11 +18,10 @@ import numpy as np
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.scene_states.scene_report import SceneObject, SceneReport
 from kilter.analysis.scene_states.survey import survey, worst_overlaps
-from kilter.analysis.settled_pose.closing_motion import closed_up
 from kilter.analysis.settled_pose.rest import RestResult
 from kilter.analysis.settled_pose.rest_verification import closed_parts, parts_without_rest
-from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
-from kilter.analysis.settled_pose.settle import rest_of, way_of
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
+from kilter.analysis.settled_pose.settle import other_rests, rest_of, way_of
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question, plain_joints
 from kilter.contact import ContactSet, detect
@@ -46,7 +45,7 @@ def settled_scene(asked: Question) -> SceneReport:
         bodies = rigid_bodies(plain_joints(once, "settle"), ())
         rest = rest_of(bodies, contacts, reach=None, tell=asked.tell)
         asked.tell("states")
-        rest, first = _judged(rest, asked)
+        rest, first = _judged(rest, bodies, contacts, asked)
         good = _resting(first)
         after = _in_poses(drawn, once, rest)
         free = [part.name for part in drawn if not part.grounded]
@@ -76,15 +75,18 @@ def _in_poses(drawn: Assembly, once: Assembly, rest: RestResult) -> Assembly:
     return replace(drawn, parts=parts)
 
 
-def _judged(rest: RestResult, asked: Question) -> tuple[RestResult, SceneReport | None]:
-    """The result of the engine and its states on closed points; closed up if more objects rest."""
+def _judged(
+    rest: RestResult, bodies: RigidBodies, contacts: ContactSet, asked: Question
+) -> tuple[RestResult, SceneReport | None]:
+    """The result of the engine and its states on closed points, or another by which more rest."""
     first = _on_closed_points(rest, asked)
-    claimed = ~parts_without_rest(rest) & ~rest.bodies.drawn.geometry.grounded
-    if len(_resting(first)) < claimed.sum():
-        closed = closed_up(rest)
-        again = None if closed is None else _on_closed_points(closed, asked)
-        if closed is not None and len(_resting(again)) > len(_resting(first)):
-            return closed, again
+    for other in other_rests(rest, bodies, contacts, None, asked.tell):
+        claimed = ~parts_without_rest(rest) & ~rest.bodies.drawn.geometry.grounded
+        if len(_resting(first)) >= claimed.sum():
+            break
+        again = _on_closed_points(other, asked)
+        if len(_resting(again)) > len(_resting(first)):
+            rest, first = other, again
     return rest, first
 
 

@@ -47,3 +47,5 @@ class RestResult:
     """The bodies after their overlaps were opened, before any fall."""
     points: NearPoints | None = None
     """Points that the engine regards as closed."""
+    sunk: bool = False
+    """Whether bodies that were sunk into each other came to rest by the least motion."""

@@ -193,25 +193,30 @@ def come_to_rest(
     tell: Tell,
     limit: Array | None = None,
     rounds: int = ROUNDS,
+    sunk: bool = True,
 ) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
     None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene;
-    `rounds`: largest number of steps.
+    `rounds`: largest number of steps; `sunk`: whether sunk groups first come to rest by the least
+    motion.
     """
     state = _begin(bodies, contacts, tell)
     state.most_rounds = rounds
     if limit is not None:
         state.limit = limit
         state.stride = np.minimum(state.stride, limit / 8)
-    _close_sunk_groups(state)
+    before = state.bodies
+    if sunk:
+        _close_sunk_groups(state)
+    closed = state.bodies is not before
     _open_overlaps(state)
     aside, again = state.bodies, True
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
-    return replace(_result(state, reach), aside=aside)
+    return replace(_result(state, reach), aside=aside, sunk=closed)
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:

@@ -95,7 +95,7 @@ class RigidBodies:
         )
 
     def only(self, group: Mask) -> RigidBodies:
-        """Some bodies (B,), numbered from 1; the others are held in their drawn pose."""
+        """The bodies of a group (B,), numbered from 1; all others are held as they are drawn."""
         kept = np.append(0, np.flatnonzero(group))
         number = np.where(group, np.cumsum(group), 0)
         every = (self.moves, self.mass, self.size, self.drawn_center, self.center, self.rotation)

@@ -12,7 +12,7 @@ geometry, and a certificate proves the forces (`kilter.analysis.settled_pose.res
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
@@ -326,11 +326,12 @@ def _settle(
     if rest.state == "at-rest" or not nearest:
         tell("verification")
         resting = verify_rest(rest, settled, asked)
-        closed = None if nearest or is_verified(rest, resting) else closed_up(rest)
-        if closed is not None:
-            again = verify_rest(closed, closed.bodies.assembly(), asked)
-            if is_verified(closed, again):
-                rest, settled, resting = closed, closed.bodies.assembly(), again
+        for other in () if nearest else other_rests(rest, bodies, contacts, reach, tell):
+            if is_verified(rest, resting):
+                break
+            again = verify_rest(other, other.bodies.assembly(), asked)
+            if is_verified(other, again):
+                rest, settled, resting = other, other.bodies.assembly(), again
         if isinstance(resting, RestingParts):
             tell("level of the pose")
             resting = with_level(resting, asked)
@@ -345,6 +346,24 @@ def is_verified(rest: RestResult, resting: RestingParts | str) -> bool:
     return rest.state not in ("at-rest", "partly")
 
 
+def other_rests(
+    rest: RestResult,
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    reach: float | None,
+    tell: Callable[[str], None],
+) -> Iterator[RestResult]:
+    """Results for a pose that the verification does not confirm; arguments as of `rest_of`.
+
+    First comes the last least motion, then the engine without the first one.
+    """
+    closed = closed_up(rest)
+    if closed is not None:
+        yield closed
+    if rest.sunk:
+        yield rest_of(bodies, contacts, reach=reach, tell=tell, sunk=False)
+
+
 def valid_reach(reach: float | None) -> float | None:
     """A reach above zero; None: no limit. Raises `InputError` otherwise."""
     most = None if reach is None else number(reach, "reach", lowest=0)
@@ -354,16 +373,22 @@ def valid_reach(reach: float | None) -> float | None:
 
 
 def rest_of(
-    bodies: RigidBodies, contacts: ContactSet, *, reach: float | None, tell: Callable[[str], None]
+    bodies: RigidBodies,
+    contacts: ContactSet,
+    *,
+    reach: float | None,
+    tell: Callable[[str], None],
+    sunk: bool = True,
 ) -> RestResult:
     """The result of the engine; "not-found" for an assembly that it does not accept.
 
-    Arguments: `contacts`: contacts of the drawn pose.
+    Arguments: `contacts`: contacts of the drawn pose; `sunk`: whether sunk groups first come to
+    rest by the least motion.
     """
     why = refusal(bodies.drawn)
     if why:
         return RestResult("not-found", bodies, ways=((),) * len(bodies.mass), why=why)
-    rest = come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell)
+    rest = come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell, sunk=sunk)
     if reach is not None:
         shift = np.linalg.norm(rest.bodies.movements()[:, :3], axis=1)
         beyond = [bodies.drawn.names[k] for k in np.flatnonzero(shift > reach * (1 + SLACK))]
