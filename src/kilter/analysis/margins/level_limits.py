@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import HARDEST_PUSH, PUSH_AGREES, SIDES_NEAR
-from kilter.analysis.load_limit import Limit, NoLimit, find_limit
+from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, find_limit
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.limit_level import NEAR, LevelDecisions, LevelLimit, find_level_end
 from kilter.analysis.margins.tilt import TiltAbout, TiltMargin, held_limit
@@ -27,8 +27,6 @@ from kilter.assembly import Assembly
 from kilter.assembly.interactions import Load
 from kilter.contact import ContactSet, detect
 from kilter.errors import some_names
-from kilter.mechanics.coulomb_cones import cone_problem
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.tell.record import InPython, LevelWord, OrNull, Record, Vector, key
 from kilter.work import Work
@@ -69,7 +67,7 @@ class PartLoad(Record):
 
 
 def find_part_load(
-    program: Program, part: int, *, opening: Opening | None = None
+    program: Program, part: int, *, shared: SharedCones | None = None
 ) -> PartLoad | NoLimit:
     """The largest load straight down on a part; no limit if the weight alone is not balanced.
 
@@ -86,23 +84,24 @@ def find_part_load(
     >>> round(find_part_load(build_program(hung, contacts(hung)), 1).load, 3)
     29430.0
     """
-    opening = opening or Opening(cone_problem(program))
+    shared = shared or SharedCones(program)
     unit = float(program.weight[program.free].sum() + program.pull.sum())
-    limit = _largest_load(program, part, unit, opening)
+    limit = _largest_load(shared, part, unit)
     if isinstance(limit, NoLimit) or not 0 < limit.load < np.inf:
         return limit
     if limit.beyond - limit.load <= SIDES_NEAR * limit.load:
         return limit
-    nearer = _largest_load(program, part, limit.load, opening)
+    nearer = _largest_load(shared, part, limit.load)
     better = isinstance(nearer, PartLoad) and nearer.beyond < limit.beyond
     return nearer if better else limit
 
 
-def _largest_load(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:
+def _largest_load(shared: SharedCones, part: int, unit: float) -> PartLoad | NoLimit:
     """The largest load straight down on a part, computed in multiples of `unit`."""
+    program = shared.program
     wrench = np.zeros((len(program.names), 6))
     wrench[part, :3] = unit * program.down
-    limit = find_limit(program, wrench, opening=opening)
+    limit = find_limit(program, wrench, shared=shared)
     if isinstance(limit, NoLimit) or limit.value < 0:
         return limit if isinstance(limit, NoLimit) else NoLimit("none")
     beyond = limit.value + limit.gap * max(limit.value, 1.0)
@@ -145,7 +144,7 @@ class Push(Record):
 
 
 def find_push(
-    program: Program, part: int, direction: Array, *, opening: Opening | None = None
+    program: Program, part: int, direction: Array, *, shared: SharedCones | None = None
 ) -> Push | NoLimit:
     """The largest push at a part's centre of mass in a direction that the assembly withstands.
 
@@ -158,9 +157,7 @@ def find_push(
     wrench = np.zeros((len(program.names), 6))
     weight = float(program.weight[program.free].sum())
     wrench[part, :3] = weight * direction
-    limit = held_limit(
-        program, wrench, opening=opening or Opening(cone_problem(program)), most=HARDEST_PUSH
-    )
+    limit = held_limit(wrench, shared=shared or SharedCones(program), most=HARDEST_PUSH)
     if isinstance(limit, NoLimit):
         return limit
     force = max(limit.value, 0.0) * weight
@@ -175,7 +172,7 @@ def find_push(
 
 
 def find_weakest_push(
-    program: Program, part: int, *, opening: Opening | None = None
+    program: Program, part: int, *, shared: SharedCones | None = None
 ) -> Push | NoLimit:
     """The smallest push at a part's centre of mass, over all directions, that starts a motion.
 
@@ -189,13 +186,13 @@ def find_weakest_push(
     >>> round(found.force / 9810, 4)  # sliding up a little: mu / sqrt(1 + mu^2)
     0.2873
     """
-    opening = opening or Opening(cone_problem(program))
+    shared = shared or SharedCones(program)
     cap = HARDEST_PUSH * float(program.weight[program.free].sum())
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     pushes: list[Push | NoLimit] = []
 
     def ask(direction: Array) -> SupportPoint | None:
-        push = find_push(program, part, direction @ axes, opening=opening)
+        push = find_push(program, part, direction @ axes, shared=shared)
         pushes.append(push)
         if isinstance(push, NoLimit):
             return None

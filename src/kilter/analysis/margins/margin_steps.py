@@ -11,7 +11,15 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import ACROSS_GRAVITY
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
-from kilter.analysis.load_limit import Limit, LimitSteps, NoLimit, Why, find_limit, gravity_wrench
+from kilter.analysis.load_limit import (
+    Limit,
+    LimitSteps,
+    NoLimit,
+    SharedCones,
+    Why,
+    find_limit,
+    gravity_wrench,
+)
 from kilter.analysis.margins.least_friction import Failing, LeastFriction, find_least_friction
 from kilter.analysis.margins.level_limits import (
     LevelLimits,
@@ -39,8 +47,6 @@ from kilter.assembly.question import require_plain_joints
 from kilter.contact.round_edges import RoundEdge, round_edges
 from kilter.errors import InputError, some_names
 from kilter.mechanics.certificate import MotionProof, check_motion
-from kilter.mechanics.coulomb_cones import cone_problem
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import CONTACT
 from kilter.rigid import unit
@@ -262,21 +268,21 @@ class MarginSteps(LimitSteps):
             self.missing[name] = next(why for why in ("time", "failed", "none") if why in whys)
         return _limit_or_none(least), _limit_or_none(greatest)
 
-    def pushes(self, opening: Opening) -> tuple[Push, ...]:
+    def pushes(self, shared: SharedCones) -> tuple[Push, ...]:
         """The weakest push that moves each requested part."""
-        find = partial(find_weakest_push, opening=opening)
+        find = partial(find_weakest_push, shared=shared)
         return self._of_parts("push of", "pushes", find, self.question.pushed)
 
-    def loads(self, opening: Opening) -> tuple[PartLoad, ...]:
+    def loads(self, shared: SharedCones) -> tuple[PartLoad, ...]:
         """The largest further load straight down that each requested part carries."""
-        find = partial(find_part_load, opening=opening)
+        find = partial(find_part_load, shared=shared)
         return self._of_parts("load on", "loads", find, self.question.loaded)
 
     def parts(self) -> tuple[tuple[Push, ...], tuple[PartLoad, ...]]:
         """Weakest pushes and largest loads of the parts, computed with a common factorisation."""
         self.tell("pushes")
-        opening = Opening(cone_problem(self.program))
-        return self.pushes(opening), self.loads(opening)
+        shared = SharedCones(self.program)
+        return self.pushes(shared), self.loads(shared)
 
     def warn_of_missing(self) -> None:
         """Add warnings about limits that have no value, and about omitted pushes."""

@@ -41,7 +41,6 @@ from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb_cones import cone_problem, nearest_load
 from kilter.mechanics.forms import ScaledProblem, UncertainLoad, affine_forces, affine_imbalance
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows
 from kilter.tell.record import OrNull, Record, Vector
@@ -190,11 +189,11 @@ def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
     aside = cross(axis / float(np.linalg.norm(axis)), start)
     quarter = ((start, aside), (aside, -start), (-start, -aside), (-aside, start))
     unlimited: Limit | None = None
-    opening = Opening(cone_problem(program))
+    drawn = SharedCones(program)
     for turns, (down, along) in enumerate(quarter):
-        turned = opening.turned(down)
+        turned = drawn.turned(down)
         wrench = gravity_wrench(program, along)
-        limit = find_limit(turned.program, wrench, opening=turned, most=STEEPEST)
+        limit = find_limit(turned.program, wrench, shared=turned, most=STEEPEST)
         if isinstance(limit, NoLimit):
             return limit if turns == 0 else NoLimit("failed")
         if np.isfinite(limit.value):
@@ -225,15 +224,13 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
     if program.applied.any():
         raise ValueError("given loads do not turn with gravity")
     basis = across_gravity(program)
-    opening, shared = Opening(cone_problem(program)), SharedCones(program)
+    shared = SharedCones(program)
     limits: list[Limit | NoLimit] = []
     known: list[tuple[Array, Limit]] = []
 
     def shoot(direction: Array) -> SupportPoint | None:
         wrench = gravity_wrench(program, direction @ basis)
-        limit = held_limit(
-            program, wrench, opening=opening, most=STEEPEST, shared=shared, edges=edges
-        )
+        limit = held_limit(wrench, shared=shared, most=STEEPEST, edges=edges)
         limits.append(limit)
         if isinstance(limit, NoLimit):
             return None
@@ -275,24 +272,15 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
 
 
 def held_limit(
-    program: Program,
-    wrench: Array,
-    *,
-    opening: Opening,
-    most: float,
-    shared: SharedCones | None = None,
-    edges: Sequence[RoundEdge] = (),
+    wrench: Array, *, shared: SharedCones, most: float, edges: Sequence[RoundEdge] = ()
 ) -> Limit | NoLimit:
     """Compute the load limit of a program; no limit if the program without the load is not held."""
 
     def find(refined: Program) -> Limit | NoLimit:
-        if refined is not program:
-            return find_limit(refined, wrench, most=most, from_none=True)
-        return find_limit(
-            program, wrench, opening=opening, most=most, shared=shared, from_none=True
-        )
+        known = shared if refined is shared.program else None
+        return find_limit(refined, wrench, most=most, shared=known, from_none=True)
 
-    limit = limit_on_circles(program, edges, find)
+    limit = limit_on_circles(shared.program, edges, find)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 
