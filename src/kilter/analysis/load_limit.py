@@ -18,7 +18,7 @@ constraints, 2001.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
@@ -271,6 +271,8 @@ MODEST = 10.0
 
 T = TypeVar("T")
 Why = Literal["none", "failed", "time", "effort"]
+WHYS: tuple[Why, ...] = ("none", "time", "effort", "failed")
+"""The reasons in order of precedence if several limits have no value."""
 
 
 class Limit(Record):
@@ -322,6 +324,18 @@ class NoLimit:
     """
 
     why: Why
+
+
+def least_limit(limits: Sequence[T | NoLimit], value: Callable[[T], Any]) -> T | NoLimit:
+    """The least of the limits of groups that do not touch, which is that of all parts.
+
+    If a group has no limit, the whole has none; the reason "none" is a proof, and precedes others.
+    """
+    whys = {limit.why for limit in limits if isinstance(limit, NoLimit)}
+    for why in WHYS:
+        if why in whys:
+            return NoLimit(why)
+    return min((limit for limit in limits if not isinstance(limit, NoLimit)), key=value)
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -464,7 +478,7 @@ class _Conic:
 
 @dataclass(eq=False)
 class SharedCones:
-    """What the load limits of a program have in common: cones, starting point, mechanisms."""
+    """Cones, starting point and mechanisms that the load limits of a program have in common."""
 
     program: Program
     far: bool = False

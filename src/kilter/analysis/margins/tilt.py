@@ -32,7 +32,14 @@ from kilter.analysis.analysis_tolerances import (
     TILT_AGREES,
 )
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, find_limit, gravity_wrench
+from kilter.analysis.load_limit import (
+    Limit,
+    NoLimit,
+    SharedCones,
+    find_limit,
+    gravity_wrench,
+    least_limit,
+)
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.arrays import TINY, Array, across, angle_between, cross
@@ -43,7 +50,8 @@ from kilter.mechanics.forms import ScaledProblem, UncertainLoad, affine_forces, 
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows
-from kilter.tell.record import OrNull, Record, Vector
+from kilter.tell.record import InPython, OrNull, Record, Vector
+from kilter.work import stop_if_late
 
 if TYPE_CHECKING:
     from kilter.solvers.highs import Method
@@ -163,6 +171,8 @@ class TiltMargin(Record):
     enough."""
     limit: Limit
     """Forces and mechanism there."""
+    shared: InPython[SharedCones]
+    """The program of the parts that move, with what its limits have in common."""
     programs: int
 
     @property
@@ -175,8 +185,19 @@ class TiltMargin(Record):
         return f"TiltMargin({over}{np.degrees(self.angle):.6g} deg)"
 
 
-def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
+def tilt_about(groups: Sequence[Program], axis: Array) -> TiltAbout | NoLimit:
     """Largest turn of gravity about an axis at which the parts hold, and its limit.
+
+    Arguments: `groups`: programs of parts that do not touch those of other groups.
+
+    Raises `ValueError` if there are given loads or bonds: they do not turn.
+    """
+    turns = [_group_tilt_about(program, axis) for program in groups]
+    return least_limit(turns, lambda turn: turn.tilt_deg)
+
+
+def _group_tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
+    """Largest turn of gravity about an axis at which the parts of a group hold.
 
     By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
     no limit. A conic program for each right angle.
@@ -204,10 +225,39 @@ def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
     return TiltAbout(axis=axis, tilt_deg=np.inf, limit=unlimited)
 
 
-def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltMargin | NoLimit:
+def find_least_tilt(
+    groups: Sequence[Program], edges: Sequence[RoundEdge] = ()
+) -> tuple[TiltMargin | NoLimit, list[float]]:
+    """The least tilt margin of groups that do not touch, and the tilt of each group [rad].
+
+    The tilt of a group is not exact if it exceeds that of an earlier group. If a group has no tilt
+    margin, the groups after it have none either.
+    """
+    tilts: list[TiltMargin | NoLimit] = []
+    least = np.pi / 2
+    for program in groups:
+        stop_if_late()
+        enough = float(np.tan(least)) if least < np.pi / 2 else np.inf
+        tilt = find_tilt_margin(program, edges, enough=enough)
+        tilts.append(tilt)
+        if isinstance(tilt, NoLimit):
+            break
+        least = min(least, tilt.angle)
+    whole = least_limit(tilts, lambda tilt: tilt.angle)
+    found = [tilt for tilt in tilts if isinstance(tilt, TiltMargin)]
+    if isinstance(whole, TiltMargin):
+        lower, programs = min(t.lower for t in found), sum(t.programs for t in found)
+        whole = replace(whole, lower=lower, programs=programs)
+    return whole, [tilt.angle for tilt in found]
+
+
+def find_tilt_margin(
+    program: Program, edges: Sequence[RoundEdge] = (), *, enough: float = np.inf
+) -> TiltMargin | NoLimit:
     """The least tilt of gravity beyond which nothing holds; no limit if not held without tilt.
 
-    Parts tip over the given round edges, and over the corners of all other contacts.
+    Parts tip over the given round edges, and over the corners of all other contacts. The search
+    may end with a smaller `lower` than `angle` if both are above atan(`enough`).
 
     Raises `ValueError` if there are given loads: they do not turn.
 
@@ -247,6 +297,7 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
         most=STEEPEST,
         within=TOLERANCE,
         inside=None if program.planar else partial(held_distance, program, edges, known),
+        enough=enough,
     )
     if face is None or NoLimit("none") in limits:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
@@ -267,7 +318,13 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
             angle = float(np.arctan(face.outer))
             lower = max(float(np.arctan(face.inner)) - TOLERANCE, 0.0)
     return TiltMargin(
-        angle=angle, lower=lower, down=down, toward=toward, limit=limit, programs=face.asked
+        angle=angle,
+        lower=lower,
+        down=down,
+        toward=toward,
+        limit=limit,
+        shared=shared,
+        programs=face.asked,
     )
 
 
