@@ -49,9 +49,9 @@ from kilter.mechanics.certificate import (
     part_sizes,
 )
 from kilter.mechanics.coulomb_cones import (
+    LargestLoads,
     angles_across,
     cone_problem,
-    largest_load,
     pyramid,
     pyramid_forces,
 )
@@ -224,12 +224,17 @@ def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> L
     Arguments: `wrench` (N, 6) [N]; `share` [-]; `motion` (N, 6).
     """
     start = motion_share(program, wrench, motion)
+    size, needed = max(abs(share), 1.0), -np.inf
     for step in BEYOND_LIMIT if np.isfinite(share) else ():
-        above = share + step * max(abs(share), 1.0)
+        above = share + step * size
+        if above - start < needed:
+            continue
         loaded = program.with_rows(applied=program.applied + above * wrench)
         proof = check_motion(loaded, motion)
         if proof.holds:
             return LimitSides(start=start, beyond=above, motion=proof)
+        if proof.ratio > 0.0:  # the power grows from `start` on, the needed power hardly changes
+            needed = SHORT_OF_PROOF * (above - start) / proof.ratio
     return LimitSides()
 
 
@@ -255,6 +260,8 @@ def slips_of(program: Program, motion: Array) -> Array:
     return slips
 
 
+SHORT_OF_PROOF = 0.9
+"""Steps above a limit are left out if they give less than this share of the needed power [-]."""
 MENDED = 2000
 """Largest number of rows for which a further program narrows bounds that already agree."""
 EXACT = 500
@@ -491,6 +498,11 @@ class SharedCones:
         """The motion that opens every contact, and the matrices of the conic program."""
         return Opening(cone_problem(self.program))
 
+    @cached_property
+    def loads(self) -> LargestLoads:
+        """Conic programs for the largest multiples of further loads."""
+        return LargestLoads(self.opening.wide)
+
     def turned(self, down: Array) -> SharedCones:
         """The same for gravity along `down`, shape (3,), with the opening motion of this one."""
         turned = SharedCones(self.program.turned(down), self.far)
@@ -555,7 +567,7 @@ def _in_cones(shared: SharedCones, wrench: Array, most: float, tolerance: float 
 
     program, opening = shared.program, shared.opening
     wide = opening.wide
-    answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
+    answer = solve_conic(shared.loads.along(wrench, most), tolerance=tolerance)
     if not answer.found:
         return _Conic(LimitSides(none=answer.proves_none), [])
     value = float(answer.x[-1])

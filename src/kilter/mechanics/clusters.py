@@ -247,7 +247,7 @@ def power_limit(
     closing = np.where(program.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
     kept = np.where(program.two_sided, -closing, opening)
     rounded = np.maximum((1.0 + mu) * rounding - kept, 0.0)
-    limits = program.cohesion
+    limits = program.cohesion.copy()
     limits[bounded] = program.capacity[bounded] / program.arm[bounded]
     closing[bounded] = rounded[bounded] = 0.0
     row_owner = owner[np.maximum(program.part_a, program.part_b)]

@@ -54,8 +54,10 @@ from kilter.validate import frozen
 ROW_FIELDS = tuple(field.name for field in fields(ForceRows))
 """Names of the members of a program that have an entry for each row."""
 
-TOUCHING = frozenset(("free", "part_a", "part_b"))
-"""Names of the arrays that determine which free parts touch."""
+LOADS = frozenset(("gravity", "applied", "clamp"))
+"""Names of the arrays that change the load, but neither parts nor rows."""
+OF_ROWS = ("clusters", "levers", "arm", "rough", "cohesion", "gripping", "bounded")
+"""Names of the cached values that do not depend on the load."""
 
 PLANE = np.array([0, 2, 4])
 PLANE.setflags(write=False)
@@ -177,17 +179,17 @@ class Program(RowArrays):
         angular = self.angular[rows][:, None]
         return np.hstack([np.where(angular, 0.0, normal), np.where(angular, normal, moment)])
 
-    @property
+    @cached_property
     def rough(self) -> Index:
         """Indices of the rows with friction, shape (R,)."""
         return np.flatnonzero(self.mu > 0)
 
-    @property
+    @cached_property
     def cohesion(self) -> Array:
         """Shear strength of the bond of each row, beside friction [N], shape (K,); or 0."""
-        return np.where(np.isnan(self.shear), 0.0, self.shear)
+        return frozen(np.where(np.isnan(self.shear), 0.0, self.shear))
 
-    @property
+    @cached_property
     def gripping(self) -> Index:
         """Indices of the rows with a tangential force, from friction or bond shear, shape (R,)."""
         return np.flatnonzero((self.mu > 0) | (self.cohesion > 0))
@@ -200,7 +202,7 @@ class Program(RowArrays):
         """
         return bool(self.pull.any() or self.clamp.any() or self.has_limits)
 
-    @property
+    @cached_property
     def bounded(self) -> Index:
         """Indices of the rows whose force is at most a capacity, of straps and of joint friction.
 
@@ -238,8 +240,10 @@ class Program(RowArrays):
 
         The sum along the free motion of each joint stays, but for what exceeds the limits.
         """
+        rows = np.flatnonzero((self.kind == STOP) | (self.kind == DRAG))
+        if not len(rows):
+            return forces
         shared = forces.copy()
-        rows = np.flatnonzero(np.isin(self.kind, (STOP, DRAG)))
         for joint in np.unique(self.source[rows]):
             mine = rows[self.source[rows] == joint]
             senses = self.normal[mine] @ self.normal[mine[0]]
@@ -296,12 +300,20 @@ class Program(RowArrays):
         certain = changed.force_rows.certain
         return changed if certain.all() else changed.taking(certain)
 
+    @cached_property
+    def levers(self) -> tuple[tuple[Index, Index, Array], ...]:
+        """Rows, parts, and the wrench of a unit force of each row on its part, for b and for a."""
+        sides = []
+        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
+            k = np.flatnonzero(part >= 0)
+            sides.append((k, part[k], sign * self.lever(k, part[k])))
+        return tuple(sides)
+
     def velocities(self, motion: Array) -> Array:
         """Speed at which a motion, shape (N, 6), opens the gap of each row, shape (K,)."""
         result = np.zeros(len(self.part_a))
-        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
-            k = np.flatnonzero(part >= 0)
-            result[k] += sign * np.einsum("ij,ij->i", self.lever(k, part[k]), motion[part[k]])
+        for k, part, lever in self.levers:
+            result[k] += np.einsum("ij,ij->i", lever, motion[part])
         return result
 
     def slips(self, motion: Array, rows: Index) -> Array:
@@ -345,11 +357,12 @@ class Program(RowArrays):
         [N].
         """
         total = np.zeros((len(self.names), 6))
-        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
-            k = np.flatnonzero((part >= 0) & (forces != 0))
-            wrench = (sign * forces[k])[:, None] * self.lever(k, part[k])
+        for (rows, of, lever), (part, sign) in zip(
+            self.levers, ((self.part_b, 1.0), (self.part_a, -1.0)), strict=True
+        ):
+            wrench = forces[rows, None] * lever
             for axis in range(6):
-                total[:, axis] += np.bincount(part[k], wrench[:, axis], minlength=len(total))
+                total[:, axis] += np.bincount(of, wrench[:, axis], minlength=len(total))
             if friction is not None:
                 k = np.flatnonzero((part >= 0) & friction.any(axis=1))
                 across = sign * friction[k]
@@ -425,8 +438,8 @@ class Program(RowArrays):
     def with_rows(self, **changes: Any) -> Program:
         """A copy of the program with new values of the named arrays."""
         copy = replace(self, **changes)
-        if "clusters" in self.__dict__ and not TOUCHING & changes.keys():
-            copy.__dict__["clusters"] = self.clusters
+        if changes.keys() <= LOADS:
+            copy.__dict__.update({name: getattr(self, name) for name in OF_ROWS})
         return copy
 
 
