@@ -277,8 +277,8 @@ MODEST = 10.0
 """Upper end of the interval of shares that is tried first [-]."""
 
 T = TypeVar("T")
-Why = Literal["none", "failed", "time", "effort"]
-WHYS: tuple[Why, ...] = ("none", "time", "effort", "failed")
+Why = Literal["none", "failed", "time", "effort", "interrupted"]
+WHYS: tuple[Why, ...] = ("none", "interrupted", "time", "effort", "failed")
 """The reasons in order of precedence if several limits have no value."""
 
 
@@ -327,7 +327,8 @@ class NoLimit:
     """The reason why a limit has no value.
 
     The reason `why` is "none" if it is proved that no share is held, "failed" if the solvers
-    failed, "time" if the time limit was reached, and "effort" if no work was left.
+    failed, "time" if the time limit was reached, "effort" if no work was left, and "interrupted" if
+    the user ended the command.
     """
 
     why: Why
@@ -350,11 +351,14 @@ class LimitSteps:
     """Base class of the steps of an answer, each of which computes a limit, under a time limit.
 
     `missing` has the reason for each requested limit that has no value. An answer at the time limit
-    still has the limits of the steps that ended before it.
+    still has the limits of the steps that ended before it. So has an answer of a command that the
+    user interrupts, if the command prints such answers (`keeps`).
     """
 
     work: Work
     tell: Callable[[str], None]
+    keeps: bool = False
+    interrupted: bool = False
     missing: dict[str, Why] = field(default_factory=dict)
 
     def limit(
@@ -368,12 +372,19 @@ class LimitSteps:
         return result
 
     def in_time(self, step: Callable[..., T], *arguments: Any) -> T | NoLimit:
-        """The result of a step, or the reason that the time limit ended it."""
+        """The result of a step, or the reason that the time limit or the user ended it."""
+        if self.interrupted:
+            return NoLimit("interrupted")
         try:
             with stop_after(self.work.seconds):
                 result = step(*arguments)
         except TimeLimitReached:
             return NoLimit("time")
+        except KeyboardInterrupt:
+            if not self.keeps:
+                raise
+            self.interrupted = True
+            return NoLimit("interrupted")
         # a solver that was cut short has no proof, which is no failure of the solver
         if isinstance(result, NoLimit) and result.why == "failed" and self.work.late:
             return NoLimit("time")

@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from kilter.cli.asked import Asked, code_of
-from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
+from kilter.cli.exit_codes import INTERRUPTED, ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, asks
 from kilter.cli.output import Progress
 from kilter.cli.planning import as_typed
@@ -206,7 +206,7 @@ def margin(asked: Asked, options: MarginOptions) -> int:
     from kilter.analysis.margins.margin import margin as find
 
     ranges = _ranges(options.mass_range, options.com_range, options.mu_range, options.normal_tilt)
-    with Progress(asked.quiet) as progress:
+    with Progress(asked.quiet, lines=True) as progress:
         assembly, contacts = asked.read(progress)
         answer = find(
             assembly,
@@ -223,6 +223,8 @@ def margin(asked: Asked, options: MarginOptions) -> int:
     data = answer.to_dict()
     typed = as_typed(options)
     asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
+    if "interrupted" in answer.missing.values():
+        return INTERRUPTED
     verdict = answer.check
     lowest = verdict.require if options.require == "equilibrium" else options.require
     reached = holds(verdict.level, lowest)

@@ -8,7 +8,6 @@ Contacts that are not modelled are left out; more contacts only raise a margin.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,6 @@ from kilter.tell.levels import REQUIRE
 from kilter.tell.record import (
     Ends,
 )
-from kilter.work import Work
 
 
 def _interval(factor: tuple[Limit | None, Limit | None] | None) -> Ends | None:
@@ -117,7 +115,7 @@ def margin(
         require=asked.require,
     )
     verdict = check(asked.but(require=REQUIRE))
-    limits = _limits(question, verdict, asked.work(), asked.tell)
+    limits = _limits(question, verdict, asked)
     seconds = {**verdict.seconds, "total": time.perf_counter() - asked.begun}
     return Margin(
         assembly=asked.assembly,
@@ -134,16 +132,15 @@ def margin(
     )
 
 
-def _limits(
-    question: MarginQuestion, verdict: Verdict, work: Work, tell: Callable[[str], None]
-) -> dict[str, Any]:
+def _limits(question: MarginQuestion, verdict: Verdict, asked: Question) -> dict[str, Any]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
-    assembly = question.assembly
+    assembly, tell = question.assembly, asked.tell
     program = build_program(assembly, verdict.contact_set)
     warnings = [*verdict.notes, *_left_out(assembly, verdict.contact_set, program)]
     steps = MarginSteps(
-        work=work,
+        work=asked.work(),
         tell=tell,
+        keeps=getattr(asked.progress, "keeps", False),
         question=question,
         verdict=verdict,
         program=program,

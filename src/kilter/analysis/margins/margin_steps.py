@@ -177,6 +177,11 @@ def _named_parts(assembly: Assembly, names: list[str]) -> list[int]:
 
 T = TypeVar("T")
 
+ENDED: dict[Why, str] = {
+    "time": "the time limit was reached",
+    "interrupted": "the command was interrupted",
+}
+"""Causes that ended a search for a limit."""
 LARGE = 500
 """Number of rows of a program above which the number of coefficients is limited."""
 COEFFICIENTS, OPEN = 20, 1
@@ -184,6 +189,8 @@ COEFFICIENTS, OPEN = 20, 1
 and a coefficient is already proved not to be enough.
 """
 
+ENDS: tuple[Why, ...] = ("interrupted", "time", "failed", "none")
+"""Reasons for a missing end of the load factor, in order of precedence."""
 Ends = tuple[Limit | None, Limit | None]
 """Limits at the least and the greatest load factor; None for an end that has no limit."""
 
@@ -292,7 +299,7 @@ class MarginSteps(LimitSteps):
             self.factors = known if program is self.program else self.factors
         whys = [end.why for end in (least, greatest) if isinstance(end, NoLimit)]
         if whys:
-            self.missing[name] = next(why for why in ("time", "failed", "none") if why in whys)
+            self.missing[name] = next(why for why in ENDS if why in whys)
         return _limit_or_none(least), _limit_or_none(greatest)
 
     def pushes(self, clusters: PartClusters) -> tuple[Push, ...]:
@@ -387,7 +394,7 @@ class MarginSteps(LimitSteps):
 
     def _tilt_or_nearest(self) -> TiltMargin | NearestHeld | NoLimit:
         """The tilt margin; or the nearest held direction, if the given one is proved not held."""
-        tilt, self.tilts = find_least_tilt(self.groups, self.edges)
+        tilt, self.tilts = find_least_tilt(self.groups, self.edges, self.tell)
         if isinstance(tilt, TiltMargin):
             return tilt
         nearest = self._nearest()
@@ -424,8 +431,9 @@ def _missing_words(missing: dict[str, Why]) -> list[str]:
     """Warnings about limits without a value, and about an assembly that any push moves."""
     failed = [name for name, why in missing.items() if why == "failed"]
     words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
-    late = [name for name, why in missing.items() if why == "time"]
-    words += [f"not known, because the time limit was reached: {some_names(late)}"] if late else []
+    for why, cause in ENDED.items():
+        late = [name for name, reason in missing.items() if reason == why]
+        words += [f"not known, because {cause}: {some_names(late)}"] if late else []
     of_parts = (why for name, why in missing.items() if name.startswith(("push of", "load on")))
     if "none" in of_parts:
         words.append("it is not in equilibrium as given, so it resists no push and no load")

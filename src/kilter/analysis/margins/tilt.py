@@ -226,7 +226,7 @@ def _group_tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
 
 
 def find_least_tilt(
-    groups: Sequence[Program], edges: Sequence[RoundEdge] = ()
+    groups: Sequence[Program], edges: Sequence[RoundEdge], tell: Callable[[str], None]
 ) -> tuple[TiltMargin | NoLimit, list[float]]:
     """The least tilt margin of groups that do not touch, and the tilt of each group [rad].
 
@@ -235,8 +235,10 @@ def find_least_tilt(
     """
     tilts: list[TiltMargin | NoLimit] = []
     least = np.pi / 2
-    for program in groups:
+    for count, program in enumerate(groups, 1):
         stop_if_late()
+        if len(groups) > 1:
+            tell(f"tilt: group {count} of {len(groups)}")
         enough = float(np.tan(least)) if least < np.pi / 2 else np.inf
         tilt = find_tilt_margin(program, edges, enough=enough)
         tilts.append(tilt)
