@@ -211,7 +211,8 @@ class BrickModel(Rows):
     def slopes(self) -> Mask:
         """Bricks of which some cells have studs, shape (N,)."""
         whole = np.column_stack([np.zeros((len(self), 2), dtype=np.int64), self.size[:, :2]])
-        return (self.studded != whole).any(axis=1) & ~self.tiles
+        slopes: Mask = (self.studded != whole).any(axis=1) & ~self.tiles
+        return slopes
 
     @property
     def blocks(self) -> BrickModel:
