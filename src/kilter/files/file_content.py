@@ -141,7 +141,7 @@ def _several_bodies(file: Path, bodies: FileBodies) -> list[str]:
     return [f"{file.name}: {count} separate bodies, read as a single part"] if count > 1 else []
 
 
-XML = (".xml", ".mjcf", ".urdf")
+XML = (".xml", ".mjcf", ".urdf", ".sdf", ".world")
 """Endings of MJCF and URDF files."""
 STANDARD_INPUT = "-"
 STANDARD_INPUT_NAME = "standard input"
