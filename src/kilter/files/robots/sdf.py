@@ -96,7 +96,7 @@ class _Scene:
     part_of: dict[str, str] = field(default_factory=dict)
     """Name of the part of each link by its scoped name; "ground" for a link of planes."""
     left: Counter[str] = field(default_factory=Counter)
-    """What is left out, and how often."""
+    """How often each kind of thing is left out."""
     tally: Tally = field(default_factory=Tally)
     names: set[str] = field(default_factory=lambda: {GROUND})
     """Names of the parts, and the reserved one."""
