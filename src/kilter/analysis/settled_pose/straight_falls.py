@@ -55,9 +55,8 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: M
             if done[g] or length + bound >= fall[g]:
                 continue
             if (part, other) not in heights:
-                found = sweeps.clearance(part, other, direction)
-                curved = slack[part] + slack[other] > 0
-                if curved and np.isfinite(found) and length + found < fall[g]:
+                found, exact = sweeps.heights(part, other, direction)
+                if not exact and length + found < fall[g]:
                     if compound[part] or compound[other]:
                         found = max(found - float(slack[part] + slack[other]), 0.0)
                     else:
@@ -75,8 +74,6 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: M
 
 ROUNDS = 6
 """Largest number of Newton steps to the first contact of round faces."""
-MEETS = 4.0
-"""Curved faces that are less than this above a level face may meet first [slacks of the parts]."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
 MOST_GROUPS = 200
@@ -122,11 +119,10 @@ def falling_distance(
         most = np.inf if best is None else best.distance + spare
         if bound >= most or frozenset((assembly.names[part], assembly.names[other])) in apart:
             continue
-        level, sloped = sweeps.heights(part, other, direction)
-        distance = min(level, sloped)
+        distance, exact = sweeps.heights(part, other, direction)
         if not np.isfinite(distance) or distance >= most:
             continue
-        if spare > 0 and sloped < level + MEETS * spare:  # curved faces may meet first
+        if not exact:
             distance = height_on_surfaces(assembly, part, other, down, distance)
         if best is None or distance < best.distance:
             best = StraightFall(distance, part, other)
