@@ -70,8 +70,8 @@ def _height(sweeps: Sweeps, part: int, other: int, direction: Direction, slack: 
 
     Arguments: `slack` (N,): distance of each part from its triangles [length unit].
     """
-    level, sloped = sweeps.heights(part, other, direction)
-    return min(level, max(sloped - float(slack[part] + slack[other]), 0.0))
+    height, exact = sweeps.heights(part, other, direction)
+    return height if exact else max(height - float(slack[part] + slack[other]), 0.0)
 
 
 # Fall of a single group, and the exact height above curved surfaces.
@@ -79,8 +79,6 @@ def _height(sweeps: Sweeps, part: int, other: int, direction: Direction, slack: 
 
 ROUNDS = 6
 """Largest number of Newton steps to the first contact of round faces."""
-MEETS = 4.0
-"""Curved faces that are less than this above a level face may meet first [slacks of the parts]."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
 MOST_GROUPS = 200
@@ -126,11 +124,10 @@ def falling_distance(
         most = np.inf if best is None else best.distance + spare
         if bound >= most or frozenset((assembly.names[part], assembly.names[other])) in apart:
             continue
-        level, sloped = sweeps.heights(part, other, direction)
-        distance = min(level, sloped)
+        distance, exact = sweeps.heights(part, other, direction)
         if not np.isfinite(distance) or distance >= most:
             continue
-        if spare > 0 and sloped < level + MEETS * spare:  # curved faces may meet first
+        if not exact:
             distance = height_on_surfaces(assembly, part, other, down, distance)
         if best is None or distance < best.distance:
             best = StraightFall(distance, part, other)
