@@ -809,6 +809,7 @@ def load(
     contacts: str | None = None,
     keyframe: str | None = None,
     state: str | None = None,
+    model: str | None = None,
     base: str | None = None,
     loose_robots: bool = False,
     stud_pull: float | None = None,
@@ -860,6 +861,8 @@ def load(
     state : str, optional
         MuJoCo: ``FILE`` or ``FILE:ROW``, the state of this row in place of a keyframe. The file is
         that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
+    model : str, optional
+        LDraw: name of the model of the file that is built; default the first.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
     loose_robots : bool
