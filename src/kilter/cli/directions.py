@@ -141,10 +141,16 @@ class MarginOptions:
         "rule; the opposite axis is the other sense. Only without loads and bonds.",
         ASKED,
     )
+    pushes: bool = option(
+        "--pushes",
+        "Also compute the greatest push that each part resists in its weakest direction; of more "
+        "than 50 parts, of those that move most easily.",
+        ASKED,
+    )
     part: list[str] | None = option(
         "--part NAME",
         "Compute the greatest push that this part resists, and the gain in tilt or load if it"
-        " is held. Repeatable; all parts by default if there are at most 20.",
+        " is held. Repeatable.",
         ASKED,
     )
     loads: bool = option(
@@ -206,6 +212,7 @@ def margin(asked: Asked, options: MarginOptions) -> int:
             assembly,
             push=options.push,
             about=options.about,
+            pushes=options.pushes,
             pushed=options.part,
             loads=options.loads,
             ranges=ranges,

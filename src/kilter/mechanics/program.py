@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, connected, cross
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.strap_wrenches import strap_wrenches
@@ -53,6 +53,9 @@ from kilter.validate import frozen
 
 ROW_FIELDS = tuple(field.name for field in fields(ForceRows))
 """Names of the members of a program that have an entry for each row."""
+
+TOUCHING = frozenset(("free", "part_a", "part_b"))
+"""Names of the arrays that determine which free parts touch."""
 
 PLANE = np.array([0, 2, 4])
 PLANE.setflags(write=False)
@@ -125,6 +128,19 @@ class Program(RowArrays):
         size = np.append(np.where(self.free, self.radius, 0.0), 0.0)
         arm = np.maximum(size[self.part_a], size[self.part_b])
         return frozen(np.where(self.angular, arm, 1.0))
+
+    @cached_property
+    def clusters(self) -> Index:
+        """Number of the cluster of each free part, in order of first part, shape (N,); else -1.
+
+        A cluster is a set of free parts that touch each other (`kilter.mechanics.clusters`).
+        """
+        free = np.append(self.free, False)
+        inner = free[self.part_a] & free[self.part_b]
+        label = connected(len(self.names), self.part_a[inner], self.part_b[inner])
+        clusters = np.where(self.free, label, -1)
+        clusters.setflags(write=False)
+        return clusters
 
     @property
     def freedoms(self) -> Index:
@@ -408,7 +424,10 @@ class Program(RowArrays):
 
     def with_rows(self, **changes: Any) -> Program:
         """A copy of the program with new values of the named arrays."""
-        return replace(self, **changes)
+        copy = replace(self, **changes)
+        if "clusters" in self.__dict__ and not TOUCHING & changes.keys():
+            copy.__dict__["clusters"] = self.clusters
+        return copy
 
 
 def build_program(

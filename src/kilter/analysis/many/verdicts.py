@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, overload
 
 import numpy as np
@@ -50,18 +49,21 @@ class Together:
     in_outer: Mask
     """Whether the proof of an assembly is in `outer`, shape (M,)."""
 
-    def decides(self, k: int) -> bool:
-        """Whether the batch computation proves assembly k stable or unstable."""
-        return bool(self.stable[k] or self.unstable[k])
-
     def _block_of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
         """Programs and proofs of the block of assemblies to which assembly k belongs."""
         outer = self.outer if self.in_outer[k] else None
         return self.certain if outer is None else outer
 
-    def proofs(self, k: int) -> BlockProofs:
-        """Proofs of the block of assemblies to which assembly k belongs."""
-        return self._block_of(k)[1]
+    @property
+    def numbers(self) -> tuple[Array, Array, Array]:
+        """Residual, power and violation of the proof of each assembly, shape (M,)."""
+        certain = self.certain[1]
+        outer = certain if self.outer is None else self.outer[1]
+        names = ("residual", "power", "violation")
+        a, b, c = (
+            np.where(self.in_outer, getattr(outer, name), getattr(certain, name)) for name in names
+        )
+        return a, b, c
 
     def certificate(self, k: int) -> tuple[Program, ForceProof | MotionProof]:
         """The program of assembly k and its proof, verified without the other assemblies."""
@@ -146,6 +148,10 @@ def _rests_level(
 # A verdict with only its word computed; access to any other field runs `check`.
 
 
+WORD = "<U12"
+"""Type of arrays of verdict words."""
+
+
 FIELDS = frozenset(field.name for field in fields(Verdict))
 
 
@@ -196,40 +202,71 @@ Certificate = tuple[Program, ForceProof | MotionProof]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Row:
-    """Verdict word of an assembly, the numerical errors of its proof, and the proof itself."""
+class Rows:
+    """Verdict words of M assemblies and the numbers of their proofs, filled in any order."""
 
-    verdict: str
-    residual: float = np.nan
-    power: float = np.nan
-    violation: float = np.nan
-    together: tuple[Together, int] | None = None
-    certificate: Certificate | None = None
-    error: KilterError | None = None
-
-    @classmethod
-    def of(cls, decided: Together, n: int) -> Row:
-        """Create the row of assembly `n` of a joint computation."""
-        proofs = decided.proofs(n)
-        if decided.stable[n]:
-            return cls("stable", residual=float(proofs.residual[n]), together=(decided, n))
-        power, violation = float(proofs.power[n]), float(proofs.violation[n])
-        return cls("unstable", power=power, violation=violation, together=(decided, n))
+    word: Labels
+    """Verdict words, "" where it is not known yet, shape (M,)."""
+    residual: Array
+    power: Array
+    violation: Array
+    """As in `Verdicts`, shape (M,)."""
+    proofs: dict[int, Callable[[], Certificate | None]]
+    """Functions that return the program and the proof of an assembly, by its index."""
+    errors: dict[int, KilterError]
 
     @classmethod
-    def of_verdict(cls, verdict: Verdict) -> Row:
-        """Create the row of an assembly from its verdict by `check`."""
-        proof = verdict.evidence
+    def empty(cls, count: int) -> Rows:
+        """Rows of `count` assemblies without a verdict."""
+        unknown = (np.full(count, np.nan) for _ in range(3))
+        return cls(np.full(count, "", dtype=WORD), *unknown, {}, {})
+
+    @property
+    def left(self) -> Index:
+        """Indices of the assemblies without a verdict."""
+        return np.flatnonzero(self.word == "")
+
+    def put_proved(
+        self,
+        which: Index,
+        stable: Mask,
+        unstable: Mask,
+        numbers: tuple[Array, Array, Array],
+    ) -> None:
+        """Put the assemblies `which` that are proved, all shape (m,).
+
+        Arguments: `numbers`: residual, power and violation of their proofs.
+        """
+        residual, power, violation = numbers
+        self.word[which[stable]] = "stable"
+        self.word[which[unstable]] = "unstable"
+        self.residual[which[stable]] = residual[stable]
+        self.power[which[unstable]] = power[unstable]
+        self.violation[which[unstable]] = violation[unstable]
+
+    def put_together(self, which: Index, decided: Together, *, proofs: bool) -> None:
+        """Put those of the assemblies `which` that a joint computation decided."""
+        self.put_proved(which, decided.stable, decided.unstable, decided.numbers)
+        if proofs:
+            for n in np.flatnonzero(decided.stable | decided.unstable).tolist():
+                self.proofs[int(which[n])] = partial(decided.certificate, n)
+
+    def put_verdict(self, k: int, verdict: Verdict, *, proofs: bool) -> None:
+        """Put the verdict of `check` about assembly k."""
+        self.word[k], proof = verdict.verdict, verdict.evidence
         if proof is None:
-            return cls(verdict.verdict)
-        both = (verdict.program, proof)
+            return
         if isinstance(proof, ForceProof):
-            return cls(verdict.verdict, residual=proof.residual, certificate=both)
-        return cls(verdict.verdict, power=proof.power, violation=proof.violation, certificate=both)
+            self.residual[k] = proof.residual
+        else:
+            self.power[k], self.violation[k] = proof.power, proof.violation
+        if proofs:
+            both = (verdict.program, proof)
+            self.proofs[k] = lambda: both
 
-    def without_proof(self) -> Row:
-        """Copy of the row without the proof."""
-        return dataclasses.replace(self, together=None, certificate=None)
+    def put_error(self, k: int, error: KilterError) -> None:
+        """Put the reason why assembly k has no verdict."""
+        self.word[k], self.errors[k] = "error", error
 
 
 class Verdicts(Sequence[Verdict]):
@@ -267,14 +304,15 @@ class Verdicts(Sequence[Verdict]):
     def __init__(
         self,
         assemblies: Sequence[Assembly] | AssemblyArrays,
-        rows: tuple[Row, ...],
+        rows: Rows,
         options: Mapping[str, Any],
     ) -> None:
         self.assemblies = assemblies
         self._rows, self._options = rows, options
+        self.errors = dict(sorted(rows.errors.items()))
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self._rows.word)
 
     @overload
     def __getitem__(self, k: int) -> Verdict: ...
@@ -290,10 +328,12 @@ class Verdicts(Sequence[Verdict]):
         if isinstance(k, slice):
             return [self[n] for n in range(len(self))[k]]
         index = range(len(self))[k]
-        row = self._rows[index]
-        if row.error is not None:
-            raise row.error
-        known = {"verdict": row.verdict, "require": self._options["require"]}
+        if index in self.errors:
+            raise self.errors[index]
+        known = {
+            "verdict": str(self._rows.word[index]),
+            "require": self._options["require"],
+        }
         return DeferredVerdict.of(self.assemblies, index, known, self._options)
 
     def __iter__(self) -> Iterator[Verdict]:
@@ -302,39 +342,34 @@ class Verdicts(Sequence[Verdict]):
     @cached_property
     def verdict(self) -> Labels:
         """Verdict word of each assembly, shape (M,)."""
-        return np.array([row.verdict for row in self._rows], dtype=object).astype(str)
+        return self._rows.word.copy()
 
     @property
     def level(self) -> tuple[str | None, ...]:
         """Verdict level of each assembly; None if it does not hold."""
-        return tuple(level_of(row.verdict) for row in self._rows)
+        return tuple(level_of(word) for word in self.verdict.tolist())
 
     @cached_property
     def stable(self) -> Mask:
         """Whether each assembly reaches the required verdict level, shape (M,)."""
-        return np.array(
-            [holds(level, self._options["require"]) for level in self.level], dtype=bool
-        )
+        require = self._options["require"]
+        words = [word for word in self.counts if holds(level_of(word), require)]
+        return np.isin(self.verdict, words)
 
     @property
     def residual(self) -> Array:
         """Largest imbalance of a part under the proving forces, over its weight [-], shape (M,)."""
-        return np.array([row.residual for row in self._rows])
+        return self._rows.residual.copy()
 
     @property
     def power(self) -> Array:
         """Power of the weight in the proving motions [W], shape (M,)."""
-        return np.array([row.power for row in self._rows])
+        return self._rows.power.copy()
 
     @property
     def violation(self) -> Array:
         """Largest violation of the contacts by the proving motions [-], shape (M,)."""
-        return np.array([row.violation for row in self._rows])
-
-    @cached_property
-    def errors(self) -> dict[int, KilterError]:
-        """Errors that prevented verdicts, by index of the assembly."""
-        return {k: row.error for k, row in enumerate(self._rows) if row.error is not None}
+        return self._rows.violation.copy()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -343,11 +378,8 @@ class Verdicts(Sequence[Verdict]):
 
     def certificate(self, k: int) -> Certificate | None:
         """The program and the proof of the k-th verdict; None if no proof is stored."""
-        row = self._rows[range(len(self))[k]]
-        if row.together is not None:
-            decided, n = row.together
-            return decided.certificate(n)
-        return row.certificate
+        proof = self._rows.proofs.get(range(len(self))[k])
+        return None if proof is None else proof()
 
     def __repr__(self) -> str:
         counts = "".join(f", {count} {word}" for word, count in self.counts.items())

@@ -55,6 +55,7 @@ def margin(
     *,
     push: Any = None,
     about: Any = None,
+    pushes: bool = False,
     pushed: list[str] | None = None,
     loads: bool = False,
     ranges: Ranges | None = None,
@@ -70,9 +71,11 @@ def margin(
         else that of the given loads, if there are any.
     about : array_like, shape (3,), optional
         Also the tilt about this axis, across gravity, by the right-hand rule.
+    pushes : bool
+        Also the weakest push of each free part. Of more than 50 parts, those that move most
+        easily.
     pushed : list of str, optional
-        Parts for which the weakest push, and the gain of holding them, are computed;
-        by default all, up to `PUSHED` free parts.
+        Only the pushes of these parts, and the gain of holding them.
     loads : bool
         Also the load straight down that each free part takes, or each of `pushed`.
     ranges : Ranges, optional
@@ -106,6 +109,7 @@ def margin(
         asked.assembly,
         push=push,
         about=about,
+        pushes=pushes,
         pushed=pushed,
         loads=loads,
         ranges=ranges,
@@ -150,7 +154,7 @@ def _limits(
     degrees, down = _boundary(gravity)
     about = None
     if question.axis is not None:
-        about = steps.limit("about", tilt_about, program, question.axis)
+        about = steps.limit("about", tilt_about, steps.groups, question.axis)
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = steps.friction()
     bond = steps.bond()

@@ -30,7 +30,7 @@ from kilter.analysis.analysis_tolerances import (
     WIDEST_ARC,
 )
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
+from kilter.analysis.load_limit import NoLimit, SharedCones, find_limit, gravity_wrench
 from kilter.analysis.regions.cone_hull import (
     InnerHull,
     cone_around,
@@ -418,8 +418,10 @@ class ConeCutting:
                 return angle, None
             return angle, self._facet(direction, np.zeros(3), judged.motion.motion)
         start = middle / length
-        opening, way = self.opening.turned(start), gravity_wrench(self.small, direction - start)
-        limit = find_limit(opening.program, way, opening=opening, most=1.0)
+        way, at_start = gravity_wrench(self.small, direction - start), SharedCones(self.small)
+        at_start.opening = self.opening
+        at_start = at_start.turned(start)
+        limit = find_limit(at_start.program, way, shared=at_start, most=1.0)
         if isinstance(limit, NoLimit):
             return angle, None
         share = min(limit.value, 1.0)

@@ -17,7 +17,7 @@ in the file must still block each other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -38,8 +38,9 @@ WELD = 1e-3
 
 SLIVER = 1e-3
 """Width up to which an overlap of two faces in projection comes from rounding [tolerances]."""
-ACROSS = 1 - 1e-14
-"""Least facing cosine of a face across the direction of a path: a slope of 1.4e-7 [-]."""
+MEETS = 4.0
+"""Curved faces that are less than this above other faces may meet first [distance of a triangle
+from its surface]."""
 
 Direction = tuple[float, float, float]
 
@@ -53,11 +54,13 @@ class _Shadow:
     height: Array
     """Heights of the corners along the direction [length unit], shape (m, 3)."""
     facing: Array
-    """Facing cosine n , shape (m,). d of each triangle [-]."""
+    """Facing cosine n . d of each triangle [-], shape (m,)."""
+    slack: Array
+    """Distance of each triangle from its curved surface [length unit], shape (m,)."""
 
     def moved(self, aside: Array, along: float) -> _Shadow:
         """Copy of the projection, moved by a vector on the plane, shape (2,), and by a height."""
-        return _Shadow(self.plane + aside, self.height + along, self.facing)
+        return replace(self, plane=self.plane + aside, height=self.height + along)
 
 
 class Sweeps:
@@ -162,12 +165,12 @@ class Sweeps:
 
         Returns distance [length unit]; infinite if the parts never meet.
         """
-        return min(self.heights(part, other, direction))
+        return self.heights(part, other, direction)[0]
 
-    def heights(self, part: int, other: int, direction: Direction) -> tuple[float, float]:
-        """Distance as `clearance`, between faces across the direction, and between all others.
+    def heights(self, part: int, other: int, direction: Direction) -> tuple[float, bool]:
+        """Distance as `clearance`, and whether it is that of the exact surfaces, too.
 
-        Triangles of curved surfaces are among the others.
+        It is not if curved surfaces, which are beside their triangles, may meet first.
         """
         moving, still = self._shadow(part, direction), self._shadow(other, direction)
         return _least_heights(moving, still, self.tolerance(part, other))
@@ -198,7 +201,8 @@ class Sweeps:
             normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             seen = corners @ _basis(np.array(direction)).T
             facing = unit_rows(normal) @ np.array(direction)
-            self._shadows[key] = _Shadow(seen[..., :2], seen[..., 2], facing)
+            slack = self._geometry.slack_of(part)
+            self._shadows[key] = _Shadow(seen[..., :2], seen[..., 2], facing, slack)
         return self._shadows[key]
 
 
@@ -244,17 +248,17 @@ def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: 
     return not shapely.is_empty(shapely.buffer(joined, -tolerance))
 
 
-def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[float, float]:
+def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[float, bool]:
     """Least height from exit faces of a part to entry faces of another; infinite without any.
 
-    The first height is that between faces across the direction, the second that of all other
-    pairs. Slivers that come from the rounding of touching outlines do not count.
+    It is exact if no pair with a curved surface may be lower, by `MEETS` times its distance from
+    the triangles. Slivers that come from the rounding of touching outlines do not count.
     """
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     above = moving.height[exits].min(initial=np.inf)
     entries = entries[still.height[entries].max(axis=1) >= above - tolerance]
     if not len(exits) or not len(entries):
-        return np.inf, np.inf
+        return np.inf, True
     below = shapely.polygons(moving.plane[exits])
     tree = shapely.STRtree(shapely.polygons(still.plane[entries]))
     first, second = tree.query(below, predicate="intersects")
@@ -264,16 +268,15 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
     first, second, shared = first[wide], second[wide], shared[wide]
     corner, owner = shapely.get_coordinates(shared, return_index=True)
     if not len(corner):
-        return np.inf, np.inf
+        return np.inf, True
     between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
     starts = np.flatnonzero(np.diff(owner, prepend=-1))
     ahead = np.maximum.reduceat(between, starts) >= -tolerance
     lowest = np.maximum(np.minimum.reduceat(between, starts), -tolerance)
-    across = (moving.facing[first] > ACROSS) & (still.facing[second] < -ACROSS)
-    return (
-        float(lowest[ahead & across].min(initial=np.inf)),
-        float(lowest[ahead & ~across].min(initial=np.inf)),
-    )
+    least = float(lowest[ahead].min(initial=np.inf))
+    slack = moving.slack[first] + still.slack[second]
+    may_meet = ahead & (slack > 0) & (lowest - MEETS * slack < least)
+    return least, not may_meet.any()
 
 
 def _near_faces(
