@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import GAP_DEG
 from kilter.analysis.check import check
 from kilter.analysis.margins.improve import Improvement, improve
 from kilter.analysis.margins.margin import margin
@@ -289,8 +290,11 @@ def _directions(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
             verdict = turned_verdict(assembly, contacts, answer.down, effort)
+            stable = answer.stable_region
+            if (stable.gap_deg or 0.0) > GAP_DEG:  # only its widest cone was refined
+                stable = _region(assembly, contacts, notes)
             return (
-                answer.stable_region,
+                stable,
                 full_answer(verdict, answer.sentence),
                 answer.verdict == "none",
             )
