@@ -309,6 +309,14 @@ class Program(RowArrays):
             sides.append((k, part[k], sign * self.lever(k, part[k])))
         return tuple(sides)
 
+    def of_parts(self, parts: Index) -> Program:
+        """Copy of the program with the parts `parts`; the rows still have the old numbers."""
+        names = ("free", "center", "mass", "inertia", "radius", "applied", "clamp", "tolerance")
+        return self.with_rows(
+            names=tuple(self.names[part] for part in parts.tolist()),
+            **{name: getattr(self, name)[parts] for name in names},
+        )
+
     def velocities(self, motion: Array) -> Array:
         """Speed at which a motion, shape (N, 6), opens the gap of each row, shape (K,)."""
         result = np.zeros(len(self.part_a))

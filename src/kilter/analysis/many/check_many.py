@@ -12,7 +12,8 @@ from __future__ import annotations
 import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -130,21 +131,37 @@ def _put_clear(
     which, answers = clear
     numbers = answers.residual, answers.power, answers.violation
     rows.put_proved(which, answers.code == STABLE, answers.code == UNSTABLE, numbers)
-    if proofs:
-        for k in which[answers.code != LEFT].tolist():
-            rows.proofs[k] = partial(_certificate, given, k, tolerance)
+    decided = which[answers.code != LEFT] if proofs else which[:0]
+    for first in range(0, len(decided), AT_ONCE):
+        late = _LateProofs(given, decided[first : first + AT_ONCE], tolerance)
+        rows.proofs.update({k: partial(late.of, k) for k in late.some.tolist()})
 
 
-def _certificate(
-    given: Sequence[Assembly] | AssemblyArrays, k: int, tolerance: Tolerance
-) -> Certificate | None:
-    """The program and the proof of an assembly that compiled code has decided."""
-    rows = Rows.empty(len(given))
-    for which, decided in _together(given, np.array([k]), tolerance):
-        rows.put_together(which, decided, proofs=True)
-    if k not in rows.proofs:
-        _put_check(given, k, {"tolerance": tolerance}, rows, proofs=True)
-    return rows.proofs[k]() if k in rows.proofs else None
+@dataclass(eq=False)
+class _LateProofs:
+    """Proofs of the assemblies `some` of `given`, which compiled code has decided.
+
+    They are made together at the first request, without compiled code.
+    """
+
+    given: Sequence[Assembly] | AssemblyArrays
+    some: Index
+    tolerance: Tolerance
+
+    @cached_property
+    def rows(self) -> Rows:
+        """The verdicts of the computation without compiled code, with their proofs."""
+        rows = Rows.empty(len(self.given))
+        for which, decided in _together(self.given, self.some, self.tolerance):
+            rows.put_together(which, decided, proofs=True)
+        return rows
+
+    def of(self, k: int) -> Certificate | None:
+        """The program and the proof of assembly k."""
+        if k not in self.rows.proofs:
+            _put_check(self.given, k, {"tolerance": self.tolerance}, self.rows, proofs=True)
+        proof = self.rows.proofs.get(k)
+        return None if proof is None else proof()
 
 
 def _given(

@@ -24,8 +24,13 @@ from kilter.contact.detect import contacts_side_by_side
 from kilter.contact.fits.suggestions import coincident
 from kilter.errors import KilterError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.program import Program
-from kilter.mechanics.program_blocks import BlockProofs, ProgramBlocks, program_blocks
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.program_blocks import (
+    BlockProofs,
+    ProgramBlocks,
+    cluster_blocks,
+    program_blocks,
+)
 from kilter.second_order.proofs.level_rest import level_rows, rest_on_level
 from kilter.second_order.searches.level_rest_search import rests_level
 from kilter.solvers.highs import solve_blocks
@@ -84,12 +89,10 @@ def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Toget
     Arguments: `mu` (M,) [-].
     """
     contacts = contacts_side_by_side(apart, tolerance)
-    asked = ~_odd(apart, contacts)
+    asked = ~_odd(apart.owner, len(apart), contacts)
     certain = program_blocks(apart, contacts, mu)
-    stacked = certain.stacked(asked)
-    proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
-    stable, falls = proofs.stable & asked, proofs.unstable & asked
-    stable &= _rests_level(certain, contacts, proofs, stable)
+    proofs, stable = _certain_proofs(certain, contacts, asked)
+    falls = proofs.unstable & asked
     bounded = falls.any() and has_possible_contacts(contacts)
     outer = program_blocks(apart, contacts, mu, possible=True) if bounded else certain
     more = falls & (np.diff(outer.row_start) > np.diff(certain.row_start))
@@ -99,6 +102,26 @@ def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Toget
     bounds = _with_programs(outer, kept, more & ~kept.unstable)
     unstable = np.where(more, bounds.unstable, falls)
     return Together(stable, unstable, (certain, proofs), (outer, bounds), more)
+
+
+def clusters_at_rest(contacts: ContactSet, label: Index) -> Mask:
+    """Mask of the clusters of an assembly that are proved stable in a single computation, (M,).
+
+    Arguments: `label` (N,): cluster of each free part, 0 to M - 1, or -1 for parts of no cluster.
+    """
+    blocks = cluster_blocks(build_program(contacts.assembly, contacts), label)
+    odd = _odd(label, len(blocks.gravity), contacts)
+    return _certain_proofs(blocks, contacts, ~odd)[1]
+
+
+def _certain_proofs(
+    certain: ProgramBlocks, contacts: ContactSet, asked: Mask
+) -> tuple[BlockProofs, Mask]:
+    """Proofs with the certain contacts, and a mask of those in `asked` that are stable, (M,)."""
+    stacked = certain.stacked(asked)
+    proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
+    stable = proofs.stable & asked
+    return proofs, stable & _rests_level(certain, contacts, proofs, stable)
 
 
 def _with_programs(blocks: ProgramBlocks, proofs: BlockProofs, left: Mask) -> BlockProofs:
@@ -116,14 +139,16 @@ def _with_programs(blocks: ProgramBlocks, proofs: BlockProofs, left: Mask) -> Bl
     return BlockProofs(**merged)
 
 
-def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
-    """Mask of the assemblies with coincident parts or with fitted contact normals, shape (M,)."""
-    owner = apart.owner
-    odd = np.zeros(len(apart), dtype=bool)
-    parts: Index = np.array([pair.ends[0] for pair in coincident(contacts)], dtype=np.int64)
+def _odd(owner: Index, count: int, contacts: ContactSet) -> Mask:
+    """Mask of the assemblies with coincident parts or with fitted contact normals, shape (M,).
+
+    Arguments: `owner` (N,): assembly of each part, or -1.
+    """
+    pairs = np.array([pair.ends for pair in coincident(contacts)], dtype=np.int64).reshape(-1, 2)
+    parts = np.concatenate([pairs, fitted_pairs(contacts)])
+    odd = np.zeros(count + 1, dtype=bool)
     odd[owner[parts]] = True
-    odd[owner[fitted_pairs(contacts)[:, 0]]] = True
-    return odd
+    return odd[:-1]
 
 
 def _rests_level(
@@ -148,7 +173,7 @@ def _rests_level(
 # A verdict with only its word computed; access to any other field runs `check`.
 
 
-WORD = "<U12"
+WORD = "<U24"
 """Type of arrays of verdict words."""
 
 
@@ -161,26 +186,17 @@ class DeferredVerdict(Verdict):
     @classmethod
     def of(
         cls,
-        assemblies: Sequence[Assembly] | AssemblyArrays,
-        k: int,
         known: Mapping[str, Any],
-        options: Mapping[str, Any],
+        assembly: Callable[[], Assembly],
+        whole: Callable[[Assembly], Verdict],
     ) -> DeferredVerdict:
-        """Create the verdict of assembly k from known fields; `options` serve to compute the rest.
+        """Create a verdict from known fields, whose values are those of `check`.
 
-        Parameters
-        ----------
-        assemblies : sequence of Assembly, or AssemblyArrays
-        k : int
-            Index of the assembly.
-        known : mapping
-            Values of the known fields, equal to those of `check`.
-        options : mapping
-            Arguments of `check`.
+        `assembly` and `whole` return the assembly and its full verdict.
         """
         verdict: DeferredVerdict = object.__new__(cls)
         verdict.__dict__.update(known)
-        verdict.__dict__["_deferred"] = (assemblies, k, options)
+        verdict.__dict__["_deferred"] = (assembly, whole)
         return verdict
 
     def __getattribute__(self, name: str) -> Any:
@@ -188,11 +204,11 @@ class DeferredVerdict(Verdict):
         if name in FIELDS:
             values = object.__getattribute__(self, "__dict__")
             if name not in values and "_deferred" in values:
-                assemblies, k, options = values["_deferred"]
+                assembly, find = values["_deferred"]
                 if name == "assembly":
-                    values[name] = assemblies[k]
+                    values[name] = assembly()
                     return values[name]
-                whole = check(self.assembly, **{"assume": DRAWN, **options})
+                whole = find(self.assembly)
                 values.update({field: getattr(whole, field) for field in FIELDS})
                 del values["_deferred"]
         return object.__getattribute__(self, name)
@@ -334,7 +350,11 @@ class Verdicts(Sequence[Verdict]):
             "verdict": str(self._rows.word[index]),
             "require": self._options["require"],
         }
-        return DeferredVerdict.of(self.assemblies, index, known, self._options)
+        return DeferredVerdict.of(
+            known,
+            partial(self.assemblies.__getitem__, index),
+            partial(check, **{"assume": DRAWN, **self._options}),
+        )
 
     def __iter__(self) -> Iterator[Verdict]:
         return (self[k] for k in range(len(self)))
