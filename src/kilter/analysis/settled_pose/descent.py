@@ -10,8 +10,8 @@ rest. The step obeys
 where the points of contact have the gaps g, and J_n, J_t are the rates of gaps and slips; joints
 move by q' = G p against springs k and friction f, and their limits are points without friction.
 With s = 0 the program is convex, and its optimum is p = 0 exactly if forces in Coulomb's cones
-balance all loads at closed points (the relaxation of Anitescu 2006). A sliding contact would open by
-mu |J_t p|; s removes this opening. It is found by repetition (Acary and others 2011).
+balance all loads at closed points (the relaxation of Anitescu 2006). A sliding contact would open
+by mu |J_t p|; s removes this opening. It is found by repetition (Acary and others 2011).
 
 References
 ----------

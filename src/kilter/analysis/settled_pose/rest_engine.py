@@ -233,11 +233,15 @@ def _points(state: _State, reach: float | Array) -> NearPoints:
     return points.take(there & (moves[points.part_a] | moves[points.part_b]))
 
 
-def _open_overlaps(state: _State) -> None:
-    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place."""
+def _open_overlaps(state: _State, *, upright: bool = False) -> None:
+    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place.
+
+    `upright`: whether bodies shift rather than turn, as they do within a limited way.
+    """
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
-    if np.isfinite(state.limit).any():  # deeper overlaps would move bodies beyond their limits
+    limited = bool(np.isfinite(state.limit).any())
+    if limited:  # deeper overlaps would move bodies beyond their limits
         reach = min(reach, float(state.limit[np.isfinite(state.limit)].max()))
     pushes = 0
     while pushes < PUSHES:
@@ -248,7 +252,7 @@ def _open_overlaps(state: _State) -> None:
         if deep <= 5 * state.closed:  # half of what counts as closed
             return
         state.tell(f"overlaps: {number(deep)}")
-        apart = programs.push_apart(by_mass=True, upright=bool(np.isfinite(state.limit).any()))
+        apart = programs.push_apart(by_mass=True, upright=upright or limited)
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:
@@ -415,6 +419,10 @@ def _settle_down(state: _State) -> bool:
         last = _Last(state.bodies, island, stride, _deepest(state, island, points))
         _advance(state, island, stride, step)
         _count_stalls(state, island, lowest, stalled)
+        rocks = (stalled > 0) & (stalled % STALLS == 0) & (last.deep > 10 * state.closed)
+        if rocks.any():  # corners of compounds that another piece hides while they are open
+            state.stride = np.where(rocks, last.deep, state.stride)
+            _open_overlaps(state, upright=True)
     return False
 
 
