@@ -118,8 +118,8 @@ class _State:
     first: RigidBodies
     """The bodies in the first pose."""
     loose: Array
-    """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
-    end before their curved surfaces meet."""
+    """Gap up to which a body does not float [length unit], shape (B,): straight falls end
+    before curved surfaces meet."""
     most_rounds: int = ROUNDS
     """Largest number of steps."""
     falls_from: int = 0
@@ -307,9 +307,8 @@ def _drop(state: _State, group: Index) -> float:
     """Let groups of bodies (B,) fall until they land; returns the longest fall [length unit]."""
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
-    several = state.candidates.pieces.several
     among = np.where(state.gone, -1, group)[state.bodies.of_part]
-    fall = straight_falls(sweeps, assembly, among, several)
+    fall = straight_falls(sweeps, assembly, among)
     fall = fall[group]
     lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
