@@ -24,7 +24,8 @@ named as leaving. MuJoCo with stiff contacts simulates the pose at rest of the o
 2 s; those that move by more than 1 mm are listed, with their movement if all contacts are `STIFFER`
 squared times as stiff. A movement that vanishes then is that of soft contacts. The poses are tilted
 by `TILT`: MuJoCo normalises the rounding of the axis of an upright cylinder, and its contact with a
-plane is then up to millimetres deep (scene 79).
+plane is then up to millimetres deep (scene 79). A pose at rest has no overlaps, so contacts of the
+engine that are deeper than `THROUGH` at its begin are false; their depth is stated (scene 110).
 
 Each scene is a line of JSON in the file of `--results`; scenes that it contains are not repeated.
 `--again` repeats them.
@@ -134,15 +135,17 @@ def tilted(poses: dict[str, Array]) -> dict[str, Array]:
     return result
 
 
-def stays(scene: Scene, poses: dict[str, Array], divisor: float = 1.0) -> Array:
-    """Movement of each free object in `AFTER` from poses [m]; contacts stiffer by a divisor."""
+def stays(scene: Scene, poses: dict[str, Array], divisor: float = 1.0) -> tuple[Array, float]:
+    """Movement of each free object in `AFTER` from poses [m], and the deepest first contact [m].
+
+    The time step and the time constant of the contacts are shorter by a divisor.
+    """
     simulated = Simulated(scene, tilted(poses))
     simulated.model.opt.timestep /= divisor
     simulated.model.geom_solref[:, 0] /= divisor
-    begin = simulated.centers()
+    begin, deep = simulated.centers(), max(simulated.sunk().values(), default=0.0)
     simulated.run(AFTER)
-    moved: Array = np.linalg.norm(simulated.centers() - begin, axis=1)
-    return moved
+    return np.linalg.norm(simulated.centers() - begin, axis=1), deep
 
 
 def shift_and_turn(before: Array, after: Array) -> tuple[float, float]:
@@ -229,11 +232,11 @@ def floating_row(seed: int, limit: float, each: bool) -> dict[str, Any]:
     if not row["rest"]:
         return row
     names = [thing.name for thing in left.things if not thing.held]
-    moved = stays(left, after)
+    moved, row["false"] = stays(left, after)
     far = [k for k, name in enumerate(names) if moved[k] > MOVED and name not in answer.parts]
     row["moves"] = {names[k]: float(moved[k]) for k in far}
     if far:
-        stiff = stays(left, after, STIFFER)
+        stiff, _ = stays(left, after, STIFFER)
         row["stiff"] = {names[k]: float(stiff[k]) for k in far}
     if each:
         for name, way in zip(names, moved, strict=True):
@@ -256,6 +259,8 @@ def line(row: dict[str, Any]) -> str:
         for name, way in row.get("moves", {}).items():
             text += f", {name} moves {1000 * way:.1f} mm in MuJoCo"
             text += f" ({1000 * row['stiff'][name]:.2g} mm with stiffer contacts)"
+        if row.get("false", 0.0) > THROUGH:
+            text += f", a false contact of MuJoCo is {1000 * row['false']:.3g} mm deep"
         return text
     (old, new), (old_raw, new_raw) = row["drift"], row["raw"]
     text += f" {row['level']} ({row['kind']})"
