@@ -292,7 +292,9 @@ SAVED: dict[str, dict[str, Any]] = {
 }
 """A saved value of each option."""
 ACTING = [
-    name for name in SAVED if name not in ("ground", "keyframe", "state", "model", "base", "loose_robots")
+    name
+    for name in SAVED
+    if name not in ("ground", "keyframe", "state", "model", "base", "loose_robots")
 ]
 """Options with an effect on kilter's own files, beside the held part."""
 

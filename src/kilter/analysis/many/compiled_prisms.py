@@ -77,7 +77,7 @@ class Touches(NamedTuple):
     lower: Index
     upper: Index
     """Parts below and above each contact, shape (C,)."""
-    count: Index
+    corners: Index
     """Number of corners of each contact, shape (C,)."""
     points: Array
     """Horizontal coordinates of the corners, shape (C, MOST_CUT, 2)."""
@@ -358,16 +358,18 @@ def _separation(prisms: Prisms, a: int, b: int) -> float:
 def _box_distance(prisms: Prisms, a: int, b: int) -> float:
     """Distance along x or y of the boxes about two outlines, which is at most their distance."""
     bounds = prisms.bounds
-    return max(
-        max(bounds[a, 0] - bounds[b, 2], bounds[b, 0] - bounds[a, 2]),
-        max(bounds[a, 1] - bounds[b, 3], bounds[b, 1] - bounds[a, 3]),
+    return float(
+        max(
+            max(bounds[a, 0] - bounds[b, 2], bounds[b, 0] - bounds[a, 2]),
+            max(bounds[a, 1] - bounds[b, 3], bounds[b, 1] - bounds[a, 3]),
+        )
     )
 
 
 @compiled
 def _overlap(prisms: Prisms, a: int, b: int, points: Array) -> int:
     """Write the corners of the overlap of two outlines; return their number."""
-    count, n, outline = prisms.corners[a], prisms.corners[b], prisms.outline
+    count, n, outline = int(prisms.corners[a]), prisms.corners[b], prisms.outline
     points[:count] = outline[a, :count]
     cut = np.empty((MOST_CUT, 3))
     for k in range(n):
@@ -427,6 +429,6 @@ def find_touches(
             if count < 3:
                 return -1, near
             touches.lower[found], touches.upper[found] = lower, upper
-            touches.count[found] = count
+            touches.corners[found] = count
             found += 1
     return found, near

@@ -70,7 +70,9 @@ class NearParts:
             return None
         ends = np.stack([program.part_a, program.part_b])
         rows = np.flatnonzero(near[ends].any(axis=0))
-        return cls(near[:-1], rows, ~(free & ~near)[ends[:, rows]].any(axis=0))
+        far = free & ~near
+        inner: Mask = ~(far[program.part_a[rows]] | far[program.part_b[rows]])
+        return cls(near[:-1], rows, inner)
 
     def alone(self, program: Program) -> Program:
         """The program in which all other parts are held."""
