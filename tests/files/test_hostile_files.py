@@ -346,4 +346,4 @@ def test_places_on_two_bodies_at_the_same_place():
     del data["parts"][1]["pose"]
     answer = kilter.place(write("same.json", json.dumps(data)), kilter.box_to_place([1, 1, 1], 1.0))
     assert answer.undecided
-    assert answer.programs < 20
+    assert answer.programs < 40  # each load asks the parts near it first
