@@ -1,5 +1,7 @@
 """Rules of the engine that brings bodies to rest: a closed form, or both sides of each limit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -108,6 +110,26 @@ def test_overlaps_deeper_than_those_of_soft_contacts_are_pushed_out_by_the_engin
         answer = settle(Assembly([table, cube]))
         assert answer.at_rest
         assert answer.movement[1, :3] == pytest.approx([0, 0, depth], abs=1e-8)
+
+
+def test_the_engine_searches_again_if_the_verification_refuses_the_least_motion(monkeypatch):
+    """The least motion leaves the box .1 above the table: a fault that the verification finds."""
+    from kilter.analysis.settled_pose import rest_engine as module
+
+    run = module.least_motion
+
+    def lifts(bodies, reach, near):
+        found = run(bodies, reach, near)
+        return replace(
+            found, bodies=found.bodies.moved(np.array([[0.0] * 6, [0, 0, 0.1, 0, 0, 0]]))
+        )
+
+    monkeypatch.setattr(module, "least_motion", lifts)
+    drawn = Assembly([FLOOR, Part("cube", Box([0.1, 0.1, 0.1]), [0, 0, 0.05 - 1e-4])])
+    answer = settle(drawn)
+    assert answer.at_rest
+    assert answer.movement[1] == pytest.approx([0, 0, 1e-4, 0, 0, 0], abs=1e-9)
+    assert kilter.scene(drawn, settle=True).at_rest
 
 
 # groups -----------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array, Index, across, cross, unit_rows
+from kilter.arrays import Array, Index, Mask, across, cross, unit_rows
 from kilter.assembly.assembly_tolerances import BESIDE_SEAM, UPRIGHT
 from kilter.assembly.bonds import Bond
 from kilter.assembly.geometry import Geometry
@@ -266,7 +266,7 @@ class ChangedCopies(Value):
         up = -self.down
         lowest = number(height, "height of the floor") if height is not None else None
         if lowest is None:
-            lowest = float(lowest_heights(geometry, up).min())
+            lowest = lowest_height(geometry, up)
         size = float(np.ptp(geometry.vertices, axis=0).max())
         middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
         thick = THICK * size
@@ -310,8 +310,21 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
     (True, array([-1.]))
     """
     low: Array = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+    return _lowered(geometry, up, low)
+
+
+def lowest_height(geometry: Geometry, up: Array, chosen: Mask | None = None) -> float:
+    """Height of the lowest point of the chosen parts (N,), or of all, along an upward vector."""
+    low: Array = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+    chosen = np.ones(len(low), dtype=bool) if chosen is None else chosen
+    low = np.where(chosen, low[chosen].min(), -np.inf)  # no higher point matters
+    return float(_lowered(geometry, up, low)[chosen].min())
+
+
+def _lowered(geometry: Geometry, up: Array, low: Array) -> Array:
+    """The heights (N,), lowered to the points of each part on its exact surfaces below them."""
     if len(geometry.surfaces):
-        for part, height in (_inside_faces(geometry, up), _on_edges(geometry, up, low)):
+        for part, height in (_inside_faces(geometry, up, low), _on_edges(geometry, up, low)):
             np.minimum.at(low, part, height)
     return low
 
@@ -319,13 +332,18 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
 # within faces -------------------------------------------------------------------------------
 
 
-def _inside_faces(geometry: Geometry, up: Array) -> tuple[Index, Array]:
-    """Part and height of the lowest points of exact spheres and tori, if on their faces."""
+def _inside_faces(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
+    """Part and height of the lowest points of exact spheres and tori, if on their faces.
+
+    `low` (N,): heights of the parts; points above them are skipped.
+    """
     s = geometry.surfaces
     parts, heights = [], []
     exact = np.isin(s.kind, (SPHERE, TORUS)) & ~s.hollow & (s.doubt == 0)
     for row in np.flatnonzero(exact).tolist():
         points = _lowest_of_surface(geometry, row, up)
+        if points[0] @ up >= low[s.part[row]]:
+            continue
         triangles = geometry.vertices[geometry.triangles[s.triangles_of(row)]]
         grow = BESIDE_SEAM * float(s.radius[row])
         down = np.tile(-up, (len(points), 1))
@@ -358,7 +376,7 @@ def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
 def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
     """Part and height of the lowest points of curved edges at exact faces.
 
-    `low`: the lowest vertex of each part, shape (N,); edges above it are skipped.
+    `low` (N,): heights of the parts; edges above them are skipped.
     """
     chords, part = _chords(geometry, up, low)
     if not len(part):
@@ -376,7 +394,7 @@ def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
 
 
 def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
-    """Chords of curved edges that may reach below all vertices of their part, and the parts."""
+    """Chords of curved edges that may reach below the heights (N,), and their parts."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
     on_curved = np.flatnonzero((np.diff(s.start) > 0)[owner])  # triangles of parts with surfaces

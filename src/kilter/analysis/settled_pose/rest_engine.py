@@ -1,7 +1,9 @@
 """From any state to a pose at rest: overlaps out, straight falls, then tipping, sliding, rolling.
 
-1. Overlaps open by the least motion, in rounds (`RestPrograms.push_apart`). Bodies whose overlaps
-   no motion opens stay in place, and the others come to rest.
+1. Groups of bodies that are sunk into each other come to rest by the least motion, if it exists
+   within about the depth of their overlaps (`_close_sunk_groups`). Other overlaps open by the least
+   motion, in rounds (`RestPrograms.push_apart`). Bodies whose overlaps no motion opens stay in
+   place, and the others come to rest.
 2. Groups of bodies that nothing supports fall straight down until they meet a supported part, all
    at the same time (`straight_falls`). A group with nothing below it leaves the scene.
 3. Bodies that no forces hold move by a quasi-static step (`descent`) until they stop; a step obeys
@@ -23,6 +25,7 @@ from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.closing_motion import least_motion
 from kilter.analysis.settled_pose.descent import Descent
+from kilter.analysis.settled_pose.joint_rows import spring_energy
 from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import RestResult, RestState, WayKind, WayStep
 from kilter.analysis.settled_pose.rest_programs import RestPrograms
@@ -69,6 +72,11 @@ DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
 """Length of a movement that corrects the step before it [sizes]."""
+BALANCES, BALANCED = 40, 1e-13
+"""Largest number of steps that balance the springs of joints at rest, and movement in a step that
+ends them [lengths]."""
+BALANCE_STRIDE, LIGHT = 1e-3, 1e-6
+"""Length of such a step [lengths], and factor of the inertia, which springs then outweigh [-]."""
 FREELY = 0.9
 """Fall in a step from which a body falls freely [strides]."""
 SIDEWAYS = 1e-6
@@ -118,8 +126,8 @@ class _State:
     first: RigidBodies
     """The bodies in the first pose."""
     loose: Array
-    """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
-    end before their curved surfaces meet."""
+    """Gap up to which a body does not float [length unit], shape (B,): straight falls end
+    before curved surfaces meet."""
     most_rounds: int = ROUNDS
     """Largest number of steps."""
     falls_from: int = 0
@@ -216,6 +224,7 @@ def come_to_rest(
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
+    _balance_springs(state)
     return replace(_result(state, reach), aside=aside, sunk=closed)
 
 
@@ -272,27 +281,31 @@ def _close_sunk_groups(state: _State) -> None:
             state.put(group, found.bodies)
 
 
-def _open_overlaps(state: _State) -> None:
-    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place."""
+def _open_overlaps(state: _State, *, upright: bool = False) -> None:
+    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place.
+
+    `upright`: whether bodies shift rather than turn, as they do within a limited way.
+    """
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
-    if np.isfinite(state.limit).any():  # deeper overlaps would move bodies beyond their limits
+    limited = bool(np.isfinite(state.limit).any())
+    if limited:  # deeper overlaps would move bodies beyond their limits
         reach = min(reach, float(state.limit[np.isfinite(state.limit)].max()))
     pushes = 0
     while pushes < PUSHES:
         stop_if_late()
         points = _points(state, reach)
-        deep = -float(points.gap.min(initial=0.0))
+        programs = RestPrograms.of(state.bodies, points, state.length, state.weight, by_mass=True)
+        deep = -float(programs.gap.min(initial=0.0)) * state.length
         if deep <= 5 * state.closed:  # half of what counts as closed
             return
         state.tell(f"overlaps: {number(deep)}")
-        programs = RestPrograms.of(state.bodies, points, state.length, state.weight, by_mass=True)
-        apart = programs.push_apart(upright=bool(np.isfinite(state.limit).any()))
+        apart = programs.push_apart(upright=upright or limited)
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:
                 return
-            _stay(state, points, depth * state.length, forces)
+            _stay(state, programs, depth * state.length, forces)
             continue
         pushes += 1
         step = programs.steps(apart, state.bodies)
@@ -301,15 +314,15 @@ def _open_overlaps(state: _State) -> None:
         reach = max(min(reach, 4 * far), 1e-4 * state.length)
 
 
-def _stay(state: _State, points: NearPoints, depth: float, forces: Array) -> None:
+def _stay(state: _State, programs: RestPrograms, depth: float, forces: Array) -> None:
     """Keep the bodies of a certificate in place: no motion opens their overlaps.
 
     Arguments: `depth`: least depth that remains [length unit]; `forces` (K,): the certificate.
     """
     bodies = state.bodies
     if not forces.any():  # the solver failed
-        forces = (points.gap <= points.gap.min()).astype(np.float64)
-    names = pressed_parts(bodies, points, forces)
+        forces = (programs.gap <= programs.gap.min()).astype(np.float64)
+    names = pressed_parts(bodies, programs, forces)
     state.unfit += tuple(name for name in names if name not in state.unfit)
     state.depth = max(state.depth, depth)
     moves = bodies.moves.copy()
@@ -342,9 +355,8 @@ def _drop(state: _State, group: Index) -> float:
     """Let groups of bodies (B,) fall until they land; returns the longest fall [length unit]."""
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
-    several = state.candidates.pieces.several
     among = np.where(state.gone, -1, group)[state.bodies.of_part]
-    fall = straight_falls(sweeps, assembly, among, several)
+    fall = straight_falls(sweeps, assembly, among)
     fall = fall[group]
     lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
@@ -455,7 +467,35 @@ def _settle_down(state: _State) -> bool:
         last = _Last(state.bodies, island, stride, _deepest(state, island, points))
         _advance(state, island, stride, step)
         _count_stalls(state, island, lowest, stalled)
+        rocks = (stalled > 0) & (stalled % STALLS == 0) & (last.deep > 10 * state.closed)
+        if rocks.any():  # corners of compounds that another piece hides while they are open
+            state.stride = np.where(rocks, last.deep, state.stride)
+            _open_overlaps(state, upright=True)
     return False
+
+
+def _balance_springs(state: _State) -> None:
+    """Move resting bodies on springs of joints until the springs balance the loads to rounding.
+
+    Contacts may be open by rounding, but a force of a spring has no such tolerance.
+    """
+    sprung = np.zeros(len(state.bodies.mass), dtype=bool)
+    for joint in state.bodies.drawn.joints:
+        sprung[list(state.bodies.ends(joint))] |= joint.stiffness > 0
+    sprung &= state.asleep & state.bodies.moves & ~state.gone
+    for _ in range(BALANCES if sprung.any() else 0):
+        stop_if_late()
+        points = _without_still_gaps(state, _points(state, CORRECTS * state.length))
+        island = _islands(state, points, sprung)
+        program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
+        light = replace(program, inertia=LIGHT * program.inertia)
+        step = light.step(np.full(len(sprung), BALANCE_STRIDE), np.ones(len(points), dtype=bool))
+        far = np.inf if step is None else float(state.bodies.travel(step).max())
+        if step is None or far > CORRECTS * state.length:
+            return
+        state.bodies = state.bodies.screwed(step)
+        if far <= BALANCED * state.length:
+            return
 
 
 def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
@@ -482,13 +522,15 @@ def _deepest(state: _State, island: Index, points: NearPoints) -> Array:
 
 
 def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
-    """Shorten the stride of islands whose centre has not sunk for some steps.
+    """Shorten the stride of islands whose energy has not fallen for some steps.
 
     Round faces that fit each other closely may rock by rounding, about gaps that count as closed.
     """
     mass = state.bodies.mass
     total, weight = np.zeros(len(mass) + 1), np.zeros(len(mass) + 1)
+    gravity = float(np.linalg.norm(state.bodies.drawn.gravity)) or 1.0
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
+    np.add.at(total, island, -spring_energy(state.bodies) / gravity)
     np.add.at(weight, island, mass)
     depth = (total / np.maximum(weight, 1e-300))[island]
     sinks = depth > lowest + STILL * state.closed
