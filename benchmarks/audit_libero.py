@@ -52,6 +52,8 @@ DRIFT = 1e-4
 """Displacement above which an object reported at rest is listed [m]."""
 FINER = 20.0
 """Divisor of the time step in the second simulation of a pose in which an object moves [-]."""
+FINE_SECONDS = 0.5
+"""Duration of this simulation [s]: a slip begins at once, and the steps are many."""
 PATIENCE = 120.0
 """Time limit of kilter for a state [s]."""
 CHUNK = 5
@@ -189,6 +191,7 @@ def simulate(
         np.save(path, np.array(list(todo.values())))
         finer = FINER if step == "finer" else 1.0
         command = [interpreter, str(ENGINE), str(task.scene), str(path), "--finer", f"{finer}"]
+        command += ["--seconds", f"{FINE_SECONDS if step == 'finer' else 2.0}"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
             # MuJoCo prints its warnings among the results
