@@ -298,8 +298,7 @@ def _drop(state: _State, group: Index) -> float:
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
     several = state.candidates.pieces.several
     among = np.where(state.gone, -1, group)[state.bodies.of_part]
-    fall = straight_falls(sweeps, assembly, among, several)
-    fall = fall[group]
+    fall = straight_falls(sweeps, assembly, among, several)[0][group]
     lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
     length = np.where(lost, 0.0, fall)
