@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from kilter.arrays import Array, starts
+from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
 from kilter.assembly.array_geometry import SideBySide
 from kilter.assembly.question import Question, question
@@ -32,13 +32,7 @@ from kilter.contact.friction_coefficients import (
     with_piece_friction,
 )
 from kilter.contact.open_pairs import OpenPair, find_open_pairs, open_forces
-from kilter.contact.pair_findings import (
-    FAMILIES,
-    PairFindings,
-    examine,
-    examine_in_time,
-    find_families,
-)
+from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
 from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warning
 from kilter.errors import InputError
 from kilter.work import facts_of, stop_after, take_at_least
@@ -137,17 +131,6 @@ def _search(
     if len(findings.search.pairs) == len(search.pairs):
         recent.keep(conditions, (search, findings))
     return search, findings
-
-
-def patches_of(assembly: Assembly, tolerance: Tolerance) -> tuple[Array, Array]:
-    """Normals (P, 3) and gaps (P, 2) of the contact patches of an assembly, without its overlaps.
-
-    As `ContactSet.patch_normal` and `ContactSet.patch_gap`, in less time.
-    """
-    found = find_families(begin_search(assembly, tolerance, lambda stage: None))
-    families = [getattr(found, family.name).patches for family in FAMILIES]
-    patches = Patches.join(families)
-    return patches.normal, patches.gap
 
 
 def contacts_of_findings(

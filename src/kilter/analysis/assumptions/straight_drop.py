@@ -63,10 +63,10 @@ def drop_straight(
     supported[bodies.of_part[on_floor(assembly, contacts)]] = True
     group = np.where(supported, 0, np.cumsum(~supported))
     gone = np.zeros(count, dtype=bool)
-    sweeps, whole = Sweeps.of(contacts), np.zeros(len(assembly.parts), dtype=bool)
+    sweeps = Sweeps.of(contacts)
     for _ in range(count):
         among = np.where(gone, -1, group)[bodies.of_part]
-        fall, onto = straight_falls(sweeps, assembly, among, whole, on_surfaces=on_surfaces)
+        fall, onto = straight_falls(sweeps, assembly, among, on_surfaces=on_surfaces)
         fall = np.append(fall, np.full(count, np.inf))  # of the groups that are gone
         depth = _contacts_below(fall, onto)
         far = ~supported & ~gone & (fall[group] > play * depth[group])

@@ -17,28 +17,27 @@ import numpy as np
 from kilter.analysis.planning.order.sweeps import Direction, Sweeps
 from kilter.arrays import Array, Index, Mask, connected, members_by_label
 from kilter.assembly import Assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact import ContactSet, Tolerance
+from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.patches import Patches
+from kilter.contact.pair_findings import find_families
 from kilter.rigid import Pose
 
 
 def straight_falls(
-    sweeps: Sweeps,
-    assembly: Assembly,
-    group: Index,
-    compound: Mask,
-    *,
-    on_surfaces: bool = True,
+    sweeps: Sweeps, assembly: Assembly, group: Index, *, on_surfaces: bool = False
 ) -> tuple[Array, Index]:
     """Lengths of the falls of groups of parts that fall at the same time.
 
+    A fall ends before curved faces meet, by the distances of both parts from their triangles.
+
     Arguments: `group` (N,): group of each part; 0 is supported and does not fall, -1 is not there;
-    `compound` (N,): parts of several pieces, whose falls end before their curved surfaces meet.
-    `on_surfaces`: whether other falls end on the exact curved surfaces, not on their triangles.
-    Returns `fall` (G,): length of the fall of each group [length unit], infinite if it leaves the
-    scene; `onto` (G,): group on which it lands, or -1.
+    `on_surfaces`: whether falls end on the exact curved surfaces instead. Returns `fall` (G,):
+    length of the fall of each group [length unit], infinite if it leaves the scene; `onto` (G,):
+    group on which it lands, or -1.
     """
-    down, slack = assembly.down, assembly.geometry.slack
-    x, y, z = down.tolist()
+    slack = assembly.geometry.slack
+    x, y, z = assembly.down.tolist()
     direction: Direction = (x, y, z)
     count = int(group.max(initial=0)) + 1
     fall = np.full(count, np.inf)
@@ -52,7 +51,6 @@ def straight_falls(
             for other, bound in zip(others.tolist(), bounds.tolist(), strict=True):
                 if group[other] not in (g, -1):
                     meets.setdefault(int(group[other]), []).append((g, bound, part, other))
-    heights: dict[tuple[int, int], float] = {}
     waiting = [(0.0, 0)]
     done = np.zeros(count, dtype=bool)
     while waiting:
@@ -63,19 +61,25 @@ def straight_falls(
         for g, bound, part, other in sorted(meets.get(landed, ()), key=lambda entry: entry[1]):
             if done[g] or length + bound >= fall[g]:
                 continue
-            if (part, other) not in heights:
-                found, exact = sweeps.heights(part, other, direction)
-                if not exact and length + found < fall[g]:
-                    if compound[part] or compound[other]:
-                        found = max(found - float(slack[part] + slack[other]), 0.0)
-                    elif on_surfaces:
-                        found = _height_on_surfaces(sweeps, assembly, (part, other), found)
-                heights[part, other] = found
-            total = length + max(heights[part, other], 0.0)
+            height = _height(sweeps, part, other, direction, slack)
+            if on_surfaces and length + height < fall[g]:
+                exact = sweeps.heights(part, other, direction)
+                if not exact[1] and np.isfinite(exact[0]):
+                    height = _height_on_surfaces(sweeps, assembly, (part, other), exact[0])
+            total = length + max(height, 0.0)
             if total < fall[g]:
                 fall[g], onto[g] = total, landed
                 heapq.heappush(waiting, (total, g))
     return fall, onto
+
+
+def _height(sweeps: Sweeps, part: int, other: int, direction: Direction, slack: Array) -> float:
+    """Length of the fall of a part on another, at most until their curved faces may meet.
+
+    Arguments: `slack` (N,): distance of each part from its triangles [length unit].
+    """
+    height, exact = sweeps.heights(part, other, direction)
+    return height if exact else max(height - float(slack[part] + slack[other]), 0.0)
 
 
 # Fall of a single group, and the exact height above curved surfaces.
@@ -191,12 +195,15 @@ def _height_on_surfaces(
         pose = falling.pose
         moved = replace(falling, pose=Pose(pose.position + found * down, pose.rotation))
         both = Assembly([moved, still], units=assembly.units, gravity=assembly.gravity)
-        normal, gap = detect.patches_of(both, Tolerance(gap=4 * slack))
-        steep = np.abs(normal @ down)
+        faces = find_families(begin_search(both, Tolerance(gap=4 * slack), lambda stage: None))
+        near = Patches.join(
+            [of.patches for of in (faces.smooth, faces.flat, faces.curved, faces.sharp)]
+        )
+        steep = np.abs(near.normal @ down)
         usable = steep > UPRIGHT
         if not usable.any():
             break
-        step = float((gap[usable, 0] / steep[usable]).min())
+        step = float((near.gap[usable, 0] / steep[usable]).min())
         found += step
         if abs(step) <= EXACT * size:
             break

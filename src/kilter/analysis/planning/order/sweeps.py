@@ -74,7 +74,10 @@ class Sweeps:
     def __init__(self, contacts: ContactSet) -> None:
         self._geometry = contacts.assembly.geometry
         self._tolerance = contacts.searched
-        self._depth = {frozenset(overlap.ends): overlap.depth for overlap in contacts.overlaps}
+        self._depths: dict[int, dict[int, float]] = {}
+        for overlap in contacts.overlaps:
+            for part, other in (overlap.ends, overlap.ends[::-1]):
+                self._depths.setdefault(part, {})[other] = overlap.depth
         self._shadows: dict[tuple[int, Direction], _Shadow] = {}
         self._endless: dict[tuple[int, Direction], tuple[int, int]] = {}
         self._before: dict[tuple[int, Direction], int] = {}
@@ -90,12 +93,19 @@ class Sweeps:
 
     def tolerance(self, p: int, q: int) -> float:
         """Depth to which two parts may overlap on a path without a collision [length unit]."""
+        return float(self._tolerances(p, np.array([q]))[0])
+
+    def _tolerances(self, p: int, others: Index) -> Array:
+        """`tolerance` of a part with each of several others, shape (n,) [length unit]."""
         g = self._geometry
-        pair = [p, q]
-        gap = float(self._tolerance.gap_of(g.size[pair].min()[None])[0])
-        slack, accuracy = float(g.slack[pair].sum()), float(g.accuracy[pair].sum())
-        depth = self._depth.get(frozenset(pair), 0.0)
-        return max(gap, SLACKS * slack, 2 * accuracy, DEPTHS * depth)
+        gap = self._tolerance.gap_of(np.minimum(g.size[p], g.size[others]))
+        slack, accuracy = g.slack[p] + g.slack[others], g.accuracy[p] + g.accuracy[others]
+        most: Array = np.maximum.reduce([gap, SLACKS * slack, 2 * accuracy])
+        depths = self._depths.get(p)
+        if depths is not None:
+            depth = [depths.get(other, 0.0) for other in others.tolist()]
+            most = np.maximum(most, DEPTHS * np.array(depth))
+        return most
 
     def stops(self, part: int, present: int, direction: Direction) -> bool:
         """Whether any present part blocks a part on an endless straight path."""
@@ -117,9 +127,9 @@ class Sweeps:
         if key not in self._before:
             low, high = self._boxes(direction)
             meets = (low[:, :2] < high[part, :2]) & (high[:, :2] > low[part, :2])
-            near = np.flatnonzero(meets.all(axis=1)).tolist()
-            most = max(self.tolerance(part, other) for other in near)
-            self._before[key] = bits_of(meets.all(axis=1) & (high[:, 2] >= low[part, 2] - most))
+            near = meets.all(axis=1)
+            most = float(self._tolerances(part, np.flatnonzero(near)).max())
+            self._before[key] = bits_of(near & (high[:, 2] >= low[part, 2] - most))
         return self._before[key]
 
     def _boxes(self, direction: Direction) -> tuple[Array, Array]:
