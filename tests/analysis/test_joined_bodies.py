@@ -8,9 +8,13 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere, contacts
+from kilter.analysis.assumptions.assume import assume
 from kilter.analysis.assumptions.joined_bodies import bodies_of
 from kilter.analysis.assumptions.joining import joined
+from kilter.analysis.assumptions.rung_verdict import judged
+from kilter.analysis.check import check_level
 from kilter.assembly.assumption import Body
+from kilter.assembly.question import Question
 from kilter.scenes.pieces import block
 from kilter.tell.text import text_of
 
@@ -194,3 +198,84 @@ def test_without_a_floor_all_bodies_but_the_heaviest_are_loose():
 
 def test_held_parts_alone_are_no_body():
     assert bodies(Assembly([block("base", [0, 0, 0], [1, 1, 1], grounded=True)])) == ()
+
+
+def folder_of(parts: list[Part], path) -> None:
+    """Write each part as an STL file in mm."""
+    for part in parts:
+        part = replace(part, grounded=False)
+        geometry = Assembly([part]).geometry
+        corners = 1e3 * geometry.vertices[geometry.triangles]
+        rows = ["solid s"]
+        for triangle in corners:
+            rows += ["facet normal 0 0 0", "outer loop"]
+            rows += [f"vertex {' '.join(map(str, point))}" for point in triangle.tolist()]
+            rows += ["endloop", "endfacet"]
+        (path / f"{part.name}.stl").write_text("\n".join([*rows, "endsolid s"]))
+
+
+def test_a_folder_of_files_in_frames_of_their_own_is_refused(tmp_path):
+    boxes = {"arm": [0.03, 0.16, 0.02], "hand": [0.15, 0.04, 0.03], "finger": [0.012, 0.02, 0.2]}
+    folder_of([block(name, [0, 0, 0], size) for name, size in boxes.items()], tmp_path)
+    with pytest.raises(kilter.InputError, match="each file seems to be in a frame of its own"):
+        kilter.check(str(tmp_path))
+
+
+def test_a_folder_of_bolts_without_holes_is_answered(tmp_path):
+    plate = block("plate", [0, 0, 0], [0.1, 0.1, 0.01])
+    bolts = [block(f"bolt_{k}", [x, x, 0.002], [x + 0.01, x + 0.01, 0.03])
+             for k, x in enumerate((0.01, 0.04, 0.07))]  # fmt: skip
+    folder_of([plate, *bolts], tmp_path)
+    assert kilter.check(str(tmp_path)).ladder[-1].level is not None
+
+
+@pytest.mark.parametrize(
+    ("gap", "beside", "level", "falls"),
+    [
+        (5e-5, 0.0, "proved", ()),  # within the play of the chip: it lands on the board
+        (3e-4, 0.0, "proved", ()),
+        (3e-4, 0.049, "proved", ()),  # its centre is above the board
+        (3e-4, 0.051, None, ("chip",)),  # it tips over the edge of the board
+        (0.01, 0.0, None, ("chip",)),  # beyond its play
+    ],
+)
+def test_bodies_that_fall_straight_have_the_verdict_of_the_search(gap, beside, level, falls):
+    low, high = [0.04 + beside, 0.04, 0.002 + gap], [0.06 + beside, 0.06, 0.006 + gap]
+    assembly = Assembly([
+        block("board", [0, 0, 0], [0.1, 0.1, 0.002]), block("chip", low, high)
+    ]).with_floor()  # fmt: skip
+    asked = Question(assembly=assembly, contacts=contacts(assembly))
+    straight, searched = (assume(asked, "joined", searches=s) for s in (False, True))
+    if beside == 0.051:  # the chip lands on the edge, so that only a search shows its fall
+        assert not straight.ended
+        straight = searched
+    for found in (straight, searched):
+        verdict = judged(asked, found, check_level)
+        assert (verdict.level, tuple(verdict.moving)) == (level, falls)
+        assert not level or found.moved == pytest.approx(gap, abs=1e-12)
+
+
+def test_a_body_beyond_its_play_falls_whatever_a_search_finds_for_others():
+    assembly = Assembly([
+        block("board", [0, 0, 0], [0.1, 0.1, 0.002]),
+        block("chip", [0.01, 0.01, 0.00205], [0.03, 0.03, 0.006]),
+        block("far", [0.06, 0.06, 0.03], [0.08, 0.08, 0.04]),
+    ]).with_floor()  # fmt: skip
+    asked = Question(assembly=assembly, contacts=contacts(assembly))
+    assert assume(asked, "joined", searches=False).surely_fall == ("far",)
+    assert judged(asked, assume(asked, "joined"), check_level).moving == ["far"]
+
+
+@pytest.mark.parametrize(("length", "surely"), [(0.3, True), (0.04, False)])
+def test_a_body_whose_centre_is_beyond_all_its_feet_tips_without_a_search(length, surely):
+    """With length .04 the centre, at .0141, is within the longest way of a part from the foot."""
+    assembly = Assembly([
+        block("foot", [0, 0, 0], [0.01, 0.02, 0.1]),
+        block("bar", [0, 0, 0.1], [length, 0.02, 0.12]),
+        block("chip", [0.02, 0, 0.12005], [0.03, 0.02, 0.13]),
+    ]).with_floor()  # fmt: skip
+    asked = Question(assembly=assembly, contacts=contacts(assembly))
+    found = assume(asked, "joined", searches=False)
+    assert found.ended is surely
+    if surely:
+        assert {"foot", "bar"} <= set(judged(asked, found, check_level).moving)

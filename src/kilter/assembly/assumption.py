@@ -51,7 +51,7 @@ class LadderRow(Record):
     names: tuple[str, ...] = ()
     """Names of the largest parts that fall, at most five."""
     decided: bool = True
-    """Whether the row was decided within its share of the work."""
+    """Whether the row was decided within its share of the work; else further parts may fall."""
 
 
 class Body(Record):

@@ -129,6 +129,8 @@ FIT_PLAY = 0.2
 of ISO 273 for screws reach .2: M2 in 2.4."""
 WALL_RIM = 1e-9
 """A line meets a triangle up to this fraction of the sides beyond them [-]."""
+DEEP = 0.02
+"""Depth from which an overlap is neither a fit nor a thread [sizes of the smaller part]."""
 COINCIDENT = 0.5
 """Parts that share more than this fraction of the volume of the smaller part are rejected [-]."""
 SAME_SHAPE = 1e-6

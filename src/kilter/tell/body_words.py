@@ -46,6 +46,58 @@ def body_sentences(bodies: Sequence[Entry], units: str) -> list[str]:
     return lines
 
 
+def joined_words(bodies: Sequence[Entry], units: str, *, holds: bool | None) -> tuple[str, str]:
+    """Return words about the bodies that stand, and a sentence about the loose bodies.
+
+    Arguments: `holds`: whether the joined parts hold; None if this is not decided.
+
+    Examples
+    --------
+    >>> board = {"name": "board", "parts": ["board", "chip"], "on_floor": True, "tilt_deg": 40.0}
+    >>> led = {"name": "LED", "parts": ["LED"], "on_floor": False, "nearest": "board",
+    ...        "distance": 0.035, "below": "board", "fall": 0.035}
+    >>> joined_words([board, led], "mm", holds=True)
+    ('one body of 2 parts, which tips at 40 deg', '1 loose body falls 0.035 mm and rests')
+    >>> joined_words([board, led, led], "mm", holds=None)[1]
+    '2 loose bodies are 0.035 mm above board'
+    >>> joined_words([board, {**led, "nearest": "wall"}], "mm", holds=False)[1]
+    'LED falls 0.035 mm onto board'
+    """
+    standing = [body for body in bodies if body["on_floor"]]
+    loose = [body for body in bodies if not body["on_floor"]]
+    if not standing:
+        return "", ""
+    first = "one body of " + count(len(standing[0]["parts"]), "part")
+    words = first if len(standing) == 1 else f"{len(standing)} bodies on the floor"
+    tilt = standing[0]["tilt_deg"]
+    if tilt is not None:
+        tips = f"tips at {number(tilt, 3)} deg" if tilt else "does not stand as drawn"
+        words += f", which {tips}"
+    if not loose:
+        return words, ""
+    falls = [body["fall"] for body in loose]
+    known = [fall for fall in falls if fall is not None]
+    many = len(loose) > 1
+    name = f"{len(loose)} loose bodies" if many else "1 loose body"
+    if holds and len(known) == len(falls):
+        verbs = "fall {} and rest" if many else "falls {} and rests"
+        return words, f"{name} {verbs.format(_range(known, units))}"
+    if not many and known and not _is_above(loose[0]):
+        return words, f"{plain(loose[0]['name'])} {support_words(loose[0], units)}"
+    gaps = [body["distance"] for body in loose if body["distance"] is not None]
+    if not gaps:
+        return words, f"{name} {'touch' if many else 'touches'} nothing"
+    where = "above" if all(map(_is_above, loose)) else "from"
+    others = {body["nearest"] for body in loose}
+    other = plain(others.pop()) if len(others) == 1 else "the nearest parts"
+    return words, f"{name} {'are' if many else 'is'} {_range(gaps, units)} {where} {other}"
+
+
+def _range(values: Sequence[float], units: str) -> str:
+    """Return the least and the largest of lengths in words."""
+    return range_words(*(f"{number(f(values), 3)} {units}" for f in (min, max)))
+
+
 def body_words(body: Entry, units: str) -> str:
     """Return a body and its place: its parts if it stands, else its nearest part and its fall.
 
@@ -78,10 +130,9 @@ def _loose_words(bodies: Sequence[Entry], units: str) -> str:
     about = [f"{len(bodies)} bodies"] * (len(bodies) > 1)
     if bodies[0]["nearest"] is not None:
         distances = [body["distance"] for body in bodies]
-        ends = [f"{number(f(distances), 3)} {units}" for f in (min, max)]
         where = "above" if all(map(_is_above, bodies)) else "from"
         other = plain(pattern([body["nearest"] for body in bodies]))
-        about.append(f"{range_words(*ends)} {where} {other}")
+        about.append(f"{_range(distances, units)} {where} {other}")
     return f"{name} ({', '.join(about)})" if about else name
 
 

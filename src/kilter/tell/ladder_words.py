@@ -103,19 +103,23 @@ def assumed_words(joints: int, moved: float, units: str) -> str:
     return f"assumed: {', and '.join(words)}" if words else ""
 
 
-def ladder_sentence(ladder: Sequence[Row], verdict: str, *, assume: str) -> str | None:
+def ladder_sentence(
+    ladder: Sequence[Row], verdict: str, *, assume: str, joined: tuple[str, str] = ("", "")
+) -> str | None:
     """Return the sentence of an answer with a ladder; None if its own sentence says enough.
 
     It states the lowest rung that holds and the parts that fall as drawn, or else the parts that
-    fall on every rung.
+    fall on every rung. `joined`: words about the joined bodies that stand and about the loose
+    bodies (`kilter.tell.body_words.joined_words`).
 
     Examples
     --------
     >>> row = {"friction": None, "verdict": "unstable", "level": None, "decided": True}
     >>> rows = [{**row, "assume": "drawn", "falls": 1, "names": ["lid"]},
     ...         {**row, "assume": "joined", "verdict": "stable", "level": "proved", "falls": 0}]
-    >>> ladder_sentence(rows, "unstable", assume="drawn")
-    'Unstable as drawn; it stands if its touching parts are joined. As drawn 1 part falls: lid.'
+    >>> ladder_sentence(rows, "unstable", assume="drawn", joined=("one body of 2 parts", ""))
+    'Unstable as drawn; it stands if its touching parts are joined: one body of 2 parts. \
+As drawn 1 part falls: lid.'
     >>> rows[1] |= {"verdict": "unstable", "level": None, "falls": 1, "names": ["pin"]}
     >>> rows[0] |= {"falls": 2, "names": ["lid", "pin"]}
     >>> ladder_sentence(rows, "unstable", assume="drawn")
@@ -125,19 +129,28 @@ lid, pin).'
     if not ladder or assume != "drawn":
         return None
     drawn, best = ladder[0], holding_row(ladder)
+    standing, loose = joined
     if best is not None:
         stands = "it stands" if best["verdict"] in STANDS else "forces that hold it exist"
         falls = f" As drawn {fall_words(drawn)}." if drawn["falls"] else ""
-        return f"{VERDICTS[verdict]} as drawn; {stands} {condition(best)}.{falls}"
+        bodies = ""
+        if best["assume"] == JOINED and standing:
+            bodies = f": {standing}" + (f". {loose}" if loose else "")
+        return f"{VERDICTS[verdict]} as drawn; {stands} {condition(best)}{bodies}.{falls}"
     begin = VERDICTS[verdict]
-    known = [row for row in ladder if row["decided"] and row["falls"]]
+    known = [row for row in ladder if row["falls"]]
     top = min(known, key=lambda row: row["falls"], default=None)
+    row = next((row for row in known if row["assume"] == JOINED), None)
+    words = ". ".join(filter(None, joined))
     if not all(row["decided"] for row in ladder):
-        joined = next((row for row in known if row["assume"] == JOINED), None)
-        if joined is None:
-            return f"{begin} as drawn: {fall_words(drawn)}."
-        falls = fall_words(min(drawn, joined, key=lambda row: row["falls"] or math.inf))
-        return f"{begin}, even {condition(joined)}: {falls}."
+        if row is None:
+            then = f" If its touching parts are joined: {words}." if words else ""
+            return f"{begin} as drawn: {fall_words(drawn)}.{then}"
+        falls = fall_words(min(drawn, row, key=lambda row: row["falls"] or math.inf))
+        then = f" Joined: {words}." if words else ""
+        if verdict != "unstable":
+            return f"{begin} as drawn; even {condition(row)}, {falls}.{then}"
+        return f"{begin}, even {condition(row)}: {falls}.{then}"
     if top is None or top["falls"] >= drawn["falls"]:
         return f"{begin} as drawn and on every other assumption: {fall_words(drawn)}."
     return f"{begin}: {fall_words(top)}, even {condition(top)} (as drawn {fall_words(drawn)})."
@@ -150,7 +163,8 @@ def fall_words(row: Row) -> str:
         return "which parts fall is not known"
     names = [plain(name) for name in row["names"]]
     verb = "part falls" if many == 1 else "parts fall"
-    return f"{many} {verb}: {some(names, NAMED, many)}"
+    least = "" if row.get("decided", True) else "at least "
+    return f"{least}{many} {verb}: {some(names, NAMED, many)}"
 
 
 def ladder_facts(answer: Mapping[str, Any]) -> list[Fact]:
@@ -166,7 +180,7 @@ def ladder_facts(answer: Mapping[str, Any]) -> list[Fact]:
     facts = []
     for row in answer.get("ladder", ()):
         name = row["assume"] if row["friction"] is None else f"mu {number(row['friction'])}"
-        if not row["decided"]:
+        if not row["decided"] and not row["falls"]:
             words = f"not decided: {' '.join(_options(row))}"
         elif row["level"] is not None:
             words = VERDICTS[row["verdict"]].lower()

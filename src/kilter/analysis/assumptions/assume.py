@@ -17,12 +17,15 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.assumptions.joining import joined
+from kilter.analysis.assumptions.straight_drop import drop_straight, tips, with_listed_contacts
 from kilter.analysis.check import check_equilibrium
+from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.settled_pose.rest import RestResult, WayStep
 from kilter.analysis.settled_pose.rest_engine import come_to_rest
 from kilter.analysis.settled_pose.rest_verification import RestingParts, verify_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle import is_verified, refusal, without_rounding
+from kilter.analysis.settled_pose.straight_falls import FEW_VERTICES
 from kilter.analysis.verdict.remarks import floating_groups
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint
@@ -77,6 +80,9 @@ class Assumed:
     """Longest way of a part [length unit]."""
     joints: int = 0
     """Number of joints that the rung added."""
+    surely_fall: tuple[str, ...] = ()
+    """Parts that fall further than their play, if a search would have to show whether others fall.
+    """
     ways: Mapping[str, tuple[WayStep, ...]] = field(default_factory=dict)
     """The pieces of the way of each part that took its pose at rest, by name."""
 
@@ -122,12 +128,22 @@ def assumed(asked: Question) -> Question:
 
 
 def assume(
-    asked: Question, rung: str, *, settles: bool = True, opens: bool = True, work: float = 1.0
+    asked: Question,
+    rung: str,
+    *,
+    settles: bool = True,
+    searches: bool = True,
+    opens: bool = True,
+    work: float = 1.0,
 ) -> Assumed:
     """Apply a rung to the assembly of a question.
 
-    Arguments: `settles`: whether parts move; `opens`: whether overlaps of the parts that find no
-    rest within their play are opened; `work`: work of the search for a pose at rest, over the usual
+    Bodies of a large file fall straight on the rung "joined" (`drop_straight`). They need a search
+    only if they do not rest where they land.
+
+    Arguments: `settles`: whether parts move; `searches`: whether a search for a pose at rest is
+    permitted; without it, the contacts of the bodies are listed; `opens`: whether overlaps of the
+    parts that find no rest within their play are opened; `work`: work of the search, over the usual
     one [-].
     """
     drawn, contacts = asked.assembly, detect.touching(asked)
@@ -136,9 +152,43 @@ def assume(
     plain = Assumed(rung, base, known, contacts, joints=len(base.joints) - len(drawn.joints))
     if rung == DRAWN or not settles or refusal(base) or not has_play(base, known):
         return plain
+    if rung == JOINED and (not searches or len(base.geometry.vertices) > FEW_VERTICES):
+        found = _dropped(asked, plain, listed=not searches)
+        if found is not None:
+            return found
+    if not searches:
+        return replace(plain, ended=False)
     if check_equilibrium(base, known).level is not None:
         return plain
     return _within_play(asked, plain, opens, work)
+
+
+def _dropped(asked: Question, plain: Assumed, *, listed: bool) -> Assumed | None:
+    """The assembly whose bodies fell straight; None if the pose of a body needs a search.
+
+    Arguments: `listed`: whether its contacts are given: those between bodies, found for the landed
+    bodies alone.
+    """
+    base = plain.assembly
+    bodies = rigid_bodies(base, ())
+    play = _largest(bodies, play_of(base), len(bodies.mass))
+    dropped = drop_straight(bodies, plain.drawn_contacts, play, on_surfaces=not listed)
+    if dropped is not None and listed and dropped.lands.any():
+        if dropped.gone.any():
+            gone = np.flatnonzero(dropped.gone[bodies.of_part])
+            return replace(plain, surely_fall=tuple(base.names[k] for k in gone.tolist()))
+        dropped = drop_straight(bodies, plain.drawn_contacts, play)
+    assembly = None if dropped is None else with_listed_contacts(dropped, plain.drawn_contacts)
+    if dropped is None or assembly is None:
+        return None
+    moved = float(np.linalg.norm(dropped.bodies.center - bodies.center, axis=1).max())
+    rest = chosen_parts(assembly, np.flatnonzero(~dropped.gone[bodies.of_part]), [])
+    balanced = check_equilibrium(rest, detect.contacts(rest)).level is not None
+    if not balanced and not tips(dropped, LONGEST_CHAIN * float(play.max())):
+        return None
+    if listed:
+        return replace(plain, assembly=assembly, contacts=detect.contacts(assembly), moved=moved)
+    return _posed(asked, plain, dropped.bodies.assembly(), None)
 
 
 def with_joints(assembly: Assembly, contacts: ContactSet, rung: str) -> Assembly:

@@ -18,7 +18,11 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.assumptions.joining import adjoining, body_labels, tables
 from kilter.analysis.planning.order.sweeps import Sweeps
-from kilter.analysis.settled_pose.straight_falls import StraightFall, falling_distance
+from kilter.analysis.settled_pose.straight_falls import (
+    FEW_VERTICES,
+    StraightFall,
+    falling_distance,
+)
 from kilter.arrays import Array, Index, Mask, across, cross, members_by_label, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import Body
@@ -129,7 +133,7 @@ class _LooseBodies:
 
     def __init__(self, assembly: Assembly, contacts: ContactSet) -> None:
         self._assembly = assembly
-        self._sweeps = Sweeps(contacts)
+        self._sweeps = Sweeps.of(contacts)
         self._solids = PartSolids(assembly.geometry)
         self._boxes = assembly.geometry.part_boxes
         self._known = {neighbour.part: neighbour for neighbour in contacts.neighbours}
@@ -161,7 +165,9 @@ class _LooseBodies:
 
     def _fall(self, group: Index) -> StraightFall | None:
         """The straight fall of parts that move together."""
-        return falling_distance(self._assembly, self._sweeps, group, self._assembly.down)
+        assembly = self._assembly
+        few = len(assembly.geometry.vertices) <= FEW_VERTICES
+        return falling_distance(assembly, self._sweeps, group, assembly.down, on_surfaces=few)
 
     def found(self, group: Index, fall: StraightFall | None) -> dict[str, Any]:
         """The keys of a loose body about its nearest part and its fall."""

@@ -6,12 +6,14 @@ long is not decided: its rung must be asked for.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from kilter.analysis.assumptions.assume import Assumed, assume, has_play
+from kilter.analysis.assumptions.assume import FEW_VERTICES, Assumed, assume
 from kilter.analysis.assumptions.rung_verdict import judged
 from kilter.analysis.check import check_level
+from kilter.analysis.verdict.remarks import floating_groups, touching_nothing
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import DRAWN, JOINED, PLAY, RUNGS, LadderRow
@@ -24,9 +26,9 @@ DRAWINGS = (
     *(".dae", ".gltf", ".glb"),
 )
 """Endings of the files whose answers have a ladder; folders of such files have one, too."""
-MOST_PARTS, MOST_VERTICES, MOST_JOINED = 60, 5_000, 16_000
-"""Sizes up to which the rows search for a pose at rest: numbers of parts and of vertices, and of
-vertices on the rung joined, whose bodies are few."""
+MOST_PARTS, MOST_JOINED = 60, 16_000
+"""Sizes up to which the rows search for a pose at rest: number of parts, and number of vertices on
+the rung joined, whose bodies are few; `FEW_VERTICES` on the others."""
 WORK = 0.2
 """Work limit of the search for the pose of a row, over the limit with `--assume` [-]."""
 MU = 0.3
@@ -54,14 +56,14 @@ def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
     known: dict[int, Assumed] = {}
     for rung in RUNGS:
         if rung == verdict.assume:
-            rows.append(_row(verdict, rung))
+            rows.append(_row(asked, verdict, rung))
         else:
             rows.append(_decided(asked, rung, known))
         if rung == DRAWN and rows[0].level is not None:
             return ()
     if not any(row.level is not None for row in rows[:-1]) and not rubs(drawn, contacts):
         searched = all(found.ended for found in known.values())
-        if len(drawn.geometry.vertices) > MOST_VERTICES:
+        if len(drawn.geometry.vertices) > FEW_VERTICES:
             rows.append(LadderRow(assume=DRAWN, friction=MU, decided=False))
         else:
             rows.append(_with_friction(asked, PLAY if searched else DRAWN))
@@ -74,18 +76,24 @@ def rubs(assembly: Assembly, contacts: ContactSet) -> bool:
     return bool(stated or (contacts.patch_mu > 0).any())
 
 
-def _row(verdict: Verdict, rung: str) -> LadderRow:
+def _row(asked: Question, verdict: Verdict, rung: str) -> LadderRow:
     """The row of a verdict."""
-    mass = verdict.program.mass
-    falls = [] if verdict.level is not None else verdict.moving
-    index = verdict.assembly.index
+    row = _falling(asked, rung, () if verdict.level is not None else verdict.moving)
+    return replace(row, verdict=verdict.verdict, level=verdict.level)
+
+
+def _falling(
+    asked: Question, rung: str, falls: Sequence[str], *, decided: bool = True
+) -> LadderRow:
+    """The row of an unstable assembly with its falling parts."""
+    mass, index = asked.assembly.geometry.mass, asked.assembly.index
     largest = sorted(falls, key=lambda name: -mass[index[name]])
     return LadderRow(
         assume=rung,
-        verdict=verdict.verdict,
-        level=verdict.level,
+        verdict="unstable",
         falls=len(falls),
         names=tuple(largest[:NAMED]),
+        decided=decided,
     )
 
 
@@ -100,25 +108,37 @@ def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow
         found = assume(asked, rung, settles=False)
         if rung != DRAWN:
             late = any(not other.ended for other in known.values())
-            moves = rung == JOINED or not late
-            found = known.get(found.joints) or _settled(asked, rung, moves=moves)
+            below = known.get(found.joints)
+            if below is None or (rung == JOINED and not below.ended):
+                below = _settled(asked, rung, moves=rung == JOINED or not late)
+            found = below
             known.setdefault(found.joints, found)
+        if found.surely_fall:
+            return _falling(asked, rung, found.surely_fall, decided=False)
+        if not found.ended and (not found.joints or _floats(found)):
+            return undecided
         verdict = judged(asked, found, check_level)
     except KilterError:
         return undecided
     if verdict.level is None and not found.ended:
         return undecided
-    return _row(verdict, rung)
+    return _row(asked, verdict, rung)
+
+
+def _floats(found: Assumed) -> bool:
+    """Whether a part touches nothing, so that no forces hold it."""
+    assembly, contacts = found.assembly, found.contacts
+    return bool(touching_nothing(assembly, contacts) or floating_groups(assembly, contacts))
 
 
 def _settled(asked: Question, rung: str, *, moves: bool) -> Assumed:
-    """The assembly on a rung; of a large one only if it holds without a movement."""
-    assembly = asked.assembly
-    most = MOST_JOINED if rung == JOINED else MOST_VERTICES
-    large = len(assembly.parts) > MOST_PARTS or len(assembly.geometry.vertices) > most
-    if large or not moves:
-        found = assume(asked, rung, settles=False)
-        return replace(found, ended=not has_play(found.assembly, found.contacts))
+    """The assembly on a rung; a large one without a search for a pose at rest."""
+    parts, vertices = len(asked.assembly.parts), len(asked.assembly.geometry.vertices)
+    large = parts > MOST_PARTS or vertices > (MOST_JOINED if rung == JOINED else FEW_VERTICES)
+    if large or not moves or (rung == JOINED and vertices > FEW_VERTICES):
+        found = assume(asked, rung, searches=False)
+        if large or not moves or found.ended:
+            return found
     return assume(asked, rung, work=WORK)
 
 

@@ -356,8 +356,7 @@ def _drop(state: _State, group: Index) -> float:
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
     among = np.where(state.gone, -1, group)[state.bodies.of_part]
-    fall = straight_falls(sweeps, assembly, among)
-    fall = fall[group]
+    fall = straight_falls(sweeps, assembly, among)[0][group]
     lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
     length = np.where(lost, 0.0, fall)

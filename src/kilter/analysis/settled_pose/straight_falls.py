@@ -24,14 +24,17 @@ from kilter.contact.pair_findings import find_families
 from kilter.rigid import Pose
 
 
-def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index) -> Array:
+def straight_falls(
+    sweeps: Sweeps, assembly: Assembly, group: Index, *, on_surfaces: bool = False
+) -> tuple[Array, Index]:
     """Lengths of the falls of groups of parts that fall at the same time.
 
     A fall ends before curved faces meet, by the distances of both parts from their triangles.
 
-    Arguments: `group` (N,): group of each part; 0 is supported and does not fall, -1 is not there.
-    Returns `fall` (G,): length of the fall of each group [length unit], infinite if it leaves the
-    scene.
+    Arguments: `group` (N,): group of each part; 0 is supported and does not fall, -1 is not there;
+    `on_surfaces`: whether falls end on the exact curved surfaces instead. Returns `fall` (G,):
+    length of the fall of each group [length unit], infinite if it leaves the scene; `onto` (G,):
+    group on which it lands, or -1.
     """
     slack = assembly.geometry.slack
     x, y, z = assembly.down.tolist()
@@ -39,6 +42,7 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index) -> Array:
     count = int(group.max(initial=0)) + 1
     fall = np.full(count, np.inf)
     fall[0] = 0.0
+    onto = np.full(count, -1)
     meets: dict[int, list[tuple[int, float, int, int]]] = {}
     for g in range(1, count):
         parts = np.flatnonzero(group == g)
@@ -58,11 +62,15 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index) -> Array:
             if done[g] or length + bound >= fall[g]:
                 continue
             height = _height(sweeps, part, other, direction, slack)
+            if on_surfaces and length + height < fall[g]:
+                exact = sweeps.heights(part, other, direction)
+                if not exact[1] and np.isfinite(exact[0]):
+                    height = _height_on_surfaces(sweeps, assembly, (part, other), exact[0])
             total = length + max(height, 0.0)
             if total < fall[g]:
-                fall[g] = total
+                fall[g], onto[g] = total, landed
                 heapq.heappush(waiting, (total, g))
-    return fall
+    return fall, onto
 
 
 def _height(sweeps: Sweeps, part: int, other: int, direction: Direction, slack: Array) -> float:
@@ -81,6 +89,8 @@ ROUNDS = 6
 """Largest number of Newton steps to the first contact of round faces."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
+FEW_VERTICES = 5_000
+"""Number of vertices up to which the falls of an answer end on the exact curved surfaces."""
 MOST_GROUPS = 200
 """Largest number of groups of parts whose straight falls are computed for an answer."""
 EXACT = 1e-12
@@ -100,12 +110,13 @@ class StraightFall:
 
 
 def falling_distance(
-    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array
+    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array, *, on_surfaces: bool = True
 ) -> StraightFall | None:
     """Find the first part that a group of parts meets if it falls straight down.
 
     Arguments: `parts` (n,): the falling parts; they move together; `down` (3,): unit direction of
-    gravity. Returns None if nothing is below the parts.
+    gravity; `on_surfaces`: whether the fall ends on the exact curved surfaces, not on their
+    triangles. Returns None if nothing is below the parts.
     """
     x, y, z = down.tolist()
     direction: Direction = (x, y, z)
@@ -127,8 +138,11 @@ def falling_distance(
         distance, exact = sweeps.heights(part, other, direction)
         if not np.isfinite(distance) or distance >= most:
             continue
-        if not exact:
-            distance = height_on_surfaces(assembly, part, other, down, distance)
+        known = sweeps.falls.get((part, other, direction))
+        if known is not None:
+            distance = known
+        elif on_surfaces and not exact:
+            distance = _height_on_surfaces(sweeps, assembly, (part, other), distance)
         if best is None or distance < best.distance:
             best = StraightFall(distance, part, other)
     return best
@@ -148,25 +162,30 @@ def landings(
 
     Parts of the mask that touch fall together. The other parts count as drawn. Parts with nothing
     below them, parts that touch the part below, and groups after the first `MOST_GROUPS` are left
-    out.
+    out. In large assemblies curved faces count as their triangles.
     """
     a, b = contacts.patch_parts.T
     both = falling[a] & falling[b]
     label = np.where(falling, connected(len(falling), a[both], b[both]), -1)
-    sweeps = Sweeps(contacts)
+    sweeps = Sweeps.of(contacts)
+    few = len(assembly.geometry.vertices) <= FEW_VERTICES
     found: dict[int, tuple[int, float]] = {}
     for group in members_by_label(label)[:MOST_GROUPS]:
-        fall = falling_distance(assembly, sweeps, group, assembly.down)
+        fall = falling_distance(assembly, sweeps, group, assembly.down, on_surfaces=few)
         if fall is not None and fall.distance > touching_gap(assembly, contacts, fall):
             found |= dict.fromkeys(group.tolist(), (fall.other, fall.distance))
     return found
 
 
-def height_on_surfaces(
-    assembly: Assembly, part: int, other: int, down: Array, distance: float
+def _height_on_surfaces(
+    sweeps: Sweeps, assembly: Assembly, pair: tuple[int, int], distance: float
 ) -> float:
     """Length of the fall on the exact surfaces, from the length on the triangles [length unit]."""
-    geometry = assembly.geometry
+    geometry, down, (part, other) = assembly.geometry, assembly.down, pair
+    x, y, z = down.tolist()
+    key = part, other, (x, y, z)
+    if key in sweeps.falls:
+        return sweeps.falls[key]
     slack = float(geometry.slack[part] + geometry.slack[other])
     size = float(min(geometry.size[part], geometry.size[other]))
     falling = replace(assembly.parts[part], grounded=False)
@@ -175,8 +194,8 @@ def height_on_surfaces(
     for _ in range(ROUNDS):
         pose = falling.pose
         moved = replace(falling, pose=Pose(pose.position + found * down, pose.rotation))
-        pair = Assembly([moved, still], units=assembly.units, gravity=assembly.gravity)
-        faces = find_families(begin_search(pair, Tolerance(gap=4 * slack), lambda stage: None))
+        both = Assembly([moved, still], units=assembly.units, gravity=assembly.gravity)
+        faces = find_families(begin_search(both, Tolerance(gap=4 * slack), lambda stage: None))
         near = Patches.join(
             [of.patches for of in (faces.smooth, faces.flat, faces.curved, faces.sharp)]
         )
@@ -188,4 +207,6 @@ def height_on_surfaces(
         found += step
         if abs(step) <= EXACT * size:
             break
-    return found if abs(found - distance) <= 4 * slack / UPRIGHT else distance
+    result = found if abs(found - distance) <= 4 * slack / UPRIGHT else distance
+    sweeps.falls[key] = result
+    return result

@@ -59,6 +59,7 @@ from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE
+from kilter.tell.body_words import joined_words
 from kilter.tell.html import InCells
 from kilter.tell.ladder_words import ladder_sentence, rung_sentence
 from kilter.tell.levels import REQUIRE, VerdictWord, holds, level_of
@@ -185,11 +186,20 @@ class Verdict(InCells, SupportedAnswer):
     def sentence(self) -> str:
         """The verdict in words, with its assumptions; of a ladder, the lowest rung that holds."""
         rows = [row.to_dict() for row in self.ladder]
-        words = ladder_sentence(rows, self.verdict, assume=self.assume)
+        joined = self._joined_words if rows and self.assume == DRAWN else ("", "")
+        words = ladder_sentence(rows, self.verdict, assume=self.assume, joined=joined)
         return words or rung_sentence(
             self.own_sentence, assume=self.assume, moved=self.moved, joined=self.joined_pairs,
             units=self.assembly.units, holds=self.level is not None,
         )  # fmt: skip
+
+    @property
+    def _joined_words(self) -> tuple[str, str]:
+        """Words about the joined bodies that stand, and about the loose bodies."""
+        row = next((row for row in self.ladder if row.assume == JOINED), None)
+        holds = row.level is not None if row is not None and row.decided else None
+        bodies = [body.to_dict() for body in self.bodies]
+        return joined_words(bodies, self.assembly.units, holds=holds)
 
     @cached_property
     @key

@@ -36,6 +36,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -48,6 +49,7 @@ from kilter.contact.contact_tolerances import (
     ANGLE,
     AXIS_ROUNDING,
     COINCIDENT,
+    DEEP,
     GAP,
     INSIDE,
     PRESS_FIT,
@@ -67,12 +69,17 @@ SHARE_DIGITS = 6
 
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
-    """Overlaps of open pairs that fill over half of the smaller part, the largest share first."""
+    """Overlaps of open pairs that fill over half of the smaller part, the largest share first.
+
+    In a folder, deep overlaps of three parts with each other count, too.
+    """
     left_open = {frozenset(pair.ends) for pair in contacts.open_pairs}
+    known = [overlap for overlap in contacts.overlaps if frozenset(overlap.ends) in left_open]
+    about_one_point = _mutual(contacts, known)
     coinciding = [
         overlap
-        for overlap in contacts.overlaps
-        if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.ends) in left_open
+        for overlap in known
+        if (overlap.share or 0.0) > COINCIDENT or frozenset(overlap.ends) in about_one_point
     ]
     parts = contacts.assembly.parts
 
@@ -82,6 +89,20 @@ def coincident(contacts: ContactSet) -> list[Overlap]:
         return -share, not any(parts[k].table for k in overlap.ends), overlap.why != SAME_BODY
 
     return sorted(coinciding, key=rank)
+
+
+def _mutual(contacts: ContactSet, overlaps: Sequence[Overlap]) -> set[frozenset[int]]:
+    """Pairs of parts of a folder that overlap each other and a third part, all deeply.
+
+    Bolts that are drawn without their holes overlap a common part, but not each other.
+    """
+    source, size = Path(contacts.assembly.source), contacts.assembly.geometry.size
+    if not contacts.assembly.source or source.suffix:
+        return set()
+    deep = {frozenset(o.ends) for o in overlaps if o.depth > DEEP * size[list(o.ends)].min()}
+    parts = sorted({part for pair in deep for part in pair})
+    threes = [[frozenset(p) for p in combinations(three, 2)] for three in combinations(parts, 3)]
+    return {pair for pairs in threes if deep.issuperset(pairs) for pair in pairs}
 
 
 def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
@@ -163,7 +184,10 @@ def _describe(contacts: ContactSet, overlap: Overlap) -> str:
         return f"{larger} and {smaller} are the same body twice"
     if (overlap.share or 0.0) > INSIDE:
         return f"{smaller} lies inside {larger}"
-    return f"{larger} and {smaller} share {100 * (overlap.share or 0.0):.2g} % of {smaller}"
+    if not overlap.share:
+        depth = f"{overlap.depth:.3g} {contacts.assembly.units}"
+        return f"{larger} and {smaller} overlap by {depth}"
+    return f"{larger} and {smaller} share {100 * overlap.share:.2g} % of {smaller}"
 
 
 def _sort_by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:

@@ -18,6 +18,7 @@ in the file must still block each other.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
@@ -66,7 +67,8 @@ class _Shadow:
 class Sweeps:
     """Collision tests for parts of an assembly that move on straight paths.
 
-    - `tests`: number of tested pairs.
+    - `tests`: number of tested pairs;
+    - `falls`: heights on the exact surfaces that `straight_falls` computed [length unit].
     """
 
     def __init__(self, contacts: ContactSet) -> None:
@@ -80,7 +82,14 @@ class Sweeps:
         self._endless: dict[tuple[int, Direction], tuple[int, int]] = {}
         self._before: dict[tuple[int, Direction], int] = {}
         self._box: dict[Direction, tuple[Array, Array]] = {}
+        self._heights: dict[tuple[int, int, Direction], tuple[float, bool]] = {}
+        self.falls: dict[tuple[int, int, Direction], float] = {}
         self.tests = 0
+
+    @classmethod
+    def of(cls, contacts: ContactSet) -> Sweeps:
+        """The tests for an assembly as drawn; each contact set has one object, with its results."""
+        return _SWEEPS.setdefault(contacts, cls(contacts))
 
     def tolerance(self, p: int, q: int) -> float:
         """Depth to which two parts may overlap on a path without a collision [length unit]."""
@@ -172,8 +181,11 @@ class Sweeps:
 
         It is not if curved surfaces, which are beside their triangles, may meet first.
         """
-        moving, still = self._shadow(part, direction), self._shadow(other, direction)
-        return _least_heights(moving, still, self.tolerance(part, other))
+        key = part, other, direction
+        if key not in self._heights:
+            moving, still = self._shadow(part, direction), self._shadow(other, direction)
+            self._heights[key] = _least_heights(moving, still, self.tolerance(part, other))
+        return self._heights[key]
 
     def under(self, parts: Index, direction: Direction) -> tuple[Index, Array]:
         """Other parts that the given parts may meet on a straight path, the nearest first.
@@ -204,6 +216,10 @@ class Sweeps:
             slack = self._geometry.slack_of(part)
             self._shadows[key] = _Shadow(seen[..., :2], seen[..., 2], facing, slack)
         return self._shadows[key]
+
+
+_SWEEPS: WeakKeyDictionary[ContactSet, Sweeps] = WeakKeyDictionary()
+"""The tests of each contact set."""
 
 
 def _basis(direction: Array) -> Array:
