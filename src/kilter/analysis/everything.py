@@ -31,7 +31,9 @@ from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError, SolverError, TimeLimitReached
+from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.rows import CONTACT
 from kilter.second_order.answer.path_places import PathPlaces, find_path_places
 from kilter.work import EFFORT, stop_after
 
@@ -359,17 +361,15 @@ def _ray_forces(assembly: Assembly, contacts: ContactSet, stable: Region) -> tup
     directions = len(stable.rays) + 2 * len(stable.lines)
     if not directions or directions * len(contacts.points) > RAY_FORCES:
         return ()
-    index = assembly.index
-    return tuple(
-        _balance(
-            proof.data["down"],
-            [point["x"] for point in proof.data["points"]],
-            [[index[name] for name in point["parts"]] for point in proof.data["points"]],
-            proof.data["forces"],
-        )
-        for proof in stable.proofs(about=("ray", "line"))
-        if "forces" in proof.data
-    )
+    balances = []
+    for each in stable.verified(("ray", "line")):
+        program, proof = each.program, each.certificate
+        if isinstance(proof, ForceProof):
+            rows = np.flatnonzero(program.kind == CONTACT)
+            parts = np.stack([program.part_a[rows], program.part_b[rows]], axis=1)
+            forces = program.point_forces(proof.forces, proof.friction)
+            balances.append(_balance(each.assembly.down, program.point[rows], parts, forces))
+    return tuple(balances)
 
 
 def _margin(

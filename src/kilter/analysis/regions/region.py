@@ -29,9 +29,10 @@ from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region_proofs import (
     RegionProof,
+    VerifiedDirection,
     common_proofs,
     further_forces,
-    region_proof,
+    verified_direction,
     warnings_of,
 )
 from kilter.analysis.regions.stable_cone import StableCone, stable_cone
@@ -254,6 +255,11 @@ class Region(InCells, RegionShape, AnswerInWords):
         beyond them. For several assemblies a ray has a proof in each, a facet in the
         first that does not hold beyond it.
         """
+        verified = self.verified(about)
+        return [each.data(options or {}, friction=self.friction) for each in verified]
+
+    def verified(self, about: Iterable[str]) -> list[VerifiedDirection]:
+        """Proofs of some kinds, verified on newly built programs; see `proofs`."""
         certified = [(proof, 0) for proof in self.found[0].proofs]
         if len(self.assemblies) > 1:
             certified = common_proofs(self.cone, self.assemblies, self.contacts)
@@ -262,13 +268,8 @@ class Region(InCells, RegionShape, AnswerInWords):
         programs = list(map(build_program, self.assemblies, self.contacts))
         kinds = frozenset(about)
         proofs = [
-            region_proof(
-                proof,
-                self.assemblies[k],
-                self.contacts[k],
-                programs[k],
-                friction=self.friction,
-                options=options or {},
+            verified_direction(
+                proof, self.assemblies[k], self.contacts[k], programs[k], friction=self.friction
             )
             for proof, k in certified
             if proof.about in kinds

@@ -56,16 +56,37 @@ class RegionProof:
         return f"RegionProof(about={self.about!r}, vector={self.vector.tolist()})"
 
 
-def region_proof(
+@dataclass(frozen=True, slots=True, eq=False)
+class VerifiedDirection:
+    """Proof of a direction of gravity, verified on a newly built program."""
+
+    proof: DirectionProof
+    assembly: Assembly
+    """With gravity along the direction."""
+    contacts: ContactSet
+    program: Program
+    """With gravity along the direction; without friction if the region has none."""
+    certificate: ForceProof | MotionProof
+
+    def data(self, options: dict[str, Any], *, friction: bool) -> RegionProof:
+        """The proof as data for `kilter.verify`."""
+        # forces in the cones of friction hold it; what must happen is another question
+        evidence = Evidence("open") if friction else None
+        data = make_proof(
+            self.assembly, self.contacts, self.program, self.certificate, options, evidence=evidence
+        )
+        return RegionProof(self.proof.about, self.proof.vector, self.assembly, data)
+
+
+def verified_direction(
     proof: DirectionProof,
     assembly: Assembly,
     contacts: ContactSet,
     program: Program,
     *,
     friction: bool,
-    options: dict[str, Any],
-) -> RegionProof | None:
-    """Convert a proof to data, after it was verified on a newly built program; None if it fails.
+) -> VerifiedDirection | None:
+    """Verify a proof on a newly built program; None if it fails.
 
     Arguments: `program`: newly built from them, with any direction of gravity; a region needs it
     only once.
@@ -77,10 +98,7 @@ def region_proof(
     certificate = _certified(program, turned, contacts, proof, friction)
     if not certificate.holds:
         return None
-    # forces in the cones of friction hold it; what must happen is another question
-    evidence = Evidence("open") if friction else None
-    data = make_proof(turned, contacts, program, certificate, options, evidence=evidence)
-    return RegionProof(proof.about, proof.vector, turned, data)
+    return VerifiedDirection(proof, turned, contacts, program, certificate)
 
 
 def _certified(
