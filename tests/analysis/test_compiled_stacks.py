@@ -14,8 +14,7 @@ from kilter.contact import Tolerance
 from kilter.scenes.random_bricks import box_pile
 from kilter.shape.primitives import Prism, surface
 
-pytest.importorskip("numba")
-pytestmark = pytest.mark.slow  # the first compilation takes tens of seconds
+pytestmark = pytest.mark.slow  # with numba the first compilation takes tens of seconds
 
 FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 HEXAGON = [[np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 3]
@@ -23,7 +22,9 @@ HEXAGON = [[np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 3]
 
 @pytest.fixture(autouse=True)
 def few_are_enough(monkeypatch):
+    """Also without numba: the code is then plain Python."""
     monkeypatch.setattr(clear_stacks, "FEWEST", 1)
+    monkeypatch.setattr(clear_stacks, "has_numba", lambda: True)
 
 
 def arrays_of(assemblies: list[Assembly], **more: object) -> AssemblyArrays:

@@ -6,7 +6,6 @@ A drawer of weight W on a rail that falls by the angle t is pulled along it by W
 from dataclasses import replace
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -124,6 +123,7 @@ def test_a_drawer_takes_its_contents_along(share, way):
     """
     tilt = np.radians(20)
     up = 0.03 + 1e-9
+    mujoco = pytest.importorskip("mujoco")
     text = DRAWER.format(
         tilt=20, friction=share * 2.5 * 9.81 * np.sin(tilt), x=up * np.sin(tilt),
         z=up * np.cos(tilt),

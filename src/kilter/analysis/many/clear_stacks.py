@@ -7,7 +7,7 @@ are the same.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -42,7 +42,8 @@ def clear_answers(
     if isinstance(given, AssemblyArrays):
         if given.vertices.dtype != np.float64:
             return None
-        which, meshes = np.arange(len(given)), _meshes_of_arrays
+        which: Index = np.arange(len(given))
+        meshes: Callable[[Any], Meshes] = _meshes_of_arrays
     else:
         which = np.array([k for k, one in enumerate(given) if _all_boxes(one)], dtype=np.int64)
         if len(which) < FEWEST:

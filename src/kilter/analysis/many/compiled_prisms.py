@@ -3,16 +3,16 @@
 Every test leaves a wide margin: a mesh, or a pair, that is near any limit is not read, and the
 general computation decides. A mesh is an upright prism if its corners lie on two levels, the upper
 ones above the lower ones, each triangle lies in one side and faces outwards, and each edge has two
-triangles in opposite senses. numba compiles this module (the extra `kilter[fast]`).
+triangles in opposite senses.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
+from kilter.analysis.many.compiled_code import compiled
 from kilter.analysis.many.compiled_tolerances import (
     CLEAR,
     CONVEX,
@@ -77,7 +77,7 @@ class Touches(NamedTuple):
     lower: Index
     upper: Index
     """Parts below and above each contact, shape (C,)."""
-    count: Index
+    corners: Index
     """Number of corners of each contact, shape (C,)."""
     points: Array
     """Horizontal coordinates of the corners, shape (C, MOST_CUT, 2)."""
@@ -131,7 +131,7 @@ def touches_of(contacts: int) -> Touches:
     )
 
 
-@numba.njit(cache=True)
+@compiled
 def level_frame(gravity: Array, frame: Array) -> bool:
     """Write two horizontal unit vectors and the upward one as rows; false without gravity."""
     size = np.sqrt((gravity * gravity).sum())
@@ -153,7 +153,7 @@ def level_frame(gravity: Array, frame: Array) -> bool:
     return True
 
 
-@numba.njit(cache=True)
+@compiled
 def _levels(local: Array, count: int, rounding: float) -> tuple[float, float]:
     """Heights of the two levels of the corners; equal if there are none."""
     low, high = local[0, 2], local[0, 2]
@@ -166,7 +166,7 @@ def _levels(local: Array, count: int, rounding: float) -> tuple[float, float]:
     return low, high
 
 
-@numba.njit(cache=True)
+@compiled
 def _ring(desk: Desk, count: int, middle: float) -> int:
     """Write the lower corners by their angle about their mean; return their number."""
     local, ring, angle = desk.local, desk.ring, desk.angle
@@ -191,7 +191,7 @@ def _ring(desk: Desk, count: int, middle: float) -> int:
     return n
 
 
-@numba.njit(cache=True)
+@compiled
 def _label_corners(desk: Desk, count: int, n: int, middle: float, rounding: float) -> bool:
     """Label the lower corners by their place in the ring, and those above by n more."""
     local, ring, label = desk.local, desk.ring, desk.label
@@ -211,7 +211,7 @@ def _label_corners(desk: Desk, count: int, n: int, middle: float, rounding: floa
     return bool(above == (1 << n) - 1)  # each once: they are as many
 
 
-@numba.njit(cache=True)
+@compiled
 def _in_a_side(a: int, b: int, c: int, n: int) -> bool:
     """Whether three corners, by their labels, lie in one side of the prism, seen from outside."""
     above = int(a >= n) + int(b >= n) + int(c >= n)
@@ -232,7 +232,7 @@ def _in_a_side(a: int, b: int, c: int, n: int) -> bool:
     return right == (left + 1 if left + 1 < n else 0) and p in (q, r)
 
 
-@numba.njit(cache=True)
+@compiled
 def _closed(meshes: Meshes, part: int, desk: Desk, n: int) -> bool:
     """Whether the triangles of a part lie in the sides of a prism, and cover each side once."""
     wide, first, number = 2 * n, meshes.vertex_start[part], part + 1
@@ -259,7 +259,7 @@ def _closed(meshes: Meshes, part: int, desk: Desk, n: int) -> bool:
     return True
 
 
-@numba.njit(cache=True)
+@compiled
 def _measure(prisms: Prisms, p: int, high: float) -> bool:
     """Compute the sizes of prism p from its outline and levels; false if it is not convex."""
     n, outline = prisms.corners[p], prisms.outline
@@ -297,7 +297,7 @@ def _measure(prisms: Prisms, p: int, high: float) -> bool:
     return bool(prisms.size[p, 2] > RESOLVED_SHARE * max(high, prisms.size[p, 1]))
 
 
-@numba.njit(cache=True)
+@compiled
 def read_prism(meshes: Meshes, part: int, frame: Array, prisms: Prisms, p: int, desk: Desk) -> bool:
     """Read a part as the prism with index p; false if it is no upright convex prism."""
     first, last = meshes.vertex_start[part], meshes.vertex_start[part + 1]
@@ -336,7 +336,7 @@ def read_prism(meshes: Meshes, part: int, frame: Array, prisms: Prisms, p: int, 
     return _measure(prisms, p, high)
 
 
-@numba.njit(cache=True)
+@compiled
 def _separation(prisms: Prisms, a: int, b: int) -> float:
     """Largest distance of two outlines along a normal of a side; negative: how far they overlap."""
     most, outline = -np.inf, prisms.outline
@@ -354,20 +354,22 @@ def _separation(prisms: Prisms, a: int, b: int) -> float:
     return most
 
 
-@numba.njit(cache=True)
+@compiled
 def _box_distance(prisms: Prisms, a: int, b: int) -> float:
     """Distance along x or y of the boxes about two outlines, which is at most their distance."""
     bounds = prisms.bounds
-    return max(
-        max(bounds[a, 0] - bounds[b, 2], bounds[b, 0] - bounds[a, 2]),
-        max(bounds[a, 1] - bounds[b, 3], bounds[b, 1] - bounds[a, 3]),
+    return float(
+        max(
+            max(bounds[a, 0] - bounds[b, 2], bounds[b, 0] - bounds[a, 2]),
+            max(bounds[a, 1] - bounds[b, 3], bounds[b, 1] - bounds[a, 3]),
+        )
     )
 
 
-@numba.njit(cache=True)
+@compiled
 def _overlap(prisms: Prisms, a: int, b: int, points: Array) -> int:
     """Write the corners of the overlap of two outlines; return their number."""
-    count, n, outline = prisms.corners[a], prisms.corners[b], prisms.outline
+    count, n, outline = int(prisms.corners[a]), prisms.corners[b], prisms.outline
     points[:count] = outline[a, :count]
     cut = np.empty((MOST_CUT, 3))
     for k in range(n):
@@ -393,7 +395,7 @@ def _overlap(prisms: Prisms, a: int, b: int, points: Array) -> int:
     return count
 
 
-@numba.njit(cache=True)
+@compiled
 def find_touches(
     prisms: Prisms, parts: int, relative_gap: float, gap: float, touches: Touches
 ) -> tuple[int, bool]:
@@ -427,6 +429,6 @@ def find_touches(
             if count < 3:
                 return -1, near
             touches.lower[found], touches.upper[found] = lower, upper
-            touches.count[found] = count
+            touches.corners[found] = count
             found += 1
     return found, near

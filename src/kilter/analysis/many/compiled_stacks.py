@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
+from kilter.analysis.many.compiled_code import compiled
 from kilter.analysis.many.compiled_prisms import (
     MOST_CONTACTS,
     MOST_CUT,
@@ -95,7 +95,7 @@ class Answers(NamedTuple):
     violation: Array
 
 
-@numba.njit(cache=True)
+@compiled
 def _solve(gram: Array, right: Array) -> tuple[float, float, float, float]:
     """Solve a symmetric system of three equations; also bound its least eigenvalue from below."""
     a, b, c = gram[0, 0], gram[0, 1], gram[0, 2]
@@ -116,7 +116,7 @@ def _solve(gram: Array, right: Array) -> tuple[float, float, float, float]:
     )
 
 
-@numba.njit(cache=True)
+@compiled
 def _footing(prisms: Prisms, p: int, point: Array, foot: Array) -> None:
     """Write (1, u, v) of a point: its horizontal place from the centre over the radius."""
     foot[0] = 1.0
@@ -124,14 +124,14 @@ def _footing(prisms: Prisms, p: int, point: Array, foot: Array) -> None:
     foot[2] = (point[1] - prisms.centre[p, 1]) / prisms.size[p, 1]
 
 
-@numba.njit(cache=True)
+@compiled
 def _add_moments(gram: Array, foot: Array, weight: float) -> None:
     for i in range(3):
         for j in range(3):
             gram[i, j] += weight * foot[i] * foot[j]
 
 
-@numba.njit(cache=True)
+@compiled
 def _share_least(feet: Array, count: int, need: Array, force: Array) -> bool:
     """Share a load by least squares; false if a force pulls or the supports are on a line."""
     gram = np.zeros((3, 3))
@@ -147,7 +147,7 @@ def _share_least(feet: Array, count: int, need: Array, force: Array) -> bool:
     return True
 
 
-@numba.njit(cache=True)
+@compiled
 def _hull(feet: Array, count: int, hull: Index) -> int:
     """Write the corners of the convex hull, counterclockwise; return their number (Jarvis)."""
     start = 0
@@ -178,7 +178,7 @@ def _hull(feet: Array, count: int, hull: Index) -> int:
     return n
 
 
-@numba.njit(cache=True)
+@compiled
 def _beyond(feet: Array, hull: Index, n: int, u: float, v: float) -> tuple[float, int]:
     """Largest distance of a place beyond an edge of a hull, and the edge."""
     most, edge = -np.inf, -1
@@ -191,7 +191,7 @@ def _beyond(feet: Array, hull: Index, n: int, u: float, v: float) -> tuple[float
     return most, edge
 
 
-@numba.njit(cache=True)
+@compiled
 def _share_hull(feet: Array, count: int, hull: Index, n: int, need: Array, force: Array) -> None:
     """Share a load within a hull by mean value coordinates, which are positive."""
     u, v = need[1] / need[0], need[2] / need[0]
@@ -211,13 +211,13 @@ def _share_hull(feet: Array, count: int, hull: Index, n: int, need: Array, force
     force[:count] *= need[0] / total
 
 
-@numba.njit(cache=True)
+@compiled
 def _gather(prisms: Prisms, touches: Touches, found: int, p: int, feet: Array) -> int:
     """Write the footings of the supports of part p; return their number, -1 if too many."""
     count = 0
     for c in range(found):
         if touches.upper[c] == p:
-            for k in range(touches.count[c]):
+            for k in range(touches.corners[c]):
                 if count == MOST_POINTS:
                     return -1
                 _footing(prisms, p, touches.points[c, k], feet[count])
@@ -225,7 +225,7 @@ def _gather(prisms: Prisms, touches: Touches, found: int, p: int, feet: Array) -
     return count
 
 
-@numba.njit(cache=True)
+@compiled
 def _pass_down(
     prisms: Prisms, touches: Touches, found: int, p: int, force: Array, statics: Statics
 ) -> None:
@@ -234,7 +234,7 @@ def _pass_down(
     for c in range(found):
         if touches.upper[c] == p:
             lower = touches.lower[c]
-            for k in range(touches.count[c]):
+            for k in range(touches.corners[c]):
                 statics.force[c, k] = force[at]
                 _footing(prisms, lower, touches.points[c, k], foot)
                 for i in range(3):
@@ -242,7 +242,7 @@ def _pass_down(
                 at += 1
 
 
-@numba.njit(cache=True)
+@compiled
 def _tip(
     prisms: Prisms, p: int, feet: Array, a: int, b: int, statics: Statics, touches: Touches,
     found: int,
@@ -280,7 +280,7 @@ def _tip(
         statics.motion[q, 3], statics.motion[q, 4] = x, y
 
 
-@numba.njit(cache=True)
+@compiled
 def _point_speed(
     prisms: Prisms, statics: Statics, part: int, x: float, y: float, z: float
 ) -> tuple[float, float, float]:
@@ -293,7 +293,7 @@ def _point_speed(
     )
 
 
-@numba.njit(cache=True)
+@compiled
 def _judge_motion(
     prisms: Prisms, touches: Touches, found: int, parts: int, mu: float, statics: Statics
 ) -> tuple[bool, float, float]:
@@ -315,7 +315,7 @@ def _judge_motion(
         if statics.moving[lower] == statics.moving[upper]:
             continue
         z = prisms.level[upper, 0]
-        for k in range(touches.count[c]):
+        for k in range(touches.corners[c]):
             x, y = touches.points[c, k]
             up = _point_speed(prisms, statics, upper, x, y, z)
             down = _point_speed(prisms, statics, lower, x, y, z)
@@ -327,7 +327,7 @@ def _judge_motion(
     return violation <= VIOLATION and power > LEAST_POWER * total, power, violation
 
 
-@numba.njit(cache=True)
+@compiled
 def _carried_sums(
     prisms: Prisms, touches: Touches, found: int, parts: int, statics: Statics
 ) -> tuple[Array, Array, float]:
@@ -336,7 +336,7 @@ def _carried_sums(
     largest = 0.0
     left[:, 0] = -statics.weight[:parts]
     for c in range(found):
-        for k in range(touches.count[c]):
+        for k in range(touches.corners[c]):
             force = statics.force[c, k]
             if force < 0:
                 return left, sums, -1.0
@@ -350,7 +350,7 @@ def _carried_sums(
     return left, sums, largest
 
 
-@numba.njit(cache=True)
+@compiled
 def _judge_forces(
     prisms: Prisms, touches: Touches, found: int, parts: int, statics: Statics
 ) -> tuple[bool, float]:
@@ -374,7 +374,7 @@ def _judge_forces(
         gram[:] = 0.0
         for c in range(found):
             if touches.upper[c] == p:
-                for k in range(touches.count[c]):
+                for k in range(touches.corners[c]):
                     if statics.force[c, k] > CARRIES * largest:
                         _footing(prisms, p, touches.points[c, k], foot)
                         _add_moments(gram, foot, statics.force[c, k])
@@ -383,7 +383,7 @@ def _judge_forces(
             return False, worst
         for c in range(found):
             if touches.upper[c] == p:
-                for k in range(touches.count[c]):
+                for k in range(touches.corners[c]):
                     _footing(prisms, p, touches.points[c, k], foot)
                     change = a + b * foot[1] + d * foot[2]
                     if not abs(change) < CHANGED:
@@ -394,7 +394,7 @@ def _judge_forces(
     return True, worst
 
 
-@numba.njit(cache=True)
+@compiled
 def _spread(prisms: Prisms, touches: Touches, found: int, parts: int, statics: Statics) -> int:
     """Find forces, or the motion of the highest part that no forces hold."""
     feet, force = np.empty((MOST_POINTS, 3)), np.empty(MOST_POINTS)
@@ -425,7 +425,7 @@ def _spread(prisms: Prisms, touches: Touches, found: int, parts: int, statics: S
     return STABLE
 
 
-@numba.njit(cache=True)
+@compiled
 def _prepare(
     meshes: Meshes, k: int, frame: Array, prisms: Prisms, statics: Statics, desk: Desk
 ) -> bool:
@@ -454,7 +454,7 @@ def _prepare(
     return held
 
 
-@numba.njit(cache=True)
+@compiled
 def decide_prisms(
     meshes: Meshes,
     tolerance: tuple[float, float],

@@ -234,8 +234,8 @@ class Rows:
     @classmethod
     def empty(cls, count: int) -> Rows:
         """Rows of `count` assemblies without a verdict."""
-        unknown = (np.full(count, np.nan) for _ in range(3))
-        return cls(np.full(count, "", dtype=WORD), *unknown, {}, {})
+        residual, power, violation = np.full((3, count), np.nan)
+        return cls(np.full(count, "", dtype=WORD), residual, power, violation, {}, {})
 
     @property
     def left(self) -> Index:

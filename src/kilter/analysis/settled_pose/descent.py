@@ -133,6 +133,7 @@ class Descent:
         rough = self._padded(rough) & (self.mu > 0)
         opening = np.zeros(len(self.gap))
         motion: Array | None = None
+        before: Array | None = None
         chosen = self._most(-self.gap)
         for _ in range(REPEATS):
             stop_if_late()
@@ -141,13 +142,16 @@ class Descent:
                 break
             found = answer.x
             largest = float(np.abs(found).max())
-            settled = motion is not None and np.abs(found - motion).max() <= SAME * largest
-            motion = found
+            settled = before is not None and np.abs(found - before).max() <= SAME * largest
+            before = found
+            # a single sliding contact changes the slip by mu^2 / (1 + mu^2) of a change of s
+            change = np.where(rough, self.mu * self._slipped(found) - opening, 0.0)
+            # an opening beyond that of the slip would let the bodies penetrate
+            if motion is None or settled or change.min(initial=0.0) >= -SAME * largest:
+                motion = found
             if settled or largest <= 1e-9 or not rough.any():
                 break
-            # a single sliding contact changes the slip by mu^2 / (1 + mu^2) of a change of s
-            change = self.mu * self._slipped(motion) - opening
-            opening = np.where(rough, np.maximum(opening + (1 + self.mu**2) * change, 0.0), 0.0)
+            opening = np.maximum(opening + (1 + self.mu**2) * change, 0.0)
         if motion is None:
             return None
         return self._expanded(motion * scale)

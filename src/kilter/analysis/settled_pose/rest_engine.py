@@ -21,6 +21,7 @@ import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
+from kilter.analysis.settled_pose.closing_motion import least_motion
 from kilter.analysis.settled_pose.descent import Descent
 from kilter.analysis.settled_pose.joint_rows import spring_energy
 from kilter.analysis.settled_pose.near_points import NearPoints
@@ -80,6 +81,11 @@ SIDEWAYS = 1e-6
 """Component of a normal along gravity up to which a contact is at a side [-]."""
 STRAIGHT = 0.999
 """Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
+SUNK = 2.0
+"""Reach of the least motion of bodies that are sunk into each other, over the deepest overlap [-].
+"""
+SOFT = 0.05
+"""Deepest overlap of soft contacts, over the median size of the bodies of a group [-]."""
 FLOATS = 1e-6
 """Gap to the support from which a body floats [sizes]."""
 
@@ -149,6 +155,16 @@ class _State:
         if np.isfinite(self.limit).any():
             self.gone |= self.way > self.limit
 
+    def put(self, group: Mask, bodies: RigidBodies) -> None:
+        """Put a group of bodies (B,), those of `bodies` from 1 on, where they rest."""
+        before, self.bodies = self.bodies, self.bodies.with_poses(group, bodies)
+        turned = np.einsum("bij,bkj->bik", self.bodies.rotation, before.rotation)
+        turn = np.linalg.norm(turned - np.eye(3), axis=(1, 2)) / np.sqrt(2)
+        far = np.linalg.norm(self.bodies.center - before.center, axis=1)
+        for k in np.flatnonzero(far + turn * self.bodies.size / 2 > STILL * self.closed).tolist():
+            self._note(k, "pushed-out", far[k], turn[k])
+        self.asleep |= group
+
     @property
     def way(self) -> Array:
         """Longest way of a point of each body from the first pose, at most [length unit], (B,)."""
@@ -195,6 +211,7 @@ def come_to_rest(
     if limit is not None:
         state.limit = limit
         state.stride = np.minimum(state.stride, limit / 8)
+    _close_sunk_groups(state)
     _open_overlaps(state)
     aside, again = state.bodies, True
     while again:
@@ -233,6 +250,30 @@ def _points(state: _State, reach: float | Array) -> NearPoints:
     return points.take(there & (moves[points.part_a] | moves[points.part_b]))
 
 
+def _close_sunk_groups(state: _State) -> None:
+    """Move groups of bodies that are sunk into each other to rest by the least motion.
+
+    A group whose overlaps are deeper than those of soft contacts stays as it is, as does one that
+    has no pose at rest within `SUNK` times its deepest overlap.
+    """
+    bodies = state.bodies
+    points = _points(state, state.closed)
+    island = _islands(state, points, bodies.moves)
+    deep = np.where(island >= 0, _deepest(state, island, points), 0.0)
+    deep[(deep <= 5 * state.closed) | np.isfinite(state.limit)] = 0.0
+    points = _points(state, np.maximum(SUNK * deep, state.closed))
+    island = _islands(state, points, (deep > 0) & bodies.moves)
+    for each in np.unique(island[island >= 0]).tolist():
+        group = island == each
+        deepest = float(deep[group].max())
+        if deepest > SOFT * np.median(bodies.size[group]):
+            continue
+        state.tell(f"sunk group: {number(deepest)}")
+        found = least_motion(bodies.only(group), SUNK * deepest, state.candidates.near)
+        if found.state == "at-rest":
+            state.put(group, found.bodies)
+
+
 def _open_overlaps(state: _State, *, upright: bool = False) -> None:
     """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place.
 
@@ -247,12 +288,12 @@ def _open_overlaps(state: _State, *, upright: bool = False) -> None:
     while pushes < PUSHES:
         stop_if_late()
         points = _points(state, reach)
-        programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
+        programs = RestPrograms.of(state.bodies, points, state.length, state.weight, by_mass=True)
         deep = -float(programs.gap.min(initial=0.0)) * state.length
         if deep <= 5 * state.closed:  # half of what counts as closed
             return
         state.tell(f"overlaps: {number(deep)}")
-        apart = programs.push_apart(by_mass=True, upright=upright or limited)
+        apart = programs.push_apart(upright=upright or limited)
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:
@@ -527,18 +568,19 @@ def _without_still_gaps(state: _State, points: NearPoints) -> NearPoints:
 def _awake_points(state: _State) -> tuple[NearPoints, Index]:
     """Points near contact, and the island of each body (B,).
 
-    Resting bodies of islands wake up. Bodies that stand still take the stride of those that move.
+    Resting bodies of islands wake up. They and bodies that stand still take the stride of those
+    that move, so that a body that comes near does not shorten the steps.
     """
     while True:
         points = _points(state, _reach(state))
         island = _islands(state, points, ~state.asleep & ~state.gone & state.bodies.moves)
         woken = state.asleep & (island >= 0)
-        stride = np.maximum(_stride_of_islands(state, island), state.stride)
+        stride = _stride_of_islands(state, island)
         longer = (state.quiet > 0) & (stride > state.stride)
         if not (woken | longer).any():
             return points, island
         state.asleep &= ~woken
-        state.stride = np.where(longer, stride, state.stride)
+        state.stride = np.where(woken | longer, stride, state.stride)
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
@@ -560,7 +602,7 @@ def _stride_of_islands(state: _State, island: Index) -> Array:
     least, moving = np.full((2, len(island) + 1), np.inf)
     own = np.minimum(state.stride, state.limit / 4)
     np.minimum.at(least, island, own)
-    np.minimum.at(moving, island, np.where(state.quiet > 0, np.inf, own))
+    np.minimum.at(moving, island, np.where((state.quiet > 0) | state.asleep, np.inf, own))
     stride = np.where(np.isfinite(moving), moving, least)
     return np.where(island >= 0, stride[island], 0.0)
 

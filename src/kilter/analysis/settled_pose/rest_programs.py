@@ -1,11 +1,11 @@
 """The programs of a step towards rest, over the points near contact in the current pose.
 
 Let p be the small motions of the bodies, J_n p the rates of the gaps g, and f the forces at the
-points in Coulomb's cones. M weighs motions by the squares of the distances that points move,
-and D by the masses of the bodies, unless the least motion is searched: a heavy bin stays where it
-is, and its light contents move.
+points in Coulomb's cones. M weighs motions by the squares of the distances that points move, and
+by the masses of the bodies, unless the least motion is searched: a heavy bin stays where it is, and
+its light contents move.
 
-    push apart     min p'MDp                                    g + J_n p >= 0
+    push apart     min p'Mp                                     g + J_n p >= 0
     carry          min sum f_n c + PRICE |J'f + w|_1            f in the cones, c >= 0
     close          min kappa p'Mp / 2 + sum c (g + J_n p)       g + J_n p >= 0, c >= 0
     least overlap  min t + epsilon p'Mp                         g + J_n p + t >= 0
@@ -78,16 +78,17 @@ class RestPrograms:
     """Columns in which forces must balance; a planar assembly has three for each body."""
     weights: Array
     """Diagonal of M for `columns`."""
-    mass: Array
-    """Mass of the body of each of `columns`, over the median [-]."""
     length: float
     """Unit of length [length unit]."""
 
     @staticmethod
-    def of(bodies: RigidBodies, points: NearPoints, length: float, weight: float) -> RestPrograms:
+    def of(
+        bodies: RigidBodies, points: NearPoints, length: float, weight: float, *, by_mass: bool
+    ) -> RestPrograms:
         """Build the programs of bodies with the given points near contact.
 
-        `length` and `weight` are the units of length [length unit] and force [N].
+        `length` and `weight` are the units of length [length unit] and force [N]; `by_mass`: M
+        weighs the masses of the bodies.
         """
         free = np.flatnonzero(bodies.free)
         n, (u, v) = points.normal, across(points.normal)
@@ -107,14 +108,15 @@ class RestPrograms:
         weights = np.concatenate(
             [np.ones((len(free), 3)), np.repeat(arm[:, None] ** 2, 3, axis=1)], axis=1
         ).ravel()[columns]
-        mass = bodies.mass[free[columns // 6]]
-        mass = np.clip(mass / (np.median(mass) if len(mass) else 1.0), 1 / HEAVIER, HEAVIER)
+        if by_mass and len(columns):
+            mass = bodies.mass[free[columns // 6]]
+            weights *= np.clip(mass / np.median(mass), 1 / HEAVIER, HEAVIER)
         return RestPrograms(
             _stacked([normal, guides.stop]), _stacked(slips), np.vstack([parts, guides.stop_parts]),
             joint, drift, guides, loads(bodies, length, weight) + guides.load,
             np.append(points.gap / length, guides.room), np.append(points.mu, np.zeros(count)),
             np.append(points.bears, np.ones(count, dtype=bool)),
-            columns, balanced, weights, mass, length,
+            columns, balanced, weights, length,
         )  # fmt: skip
 
     @property
@@ -122,17 +124,16 @@ class RestPrograms:
         """Rates of the gaps for motions of the bodies that may move."""
         return csr_array(self.normal[:, self.columns])
 
-    def push_apart(self, *, by_mass: bool, upright: bool = False) -> Array | None:
+    def push_apart(self, *, upright: bool = False) -> Array | None:
         """Least motion that opens all overlaps; None if none exists to first order.
 
-        `by_mass`: whether D weighs the motion, too. The search for the least motion leaves it out.
         `upright`: whether bodies shift rather than turn, so that their faces stay parallel.
         """
         deep = float(max(-self.gap.min(initial=0.0), np.abs(self.drift).max(initial=0.0)))
         if deep == 0.0:
             return np.zeros(len(self.columns))
-        weights = self.weights * (self.mass if by_mass else 1.0)
-        weights = np.where(upright & (self.columns % 6 >= 3), UPRIGHT * weights, weights)
+        turns = upright & (self.columns % 6 >= 3)
+        weights = np.where(turns, UPRIGHT * self.weights, self.weights)
         step = self._step(weights, np.zeros(len(self.columns)), self.gap / deep, deep)
         return None if step is None else deep * step
 

@@ -109,12 +109,13 @@ def search_rest(
     most: float | None,
     progress: Callable[[str], None],
     near: Callable[[RigidBodies, float], NearPoints] | None = None,
+    by_mass: bool = False,
 ) -> SearchResult:
     """Search for a pose at rest near the current pose.
 
     Arguments: `reach`: largest gap of the points that are considered [length unit]; `most`: largest
     permitted movement of a part [length unit]; None: no limit; `near`: function that finds the
-    points within a reach; by default `find_near_points`.
+    points within a reach; by default `find_near_points`; `by_mass`: heavy bodies move less.
     """
     length, weight = units_of(bodies)
     closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)
@@ -128,7 +129,7 @@ def search_rest(
             else near(bodies, reach)
         )
         points = _between_bodies(bodies, every)
-        programs = RestPrograms.of(bodies, points, length, weight)
+        programs = RestPrograms.of(bodies, points, length, weight, by_mass=by_mass)
         if not len(programs.gap):
             why = "no two parts come within reach"
             return SearchResult("not-found", bodies, rounds, why=why)
@@ -157,10 +158,11 @@ def _not_closed(bodies: RigidBodies, state: _Progress, length: float) -> SearchR
 def units_of(bodies: RigidBodies) -> tuple[float, float]:
     """Units of length [length unit] and force [N] of the programs."""
     geometry = bodies.drawn.geometry
-    free = ~geometry.grounded
+    free = bodies.of_part > 0
     sizes = geometry.size[free] if free.any() else geometry.size
     weights = geometry.mass[free] * float(np.linalg.norm(bodies.drawn.gravity))
-    loads = [float(np.linalg.norm(load.force)) for load in bodies.drawn.loads]
+    acting = [load for load in bodies.drawn.loads if bodies.body_of(load.part)]
+    loads = [float(np.linalg.norm(load.force)) for load in acting]
     mean = float(weights.mean()) if free.any() else 1.0
     return float(np.median(sizes)), max([mean, *loads])
 
@@ -188,7 +190,7 @@ def _round(
         if np.abs(imbalance).max(initial=0.0) <= BALANCED:
             return SearchResult("at-rest", bodies, rounds)
     else:
-        apart = programs.push_apart(by_mass=False)
+        apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth > state.accepted:
@@ -196,7 +198,7 @@ def _round(
             if depth > state.closed:
                 state.closed = state.accepted
             programs = replace(programs, gap=gap + 2 * depth + state.closed / 2)
-            apart = programs.push_apart(by_mass=False)
+            apart = programs.push_apart()
         if apart is not None:
             opened = gap + programs.rates @ apart
     forces, imbalance = programs.carry(

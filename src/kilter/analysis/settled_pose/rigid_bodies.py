@@ -94,6 +94,19 @@ class RigidBodies:
             rotation=np.where(chosen[:, None, None], self.rotation, other.rotation),
         )
 
+    def only(self, group: Mask) -> RigidBodies:
+        """Some bodies (B,), numbered from 1; the others are held in their drawn pose."""
+        kept = np.append(0, np.flatnonzero(group))
+        number = np.where(group, np.cumsum(group), 0)
+        every = (self.moves, self.mass, self.size, self.drawn_center, self.center, self.rotation)
+        return RigidBodies(self.drawn, number[self.of_part], *(each[kept] for each in every))
+
+    def with_poses(self, group: Mask, other: RigidBodies) -> RigidBodies:
+        """The bodies, with the poses of those of `only(group)` from `other`."""
+        center, rotation = self.center.copy(), self.rotation.copy()
+        center[group], rotation[group] = other.center[1:], other.rotation[1:]
+        return replace(self, center=center, rotation=rotation)
+
     def assembly(self) -> Assembly:
         """The assembly in the current pose; joints and points of loads and bonds follow.
 
