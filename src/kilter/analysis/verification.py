@@ -303,7 +303,7 @@ def verify_bundle(
     for about, proof in split_bundle(bundle):
         subject = about["about"]
         other, touching = apply_change(assembly, contacts, about["change"])
-        result = verify_proof(other, touching, proof, require="equilibrium")
+        result = _verify_proof(other, touching, proof, require="equilibrium")
         wrong = [*result.reasons, *filter(None, [subject_mismatch(about, proof)])]
         of = next((about[key] for key in ("part", "parts", "vector", "value") if key in about), "")
         reasons += [f"{subject} {of}: {reason}" for reason in wrong]
@@ -381,6 +381,13 @@ def verify_proof(
     Raises `InputError` if keys of the proof are missing or have the wrong type.
     """
     require_form(proof)
+    return _verify_proof(assembly, contacts, proof, require=require)
+
+
+def _verify_proof(
+    assembly: Assembly, contacts: ContactSet, proof: dict[str, Any], *, require: str | None
+) -> Verification:
+    """Recompute a single proof of the right form, as `verify_proof`."""
     named = with_ends_of(assembly, proof.get("straps", []))
     ends = end_words(assembly, named)
     assembly, contacts = named, contacts.of(named)

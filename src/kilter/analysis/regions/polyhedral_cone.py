@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.analysis_tolerances import NO_LENGTH
+from kilter.analysis.analysis_tolerances import NO_LENGTH, PLAIN
 from kilter.arrays import Array, Mask
 from kilter.validate import frozen
 
@@ -216,6 +216,21 @@ def _sort_around_axis(rays: Array, facets: Array) -> Array:
     angle = np.arctan2(rays @ np.cross(axis, side), rays @ side)
     ordered = rays[np.argsort(angle)]
     return np.roll(ordered, -int(np.lexsort(ordered.round(6).T)[-1]), axis=0)
+
+
+def plain_direction(direction: Array) -> Array:
+    """Unit direction, shape (3,), without its components below `PLAIN`.
+
+    Examples
+    --------
+    >>> plain_direction(np.array([1e-6, 0.0, -1.0])).tolist()
+    [0.0, 0.0, -1.0]
+    """
+    if not ((direction != 0.0) & (np.abs(direction) < PLAIN)).any():
+        return direction
+    plain = np.where(np.abs(direction) < PLAIN, 0.0, direction)
+    unit: Array = plain / np.linalg.norm(plain)
+    return unit
 
 
 def widest_axis(facets: ArrayLike) -> Array:

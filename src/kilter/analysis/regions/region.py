@@ -26,7 +26,7 @@ from kilter.analysis.decision.judge import judge
 from kilter.analysis.decision.open_question import AnsweredPair, answered_pairs
 from kilter.analysis.regions.cone_cutting import friction_cone
 from kilter.analysis.regions.cone_oracle import intersection
-from kilter.analysis.regions.polyhedral_cone import Cone
+from kilter.analysis.regions.polyhedral_cone import Cone, plain_direction
 from kilter.analysis.regions.region_proofs import (
     RegionProof,
     VerifiedDirection,
@@ -194,8 +194,17 @@ class Region(InCells, RegionShape, AnswerInWords):
     @property
     @key
     def center(self) -> Vector | None:
-        """Recommended direction: axis of the widest circular cone in the region; else None."""
-        return self.cone.center
+        """Recommended direction: axis of the widest circular cone in the region; else None.
+
+        A component below 1e-5 is left out if the cone around the direction stays as wide.
+        """
+        center = self.cone.center
+        if center is None:
+            return None
+        plain = plain_direction(center)
+        least = self.cone.depth(center) - self.cone.blur
+        as_good = bool(self.cone.contains(plain)) and self.cone.depth(plain) >= least
+        return plain if as_good else center
 
     @property
     @key

@@ -23,12 +23,12 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from kilter.analysis.analysis_tolerances import OPPOSITE, PLAIN
+from kilter.analysis.analysis_tolerances import OPPOSITE
 from kilter.analysis.check import check, given_direction_known
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.decision.motion import NO_MOTION
 from kilter.analysis.decision.open_question import open_pair_names
-from kilter.analysis.regions.polyhedral_cone import Cone
+from kilter.analysis.regions.polyhedral_cone import Cone, plain_direction
 from kilter.analysis.regions.region import LARGE, Region, region_of
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.analysis.turning.facet_program import DiamondOptimum, Method, Nearest, joint, nearest
@@ -257,8 +257,7 @@ def _orient(asked: Question, method: Method) -> Orientation:
 
 def _plain_first(direction: Array) -> list[Array]:
     """The direction without components that come from rounding, if it has any, and itself."""
-    plain = np.where(np.abs(direction) < PLAIN, 0.0, direction)
-    plain = plain / np.linalg.norm(plain)
+    plain = plain_direction(direction)
     return [direction] if np.array_equal(plain, direction) else [plain, direction]
 
 

@@ -32,7 +32,7 @@ from kilter.analysis.planning.order.plan import leads_nowhere
 from kilter.analysis.planning.order.removal import find_screws, press_loads
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.planning.order.turning import OPPOSITE
-from kilter.analysis.planning.states.holds import bits_of
+from kilter.analysis.planning.states.holds import bits_of, members
 from kilter.analysis.planning.states.known_proofs import build_state_programs
 from kilter.analysis.smallest_set import least_hitting_set
 from kilter.assembly import Assembly
@@ -333,13 +333,17 @@ def _neighbours_of_parts(assembly: Assembly, contacts: ContactSet) -> dict[str, 
 def _is_blocked(assembly: Assembly, sweeps: Sweeps, part: int, present: int, legs: Any) -> bool:
     """Whether a present part blocks the path, or the path ends before the part is out."""
     start = np.zeros(3)
-    others = [k for k in range(len(assembly)) if present >> k & 1 and k != part]
+    others = present & ~(1 << part)
     for vector, length in legs:
         x, y, z = (float(component) for component in unit(np.array(vector, dtype=float)).round(12))
         distance = np.inf if length is None else float(length)
-        if not distance > 0 or any(
+        if not distance > 0:
+            return True
+        if np.isinf(distance) and not start.any():
+            return sweeps.stops(part, others, (x, y, z))
+        if any(
             sweeps.pair_stops(part, other, (x, y, z), distance=distance, start=start)
-            for other in others
+            for other in members(others, len(assembly)).tolist()
         ):
             return True
         if np.isinf(distance):
