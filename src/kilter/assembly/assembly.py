@@ -22,7 +22,7 @@ import numpy as np
 
 from kilter.arrays import Array, Mask
 from kilter.assembly.bonds import Bond, require_apart
-from kilter.assembly.changed_copies import ChangedCopies, lowest_heights
+from kilter.assembly.changed_copies import ChangedCopies, lowest_height
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, ListedJoint, Load
 from kilter.assembly.part import GROUND, Part
@@ -354,8 +354,8 @@ class Assembly(ChangedCopies):
 
     def _bounds_of(self, chosen: Mask) -> Array:
         """Lower and upper corner of the bounding box of the chosen parts, shape (2, 3)."""
-        low = [lowest_heights(self.geometry, axis)[chosen].min() for axis in np.eye(3)]
-        high = [-lowest_heights(self.geometry, -axis)[chosen].min() for axis in np.eye(3)]
+        low = [lowest_height(self.geometry, axis, chosen) for axis in np.eye(3)]
+        high = [-lowest_height(self.geometry, -axis, chosen) for axis in np.eye(3)]
         return frozen([low, high])
 
     @property

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array, Index, across, cross, unit_rows
+from kilter.arrays import Array, Index, Mask, across, cross, unit_rows
 from kilter.assembly.assembly_tolerances import BESIDE_SEAM, UPRIGHT
 from kilter.assembly.bonds import Bond
 from kilter.assembly.geometry import Geometry
@@ -310,8 +310,23 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
     (True, array([-1.]))
     """
     low: Array = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+    return _lowered(geometry, up, low)
+
+
+def lowest_height(geometry: Geometry, up: Array, chosen: Mask) -> float:
+    """Height of the lowest point of the chosen parts along an upward unit vector.
+
+    Edges that lie above the lowest vertex of all are skipped.
+    """
+    low = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+    lowest = _lowered(geometry, up, np.where(chosen, low[chosen].min(), -np.inf))
+    return float(lowest[chosen].min())
+
+
+def _lowered(geometry: Geometry, up: Array, low: Array) -> Array:
+    """Heights of vertices or lower points, shape (N,), lowered to those of the exact surfaces."""
     if len(geometry.surfaces):
-        for part, height in (_inside_faces(geometry, up), _on_edges(geometry, up, low)):
+        for part, height in (_inside_faces(geometry, up, low), _on_edges(geometry, up, low)):
             np.minimum.at(low, part, height)
     return low
 
@@ -319,11 +334,15 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
 # within faces -------------------------------------------------------------------------------
 
 
-def _inside_faces(geometry: Geometry, up: Array) -> tuple[Index, Array]:
-    """Part and height of the lowest points of exact spheres and tori, if on their faces."""
+def _inside_faces(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
+    """Part and height of the lowest points of exact spheres and tori, if on their faces.
+
+    `low`: a height for each part, shape (N,); surfaces above it are skipped.
+    """
     s = geometry.surfaces
     parts, heights = [], []
     exact = np.isin(s.kind, (SPHERE, TORUS)) & ~s.hollow & (s.doubt == 0)
+    exact &= s.point @ up - s.radius - s.tube <= low[s.part]
     for row in np.flatnonzero(exact).tolist():
         points = _lowest_of_surface(geometry, row, up)
         triangles = geometry.vertices[geometry.triangles[s.triangles_of(row)]]
@@ -358,7 +377,7 @@ def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
 def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
     """Part and height of the lowest points of curved edges at exact faces.
 
-    `low`: the lowest vertex of each part, shape (N,); edges above it are skipped.
+    `low`: a height for each part, shape (N,); edges above it are skipped.
     """
     chords, part = _chords(geometry, up, low)
     if not len(part):

@@ -316,11 +316,21 @@ def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | No
     kept: list[Surface | None] = []
     names = np.zeros(len(local_surfaces.surfaces) + 1, dtype=np.int64)
     free = bool((local_surfaces.triangle_surface == len(local_surfaces.surfaces)).any())
+    points = np.array([s.point for s in local_surfaces.surfaces]).reshape(-1, 3)
+    radius = np.array([s.radius for s in local_surfaces.surfaces])
+    rows: list[int] = []  # of the kept surfaces
     for k, surface in enumerate(local_surfaces.surfaces):
-        alike = [n for n, other in enumerate(kept) if other and _is_same(surface, other)]
+        # only near surfaces are compared one by one: a board has hundreds of holes
+        step = points[rows] - surface.point
+        size = radius[rows] + surface.radius + lengths(step)
+        if surface.kind == "cylinder":
+            step = step - np.outer(step @ surface.axis, surface.axis)
+        near = np.flatnonzero(lengths(step) <= 2 * SAME_SURFACE * size).tolist()
+        alike = [n for n in near if _is_same(surface, local_surfaces.surfaces[rows[n]])]
         names[k] = alike[0] if alike else len(kept)
         if not alike:
             kept.append(surface)
+            rows.append(k)
     names[-1] = len(kept)
     return names, [*kept, None] if free else kept
 
