@@ -136,8 +136,11 @@ def _cpu(who: int) -> float:
     return used.ru_utime + used.ru_stime
 
 
-def measured(path: Path, *, profile: bool) -> dict[str, Any]:
-    """CPU seconds of each stage of an answer about a file, and the answer."""
+def measured(path: Path, *, ground: str, profile: bool) -> dict[str, Any]:
+    """CPU seconds of each stage of an answer about a file, the memory, and the answer.
+
+    `ground`: the held part; empty: the parts stand on a floor.
+    """
     import kilter
     from kilter.cli import main as run_kilter
     from kilter.files.cad.step_document import step_bodies
@@ -150,20 +153,25 @@ def measured(path: Path, *, profile: bool) -> dict[str, Any]:
         seconds[stage] = time.process_time() - started
         return result
 
+    def loaded() -> kilter.Assembly:
+        assembly = kilter.load(path, ground=ground or None)
+        return assembly if ground else assembly.with_floor()
+
     import OCP.STEPCAFControl  # noqa: F401  the time to load it does not count
 
     timed("reading", lambda: step_bodies(path, (), lambda stage, solid: None))
     started = time.process_time()
-    assembly = kilter.load(path, ground="base")
+    assembly = loaded()
     load = time.process_time() - started
     timed("contacts", lambda: kilter.contacts(assembly))
-    timed("check", lambda: kilter.check(kilter.load(path, ground="base")))
+    timed("check", lambda: kilter.check(loaded()))
     seconds["check"] -= load
     out, err = io.StringIO(), io.StringIO()
     profiler = cProfile.Profile()
 
     def ask() -> None:
-        words = ["check", str(path), "--ground", "base", "--json", "--quiet"]
+        held = ["--ground", ground] if ground else ["--floor"]
+        words = ["check", str(path), *held, "--json", "--quiet"]
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             run_kilter(words)
 
@@ -179,6 +187,7 @@ def measured(path: Path, *, profile: bool) -> dict[str, Any]:
         "verdict": answer["verdict"],
         "ladder": [(row["assume"], row["verdict"]) for row in answer["ladder"]],
         "seconds": seconds,
+        "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
     }
 
 
@@ -190,9 +199,12 @@ def main() -> None:
     parser.add_argument("--linked", action="store_true", help="connect all frames by rails")
     parser.add_argument("--profile", action="store_true", help="print the slowest functions")
     parser.add_argument("--file", help=argparse.SUPPRESS)
+    parser.add_argument("--ground", default="base", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.file:
-        print(json.dumps(measured(Path(options.file), profile=options.profile)))
+        print(
+            json.dumps(measured(Path(options.file), ground=options.ground, profile=options.profile))
+        )
         return
     print(f"{'solids':>6}" + "".join(f"{name:>10}" for name in COLUMNS) + f"{'growth':>8}  answer")
     last: tuple[int, float] | None = None

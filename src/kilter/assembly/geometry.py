@@ -78,6 +78,8 @@ class Geometry:
     warnings: tuple[str, ...]
     unknown: UnknownSurfaces
     """Regions of unknown surface: at holes of open meshes, and all over stand-ins."""
+    shapes: tuple[Any, ...] = ()
+    """The shape of each part; empty if unknown. Parts with the same object are copies."""
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -130,8 +132,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
 
     rotation = quaternion_to_matrix(np.array([part.pose.rotation for part in parts]))
     position = np.array([part.pose.position for part in parts])
-    counts = np.diff(vertex_start)
-    owner = np.repeat(np.arange(len(parts)), counts)
+    owner = np.repeat(np.arange(len(parts)), np.diff(vertex_start))
 
     volume, center, second, area_center = part_moments(parts, boxes, local)
     _set_closed_moments(meshes, (volume, center, second))
@@ -151,7 +152,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     inertia = np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moment
     largest = _group_max(np.abs(world).max(axis=1), vertex_start)
     _require_resolved(parts, reach, largest)
-    shapes = [part.shape for part in parts]
+    shapes = tuple(part.shape for part in parts)
     stated = [shape.accuracy if isinstance(shape, Mesh | Solid) else 0.0 for shape in shapes]
     accuracy = np.maximum(np.array(stated), largest * 2.0**-52)
     surfaces, triangle_surface = _curved_surfaces(
@@ -178,6 +179,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         slack=_group_slack(len(parts), surfaces),
         warnings=tuple(warnings),
         unknown=_unknown_of(parts, meshes, (rotation, position)),
+        shapes=shapes,
     )
 
 

@@ -40,7 +40,6 @@ from kilter.contact.common.distances import PartSolids, at_most, surface_distanc
 from kilter.contact.common.findings import FacePatches, in_patch, is_settled
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import INTERFERE, SAME_BODY, Overlap
-from kilter.contact.contact_tolerances import COPY_PLACE
 from kilter.contact.curved.coaxial_faces import coaxial_fits
 from kilter.solvers.problem import LinearProgram
 from kilter.work import stop_if_late
@@ -148,12 +147,17 @@ def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:
     solid_a, solid_b = solids.of(a), solids.of(b)
     if solid_a is None or solid_b is None:
         return None
-    center = solids.geometry.center
-    common = solid_a ^ solid_b.translate(tuple((center[b] - center[a]).tolist()))
+    # the larger solid stays in its frame: a shifted copy of it is sorted anew
+    center, fixed = solids.geometry.center, a if solid_a.num_tri() >= solid_b.num_tri() else b
+    solid_a, solid_b = (
+        solid if part == fixed else solid.translate(tuple((center[part] - center[fixed]).tolist()))
+        for part, solid in ((a, solid_a), (b, solid_b))
+    )
+    common = solid_a ^ solid_b
     mesh = common.to_mesh64()
     length = np.diff(np.asarray(mesh.run_index, dtype=np.int64)) // 3
     first = np.repeat(np.array(mesh.run_original_id) == a + 1, length.astype(np.int64))
-    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts)] + center[a]
+    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts)] + center[fixed]
     return SharedBody(float(common.volume()), corners, first)
 
 
@@ -193,6 +197,10 @@ def _farthest(points: Array, patch: Array, surface: Array, least: float) -> floa
     if not len(points):
         return least
     bound = at_most(points, patch if len(patch) else surface)
+    # the nearest point of the surface is no farther than the bound
+    low, high = points.min(axis=0) - bound.max(), points.max(axis=0) + bound.max()
+    near = (surface.min(axis=1) <= high).all(axis=1) & (surface.max(axis=1) >= low).all(axis=1)
+    surface = surface[near]
     order = np.argsort(-bound, kind="stable")
     begin, count = 0, FIRST
     while begin < len(order) and bound[order[begin]] > least:
@@ -221,7 +229,6 @@ def find_overlaps(
     recorded = {overlap.ends for overlap in overlaps}
     if not overlaps and not len(rows):
         return ()
-    known: dict[tuple[object, ...], Overlap | None] = {}
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
         if parts in recorded:
@@ -230,31 +237,13 @@ def find_overlaps(
         if both_convex[row]:
             overlap = _convex_overlap(faces, parts, float(tolerance[row]))
         else:
-            copy = _copy_key(assembly, parts, float(tolerance[row]))
-            if copy not in known:
-                known[copy] = _general_overlap(faces, row, parts, float(tolerance[row]))
-            found = known[copy]
-            overlap = None if found is None else replace(found, ends=parts)
+            overlap = _general_overlap(faces, row, parts, float(tolerance[row]))
         if overlap is not None:
             overlaps.append(overlap)
     return tuple(
         _with_volume(faces, overlap, tolerances)
         for overlap in _with_interference(assembly, overlaps, tolerances)
     )
-
-
-def _copy_key(assembly: Assembly, parts: tuple[int, int], tolerance: float) -> tuple[object, ...]:
-    """Key that is equal for pairs of copies in the same relative pose, whose overlap is equal.
-
-    The poses are rounded to `COPY_PLACE` of the gap tolerance.
-    """
-    a, b = (assembly.parts[k] for k in parts)
-    turn = a.pose.matrix.T
-    step = COPY_PLACE * tolerance
-    size = float(assembly.geometry.size[list(parts)].max())
-    place = np.round(turn @ (b.pose.position - a.pose.position) / step)
-    angles = np.round(turn @ b.pose.matrix * (size / step))
-    return (id(a.shape), id(b.shape), tolerance, *place.tolist(), *angles.ravel().tolist())
 
 
 FINER = range(1, 5)

@@ -7,7 +7,7 @@ between batches and in long loops; the joined findings do not depend on the divi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kilter.arrays import Mask
+from kilter.arrays import Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.findings import (
@@ -26,6 +26,15 @@ from kilter.contact.common.findings import (
     may_be_smooth,
 )
 from kilter.contact.common.gaps import UNKNOWN, RejectedPair, Tolerance
+from kilter.contact.common.known_pairs import (
+    KnownBlock,
+    MovedPairs,
+    OfPair,
+    known_pairs,
+    may_repeat,
+    moved_pairs,
+    pair_keys,
+)
 from kilter.contact.common.patches import KeptPairs, Overlap, Patches, UnsupportedContact
 from kilter.contact.flat_contacts import find_flat
 from kilter.contact.overlap import find_overlaps
@@ -74,20 +83,36 @@ class PairFindings:
         return [*self.flat.rejected, *self.curved.rejected, *self.sharp.rejected, *unknown]
 
     @staticmethod
-    def join(search: ContactSearch, blocks: Sequence[tuple[int, PairFindings]]) -> PairFindings:
-        """Findings about successive pairs of a search, which has only the pairs of the blocks.
+    def join(
+        search: ContactSearch, blocks: Sequence[tuple[Index, PairFindings | KnownFindings]]
+    ) -> PairFindings:
+        """Findings about the pairs of a search, which has only the pairs of the blocks.
 
-        A block gives its first pair, and its findings.
+        A block gives the rows of its pairs, and its findings.
         """
+        row = {frozenset(pair): k for k, pair in enumerate(search.pairs.tolist())}
+
+        def ordered(records: Iterable[OfPair]) -> tuple[OfPair, ...]:
+            """Records in the order of their pairs."""
+            return tuple(sorted(records, key=lambda record: row.get(frozenset(record.ends), -1)))
+
+        def joined(name: str) -> Findings:
+            """Findings of a family about all pairs."""
+            found = Findings.join([(rows, getattr(block, name)) for rows, block in blocks])
+            rejected, unsupported = ordered(found.rejected), ordered(found.unsupported)
+            return replace(found, rejected=rejected, unsupported=unsupported)
+
         return PairFindings(
             search,
-            **{
-                name: Findings.join([(begin, getattr(block, name)) for begin, block in blocks])
-                for name, _, _ in FAMILIES
-            },
-            overlaps=tuple(overlap for _, block in blocks for overlap in block.overlaps),
-            near_edges=tuple(pair for _, block in blocks for pair in block.near_edges),
+            **{name: joined(name) for name, _, _ in FAMILIES},
+            overlaps=ordered(overlap for _, block in blocks for overlap in block.overlaps),
+            near_edges=ordered(pair for _, block in blocks for pair in block.near_edges),
         )
+
+    def kept(self) -> KnownFindings:
+        """The findings without their search, for pairs with equal findings."""
+        families = {name: replace(getattr(self, name), joints=()) for name, _, _ in FAMILIES}
+        return KnownFindings(**families, overlaps=self.overlaps, near_edges=self.near_edges)
 
     def among(self, kept: KeptPairs, search: ContactSearch) -> PairFindings:
         """The findings about some of the pairs; `search` has only these."""
@@ -96,6 +121,25 @@ class PairFindings:
             **{name: getattr(self, name).among(kept) for name, _, _ in FAMILIES},
             overlaps=kept.records(self.overlaps),
             near_edges=kept.records(self.near_edges),
+        )
+
+
+class KnownFindings(NamedTuple):
+    """Findings of all families about pairs, as in `PairFindings`."""
+
+    smooth: Findings
+    flat: Findings
+    curved: Findings
+    sharp: Findings
+    overlaps: tuple[Overlap, ...]
+    near_edges: tuple[RejectedPair, ...]
+
+    def moved(self, moved: MovedPairs) -> KnownFindings:
+        """The findings about pairs to which a motion carries these pairs."""
+        return KnownFindings(
+            **{name: getattr(self, name).moved(moved) for name, _, _ in FAMILIES},
+            overlaps=moved.records(self.overlaps),
+            near_edges=moved.records(self.near_edges),
         )
 
 
@@ -145,10 +189,73 @@ def find_families(search: ContactSearch) -> FacePatches:
 
 
 def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> PairFindings:
-    """Examine all pairs of a search together.
+    """Examine all pairs of a search, equal pairs in equal relative poses only once.
 
     Raises `TimeLimitReached` if the limit of `kilter.work.stop_after` is reached.
     """
+    repeats = np.flatnonzero(may_repeat(search))
+    if not len(repeats):
+        return _examine_each(assembly, search, tolerance)
+    keys = dict(zip(repeats.tolist(), pair_keys(search, repeats, assembly, tolerance), strict=True))
+    first_of = {keys[row]: row for row in reversed(keys)}
+    fresh = {row: key for key, row in first_of.items() if key not in known_pairs.where}
+    later = np.array([row for row in keys if row not in fresh], dtype=np.int64)
+    rows = np.setdiff1d(np.arange(len(search.pairs)), later)
+    first = _examine_each(assembly, search.of_rows(rows, first=True), tolerance)
+    block = KnownBlock(first.kept(), first.search.pairs, assembly)
+    # smooth joints hold whole faces: such a pair is examined each time
+    smooth = {joint.pair for joint in first.smooth.joints}
+    known_pairs.add(block, {fresh[row]: k for k, row in enumerate(rows.tolist())
+                            if row in fresh and k not in smooth})  # fmt: skip
+    if not len(later):
+        return replace(first, search=search)
+    known = [known_pairs.where.get(keys[row]) for row in later.tolist()]
+    of_block = np.array([-1 if at is None else known_pairs.blocks.index(at[0]) for at in known])
+    blocks = [(rows, first)]
+    for number in np.unique(of_block).tolist():
+        here = later[of_block == number]
+        if number < 0:
+            each = search.of_rows(here, first=False)
+            blocks.append((here, _examine_each(assembly, each, tolerance)))
+            continue
+        source = np.array([at[1] for at in known if at and at[0] is known_pairs.blocks[number]])
+        pairs = search.pairs[here]
+        moved = moved_pairs(known_pairs.blocks[number], source, pairs, assembly)
+        blocks.append((here, known_pairs.blocks[number].findings.moved(moved)))
+    return PairFindings.join(search, blocks)
+
+
+def examine_in_time(
+    assembly: Assembly, search: ContactSearch, tolerance: Tolerance
+) -> PairFindings:
+    """Examine the pairs of a search in order, until the limit of `kilter.work.stop_after`.
+
+    Returns the findings about the first pairs; `PairFindings.search` has their number.
+    """
+    blocks: list[tuple[Index, PairFindings]] = []
+    begin, size = 0, float(FIRST_BATCH)
+    while begin < len(search.pairs) and not is_late():
+        end = min(begin + int(size), len(search.pairs))
+        started = perf_counter()
+        try:
+            rows = np.arange(begin, end)
+            batch = search.of_rows(rows, first=begin == 0)
+            blocks.append((rows, examine(assembly, batch, tolerance)))
+        except TimeLimitReached:
+            break
+        seconds = perf_counter() - started
+        growth = BATCH_TIME / seconds if seconds else GROWTH
+        size = max((end - begin) * min(growth, GROWTH), 1.0)
+        begin = end
+    if not blocks:
+        with take_at_least(inf):
+            none = np.arange(0)
+            blocks.append((none, examine(assembly, search.of_rows(none, first=True), tolerance)))
+    return PairFindings.join(search.of_rows(np.arange(begin), first=True), blocks)
+
+
+def _examine_each(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> PairFindings:
+    """Examine all pairs of a search together."""
     found = find_families(search)
     findings = PairFindings(
         search,
@@ -161,32 +268,6 @@ def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> 
     from kilter.contact.sharp.feature_pairs import near_edges
 
     return replace(findings, near_edges=tuple(near_edges(search, unrecorded)))
-
-
-def examine_in_time(
-    assembly: Assembly, search: ContactSearch, tolerance: Tolerance
-) -> PairFindings:
-    """Examine the pairs of a search in order, until the limit of `kilter.work.stop_after`.
-
-    Returns the findings about the first pairs; `PairFindings.search` has their number.
-    """
-    blocks: list[tuple[int, PairFindings]] = []
-    begin, size = 0, float(FIRST_BATCH)
-    while begin < len(search.pairs) and not is_late():
-        end = min(begin + int(size), len(search.pairs))
-        started = perf_counter()
-        try:
-            blocks.append((begin, examine(assembly, search.of_rows(begin, end), tolerance)))
-        except TimeLimitReached:
-            break
-        seconds = perf_counter() - started
-        growth = BATCH_TIME / seconds if seconds else GROWTH
-        size = max((end - begin) * min(growth, GROWTH), 1.0)
-        begin = end
-    if not blocks:
-        with take_at_least(inf):
-            blocks.append((0, examine(assembly, search.of_rows(0, 0), tolerance)))
-    return PairFindings.join(search.of_rows(0, begin), blocks)
 
 
 def _unrecorded_pairs(findings: PairFindings) -> Mask:

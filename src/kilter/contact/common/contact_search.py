@@ -140,12 +140,12 @@ class ContactSearch:
     part_curves: dict[int, Any] = field(default_factory=dict)
     """Curves of the edges of parts (`kilter.contact.common.edges`), found on first use."""
 
-    def of_rows(self, begin: int, end: int) -> ContactSearch:
-        """The same search for only the pairs ``begin`` to ``end``.
+    def of_rows(self, rows: Index, *, first: bool) -> ContactSearch:
+        """The same search for only some of its pairs.
 
-        The first pairs include those that are the same body twice.
+        The `first` pairs include those that are the same body twice.
         """
-        rows, twice = slice(begin, end), self.same_bodies[: None if begin == 0 else 0]
+        twice = self.same_bodies[: None if first else 0]
         return replace(
             self, pairs=self.pairs[rows], limits=self.limits.take(rows), same_bodies=twice
         )

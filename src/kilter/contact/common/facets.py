@@ -110,13 +110,20 @@ def _find_facets(geometry: Geometry) -> Facets:
         quads = BOX_QUADS + geometry.vertex_start[boxes][:, None, None]
         blocks.append(_convex_block(np.repeat(boxes, 6), quads.reshape(-1, 4)))
     by_triangles = np.flatnonzero(~geometry.is_box)
-    counts = np.diff(geometry.triangle_start)[by_triangles]
-    chunk = np.cumsum(counts) // CHUNK
     convex_part = geometry.is_box.copy()
+    keys = _outline_keys(geometry, by_triangles)
+    first = {key: part for part, key in reversed(keys.items()) if key not in _outlines}
+    repeated = np.isin(by_triangles, [k for k in keys if first.get(keys[k]) != k])
+    fresh = by_triangles[~repeated]
+    chunk = np.cumsum(np.diff(geometry.triangle_start)[fresh]) // CHUNK
     for chunk_number in np.unique(chunk):
-        blocks.extend(
-            _facets_from_triangles(geometry, by_triangles[chunk == chunk_number], convex_part)
-        )
+        of_chunk = fresh[chunk == chunk_number]
+        blocks.extend(_facets_from_triangles(geometry, of_chunk, convex_part))
+    if keys:
+        _keep_outlines(geometry, blocks, convex_part, first)
+        outlines = {part: _outlines[keys[part]] for part in by_triangles[repeated].tolist()}
+        blocks += [outline.of_copy(geometry, part) for part, outline in outlines.items()]
+        convex_part[list(outlines)] = [outline.convex_part for outline in outlines.values()]
     facets = _assemble_facets(geometry, blocks, convex_part)
     if len(boxes):
         rows = facets.start[boxes][:, None] + np.arange(6)
@@ -124,6 +131,74 @@ def _find_facets(geometry: Geometry) -> Facets:
         for values, of_boxes in zip(planes, _planes_of_boxes(geometry, boxes), strict=True):
             values[rows] = of_boxes
     return facets
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outlines:
+    """Facets of a shape, with the numbers of its own vertices and surfaces, for all its copies."""
+
+    block: Block
+    convex_part: bool
+    shape: Any
+    """The shape, kept so that its identity stays its own."""
+
+    def of_copy(self, geometry: Geometry, part: int) -> Block:
+        """The facets of a part with this shape."""
+        surface = self.block["surface"]
+        return {
+            **self.block,
+            "part": np.full(len(surface), part),
+            "corners": self.block["corners"] + geometry.vertex_start[part],
+            "surface": np.where(surface < 0, -1, surface + geometry.surfaces.start[part]),
+        }
+
+
+MANY = 100
+"""Least number of triangles of a shape whose facets are kept for its copies."""
+MOST_SHAPES = 500
+"""Largest number of shapes whose facets are kept."""
+_outlines: dict[tuple[int, int], _Outlines] = {}
+
+
+def _outline_keys(geometry: Geometry, parts: Index) -> dict[int, tuple[int, int]]:
+    """Keys of parts with many triangles, which are equal for copies with equal facets."""
+    if not geometry.shapes:
+        return {}
+    if len(_outlines) > MOST_SHAPES:
+        _outlines.clear()
+    chosen = parts[np.diff(geometry.triangle_start)[parts] >= MANY].tolist()
+    # the accuracy of coordinates far from the origin widens the tolerance of facets
+    accuracy = np.frexp(geometry.accuracy)[1].tolist()
+    keys = {part: (id(geometry.shapes[part]), accuracy[part]) for part in chosen}
+    return keys if len(set(keys.values())) <= MOST_SHAPES else {}
+
+
+def _keep_outlines(
+    geometry: Geometry, blocks: list[Block], convex_part: Mask, first: dict[tuple[int, int], int]
+) -> None:
+    """Keep the facets of the first part of each key; `blocks`: facets of these and other parts."""
+    names = ("part", "convex", "length", "corners", "surface", "piece")
+    part, convex, length, corners, surface, piece = (
+        np.concatenate([block[name] for block in blocks]) if blocks else np.empty(0, np.int64)
+        for name in names
+    )
+    order = np.argsort(part, kind="stable")
+    begin = np.searchsorted(part[order], np.arange(len(geometry.mass) + 1))
+    start = starts(length)
+    for key, number in first.items():
+        rows = order[begin[number] : begin[number + 1]]
+        own = surface[rows]
+        _outlines[key] = _Outlines(
+            {
+                "convex": convex[rows],
+                "length": length[rows],
+                "corners": corners[ragged(start, rows)[1]] - geometry.vertex_start[number],
+                "surface": np.where(own < 0, -1, own - geometry.surfaces.start[number]),
+                "piece": piece[rows],
+            },
+            bool(convex_part[number]),
+            geometry.shapes[number],
+        )
 
 
 def _facets_of_boxes(geometry: Geometry) -> Facets:

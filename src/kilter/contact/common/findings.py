@@ -17,6 +17,7 @@ from kilter.arrays import Array, Index, Mask, Rows, columns, cross, ragged, rati
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.distances import TriangleTrees
 from kilter.contact.common.gaps import RejectedPair
+from kilter.contact.common.known_pairs import MovedPairs
 from kilter.contact.common.patches import (
     DegeneratePoints,
     KeptPairs,
@@ -31,6 +32,11 @@ from kilter.contact.contact_tolerances import BESIDE, BESIDE_CIRCLE, NORMAL_SNAP
 def _no_rows(width: int) -> Callable[[], Index]:
     """Factory of an array without rows, shape (0, width)."""
     return lambda: np.empty((0, width), dtype=np.int64)
+
+
+def _at_rows(entries: Index, rows: Index) -> Index:
+    """Entries, shape (n, k), whose first column is a pair of a block, with the row of the pair."""
+    return np.column_stack([rows[entries[:, 0]], entries[:, 1:]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,20 +97,21 @@ class Findings:
     joints: tuple[SmoothJoint, ...] = ()
 
     @staticmethod
-    def join(blocks: Sequence[tuple[int, Findings]]) -> Findings:
-        """Findings about successive pairs; a block gives its first pair, and its findings."""
+    def join(blocks: Sequence[tuple[Index, Findings]]) -> Findings:
+        """Findings about pairs; a block gives the rows of its pairs, and its findings."""
         found = [block for _, block in blocks]
+        patches = [replace(each.patches, pair=rows[each.patches.pair]) for rows, each in blocks]
         return Findings(
-            patches=Patches.join(block.patches.after(begin) for begin, block in blocks),
+            patches=Patches.join(patches).ordered(),
             rejected=tuple(chain.from_iterable(block.rejected for block in found)),
             unsupported=tuple(chain.from_iterable(block.unsupported for block in found)),
             possible=PossibleContacts.join(block.possible for block in found),
             degenerate=DegeneratePoints.join([block.degenerate for block in found]),
-            gaps=np.concatenate([np.add(block.gaps, (begin, 0)) for begin, block in blocks]),
-            raised=np.concatenate([block.raised + begin for begin, block in blocks]),
+            gaps=np.concatenate([_at_rows(block.gaps, rows) for rows, block in blocks]),
+            raised=np.concatenate([_at_rows(block.raised, rows) for rows, block in blocks]),
             joints=tuple(
-                replace(joint, pair=joint.pair + begin)
-                for begin, block in blocks
+                replace(joint, pair=int(rows[joint.pair]))
+                for rows, block in blocks
                 for joint in block.joints
             ),
         )
@@ -125,6 +132,18 @@ class Findings:
                 for joint in self.joints
                 if row[joint.pair] >= 0
             ),
+        )
+
+    def moved(self, moved: MovedPairs) -> Findings:
+        """The findings of pairs that have the findings of these pairs, without smooth joints."""
+        return Findings(
+            patches=moved.patches(self.patches),
+            rejected=moved.records(self.rejected),
+            unsupported=moved.records(self.unsupported),
+            possible=moved.possible(self.possible),
+            degenerate=moved.degenerate(self.degenerate),
+            gaps=moved.entries(self.gaps),
+            raised=moved.entries(self.raised),
         )
 
 

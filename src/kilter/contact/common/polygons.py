@@ -16,7 +16,7 @@ tolerance]; the whole overlap is then kept.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array, Index, Mask, Rows, across, angle_between, counted
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.facets import Facets
-from kilter.contact.contact_tolerances import OUTLINE_AREA, OUTLINE_GRID
+from kilter.contact.contact_tolerances import FACET_FLATNESS, OUTLINE_AREA, OUTLINE_GRID
 
 if TYPE_CHECKING:
     import shapely
@@ -233,19 +233,14 @@ def width_of(hull: Array) -> float:
     return float(across.max(axis=1).min())
 
 
-def overlay(
-    first_outline: tuple[Array, bool], second_outline: tuple[Array, bool]
-) -> tuple[Array, float]:
-    """Convex hull, shape (m, 2), and area of the overlap of two outlines.
+def overlay(first: shapely.Geometry, second: shapely.Geometry) -> tuple[Array, float]:
+    """Convex hull, shape (m, 2), and area of the overlap of two regions.
 
-    Each outline is (corners, convex): a boundary loop if convex, else triangles, three corners
-    each. GEOS may return an overlap for triangles with disjoint interiors. So the overlap is
-    computed twice, directly and on a fine grid; if the areas differ, the result on the grid is
-    used.
+    GEOS may return an overlap for triangles with disjoint interiors. So the overlap is computed
+    twice, directly and on a fine grid; if the areas differ, the result on the grid is used.
     """
     import shapely
 
-    first, second = _region(*first_outline), _region(*second_outline)
     size = float(np.ptp(shapely.get_coordinates([first, second]), axis=0).max())
     gridded = shapely.intersection(first, second, grid_size=OUTLINE_GRID * size)
     common = shapely.intersection(first, second)
@@ -258,19 +253,20 @@ def overlay(
     return convex_hull(shapely.get_coordinates(polygons)), float(sum(p.area for p in polygons))
 
 
-def _region(corners: Array, convex: bool) -> shapely.Geometry:
-    """The shapely region of a convex polygon, or of the union of triangles (not `convex`)."""
+def _region(points: Array, index: Index, convex: bool) -> shapely.Geometry:
+    """The shapely region of a convex polygon, or of the union of triangles (not `convex`).
+
+    `index`: rows of `points`, shape (1, m) for a polygon, (n, 3) for triangles.
+    """
     import shapely
 
     if convex:
-        return shapely.Polygon(corners)
-    triangles = corners.reshape(-1, 3, 2)
-    vertices, index = np.unique(corners, axis=0, return_inverse=True)
-    index = index.reshape(-1, 3)
+        return shapely.Polygon(points[index[0]])
+    triangles = points[index]
     start = index.reshape(-1)
     end = np.roll(index, -1, axis=1).reshape(-1)
-    is_shared = np.isin(start * len(vertices) + end, end * len(vertices) + start)
-    edges = np.stack([vertices[start[~is_shared]], vertices[end[~is_shared]]], axis=1)
+    is_shared = np.isin(start * len(points) + end, end * len(points) + start)
+    edges = np.stack([points[start[~is_shared]], points[end[~is_shared]]], axis=1)
     region = shapely.build_area(shapely.multilinestrings(shapely.linestrings(edges)))
     triangle_area = 0.5 * np.abs(
         (triangles[:, 1, 0] - triangles[:, 0, 0]) * (triangles[:, 2, 1] - triangles[:, 0, 1])
@@ -281,7 +277,7 @@ def _region(corners: Array, convex: bool) -> shapely.Geometry:
         region is None
         or abs(region.area - triangle_area.sum()) > OUTLINE_AREA * triangle_area.sum()
     ):
-        grid = OUTLINE_GRID * np.ptp(corners)
+        grid = OUTLINE_GRID * np.ptp(points)
         region = shapely.union_all(shapely.polygons(triangles), grid_size=grid)
     return region
 
@@ -424,10 +420,9 @@ def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[
     """Overlap of the two facets at each common plane, as blocks of convex polygons."""
     triangles = np.where(facets.convex, 0, np.diff(facets.corner_start) // 3)
     intricate = np.maximum(triangles[frames.i], triangles[frames.j]) > MANY_TRIANGLES
-    simple = np.flatnonzero(~intricate)
-    row, a, b = _piece_products(facets, frames, simple)
-    pieces = _pieces_of(geometry, facets)
+    row, a, b = _piece_products(facets, frames, np.flatnonzero(~intricate))
     blocks = []
+    pieces = _pieces_of(geometry, facets)
     largest = np.maximum(pieces.count[a], pieces.count[b])
     # similar corner counts in each batch: little padding
     for low, high in ((0, 4), (4, 8), (8, 32), (32, 1 << 62)):
@@ -439,7 +434,9 @@ def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[
         for begin in range(0, len(rows_of_size), step):
             rows = rows_of_size[begin : begin + step]
             blocks.append(_intersect_pieces(frames, pieces, row[rows], a[rows], b[rows]))
-    blocks.extend(_intersect_outlines(geometry, facets, frames, np.flatnonzero(intricate)))
+    index = NearTriangles(geometry, facets)
+    for intricate_row in np.flatnonzero(intricate).tolist():
+        blocks.extend(_intersect_outlines(index, frames, intricate_row))
     return [block for block in blocks if len(block.frame)]
 
 
@@ -499,21 +496,63 @@ def _with_gaps(frames: FacetFrame, row: Index, points: Array, count: Index, area
     return Pieces(row, points, count, area, np.column_stack([low, high]))
 
 
-def _intersect_outlines(
-    geometry: Geometry, facets: Facets, frames: FacetFrame, rows: Index
-) -> list[Pieces]:
-    """Convex hulls of the overlaps of facets with many triangles, from the facets' outlines."""
-    blocks = []
-    for row in rows:
-        single_row = np.array([row])
-        outlines = []
-        for facet in (frames.i[row], frames.j[row]):
-            span = slice(facets.corner_start[facet], facets.corner_start[facet + 1])
-            flat = frames.flat(geometry.vertices[facets.corners[span]][None], single_row)[0]
-            outlines.append((flat, bool(facets.convex[facet])))
-        hull, area = overlay(outlines[0], outlines[1])
-        if len(hull) >= 3 and area > 0:
-            blocks.append(
-                _with_gaps(frames, single_row, hull[None], np.array([len(hull)]), np.array([area]))
-            )
-    return blocks
+@dataclass(slots=True, eq=False)
+class NearTriangles:
+    """Triangles of facets that may lie over or under another facet, by their boxes.
+
+    A plate with hundreds of holes has thousands of triangles, of which few lie beside a small part.
+    """
+
+    geometry: Geometry
+    facets: Facets
+    boxes: dict[int, tuple[Array, Array]] = field(default_factory=dict)
+    """Lower and upper corners of the boxes of the convex polygons of facets, shape (n, 3) each."""
+
+    def corners(self, facet: int) -> Index:
+        """Vertices of the convex polygons of a facet, shape (n, m)."""
+        span = slice(self.facets.corner_start[facet], self.facets.corner_start[facet + 1])
+        corners: Index = self.facets.corners[span]
+        return corners[None] if self.facets.convex[facet] else corners.reshape(-1, 3)
+
+    def between(self, frames: FacetFrame, row: int) -> tuple[Index, Index]:
+        """Polygons of both facets of a common plane that may overlap, by their numbers.
+
+        Points of both facets at the same place of the plane differ by the gap along the normal, and
+        by the distances of their corners from their planes.
+        """
+        both = [int(frames.i[row]), int(frames.j[row])]
+        slope = np.linalg.norm(frames.slope[row, 1] - frames.slope[row, 0])
+        gap = abs(frames.height[row, 1] - frames.height[row, 0])
+        gap += slope * self.facets.reach[both].min()
+        uneven = 2 * FACET_FLATNESS * self.geometry.size[self.facets.part[both]].sum()
+        grow = gap * np.abs(frames.normal[row]) + uneven
+        (low_i, high_i), (low_j, high_j) = map(self._boxes_of, both)
+        bound = low_j.min(axis=0) - grow, high_j.max(axis=0) + grow
+        near_i = np.flatnonzero(((low_i <= bound[1]) & (high_i >= bound[0])).all(axis=1))
+        if not len(near_i):
+            return near_i, near_i
+        bound = low_i[near_i].min(axis=0) - grow, high_i[near_i].max(axis=0) + grow
+        return near_i, np.flatnonzero(((low_j <= bound[1]) & (high_j >= bound[0])).all(axis=1))
+
+    def _boxes_of(self, facet: int) -> tuple[Array, Array]:
+        if facet not in self.boxes:
+            points = self.geometry.vertices[self.corners(facet)]
+            self.boxes[facet] = points.min(axis=1), points.max(axis=1)
+        return self.boxes[facet]
+
+
+def _intersect_outlines(index: NearTriangles, frames: FacetFrame, row: int) -> list[Pieces]:
+    """Convex hull of the overlap of facets with many triangles, from the outlines of near ones."""
+    single_row, near = np.array([row]), index.between(frames, row)
+    if not min(len(kept) for kept in near):
+        return []
+    regions = []
+    for facet, kept in zip((int(frames.i[row]), int(frames.j[row])), near, strict=True):
+        names, corners = np.unique(index.corners(facet)[kept], return_inverse=True)
+        flat = frames.flat(index.geometry.vertices[names][None], single_row)[0]
+        regions.append(_region(flat, corners.reshape(len(kept), -1), index.facets.convex[facet]))
+    hull, area = overlay(*regions)
+    if len(hull) < 3 or area <= 0:
+        return []
+    count = np.array([len(hull)])
+    return [_with_gaps(frames, single_row, hull[None], count, np.array([area]))]

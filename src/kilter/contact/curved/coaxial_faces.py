@@ -14,13 +14,13 @@ A shaft and its hole share an axis; their radii determine the fit. The shaft is 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across, ratio
+from kilter.arrays import Array, Index, Mask, Rows, across, columns, cross, lengths, ragged, ratio
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER
@@ -252,17 +252,17 @@ class Fit(PairRecord, kw_only=False):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Cylinder:
-    """A cylindrical face, solid or hollow, from `low` to `high` along its axis."""
+class _Cylinders(Rows):
+    """Cylindrical faces, solid or hollow, each from `low` to `high` along its axis."""
 
-    row: int
-    point: Array
-    axis: Array
-    radius: float
-    hollow: bool
-    doubt: float
-    low: float
-    high: float
+    row: Index
+    point: Array = columns(3)
+    axis: Array = columns(3)
+    radius: Array = columns()
+    hollow: Mask = columns()
+    doubt: Array = columns()
+    low: Array = columns()
+    high: Array = columns()
 
 
 def coaxial_fits(
@@ -278,7 +278,7 @@ def coaxial_fits(
     `tolerance`: tolerance of the gap, the clearance and the angle. `thickest`: largest
     interference, as a fraction of the radius of the shaft [-].
     """
-    cylinders: dict[int, list[_Cylinder]] = {}
+    cylinders: dict[int, _Cylinders] = {}
     result = []
     surfaces = assembly.geometry.surfaces
     rounds = set(surfaces.part[surfaces.kind == CYLINDER].tolist())
@@ -289,15 +289,15 @@ def coaxial_fits(
                 cylinders[part] = _cylinders_of(assembly, part)
         gap = float(tolerance.gap_of(assembly.geometry.size[[a, b]]).min())
         for shaft, hole in ((a, b), (b, a)):
+            solid, hollow = cylinders[shaft], cylinders[hole]
+            solid = solid.take(np.flatnonzero(~solid.hollow))
+            hollow = hollow.take(np.flatnonzero(hollow.hollow))
             fits = [
                 fit
-                for solid in cylinders[shaft]
-                for hollow in cylinders[hole]
-                if not solid.hollow and hollow.hollow
-                for fit in _fits_of(
+                for fit, rows in _fits_of(
                     (shaft, hole), solid, hollow, gap, tolerance, (thickest, thinnest)
                 )
-                if _over_each_other(assembly.geometry, solid, hollow)
+                if _over_each_other(assembly.geometry, rows)
             ]
             # a stepped shaft has several fits: keep the tightest, and of these the longest
             fits.sort(key=lambda fit: (not fit.tight, -fit.length))
@@ -307,76 +307,75 @@ def coaxial_fits(
 
 def is_tube(assembly: Assembly, fit: Fit) -> bool:
     """Whether the shaft of a fit is hollow: it has a thinner bore about the same axis."""
-    for bore in _cylinders_of(assembly, fit.ends[0]):
-        apart = bore.point - fit.point
-        offset = float(np.linalg.norm(apart - fit.axis * (fit.axis @ apart)))
-        sine = float(np.linalg.norm(np.cross(bore.axis, fit.axis)))
-        if bore.hollow and bore.radius < fit.radius and max(offset / fit.radius, sine) < ANGLE:
-            return True
-    return False
+    bores = _cylinders_of(assembly, fit.ends[0])
+    apart = bores.point - fit.point
+    offset = lengths(apart - np.outer(apart @ fit.axis, fit.axis))
+    sine = lengths(cross(bores.axis, fit.axis[None]))
+    is_bore = bores.hollow & (bores.radius < fit.radius)
+    return bool((is_bore & (np.maximum(offset / fit.radius, sine) < ANGLE)).any())
 
 
 def _fits_of(
     parts: tuple[int, int],
-    shaft: _Cylinder,
-    hole: _Cylinder,
+    shafts: _Cylinders,
+    holes: _Cylinders,
     gap: float,
     tolerance: Tolerance,
     widest: tuple[float, float],
-) -> list[Fit]:
-    """A list with the fit of a shaft and a hole; an empty list if they form no fit.
+) -> Iterator[tuple[Fit, Index]]:
+    """Yield the fits of shafts in holes, with the rows of both surfaces.
 
     `gap` is the gap tolerance [length unit]; `widest` holds the largest interference and clearance
     as fractions of the radius [-].
     """
-    gap += shaft.doubt + hole.doubt
-    along = float(shaft.axis @ hole.axis)
-    apart = hole.point - shaft.point
-    offset = float(np.linalg.norm(apart - shaft.axis * (shaft.axis @ apart)))
-    interference = shaft.radius - hole.radius
-    sine = float(np.linalg.norm(np.cross(shaft.axis, hole.axis)))
-    thickest, thinnest = (share * shaft.radius for share in widest)
-    clearance = max(tolerance.clearance or 0.0, thinnest)
+    i, j = (grid.ravel() for grid in np.indices((len(shafts.row), len(holes.row))))
+    interference = shafts.radius[i] - holes.radius[j]
+    limit = gap + shafts.doubt[i] + holes.doubt[j]
+    thickest, thinnest = (share * shafts.radius[i] for share in widest)
+    clearance = np.maximum(tolerance.clearance or 0.0, thinnest)
+    equal = (-limit - clearance <= interference) & (interference <= thickest)
+    i, j, interference, limit = i[equal], j[equal], interference[equal], limit[equal]
+    axis, apart = shafts.axis[i], holes.point[j] - shafts.point[i]
+    along = np.einsum("ij,ij->i", apart, axis)
+    offset = lengths(apart - along[:, None] * axis)
+    sine = lengths(cross(axis, holes.axis[j]))
     # the axes must coincide up to the play of the fit
-    if sine > tolerance.angle or offset > gap + abs(interference):
-        return []
-    if not -gap - clearance <= interference <= thickest:
-        return []
+    coaxial = (sine <= tolerance.angle) & (offset <= limit + np.abs(interference))
     # ends of the hole along the axis of the shaft, which may point the other way
-    ends = float(shaft.axis @ apart) + along * np.array([hole.low, hole.high])
-    low, high = max(shaft.low, float(ends.min())), min(shaft.high, float(ends.max()))
-    if high - low <= FIT_LENGTH * shaft.radius:
-        return []
-    middle = shaft.point + shaft.axis * (low + high) / 2
-    return [Fit(parts, middle, shaft.axis, shaft.radius, interference, high - low, gap)]
+    sense = np.einsum("ij,ij->i", axis, holes.axis[j])
+    ends = along + sense * holes.low[j], along + sense * holes.high[j]
+    low = np.maximum(shafts.low[i], np.minimum(*ends))
+    high = np.minimum(shafts.high[i], np.maximum(*ends))
+    coaxial &= high - low > FIT_LENGTH * shafts.radius[i]
+    middle = shafts.point[i] + axis * ((low + high) / 2)[:, None]
+    for k in np.flatnonzero(coaxial).tolist():
+        shaft, length = i[k], float(high[k] - low[k])
+        radius, tight = float(shafts.radius[shaft]), float(interference[k])
+        fit = Fit(parts, middle[k], shafts.axis[shaft], radius, tight, length, float(limit[k]))
+        yield fit, np.array([shafts.row[shaft], holes.row[j[k]]])
 
 
-def _over_each_other(geometry: Geometry, shaft: _Cylinder, hole: _Cylinder) -> bool:
-    """Whether the faces of shaft and hole cover a common range of angles about the axis."""
-    bands = bands_of(geometry, np.array([shaft.row, hole.row]))
-    return shared_region(geometry, bands, (shaft.row, hole.row), (0, 1)) is not None
+def _over_each_other(geometry: Geometry, rows: Index) -> bool:
+    """Whether the faces of shaft and hole cover a common range of angles about the axis.
+
+    `rows`: the surfaces of shaft and hole.
+    """
+    names = int(rows[0]), int(rows[1])
+    return shared_region(geometry, bands_of(geometry, rows), names, (0, 1)) is not None
 
 
-def _cylinders_of(assembly: Assembly, part: int) -> list[_Cylinder]:
-    """Cylindrical faces of a part, exact or recognised in its mesh."""
-    geometry = assembly.geometry
-    surfaces = geometry.surfaces
-    rows = range(int(surfaces.start[part]), int(surfaces.start[part + 1]))
-    return [_cylinder(geometry, row) for row in rows if surfaces.kind[row] == CYLINDER]
-
-
-def _cylinder(geometry: Geometry, row: int) -> _Cylinder:
-    """The cylindrical face with the given index, with its extent from the triangles."""
-    surfaces = geometry.surfaces
-    corners = geometry.vertices[geometry.triangles[surfaces.triangles_of(row)]].reshape(-1, 3)
-    height = (corners - surfaces.point[row]) @ surfaces.axis[row]
-    return _Cylinder(
-        row=row,
-        point=surfaces.point[row],
-        axis=surfaces.axis[row],
-        radius=float(surfaces.radius[row]),
-        hollow=bool(surfaces.hollow[row]),
-        doubt=float(surfaces.doubt[row]),
-        low=float(height.min()),
-        high=float(height.max()),
+def _cylinders_of(assembly: Assembly, part: int) -> _Cylinders:
+    """Cylindrical faces of a part, exact or recognised in its mesh, with their extents."""
+    geometry, s = assembly.geometry, assembly.geometry.surfaces
+    rows = np.arange(s.start[part], s.start[part + 1])
+    rows = rows[s.kind[rows] == CYLINDER]
+    owner, place = ragged(s.triangle_start, rows)
+    corners = geometry.vertices[geometry.triangles[s.triangle[place]]] - s.point[rows[owner], None]
+    height = np.einsum("tki,ti->tk", corners, s.axis[rows[owner]])
+    low, high = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
+    np.minimum.at(low, owner, height.min(axis=1))
+    np.maximum.at(high, owner, height.max(axis=1))
+    point, axis, radius, hollow, doubt = (
+        values[rows] for values in (s.point, s.axis, s.radius, s.hollow, s.doubt)
     )
+    return _Cylinders(rows, point, axis, radius, hollow, doubt, low, high)

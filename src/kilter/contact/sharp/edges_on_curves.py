@@ -228,15 +228,24 @@ class RoundContacts:
     possible: PossibleContacts = field(default_factory=PossibleContacts.none)
 
 
+BLOCK = 200_000
+"""Number of pairs (point, surface) whose distances are computed at once."""
+
+
 def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array) -> Mask:
     """Mask of points, shape (n, 3), within `slack` of a curved surface of either part."""
     s = geometry.surfaces
     is_near = np.zeros(len(points), dtype=bool)
     for side in parts.T:
-        owner, row = ragged(s.start, side)
-        off = np.abs(s.distance(row, points[owner]))
-        near = (off <= slack[owner]) | (s.kind[row] == FREE)
-        is_near[owner[near]] = True
+        # in blocks: a board has hundreds of holes, and thousands of points beside them
+        last = np.cumsum(np.diff(s.start)[side])
+        cuts = np.searchsorted(last, np.arange(BLOCK, last.max(initial=0), BLOCK))
+        for rows in np.split(np.arange(len(side)), cuts):
+            owner, row = ragged(s.start, side[rows])
+            owner = rows[owner]
+            off = np.abs(s.distance(row, points[owner]))
+            near = (off <= slack[owner]) | (s.kind[row] == FREE)
+            is_near[owner[near]] = True
     return is_near
 
 

@@ -28,7 +28,13 @@ from kilter.contact.common.distances import segment_distance
 from kilter.contact.common.edges import Edges, find_edges
 from kilter.contact.common.facets import Facets, facet_triangles
 from kilter.contact.common.gaps import APART, RejectedPair
-from kilter.contact.contact_tolerances import EDGE_NEARLY_PARALLEL, EDGE_PARALLEL, LOOSE_GAP
+from kilter.contact.common.polygons import MANY_TRIANGLES
+from kilter.contact.contact_tolerances import (
+    EDGE_NEARLY_PARALLEL,
+    EDGE_PARALLEL,
+    FACET_FLATNESS,
+    LOOSE_GAP,
+)
 
 _Side = tuple[Index, Index]
 """Features near one side of the pairs: rows of the pair block, and indices of the features."""
@@ -211,7 +217,9 @@ def _corners_on_facets(
         near_facets[0][has_corner[near_facets[0]]],
         near_facets[1][has_corner[near_facets[0]]],
     )
-    piece_owner, piece, piece_facet = _facet_triangles(facets, near_facets)
+    grow, of_facet = block.tolerance[:, None], near_facets[0]
+    box = (block.low - grow)[of_facet], (block.high + grow)[of_facet]
+    piece_owner, piece, piece_facet = _facet_triangles(facets, block.boxes.turned, near_facets, box)
     at = block.turned(corner)
     pieces = block.boxes.turned[facets.corners[piece]]
     piece_boxes = pieces.min(axis=1, initial=np.inf), pieces.max(axis=1, initial=-np.inf)
@@ -303,7 +311,12 @@ def _interval_over_facets(
     facets: Facets, geometry: Geometry, start: Array, end: Array, facet: Index
 ) -> tuple[Array, Array]:
     """Interval (begin, end) of each segment over its facet, as fractions of its length."""
-    row, piece, _ = _facet_triangles(facets, (np.arange(len(facet)), facet))
+    ends = np.stack([start, end])
+    height = np.einsum("nij,ij->ni", ends - facets.origin[facet], facets.normal[facet])
+    grow = np.abs(height).max(axis=0) + FACET_FLATNESS * geometry.size[facets.part[facet]]
+    box = ends.min(axis=0) - grow[:, None], ends.max(axis=0) + grow[:, None]
+    near = np.arange(len(facet)), facet
+    row, piece, _ = _facet_triangles(facets, geometry.vertices, near, box)
     triangle = geometry.vertices[facets.corners[piece]]
     low, high = _interval_over_triangle(start[row], end[row], triangle, facets.normal[facet[row]])
     is_over = low < high
@@ -330,11 +343,32 @@ def _interval_over_triangle(
     return low, high
 
 
-def _facet_triangles(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
-    """Triangles of the near facets: row k of the pair, corner positions (n, 3), facet."""
+def _facet_triangles(
+    facets: Facets, points: Array, near: _Side, box: tuple[Array, Array]
+) -> tuple[Index, Index, Index]:
+    """Triangles of the near facets: row k of the pair, corner positions (n, 3), facet.
+
+    `points`, shape (V, 3): the vertices. `box`: lower and upper corners of the box of each near
+    facet, shape (m, 3) each; of facets with many triangles only those that meet it are returned.
+    """
     owner, facet = near
-    place, corners = facet_triangles(facets.corner_start, facets.convex, facet)
-    return owner[place], corners, facet[place]
+    length = np.where(facets.convex, 0, np.diff(facets.corner_start))[facet]
+    few = np.flatnonzero(length <= 3 * MANY_TRIANGLES)
+    place, corners = facet_triangles(facets.corner_start, facets.convex, facet[few])
+    rows, triangles = [few[place]], [corners]
+    many = np.flatnonzero(length > 3 * MANY_TRIANGLES)
+    for name in np.unique(facet[many]).tolist():
+        corners = np.arange(*facets.corner_start[name : name + 2]).reshape(-1, 3)
+        at = points[facets.corners[corners]]
+        low, high = at.min(axis=1), at.max(axis=1)
+        for row in many[facet[many] == name].tolist():
+            meets = (low <= box[1][row]).all(axis=1) & (high >= box[0][row]).all(axis=1)
+            triangles.append(corners[meets])
+            rows.append(np.full(len(triangles[-1]), row))
+    row = np.concatenate(rows)
+    order = np.argsort(owner[row], kind="stable")
+    row = row[order]
+    return owner[row], np.concatenate(triangles)[order], facet[row]
 
 
 def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> Mask:
