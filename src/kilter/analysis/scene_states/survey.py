@@ -130,9 +130,9 @@ class _Survey:
         if not (label >= 0).any():
             return rests
         self.tell("clusters at rest")
-        number, compact = np.unique(label[label >= 0], return_inverse=True)
+        chosen, compact = np.unique(label[label >= 0], return_inverse=True)
         label[label >= 0] = compact
-        rests[number] = clusters_at_rest(self.contacts, label)
+        rests[chosen] = clusters_at_rest(self.contacts, label)
         for k in np.flatnonzero(rests).tolist():
             self._at_rest(clusters[k], REACHED["stable"], ())
             known = {"verdict": VerdictWord.STABLE, "require": self.require}
@@ -146,7 +146,8 @@ class _Survey:
         Parts that touch a part with a fault count, too.
         """
         assembly, geometry = self.assembly, self.assembly.geometry
-        listed = [*assembly.joints, *assembly.bonds, *assembly.straps, *assembly.contacts]
+        listed: list[Any] = [*assembly.joints, *assembly.bonds]
+        listed += [*assembly.straps, *assembly.contacts]
         names = {name for entry in listed for name in entry.parts}
         names |= {load.part for load in assembly.loads}
         known = [assembly.index[name] for name in names if name in assembly.index]
@@ -156,7 +157,8 @@ class _Survey:
         odd = np.concatenate([geometry.surfaces.part, geometry.unknown.part, known]).astype(int)
         if assembly.planar:
             odd = np.arange(len(assembly))
-        return odd[~geometry.grounded[odd]]
+        free: Index = odd[~geometry.grounded[odd]]
+        return free
 
     def _full_verdict(self, sub: Assembly) -> Verdict:
         """The verdict of `check` about a cluster at rest."""
