@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def _meshes_of_boxes(assemblies: Sequence[Assembly]) -> Meshes:
     """The boxes of assemblies as meshes."""
     from kilter.analysis.many.compiled_prisms import Meshes
 
-    parts = [part for one in assemblies for part in one.parts]
+    parts: list[Any] = [part for one in assemblies for part in one.parts]
     count, start = len(parts), np.cumsum([0, *(len(one.parts) for one in assemblies)])
     size, place, turn = (
         np.array([part.shape.size for part in parts]),

@@ -8,7 +8,7 @@ from typing import Any, TypeVar, cast
 try:
     import numba
 except ImportError:  # the extra kilter[fast] is not installed
-    numba = None
+    numba = None  # type: ignore[assignment]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -70,8 +70,8 @@ class NearParts:
             return None
         ends = np.stack([program.part_a, program.part_b])
         rows = np.flatnonzero(near[ends].any(axis=0))
-        inside: Mask = ~(free & ~near)[ends[:, rows]].any(axis=0)
-        return cls(near[:-1], rows, inside)
+        crossing = (free & ~near)[ends[:, rows]].any(axis=0)
+        return cls(near[:-1], rows, np.asarray(~crossing))
 
     def alone(self, program: Program) -> Program:
         """The program in which all other parts are held."""
