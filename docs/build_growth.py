@@ -23,10 +23,13 @@ TITLES = {
 }
 HEAD = """# Growth with the number of parts
 
-CPU seconds of each command on one core, and in brackets the largest memory [GiB], by the number of parts. The seconds exclude imports and the reading of the file. The last column is the exponent p of
-seconds = c n^p over the cells of at least 0.1 s. `>` marks a cell that was ended at its limit, and `-` a cell that was not measured.
+CPU seconds of each command on one core, and in brackets the largest memory [GiB], by the number of
+parts. The seconds exclude imports and the reading of the file. The last column is the exponent p of
+seconds = c n^p over the cells of at least 0.1 s. `>` marks a cell that was ended at its limit, and
+`-` a cell that was not measured.
 
-`python benchmarks/growth.py` measures, and `python docs/build_growth.py` writes this page from `benchmarks/results/growth.csv`.
+`python benchmarks/growth.py` measures, and `python docs/build_growth.py` writes this page from
+`benchmarks/results/growth.csv`.
 """
 
 
