@@ -23,7 +23,7 @@ from kilter.analysis.many.clear_stacks import clear_answers, largest_friction
 from kilter.analysis.many.compiled_tolerances import LEFT, STABLE, UNSTABLE
 from kilter.analysis.many.verdicts import (
     Certificate,
-    Rows,
+    FoundVerdicts,
     Together,
     Verdicts,
     decide_together,
@@ -102,7 +102,7 @@ def check_many(
         "time_limit": asked.time_limit,
     }
     given = _given(assemblies, asked)
-    rows = Rows.empty(len(given))
+    rows = FoundVerdicts.empty(len(given))
     _put_clear(given, tolerance, rows, proofs=proofs)
     left = rows.left
     for first in range(0, len(left), AT_ONCE):
@@ -119,7 +119,11 @@ def check_many(
 
 
 def _put_clear(
-    given: Sequence[Assembly] | AssemblyArrays, tolerance: Tolerance, rows: Rows, *, proofs: bool
+    given: Sequence[Assembly] | AssemblyArrays,
+    tolerance: Tolerance,
+    rows: FoundVerdicts,
+    *,
+    proofs: bool,
 ) -> None:
     """Put the verdicts of compiled code about assemblies far from any limit.
 
@@ -149,9 +153,9 @@ class _LateProofs:
     tolerance: Tolerance
 
     @cached_property
-    def rows(self) -> Rows:
+    def rows(self) -> FoundVerdicts:
         """The verdicts of the computation without compiled code, with their proofs."""
-        rows = Rows.empty(len(self.given))
+        rows = FoundVerdicts.empty(len(self.given))
         for which, decided in _together(self.given, self.some, self.tolerance):
             rows.put_together(which, decided, proofs=True)
         return rows
@@ -253,7 +257,7 @@ def _put_check(
     given: Sequence[Assembly] | AssemblyArrays,
     k: int,
     options: dict[str, Any],
-    rows: Rows,
+    rows: FoundVerdicts,
     *,
     proofs: bool,
 ) -> None:

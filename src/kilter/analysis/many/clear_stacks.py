@@ -39,20 +39,19 @@ def clear_answers(
     """
     if len(given) < FEWEST or tolerance.clearance is not None or not has_numba():
         return None
+    # numba takes a quarter of a second to load
+    from kilter.analysis.many.compiled_stacks import decide_meshes
+
     if isinstance(given, AssemblyArrays):
         if given.vertices.dtype != np.float64:
             return None
-        which: Index = np.arange(len(given))
-        meshes: Callable[[Any], Meshes] = _meshes_of_arrays
+        which, meshes = np.arange(len(given)), _meshes_of_arrays(given)
     else:
         which = np.array([k for k, one in enumerate(given) if _all_boxes(one)], dtype=np.int64)
         if len(which) < FEWEST:
             return None
-        given, meshes = [given[k] for k in which.tolist()], _meshes_of_boxes
-    # numba takes a quarter of a second to load
-    from kilter.analysis.many.compiled_stacks import decide_meshes
-
-    return which, decide_meshes(meshes(given), tolerance.relative_gap, tolerance.gap)
+        meshes = _meshes_of_boxes([given[k] for k in which.tolist()])
+    return which, decide_meshes(meshes, tolerance.relative_gap, tolerance.gap)
 
 
 @cache
@@ -61,7 +60,7 @@ def has_numba() -> bool:
     return find_spec("numba") is not None
 
 
-def _meshes_of_arrays(given: Any) -> Meshes:
+def _meshes_of_arrays(given: AssemblyArrays) -> Meshes:
     """The meshes of `AssemblyArrays`."""
     from kilter.analysis.many.compiled_prisms import Meshes
 
@@ -84,11 +83,11 @@ def _all_boxes(assembly: Assembly) -> bool:
     return all(isinstance(p.shape, Box) and p.center_of_mass is None for p in assembly.parts)
 
 
-def _meshes_of_boxes(assemblies: Any) -> Meshes:
+def _meshes_of_boxes(assemblies: Sequence[Assembly]) -> Meshes:
     """The boxes of assemblies as meshes."""
     from kilter.analysis.many.compiled_prisms import Meshes
 
-    parts = [part for one in assemblies for part in one.parts]
+    parts: list[Any] = [part for one in assemblies for part in one.parts]
     count, start = len(parts), np.cumsum([0, *(len(one.parts) for one in assemblies)])
     size, place, turn = (
         np.array([part.shape.size for part in parts]),

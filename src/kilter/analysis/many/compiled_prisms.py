@@ -77,7 +77,7 @@ class Touches(NamedTuple):
     lower: Index
     upper: Index
     """Parts below and above each contact, shape (C,)."""
-    corners: Index
+    sides: Index
     """Number of corners of each contact, shape (C,)."""
     points: Array
     """Horizontal coordinates of the corners, shape (C, MOST_CUT, 2)."""
@@ -339,7 +339,8 @@ def read_prism(meshes: Meshes, part: int, frame: Array, prisms: Prisms, p: int, 
 @compiled
 def _separation(prisms: Prisms, a: int, b: int) -> float:
     """Largest distance of two outlines along a normal of a side; negative: how far they overlap."""
-    most, outline = -np.inf, prisms.outline
+    outline = prisms.outline
+    most: float = -np.inf
     for side in range(2):
         p, q = (a, b) if side == 0 else (b, a)
         n, m = prisms.corners[p], prisms.corners[q]
@@ -351,19 +352,18 @@ def _separation(prisms: Prisms, a: int, b: int) -> float:
             for j in range(m):
                 least = min(least, (outline[q, j, 0] - x0) * x + (outline[q, j, 1] - y0) * y)
             most = max(most, least / np.sqrt(x * x + y * y))
-    return most
+    return float(most)
 
 
 @compiled
 def _box_distance(prisms: Prisms, a: int, b: int) -> float:
     """Distance along x or y of the boxes about two outlines, which is at most their distance."""
     bounds = prisms.bounds
-    return float(
-        max(
-            max(bounds[a, 0] - bounds[b, 2], bounds[b, 0] - bounds[a, 2]),
-            max(bounds[a, 1] - bounds[b, 3], bounds[b, 1] - bounds[a, 3]),
-        )
+    distance: float = max(
+        max(bounds[a, 0] - bounds[b, 2], bounds[b, 0] - bounds[a, 2]),
+        max(bounds[a, 1] - bounds[b, 3], bounds[b, 1] - bounds[a, 3]),
     )
+    return distance
 
 
 @compiled
@@ -392,7 +392,7 @@ def _overlap(prisms: Prisms, a: int, b: int, points: Array) -> int:
                 points[kept, 1] = cut[j, 1] + share * (cut[following, 1] - cut[j, 1])
                 kept += 1
         count = kept
-    return count
+    return int(count)
 
 
 @compiled
@@ -429,6 +429,6 @@ def find_touches(
             if count < 3:
                 return -1, near
             touches.lower[found], touches.upper[found] = lower, upper
-            touches.corners[found] = count
+            touches.sides[found] = count
             found += 1
     return found, near

@@ -217,7 +217,7 @@ def _gather(prisms: Prisms, touches: Touches, found: int, p: int, feet: Array) -
     count = 0
     for c in range(found):
         if touches.upper[c] == p:
-            for k in range(touches.corners[c]):
+            for k in range(touches.sides[c]):
                 if count == MOST_POINTS:
                     return -1
                 _footing(prisms, p, touches.points[c, k], feet[count])
@@ -234,7 +234,7 @@ def _pass_down(
     for c in range(found):
         if touches.upper[c] == p:
             lower = touches.lower[c]
-            for k in range(touches.corners[c]):
+            for k in range(touches.sides[c]):
                 statics.force[c, k] = force[at]
                 _footing(prisms, lower, touches.points[c, k], foot)
                 for i in range(3):
@@ -315,7 +315,7 @@ def _judge_motion(
         if statics.moving[lower] == statics.moving[upper]:
             continue
         z = prisms.level[upper, 0]
-        for k in range(touches.corners[c]):
+        for k in range(touches.sides[c]):
             x, y = touches.points[c, k]
             up = _point_speed(prisms, statics, upper, x, y, z)
             down = _point_speed(prisms, statics, lower, x, y, z)
@@ -336,7 +336,7 @@ def _carried_sums(
     largest = 0.0
     left[:, 0] = -statics.weight[:parts]
     for c in range(found):
-        for k in range(touches.corners[c]):
+        for k in range(touches.sides[c]):
             force = statics.force[c, k]
             if force < 0:
                 return left, sums, -1.0
@@ -374,7 +374,7 @@ def _judge_forces(
         gram[:] = 0.0
         for c in range(found):
             if touches.upper[c] == p:
-                for k in range(touches.corners[c]):
+                for k in range(touches.sides[c]):
                     if statics.force[c, k] > CARRIES * largest:
                         _footing(prisms, p, touches.points[c, k], foot)
                         _add_moments(gram, foot, statics.force[c, k])
@@ -383,7 +383,7 @@ def _judge_forces(
             return False, worst
         for c in range(found):
             if touches.upper[c] == p:
-                for k in range(touches.corners[c]):
+                for k in range(touches.sides[c]):
                     _footing(prisms, p, touches.points[c, k], foot)
                     change = a + b * foot[1] + d * foot[2]
                     if not abs(change) < CHANGED:

@@ -218,7 +218,7 @@ Certificate = tuple[Program, ForceProof | MotionProof]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rows:
+class FoundVerdicts:
     """Verdict words of M assemblies and the numbers of their proofs, filled in any order."""
 
     word: Labels
@@ -232,10 +232,10 @@ class Rows:
     errors: dict[int, KilterError]
 
     @classmethod
-    def empty(cls, count: int) -> Rows:
+    def empty(cls, count: int) -> FoundVerdicts:
         """Rows of `count` assemblies without a verdict."""
-        residual, power, violation = np.full((3, count), np.nan)
-        return cls(np.full(count, "", dtype=WORD), residual, power, violation, {}, {})
+        a, b, c = (np.full(count, np.nan) for _ in range(3))
+        return cls(np.full(count, "", dtype=WORD), a, b, c, {}, {})
 
     @property
     def left(self) -> Index:
@@ -320,7 +320,7 @@ class Verdicts(Sequence[Verdict]):
     def __init__(
         self,
         assemblies: Sequence[Assembly] | AssemblyArrays,
-        rows: Rows,
+        rows: FoundVerdicts,
         options: Mapping[str, Any],
     ) -> None:
         self.assemblies = assemblies

@@ -37,14 +37,14 @@ RESTS = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearParts:
-    """Some of the free parts of a program, with the rows at them."""
+    """Free parts that are near a load in a program, with the rows at them."""
 
     near: Mask
     """Shape (N,)."""
     rows: Index
     """All rows at these parts."""
     inside: Mask
-    """Those of `rows` without an end at another free part."""
+    """Mask of the rows without an end at another free part."""
 
     @classmethod
     def of(cls, program: Program, part: int, *, above: bool) -> NearParts | None:
@@ -70,9 +70,8 @@ class NearParts:
             return None
         ends = np.stack([program.part_a, program.part_b])
         rows = np.flatnonzero(near[ends].any(axis=0))
-        far = free & ~near
-        inner: Mask = ~(far[program.part_a[rows]] | far[program.part_b[rows]])
-        return cls(near[:-1], rows, inner)
+        crossing = (free & ~near)[ends[:, rows]].any(axis=0)
+        return cls(near[:-1], rows, np.asarray(~crossing))
 
     def alone(self, program: Program) -> Program:
         """The program in which all other parts are held."""

@@ -130,9 +130,9 @@ class _Survey:
         if not (label >= 0).any():
             return rests
         self.tell("clusters at rest")
-        numbers, compact = np.unique(label[label >= 0], return_inverse=True)
+        chosen, compact = np.unique(label[label >= 0], return_inverse=True)
         label[label >= 0] = compact
-        rests[numbers] = clusters_at_rest(self.contacts, label)
+        rests[chosen] = clusters_at_rest(self.contacts, label)
         for k in np.flatnonzero(rests).tolist():
             self._at_rest(clusters[k], REACHED["stable"], ())
             known = {"verdict": VerdictWord.STABLE, "require": self.require}
@@ -146,12 +146,8 @@ class _Survey:
         Parts that touch a part with a fault count, too.
         """
         assembly, geometry = self.assembly, self.assembly.geometry
-        listed: list[Any] = [
-            *assembly.joints,
-            *assembly.bonds,
-            *assembly.straps,
-            *assembly.contacts,
-        ]
+        listed: list[Any] = [*assembly.joints, *assembly.bonds]
+        listed += [*assembly.straps, *assembly.contacts]
         names = {name for entry in listed for name in entry.parts}
         names |= {load.part for load in assembly.loads}
         known = [assembly.index[name] for name in names if name in assembly.index]
