@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from kilter.analysis.assumptions.assume import at_poses
+from kilter.analysis.assumptions.proved_poses import at_poses
 from kilter.analysis.limit_check import limit_notes, require_limit_form, wrong_limits
 from kilter.analysis.placing.place_check import require_place_form, wrong_places
 from kilter.analysis.planning.hold.hold_check import wrong_hold, wrong_lashing

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.assumptions.joining import joined
+from kilter.analysis.assumptions.proved_poses import at_poses
 from kilter.analysis.assumptions.straight_drop import drop_straight, tips, with_listed_contacts
 from kilter.analysis.check import check_equilibrium
 from kilter.analysis.chosen_parts import chosen_parts
@@ -35,7 +36,7 @@ from kilter.contact import ContactSet, detect
 from kilter.contact.fits.fastening import with_decided_pairs
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.open_pairs import still_open
-from kilter.files.own.saved_entries import changed_poses, with_bodies
+from kilter.files.own.saved_entries import changed_poses
 from kilter.tell.ladder_words import assumed_words
 from kilter.units import metres_per_unit
 
@@ -330,23 +331,6 @@ def _without_play(
     decided = [{"parts": pair, "as": "apart"} for pair in pairs_by_name]
     assembly = with_entries(with_decided_pairs(assembly, decided), open_pairs=decided)
     return assembly, detect.touching(asked.but(assembly=assembly, contacts=None))
-
-
-def at_poses(assembly: Assembly, poses: Mapping[str, Any]) -> Assembly:
-    """The assembly with the poses of a proof; joints and points of loads and bonds follow."""
-    if not poses:
-        return assembly
-    parts = with_bodies(assembly, {"poses": dict(poses)}).parts
-    bodies = rigid_bodies(assembly, ())
-    rotation, center = bodies.rotation.copy(), bodies.center.copy()
-    for old, new, body in zip(assembly.parts, parts, bodies.of_part.tolist(), strict=True):
-        if new.pose == old.pose:
-            continue
-        turn = new.pose.matrix @ old.pose.matrix.T
-        rotation[body] = turn
-        center[body] = new.pose.position + turn @ (bodies.drawn_center[body] - old.pose.position)
-    moved = replace(bodies, rotation=rotation, center=center).assembly()
-    return replace(moved, parts=parts)
 
 
 def _ways(rest: RestResult, near: Mask) -> dict[str, tuple[WayStep, ...]]:

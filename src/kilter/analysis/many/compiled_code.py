@@ -9,7 +9,7 @@ numba: Any
 try:
     import numba
 except ImportError:  # the extra kilter[fast] is not installed
-    numba = None  # type: ignore[assignment]
+    numba = None
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
