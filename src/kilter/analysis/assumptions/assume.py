@@ -26,7 +26,6 @@ from kilter.analysis.settled_pose.rest_engine import come_to_rest
 from kilter.analysis.settled_pose.rest_verification import RestingParts, verify_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle import is_verified, refusal, without_rounding
-from kilter.analysis.settled_pose.straight_falls import FEW_VERTICES
 from kilter.analysis.verdict.remarks import floating_groups
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint
@@ -54,6 +53,9 @@ LONGEST_CHAIN = 5
 VERTICES, LEAST_STEPS, MOST_STEPS = 200_000, 12, 100
 """Work limit of a search for a pose at rest: number of steps times vertices of the assembly, and
 the least and the largest number of steps."""
+FEW_VERTICES = 5_000
+"""Number of vertices up to which rows search for poses, and bodies do not fall straight at first.
+"""
 ROUNDING = 1e-9
 """Gap to a floor that comes from rounding, over the size of the assembly [-]."""
 SUNK_SHARE = 1e-3

@@ -18,11 +18,7 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.assumptions.joining import adjoining, body_labels, tables
 from kilter.analysis.planning.order.sweeps import Sweeps
-from kilter.analysis.settled_pose.straight_falls import (
-    FEW_VERTICES,
-    StraightFall,
-    falling_distance,
-)
+from kilter.analysis.settled_pose.straight_falls import StraightFall, falling_distance
 from kilter.arrays import Array, Index, Mask, across, cross, members_by_label, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import Body
@@ -165,9 +161,7 @@ class _LooseBodies:
 
     def _fall(self, group: Index) -> StraightFall | None:
         """The straight fall of parts that move together."""
-        assembly = self._assembly
-        few = len(assembly.geometry.vertices) <= FEW_VERTICES
-        return falling_distance(assembly, self._sweeps, group, assembly.down, on_surfaces=few)
+        return falling_distance(self._assembly, self._sweeps, group, self._assembly.down)
 
     def found(self, group: Index, fall: StraightFall | None) -> dict[str, Any]:
         """The keys of a loose body about its nearest part and its fall."""

@@ -89,8 +89,6 @@ ROUNDS = 6
 """Largest number of Newton steps to the first contact of round faces."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
-FEW_VERTICES = 5_000
-"""Number of vertices up to which the falls of an answer end on the exact curved surfaces."""
 MOST_GROUPS = 200
 """Largest number of groups of parts whose straight falls are computed for an answer."""
 EXACT = 1e-12
@@ -110,13 +108,12 @@ class StraightFall:
 
 
 def falling_distance(
-    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array, *, on_surfaces: bool = True
+    assembly: Assembly, sweeps: Sweeps, parts: Index, down: Array
 ) -> StraightFall | None:
     """Find the first part that a group of parts meets if it falls straight down.
 
     Arguments: `parts` (n,): the falling parts; they move together; `down` (3,): unit direction of
-    gravity; `on_surfaces`: whether the fall ends on the exact curved surfaces, not on their
-    triangles. Returns None if nothing is below the parts.
+    gravity. Returns None if nothing is below the parts.
     """
     x, y, z = down.tolist()
     direction: Direction = (x, y, z)
@@ -138,10 +135,7 @@ def falling_distance(
         distance, exact = sweeps.heights(part, other, direction)
         if not np.isfinite(distance) or distance >= most:
             continue
-        known = sweeps.falls.get((part, other, direction))
-        if known is not None:
-            distance = known
-        elif on_surfaces and not exact:
+        if not exact:
             distance = _height_on_surfaces(sweeps, assembly, (part, other), distance)
         if best is None or distance < best.distance:
             best = StraightFall(distance, part, other)
@@ -162,16 +156,15 @@ def landings(
 
     Parts of the mask that touch fall together. The other parts count as drawn. Parts with nothing
     below them, parts that touch the part below, and groups after the first `MOST_GROUPS` are left
-    out. In large assemblies curved faces count as their triangles.
+    out.
     """
     a, b = contacts.patch_parts.T
     both = falling[a] & falling[b]
     label = np.where(falling, connected(len(falling), a[both], b[both]), -1)
     sweeps = Sweeps.of(contacts)
-    few = len(assembly.geometry.vertices) <= FEW_VERTICES
     found: dict[int, tuple[int, float]] = {}
     for group in members_by_label(label)[:MOST_GROUPS]:
-        fall = falling_distance(assembly, sweeps, group, assembly.down, on_surfaces=few)
+        fall = falling_distance(assembly, sweeps, group, assembly.down)
         if fall is not None and fall.distance > touching_gap(assembly, contacts, fall):
             found |= dict.fromkeys(group.tolist(), (fall.other, fall.distance))
     return found
