@@ -2,12 +2,14 @@
 
     python drift_of_states.py scene.xml states.npy          states: rows qpos
     python drift_of_states.py scene.xml states.npy --seconds 5
+    python drift_of_states.py scene.xml states.npy --finer 20       a twentieth of the time step
 
 It needs NumPy and MuJoCo only, of any version, so that an audit can run it by several interpreters.
 Objects are bodies with a joint that no motor drives. Joints with motors stay in place, like those
 of a robot whose controller holds it. The first line of the output is the version of MuJoCo. Each
 further line belongs to a state: the displacement of the centre of mass of each object [m], and its
-rotation [deg], both between the first and the last moment, as JSON.
+rotation [deg], both between the first and the last moment, as JSON; and the objects with a contact
+of the engine that lies outside of them (`outside`), which is a fault of its collision detection.
 """
 
 import argparse
@@ -17,6 +19,8 @@ import mujoco
 import numpy as np
 
 MOTORS_AT_JOINTS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+OUTSIDE = 1e-3
+"""Distance of a contact from the bounding sphere of its geom from which it is false [m]."""
 WIDTHS = {0: (7, 6), 1: (4, 3), 2: (1, 1), 3: (1, 1)}
 """Numbers of positions and of velocities of a joint: free, ball, slide, hinge."""
 
@@ -37,13 +41,26 @@ def places(model, joints):
     return np.array(positions, dtype=int), np.array(velocities, dtype=int)
 
 
+def false_contacts(model, data):
+    """Bodies with a contact outside of the bounding sphere of the geom that it belongs to."""
+    found = set()
+    for contact in data.contact[: data.ncon]:
+        for geom in (contact.geom1, contact.geom2):
+            away = np.linalg.norm(contact.pos - data.geom_xpos[geom])
+            if model.geom_rbound[geom] > 0 and away > model.geom_rbound[geom] + OUTSIDE:
+                found.add(int(model.geom_bodyid[geom]))
+    return found
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("model", help="MJCF file")
     parser.add_argument("states", help=".npy file, shape (n, nq)")
     parser.add_argument("--seconds", type=float, default=2.0, help="simulated time [s]")
+    parser.add_argument("--finer", type=float, default=1.0, help="divisor of the time step")
     options = parser.parse_args()
     model = mujoco.MjModel.from_xml_path(options.model)
+    model.opt.timestep /= options.finer
     held = driven_joints(model)
     positions, velocities = places(model, held)
     loose = np.setdiff1d(np.arange(model.njnt), held)
@@ -55,8 +72,10 @@ def main():
         data.qpos[:] = state
         mujoco.mj_forward(model, data)
         centers, turns = data.xipos[bodies].copy(), data.xquat[bodies].copy()
+        outside = set()
         while data.time < options.seconds:
             mujoco.mj_step(model, data)
+            outside |= false_contacts(model, data)
             data.qpos[positions], data.qvel[velocities] = state[positions], 0.0
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -66,6 +85,7 @@ def main():
         row = {
             "moved": {name: moved[k] for k, name in enumerate(names)},
             "turned_deg": {name: turned[k] for k, name in enumerate(names)},
+            "outside": [names[k] for k, body in enumerate(bodies) if int(body) in outside],
         }
         print(json.dumps(row), flush=True)
 

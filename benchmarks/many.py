@@ -6,10 +6,16 @@
     python benchmarks/many.py 1000 --piles --turned  each rotated at random with its gravity
     python benchmarks/many.py 1000 --friction 0.5    with friction
     python benchmarks/many.py 1000 --boxes 10        a table and ten boxes each
+    python benchmarks/many.py 100000 --towers        ten boxes on each other, by the closed form
+    python benchmarks/many.py 100000 --towers --simulated 20    20 of them in MuJoCo, too
 
 The assemblies are given as arrays and as a list. Every proof is verified
 with the program of its assembly, independently of the solver. Different verdicts and invalid
-proofs are printed, and the exit code is then 1. Seconds are CPU time on a single core.
+proofs are printed, and the exit code is then 1. Seconds are CPU time on a single core. With numba
+(`kilter[fast]`) compiled code decides most of the assemblies; `--pure` does without it.
+
+The boxes of a tower lie with parallel sides, each on the next lower one. So a tower stands iff the
+centre of mass of the boxes above each face is over the overlap of the two boxes that meet there.
 """
 
 from __future__ import annotations
@@ -28,6 +34,12 @@ KEPT = 2000
 """Number of proofs that are kept and verified at a time."""
 SIDE = 4
 """Cells of the floor of a pile; with fewer cells piles are higher and more of them fall."""
+WIDEST = 0.2
+"""Largest shift of a box of a tower over the box below [its width]."""
+NEAR = 1e-6
+"""Towers with a centre of mass this near to an edge are left out [m]."""
+MOVED = 0.1
+"""Way of a box in a second of simulation from which its tower counts as falling [m]."""
 SHIFT = 0.3
 """Largest shift of a box over the box below [width of the box below]."""
 
@@ -96,6 +108,107 @@ def as_arrays(piles: list[Any]) -> Any:
     )
 
 
+def towers(count: int, friction: float, *, height: int = 10, seed: int = 0) -> tuple[Any, Any]:
+    """Towers of boxes on a table as `AssemblyArrays`, and by the closed form whether each stands.
+
+    No centre of mass is within `NEAR` of an edge of the face under it.
+    """
+    from kilter import AssemblyArrays
+    from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES
+
+    random = np.random.default_rng(seed)
+    size = random.uniform(0.5, 2.0, (2 * count, height, 3))
+    shift = random.uniform(-WIDEST, WIDEST, (2 * count, height, 2)) * size[..., :2]
+    middle = np.concatenate([np.cumsum(shift, axis=1), size[..., 2:]], axis=2)
+    middle[..., 2] = np.cumsum(size[..., 2], axis=1) - size[..., 2] / 2
+    margin = least_margin(size, middle)
+    clear = np.flatnonzero(np.abs(margin) > NEAR)[:count]
+    size, middle, stands = size[clear], middle[clear], margin[clear] > 0
+    count = len(size)
+    table = np.broadcast_to([100.0, 100.0, 1.0], (count, 1, 3))
+    size = np.concatenate([table, size], axis=1).reshape(-1, 3)
+    place = np.broadcast_to([0.0, 0.0, -0.5], (count, 1, 3))
+    middle = np.concatenate([place, middle], axis=1).reshape(-1, 3)
+    first = 8 * np.arange(len(size) + 1)
+    arrays = AssemblyArrays(
+        (BOX_CORNERS * size[:, None] + middle[:, None]).reshape(-1, 3),
+        (BOX_TRIANGLES + first[:-1, None, None]).reshape(-1, 3),
+        first,
+        len(BOX_TRIANGLES) * np.arange(len(size) + 1),
+        (height + 1) * np.arange(count + 1),
+        np.arange(len(size)) % (height + 1) == 0,
+        friction=friction,
+    )
+    return arrays, stands
+
+
+def least_margin(size: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """Least distance of the centre of mass above a face from the edges of the face, inwards [m].
+
+    Arguments: `size`, `middle` (n, height, 3): sizes and centres of boxes that form towers.
+    """
+    mass = size.prod(axis=2)[..., None]
+    above = np.cumsum((mass * middle)[:, ::-1], axis=1)[:, ::-1]
+    centre = (above / np.cumsum(mass[:, ::-1], axis=1)[:, ::-1])[..., :2]
+    low, high = (middle + sign * size / 2 for sign in (-1, 1))
+    low, high = low[..., :2], high[..., :2]
+    low[:, 1:], high[:, 1:] = (
+        np.maximum(low[:, 1:], low[:, :-1]),
+        np.minimum(high[:, 1:], high[:, :-1]),
+    )
+    return np.minimum(centre - low, high - centre).min(axis=(1, 2))
+
+
+def simulated(arrays: Any, stands: Any, count: int) -> None:
+    """Simulate the first towers for a second in MuJoCo; print the rate and other answers."""
+    import mujoco
+    from mujoco import rollout
+
+    wrong, seconds = 0, 0.0
+    parts = arrays.part_start[1]
+    corners = arrays.vertices.reshape(len(stands), parts, 8, 3)
+    for k in range(min(count, len(stands))):
+        low, high = corners[k].min(axis=1), corners[k].max(axis=1)
+        bodies = "".join(
+            f'<body pos="{p[0]} {p[1]} {p[2]}"><freejoint/>'
+            f'<geom type="box" size="{s[0]} {s[1]} {s[2]}"/></body>'
+            for p, s in zip((low + high)[1:] / 2, (high - low)[1:] / 2, strict=True)
+        )
+        text = f"""<mujoco><option timestep="0.005"/><default><geom friction="{arrays.friction}"
+            density="1000"/></default><worldbody><geom type="plane" size="50 50 1"/>{bodies}
+            </worldbody></mujoco>"""
+        model = mujoco.MjModel.from_xml_string(text)
+        data, size = mujoco.MjData(model), int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        state = np.zeros(mujoco.mj_stateSize(model, size))
+        mujoco.mj_getState(model, data, state, size)
+        started = time.process_time()
+        states, _ = rollout.rollout(model, data, state[None], nstep=200)
+        seconds += time.process_time() - started
+        places = states[0, -1, 1 : 1 + model.nq].reshape(-1, 7)[:, :3]
+        moved = np.abs(places - (low + high)[1:] / 2).max()
+        wrong += (moved < MOVED) != bool(stands[k])
+    rate = count / max(seconds, 1e-9)
+    print(f"{'MuJoCo':12} {rate:8,.0f} a second  {wrong} of {count} differ from the closed form")
+
+
+def measure_towers(count: int, friction: float, simulate: int) -> int:
+    """Print the throughput for towers, and verdicts that differ from the closed form."""
+    import kilter
+
+    arrays, stands = towers(count, friction)
+    kilter.check_many(arrays.among(np.arange(min(1000, len(arrays)))))  # imports, and compilation
+    found, seconds = timed(lambda: kilter.check_many(arrays))
+    print(f"{'towers':12} {len(found) / seconds:8,.0f} a second  {found!r}", flush=True)
+    wrong = np.flatnonzero(found.verdict != np.where(stands, "stable", "unstable"))
+    print(f"{'':12} {len(found)} rechecked by the closed form, {len(wrong)} wrong {wrong[:10]}")
+    some = arrays.among(np.arange(min(KEPT, len(arrays))))
+    proved, seconds = timed(lambda: broken(kilter.check_many(some, proofs=True)))
+    print(f"{'with proofs':12} {len(some) / seconds:8,.0f} a second, {len(proved)} do not hold")
+    if simulate:
+        simulated(arrays, stands, simulate)
+    return 1 if len(wrong) or proved else 0
+
+
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
     """Run a function and return its result and its CPU seconds."""
     started = time.process_time()
@@ -134,6 +247,7 @@ def measured(name: str, given: Any, words: list[str]) -> int:
 def main() -> int:
     """Run the benchmark; return 1 if a verdict differs or a proof is invalid."""
     import kilter
+    from kilter.analysis.many import clear_stacks
 
     parser = argparse.ArgumentParser()
     parser.add_argument("count", type=int, nargs="?", default=10_000)
@@ -142,7 +256,14 @@ def main() -> int:
     parser.add_argument("--turned", action="store_true")
     parser.add_argument("--friction", type=float, default=0.0)
     parser.add_argument("--boxes", type=int)
+    parser.add_argument("--towers", action="store_true")
+    parser.add_argument("--simulated", type=int, default=0)
+    parser.add_argument("--pure", action="store_true")
     asked = parser.parse_args()
+    if asked.pure:
+        clear_stacks.has_numba = lambda: False
+    if asked.towers:
+        return measure_towers(asked.count, asked.friction, asked.simulated)
     piles = [pile(k) if asked.piles else boxes(k, asked.boxes) for k in range(asked.count)]
     piles = [one.with_friction(asked.friction) for one in piles]
     if asked.turned:

@@ -21,7 +21,11 @@ stiffer contacts. A row counts
 
 **floating**: stacks with gaps between 1 mm and .3 m, some off centre. Every object is at rest or is
 named as leaving. MuJoCo with stiff contacts simulates the pose at rest of the objects that stay for
-2 s; those that move by more than 1 mm are listed.
+2 s; those that move by more than 1 mm are listed, with their movement if all contacts are `STIFFER`
+squared times as stiff. A movement that vanishes then is that of soft contacts. The poses are tilted
+by `TILT`: MuJoCo normalises the rounding of the axis of an upright cylinder, and its contact with a
+plane is then up to millimetres deep (scene 79). A pose at rest has no overlaps, so contacts of the
+engine that are deeper than `THROUGH` at its begin are false; their depth is stated (scene 110).
 
 Each scene is a line of JSON in the file of `--results`; scenes that it contains are not repeated.
 `--again` repeats them.
@@ -59,6 +63,10 @@ CHAIN = 3.0
 """Permitted movement over the sunk depth of a chain of contacts [-]."""
 FINE = 1e-6
 """Movement that is always permitted, and drift that counts as none [m]."""
+STIFFER = 4.0
+"""Divisor of the time step and of the time constant of contacts in the second simulation."""
+TILT = 1e-9
+"""Random rotation of each object before the simulation [rad]."""
 MOVED = 1e-3
 """Movement in MuJoCo above which an object does not rest [m]."""
 
@@ -113,6 +121,31 @@ def drifts(scene: Scene, poses: dict[str, Array]) -> tuple[Array, Array]:
     simulated.run(AFTER)
     end = simulated.centers()
     return np.linalg.norm(end - sunk, axis=1), np.linalg.norm(end - begin, axis=1)
+
+
+def tilted(poses: dict[str, Array]) -> dict[str, Array]:
+    """The poses, each turned by `TILT` about a random axis."""
+    rng = np.random.default_rng(0)
+    turns = rng.normal(size=(len(poses), 3))
+    turns *= TILT / np.linalg.norm(turns, axis=1)[:, None]
+    result = {}
+    for (name, seven), turn in zip(poses.items(), turns, strict=True):
+        quaternion = Rotation.from_rotvec(turn) * Rotation.from_quat(seven[3:], scalar_first=True)
+        result[name] = np.append(seven[:3], quaternion.as_quat(scalar_first=True))
+    return result
+
+
+def stays(scene: Scene, poses: dict[str, Array], divisor: float = 1.0) -> tuple[Array, float]:
+    """Movement of each free object in `AFTER` from poses [m], and the deepest first contact [m].
+
+    The time step and the time constant of the contacts are shorter by a divisor.
+    """
+    simulated = Simulated(scene, tilted(poses))
+    simulated.model.opt.timestep /= divisor
+    simulated.model.geom_solref[:, 0] /= divisor
+    begin, deep = simulated.centers(), max(simulated.sunk().values(), default=0.0)
+    simulated.run(AFTER)
+    return np.linalg.norm(simulated.centers() - begin, axis=1), deep
 
 
 def shift_and_turn(before: Array, after: Array) -> tuple[float, float]:
@@ -195,19 +228,16 @@ def floating_row(seed: int, limit: float, each: bool) -> dict[str, Any]:
     after = poses_at_rest(answer, poses)
     row["open"] = sorted(set(answer.parts) - set(answer.leaves))
     row["rest"] = len(poses) - len(set(answer.parts) | set(answer.leaves))
-    stays = scene.without(row["leaves"])
+    left = scene.without(row["leaves"])
     if not row["rest"]:
         return row
-    names = [thing.name for thing in stays.things if not thing.held]
-    simulated = Simulated(stays, after)
-    begin = simulated.centers()
-    simulated.run(AFTER)
-    moved = np.linalg.norm(simulated.centers() - begin, axis=1)
-    row["moves"] = {
-        name: float(way)
-        for name, way in zip(names, moved, strict=True)
-        if way > MOVED and name not in answer.parts
-    }
+    names = [thing.name for thing in left.things if not thing.held]
+    moved, row["false"] = stays(left, after)
+    far = [k for k, name in enumerate(names) if moved[k] > MOVED and name not in answer.parts]
+    row["moves"] = {names[k]: float(moved[k]) for k in far}
+    if far:
+        stiff, _ = stays(left, after, STIFFER)
+        row["stiff"] = {names[k]: float(stiff[k]) for k in far}
     if each:
         for name, way in zip(names, moved, strict=True):
             print(f"    {name:12} moves {way:.2e} m; settled by {answer.drawn.index[name]}")
@@ -228,6 +258,9 @@ def line(row: dict[str, Any]) -> str:
             text += f", open: {', '.join(row.get('open', []))} {row['why']}"
         for name, way in row.get("moves", {}).items():
             text += f", {name} moves {1000 * way:.1f} mm in MuJoCo"
+            text += f" ({1000 * row['stiff'][name]:.2g} mm with stiffer contacts)"
+        if row.get("false", 0.0) > THROUGH:
+            text += f", a false contact of MuJoCo is {1000 * row['false']:.3g} mm deep"
         return text
     (old, new), (old_raw, new_raw) = row["drift"], row["raw"]
     text += f" {row['level']} ({row['kind']})"
@@ -252,10 +285,11 @@ def summary(rows: list[dict[str, Any]]) -> str:
         objects, rest = (sum(row.get(key, 0) for row in rows) for key in ("objects", "rest"))
         leaves = sum(len(row["leaves"]) for row in answered)
         moves = sum(len(row.get("moves", {})) for row in answered)
+        stiff = sum(way > MOVED for row in answered for way in row.get("stiff", {}).values())
         return text + (
             f"objects: {objects}; at rest {rest}, leaving {leaves}, neither "
             f"{objects - rest - leaves}; over 1 mm in MuJoCo: {moves} "
-            f"({100 * moves / max(rest, 1):.1f} % of those at rest)"
+            f"({100 * moves / max(rest, 1):.1f} % of those at rest), with stiffer contacts {stiff}"
         )
     rest = [row for row in answered if row["state"] == "at-rest" and row["level"] is not None]
     still = [row for row in rest if row["speed"] <= STILL]

@@ -15,7 +15,7 @@ SLOW_EXAMPLES = frozenset(
         "kilter.analysis.everything.everything",
         "kilter.analysis.margins.improve.improve",
         "kilter.analysis.margins.margin.margin",
-        "kilter.analysis.margins.level_limits.find_weakest_push",
+        "kilter.analysis.margins.part_limits.find_weakest_push",
         "kilter.analysis.margins.tilt.find_tilt_margin",
         "kilter.analysis.margins.uncertainty.find_uncertainty",
         "kilter.analysis.planning.hold.hold.hold",

@@ -22,6 +22,7 @@ SLOW_TO_IMPORT = {
     "matplotlib",
     "OCP",
     "shapely",
+    "numba",
     "kilter.friction",
 }
 """Packages for whose sake an import may wait inside a function: start-up."""

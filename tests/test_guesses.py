@@ -45,7 +45,6 @@ WRONG: dict[str, tuple[Callable[[], Any], str]] = {
     "check(frction)": (lambda: kilter.check(a, frction=1), "did you mean 'friction'"),
     "check(verbose)": (lambda: kilter.check(a, verbose=True), "use progress=print"),
     "check(nonsense)": (lambda: kilter.check(a, qwertz=1), "it has assembly, friction"),
-    "margin(pushes)": (lambda: kilter.margin(a, pushes=False), "pushed=[names]"),
     "region(gap)": (lambda: kilter.region(a, gap=1), "kilter.Tolerance(gap=...)"),
     "with_mass": (lambda: a.with_mass({}), "dataclasses.replace(part, mass=2.0)"),
     "with_load": (lambda: a.with_load({}), "assembly.with_loads"),

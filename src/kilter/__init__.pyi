@@ -809,6 +809,7 @@ def load(
     contacts: str | None = None,
     keyframe: str | None = None,
     state: str | None = None,
+    model: str | None = None,
     base: str | None = None,
     loose_robots: bool = False,
     stud_pull: float | None = None,
@@ -860,6 +861,8 @@ def load(
     state : str, optional
         MuJoCo: ``FILE`` or ``FILE:ROW``, the state of this row in place of a keyframe. The file is
         that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
+    model : str, optional
+        LDraw: name of the model of the file that is built; default the first.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
     loose_robots : bool
@@ -900,6 +903,7 @@ def margin(
     floor: bool | float | None = None,
     push: Any = None,
     about: Any = None,
+    pushes: bool = False,
     pushed: list[str] | None = None,
     loads: bool = False,
     ranges: Ranges | None = None,
@@ -922,9 +926,11 @@ def margin(
         else that of the given loads, if there are any.
     about : array_like, shape (3,), optional
         Also the tilt about this axis, across gravity, by the right-hand rule.
+    pushes : bool
+        Also the weakest push of each free part. Of more than 50 parts, those that move most
+        easily.
     pushed : list of str, optional
-        Parts for which the weakest push, and the gain of holding them, are computed;
-        by default all, up to `PUSHED` free parts.
+        Only the pushes of these parts, and the gain of holding them.
     loads : bool
         Also the load straight down that each free part takes, or each of `pushed`.
     ranges : Ranges, optional

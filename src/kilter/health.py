@@ -50,6 +50,7 @@ EXTRAS = {
     "usd": ("pxr", "usd-core", "USD files"),
     "mcp": ("mcp", "mcp", "the server of kilter mcp"),
     "completion": ("shtab", "shtab", "kilter --print-completion"),
+    "fast": ("numba", "numba", "kilter.check_many: compiled code"),
     "batch": ("pyarrow", "pyarrow", "kilter batch: Parquet"),
     "cluster": ("distributed", "distributed", "kilter batch --cluster"),
 }

@@ -119,6 +119,8 @@ def load(source: Any, reading: Reading) -> Assembly:
     state : str, optional
         MuJoCo: ``FILE`` or ``FILE:ROW``, the state of this row in place of a keyframe. The file is
         that of `numpy.save`, or a pickled array; a row is qpos, or time, qpos and qvel.
+    model : str, optional
+        LDraw: name of the model of the file that is built; default the first.
     base : {"fixed", "floating"}, optional
         URDF: whether the root link is held; default "fixed".
     loose_robots : bool

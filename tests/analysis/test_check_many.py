@@ -166,7 +166,11 @@ def test_limits_have_both_sides_whatever_stands_beside():
 
 def test_a_list_of_verdicts_needs_no_further_check(monkeypatch):
     found = kilter.check_many(arrays_of([overhanging(0.9), overhanging(1.1)]))
-    monkeypatch.setattr("kilter.analysis.many.verdicts.check", None)  # a call of it fails
+
+    def fails(*_: object, **__: object) -> None:
+        raise TypeError
+
+    monkeypatch.setattr("kilter.analysis.many.verdicts.check", fails)
     listed = list(found)
     assert [(one.verdict, one.level, one.stable) for one in listed] == [
         ("stable", "proved", True),

@@ -192,14 +192,14 @@ def test_verdict_and_proof_do_not_depend_on_the_run():
         assert judged(build()).proof() == judged(build()).proof()
 
 
-@pytest.mark.parametrize("verb", ["check", "margin"])
+@pytest.mark.parametrize(("verb", "more"), [("check", {}), ("margin", {"pushes": True})])
 def test_a_proof_in_python_lists_the_options_with_which_the_file_was_read(
-    tmp_path, monkeypatch, verb
+    tmp_path, monkeypatch, verb, more
 ):
     monkeypatch.chdir(tmp_path)
     cubes = [Part(name, Box(1, 1, 1), [0, 0, z]) for name, z in (("a", 0), ("b", 1))]
     kilter.dump(Assembly(cubes), "shelf.json")
-    answer = getattr(kilter, verb)("shelf.json", floor=True)
+    answer = getattr(kilter, verb)("shelf.json", floor=True, **more)
     proof = answer.proof()
     assert kilter.verify("shelf.json", proof).holds
     assert kilter.verify(answer.assembly, proof).holds

@@ -119,6 +119,7 @@ def line_of_bricks(count: int, *, layer: int = 0) -> BrickModel:
         none > 0,
         number + 1,
         number + 1,
+        np.tile([0, 0, 4, 2], (count, 1)),
     )
 
 
@@ -170,6 +171,7 @@ def test_a_hanging_brick_needs_its_weight_over_its_points():
         none > 0,
         number,
         number,
+        np.array([*[[0, 0, 2, 2]] * 4, [0, 0, 6, 2], [0, 0, 2, 2]]),
     )
     least = 0.00115 * 9.8 / (4 * 3)
     assert least_share(rows_of(model)) * PULL == pytest.approx(least, rel=1e-9)

@@ -123,7 +123,7 @@ def test_the_gap_is_drawn_as_open_and_said(opened, monkeypatch):
 def test_margins_are_those_of_the_command(opened):
     tower = stacks.tower(3, friction=0.8)
     page = opened(tower)
-    margin = kilter.margin(tower, effort=0)
+    margin = kilter.margin(tower, pushes=True, effort=0)
     told_ = page.text("margins")
     assert f"{margin.tilt_deg:.6g} deg" in told_
     assert "no friction is needed" in told_

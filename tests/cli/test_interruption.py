@@ -23,6 +23,7 @@ from kilter.analysis.decision import cascade
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.load_limit import NoLimit
 from kilter.analysis.margins import margin_steps
+from kilter.analysis.margins.part_limits import PartClusters
 from kilter.cli import main, output
 from kilter.cli.interruption import GRACE, REPLACED, interruptible
 from kilter.cli.output import Progress
@@ -404,11 +405,11 @@ def test_the_margin_at_limit_zero_names_the_limits_that_are_not_known():
 def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(monkeypatch):
     late = {"now": False}
 
-    def cut_short(program: Program, **options: object) -> NoLimit:
+    def cut_short(groups: list[Program], **options: object) -> NoLimit:
         late["now"] = True
         return NoLimit("failed")
 
-    monkeypatch.setattr(margin_steps, "find_least_friction", cut_short)
+    monkeypatch.setattr(margin_steps, "find_group_friction", cut_short)
     slope = stacks.block_on_slope(10.0, friction=0.5)
     assert kilter.margin(slope, pushed=[]).missing["friction"] == "failed"
     monkeypatch.setattr(Work, "late", property(lambda work: late["now"]))
@@ -536,3 +537,42 @@ def test_place_takes_a_time_limit_and_a_direction_of_gravity():
         kilter.place(scene("tower"), box, time_limit=0.0)
     turned = scene("tower").with_down([1, 0, 0])
     assert kilter.place(turned, box, down=[0, 0, -1], time_limit=60.0).stands
+
+
+def test_an_interrupted_margin_prints_the_limits_that_are_known(tmp_path, monkeypatch, capsys):
+    pushed: list[int] = []
+
+    def interrupted(self: PartClusters, part: int) -> Any:
+        pushed.append(part)
+        if len(pushed) > 1:
+            raise KeyboardInterrupt
+        return NoLimit("failed")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(PartClusters, "push", interrupted)
+    kilter.dump(stacks.tower(4, friction=0.5), "a.json")
+    assert main(["margin", "a.json", "--pushes", "--loads"]) == 130
+    told = capsys.readouterr()
+    assert "tilt      14.0362 deg" in told.out
+    assert len(pushed) == 2
+    assert "because the command was interrupted: 'push of" in told.err
+    assert "and 2 more" in told.err or "'load on" in told.err
+    assert "kilter: interrupted" in told.err
+    pushed.clear()
+    with pytest.raises(KeyboardInterrupt):  # a loop in Python ends
+        kilter.margin(stacks.tower(4, friction=0.5), pushes=True, effort=0)
+
+
+def test_progress_without_a_terminal_is_lines_in_growing_intervals(monkeypatch, capsys):
+    monkeypatch.setattr(output, "EACH", 0.02)
+    with Progress(quiet=False, lines=True) as progress:
+        progress("pushes: 3 of 50")
+        time.sleep(0.5)
+    lines = capsys.readouterr().err.splitlines()
+    assert all(re.fullmatch(r"kilter: pushes: 3 of 50 \.\.\. \(\d+ s so far\)", x) for x in lines)
+    assert 2 <= len(lines) <= 12  # not one for each of the 25 updates
+    for silent in (Progress(quiet=True, lines=True), Progress(quiet=False)):
+        with silent as progress:
+            progress("pushes")
+            time.sleep(0.1)
+    assert capsys.readouterr().err == ""

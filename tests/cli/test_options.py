@@ -276,6 +276,7 @@ SAVED: dict[str, dict[str, Any]] = {
     "keyframe": {"keyframe": "home"},
     "state": {"state": "S.npy:3"},
     "base": {"base": "floating"},
+    "model": {"model": "house.ldr"},
     "loose_robots": {"loose_robots": True},
     "stud_pull": {"studs": {"pull": 2}},
     "stud_shear": {"studs": {"shear": "mu"}},
@@ -291,7 +292,9 @@ SAVED: dict[str, dict[str, Any]] = {
 }
 """A saved value of each option."""
 ACTING = [
-    name for name in SAVED if name not in ("ground", "keyframe", "state", "base", "loose_robots")
+    name
+    for name in SAVED
+    if name not in ("ground", "keyframe", "state", "model", "base", "loose_robots")
 ]
 """Options with an effect on kilter's own files, beside the held part."""
 

@@ -1,5 +1,7 @@
 """Contacts between exact curved faces: positions, free motions, and the forces they hold."""
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -18,7 +20,7 @@ from solids import (
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check
 from kilter.contact import Tolerance, detect
-from kilter.contact.curved.contact_points import AROUND
+from kilter.contact.curved.contact_points import AROUND, unrolled_overlap
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import floor, turn
 from kilter.scenes.traps import four_spheres, three_cylinders
@@ -465,3 +467,29 @@ def test_free_form_is_listed_and_not_taken_for_its_triangles():
     far = check(Assembly([FLOOR, Part("blob", free, Pose([0, 0, 0.6]))]))
     assert far.verdict == "unstable"
     assert far.contact_set.unsupported == ()
+
+
+def unrolled_band(sides, low, high, phase=0.0, levels=1):
+    """Angles and heights of the triangles of a whole band, shape (m, 3) each."""
+    angle = phase + 2 * np.pi * np.arange(sides + 1) / sides
+    height = np.linspace(low, high, levels + 1)
+    angles, heights = [], []
+    for row in range(levels):
+        a, b = height[row : row + 2]
+        for p, q in itertools.pairwise(angle):
+            angles += [(p, q, q), (p, q, p)]
+            heights += [(a, a, b), (a, b, b)]
+    return np.array(angles), np.array(heights)
+
+
+@pytest.mark.parametrize("sides", [24, 63])
+def test_overlap_of_a_shaft_with_the_holes_of_both_ends_of_a_board_is_known_as_bands(sides):
+    shaft = unrolled_band(24, 0.0, 10.0)
+    ends = [unrolled_band(sides, -1.0, 2.0, 0.03, levels=3), unrolled_band(sides, 7.0, 12.0)]
+    holes = tuple(np.concatenate(rows) for rows in zip(*ends, strict=True))
+    _, heights, area, bands = unrolled_overlap(shaft, holes, 1.0)
+    assert bands
+    assert area == pytest.approx(2 * np.pi * (2.0 + 3.0), rel=1e-9)
+    assert (heights.min(), heights.max()) == (0.0, 10.0)
+    opened = tuple(np.delete(rows, 2 * sides, axis=0) for rows in holes)
+    assert not unrolled_overlap(shaft, opened, 1.0)[3]

@@ -79,7 +79,7 @@ SEQUENCES = [
 BRICKS = [
     ("m.ldr", doubling(f"1 4 0 0 0 {UNIT} 3001.dat"), "make 1,099,511,627,776 parts; the limit is"),
     ("m.ldr", doubling("0 end"), "the file has no bricks"),
-    ("m.ldr", doubling(f"1 4 0 0 0 {UNIT} x.dat"), "not a plain brick, plate or baseplate: line"),
+    ("m.ldr", doubling(f"1 4 0 0 0 {UNIT} x.dat"), "make 1,099,511,627,776 parts; the limit is"),
     ("m.ldr", doubling("", 300), "is nested too deeply"),
     ("m.json", '{"1": {"x": 0, "y": 0, "z": 0, "brick_id": 2, "ori": true}}', "has ori True"),
     ("m.json", f'{{"1": {{"x": {LARGE}, "y": 0, "z": 0, "brick_id": 2, "ori": 0}}}}', "has x 1000"),
@@ -346,4 +346,4 @@ def test_places_on_two_bodies_at_the_same_place():
     del data["parts"][1]["pose"]
     answer = kilter.place(write("same.json", json.dumps(data)), kilter.box_to_place([1, 1, 1], 1.0))
     assert answer.undecided
-    assert answer.programs < 20
+    assert answer.programs < 40  # each load asks the parts near it first

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import struct
 import zipfile
 from pathlib import Path
@@ -407,8 +408,29 @@ def test_damage_anywhere_gives_no_other_exception(suffix, at, put, cut, tmp_path
 def test_an_unknown_ending_lists_what_is_read(name, kind, write):
     message = str(refused(write(name, "x")))
     assert f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb," in message
-    endings = ".step, .stp, .xml, .mjcf, .urdf, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
+    endings = ".step, .stp, .xml, .mjcf, .urdf, .sdf, .world, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
     assert f"{endings}, or a folder" in message
+
+
+@pytest.mark.parametrize(
+    ("name", "export"),
+    [
+        ("frame.SLDASM", "export the file from SolidWorks: .* a STEP file"),
+        ("frame.asm.7", "export the file from Creo"),
+        ("frame.f3d", "Fusion"),
+        ("house.skp", "SketchUp: .* OBJ"),
+        ("scene.blend", "Blender: .* glTF"),
+    ],
+)
+def test_a_native_format_names_the_export_of_its_program(name, export, write):
+    message = str(refused(write(name, "x")))
+    assert "is the native format of a CAD program" in message
+    assert re.search(export, message)
+
+
+def test_a_folder_of_native_files_names_the_export(write):
+    folder = write("frame.SLDPRT", "x").parent
+    assert "export the parts from SolidWorks" in refused(folder).hint
 
 
 @pytest.mark.parametrize("name", ["plate.stl", "plate.json", "plate", "plate.step"])

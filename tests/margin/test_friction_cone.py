@@ -7,6 +7,7 @@ from margins import program_of, small_assembly
 import kilter
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.cone_cutting import friction_cone
+from kilter.analysis.regions.polyhedral_cone import widest_axis
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.errors import InputError
 from kilter.scenes import arches, friction, stacks
@@ -33,6 +34,23 @@ def test_a_block_on_a_table_has_a_circular_cone(mu):
     sine = found.facets @ [0, 0, -1.0]
     assert (np.degrees(np.arcsin(sine)) >= half - np.degrees(found.slack) - 1e-6).all()
     assert found.proved
+
+
+@pytest.mark.parametrize(("depth", "mu"), [(0.4, 1.5), (0.6, 0.9), (4.0, 0.3)])
+def test_only_the_widest_cone_is_refined(depth, mu):
+    """A panel of height 2 tips across its depth at atan(depth / 2), and slides at atan(mu)."""
+    panel = [floor([-5, -5], [5, 5]), block("panel", [0, 0, 0], [4, depth, 2])]
+    program = program_of(kilter.Assembly(panel, friction=mu))
+    half = np.degrees(min(np.arctan(depth / 2), np.arctan(mu)))
+    found, whole = friction_cone(program, widest=True), friction_cone(program)
+    assert half - 0.1 <= found.cone.half_angle_deg <= half + 1e-6
+    outer = np.degrees(np.arcsin((found.facets @ widest_axis(found.facets)).min()))
+    assert half - 1e-6 <= outer <= found.cone.half_angle_deg + 0.1
+    assert found.proved
+    assert found.programs < whole.programs if depth < 1 else found.programs <= whole.programs
+    # gravity that no forces hold: no arc begins there
+    found = friction_cone(program.turned([0, 1, -0.01]), widest=True)
+    assert half - 0.1 <= found.cone.half_angle_deg <= half + 1e-6
 
 
 @pytest.mark.parametrize("mu", [0.2, 0.7])

@@ -21,11 +21,13 @@ from kilter.analysis.load_limit import (
     gravity_wrench,
     with_more,
 )
+from kilter.analysis.margins import margin_steps
 from kilter.analysis.margins.least_friction import find_least_friction
-from kilter.analysis.margins.level_limits import find_push, find_weakest_push
-from kilter.analysis.margins.margin_steps import PUSHED
+from kilter.analysis.margins.margin_steps import HELD_TRIED
+from kilter.analysis.margins.part_limits import find_push, find_weakest_push
 from kilter.analysis.margins.tilt import find_nearest_held, find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges
+from kilter.mechanics import clusters as clusters_module
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.scenes import arches, friction, scene, stacks, walls
 from kilter.scenes import traps as rounds
@@ -317,7 +319,7 @@ def test_a_failure_is_not_taken_for_none_and_is_said(monkeypatch):
     assert find_limit(program, gravity_wrench(program, X)) == NoLimit("failed")
     assert find_tilt_margin(program) == NoLimit("failed")
     assert find_weakest_push(program, 1) == NoLimit("failed")
-    answer = kilter.margin(block, push=[1, 0, 0], effort=0)
+    answer = kilter.margin(block, push=[1, 0, 0], pushes=True, effort=0)
     pushed = f"push of {program.names[1]}"
     assert {"tilt", "load_factor", pushed} <= set(answer.missing)
     assert answer.missing[pushed] == "failed"
@@ -326,7 +328,7 @@ def test_a_failure_is_not_taken_for_none_and_is_said(monkeypatch):
 
 def test_a_push_that_is_not_resisted_says_why():
     slope = stacks.block_on_slope(50.0, friction=0.3)
-    answer = kilter.margin(slope, effort=0)
+    answer = kilter.margin(slope, pushes=True, effort=0)
     assert set(answer.missing.values()) == {"none"}
     assert any("it resists no push" in text for text in answer.warnings)
 
@@ -341,7 +343,7 @@ def test_where_no_tilt_fails_there_is_no_direction_that_does(name):
 
 @pytest.mark.slow
 def test_parts_above_the_limit_are_asked_for_by_name():
-    tower = stacks.tower(PUSHED + 1, friction=0.8)
+    tower = stacks.tower(HELD_TRIED + 1, friction=0.8)
     silent = kilter.margin(tower, effort=0)
     assert not silent.pushes
     assert "hold" not in {one.what for one in silent.helps}
@@ -352,7 +354,7 @@ def test_parts_above_the_limit_are_asked_for_by_name():
     held = [one for one in asked.helps if one.what == "hold"]
     assert [one.parts for one in held] == [(lowest,)]
     # the rest of the tower is one lower
-    gain = np.arctan(1 / PUSHED) - np.arctan(1 / (PUSHED + 1))
+    gain = np.arctan(1 / HELD_TRIED) - np.arctan(1 / (HELD_TRIED + 1))
     assert held[0].gain == pytest.approx(np.degrees(gain), abs=1e-5)
 
 
@@ -393,7 +395,7 @@ def near(limit: dict) -> dict[str, float]:
 @pytest.mark.slow
 def test_a_box_tips_over_its_lower_edge():
     """The edge is 50 mm from the centre of mass, which is 150 mm above it."""
-    answer = answered(BOX, push=[1, 0, 0], about=[0, 1, 0])
+    answer = answered(BOX, push=[1, 0, 0], about=[0, 1, 0], pushes=True)
     limit = answer["tilt_limit"]
     assert answer["tilt_deg"] == pytest.approx(TIPS, **near(limit))
     assert TIPS * (1 - 1e-6) <= answer["tilt_lower_deg"] <= TIPS * (1 + 1e-9)
@@ -496,7 +498,8 @@ def test_the_load_at_the_end_of_a_plank():
 @pytest.mark.slow
 def test_a_box_settles_up_to_each_limit_of_equilibrium():
     """A box on a table has a single way to stand: forces of equilibrium are those of rest."""
-    answer = answered(BOX, push=[1, 0, 0], about=[0, 1, 0], require="settles", loads=True)
+    asked = {"push": [1, 0, 0], "about": [0, 1, 0], "pushes": True, "loads": True}
+    answer = answered(BOX, require="settles", **asked)
     limits, arm = answer["at_level"], math.hypot(50, 150)
     expected = {
         "tilt_deg": TIPS, "about_deg": TIPS, "pushes": WEIGHT * 50 / arm, "load_factor": 1 / 3,
@@ -527,3 +530,81 @@ def test_a_push_above_a_hundred_thousand_weights_is_unlimited(angle):
     most = 1 / math.tan(angle)
     expected = most * assembly["board"].mass * G if most < 1e5 else math.inf
     assert push.force == pytest.approx(expected, rel=1e-6)
+
+
+def boxes_on_a_table(sizes, **options):
+    """Boxes of the given sizes side by side on a table, too far apart to touch."""
+    table = Part("table", Box(10 * len(sizes), 10, 1), [0, 0, -0.5], grounded=True)
+    boxes = [
+        Part(f"box-{k}", Box(*size), [4 * k - 2 * len(sizes), 0, size[2] / 2])
+        for k, size in enumerate(sizes)
+    ]
+    return Assembly([table, *boxes], **options)
+
+
+SLENDER = [(1.0, 1.0, 2.0), (1.0, 1.2, 3.0), (1.0, 1.0, 2.5), (1.0, 1.2, 3.0)]
+
+
+def test_the_limits_of_groups_that_do_not_touch_are_those_of_the_first_to_fail():
+    """A box tips at tan = width / height; the gain of fixing one ends at the next."""
+    answer = kilter.margin(boxes_on_a_table(SLENDER[:3], friction=0.9), push=[0, 1, 0])
+    assert answer.tilt_deg == pytest.approx(np.degrees(np.arctan(1 / 3.0)), abs=1e-6)
+    assert answer.tilt.closed
+    assert answer.tilt_limit.moves == ["box-1"]
+    assert answer.load_factor == pytest.approx((-0.4, 0.4), abs=1e-7)  # across y box-2 fails first
+    (hold,) = [one for one in answer.helps if one.what == "hold"]
+    assert hold.parts == ("box-1",)
+    gain = np.degrees(np.arctan(1 / 2.5) - np.arctan(1 / 3.0))
+    assert hold.gain == pytest.approx(gain, abs=1e-5)
+    twice = kilter.margin(boxes_on_a_table(SLENDER, friction=0.9))
+    assert twice.tilt_deg == pytest.approx(answer.tilt_deg, abs=1e-9)
+    assert not twice.helps  # another box is as slender
+
+
+def test_separate_groups_are_the_same_whether_split_or_not(monkeypatch):
+    sizes = [(1.0, 1.1, 0.8 + 0.1 * k) for k in range(6)]
+    whole = kilter.margin(boxes_on_a_table(sizes, friction=0.5), push=[1, 0, 0])
+    monkeypatch.setattr(clusters_module, "PARTED", 0)
+    monkeypatch.setattr(clusters_module, "GROUP", 6)
+    split = kilter.margin(boxes_on_a_table(sizes, friction=0.5), push=[1, 0, 0])
+    assert split.tilt_deg == pytest.approx(whole.tilt_deg, abs=1e-6)
+    assert split.load_factor == pytest.approx(whole.load_factor, abs=1e-6)
+    assert split.friction == whole.friction
+    assert [one.what for one in split.helps] == [one.what for one in whole.helps]
+
+
+def test_a_load_factor_that_no_group_shares_is_none():
+    """One box is held from a factor on that the other does not bear."""
+    wall = Part("wall", Box(1, 4, 4), [0, 0, 2], grounded=True)
+    table = Part("table", Box(9, 9, 1), [7, 0, -0.5], grounded=True)
+    pressed = Part("pressed", Box(1, 1, 1), [1, 0, 2])
+    slid = Part("slid", Box(1, 1, 1), [8, 0, 0.5])
+    weight = 9810.0
+    loads = [
+        Load("pressed", force=[-weight, 0, 0]),  # held by the wall from a factor of 1 / mu on
+        Load("slid", force=[0, weight, 0]),  # slides at a factor of mu
+    ]
+    answer = kilter.margin(Assembly([wall, table, pressed, slid], friction=0.4, loads=loads))
+    assert answer.load_factor is None
+    assert answer.missing["load_factor"] == "none"
+
+
+def test_equal_boxes_have_equal_pushes_with_proofs_of_their_own(tmp_path):
+    assembly = boxes_on_a_table([(1.0, 1.1, 0.8)] * 3, friction=0.3)
+    answer = kilter.margin(assembly, pushes=True, effort=0)
+    expected = 1.0 * 1.1 * 0.8 * 9810 * 0.3 / math.hypot(1, 0.3)
+    assert [push.part for push in answer.pushes] == ["box-0", "box-1", "box-2"]
+    assert [push.force for push in answer.pushes] == pytest.approx([expected] * 3, rel=1e-5)
+    assert [push.limit.moves for push in answer.pushes] == [["box-0"], ["box-1"], ["box-2"]]
+    assert kilter.verify(assembly, answer.proof()).holds
+
+
+def test_of_many_parts_those_are_pushed_that_move_most_easily(monkeypatch):
+    monkeypatch.setattr(margin_steps, "PUSHED", 2)
+    sizes = [(1.0, 1.0, 0.3), (1.0, 1.0, 0.9), (1.0, 1.0, 0.5)]
+    answer = kilter.margin(boxes_on_a_table(sizes, friction=0.3), pushes=True, effort=0)
+    assert [push.part for push in answer.pushes] == ["box-0", "box-2"]
+    assert any("pushes: 2 of 3 parts" in text for text in answer.warnings)
+    named = kilter.margin(boxes_on_a_table(sizes, friction=0.3), pushed=["box-1"], effort=0)
+    assert [push.part for push in named.pushes] == ["box-1"]
+    assert not kilter.margin(boxes_on_a_table(sizes, friction=0.3), effort=0).pushes

@@ -213,7 +213,8 @@ def test_a_wedge_needs_more_friction_to_settle_than_for_equilibrium():
 def test_an_assembly_that_does_not_settle_as_drawn_has_no_such_limit(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     kilter.dump(scene("squeezed-block"), "a.kilter.json")
-    assert main(["margin", "a.kilter.json", "--require", "settles", "--json", "--quiet"]) == 3
+    typed = ["--pushes", "--require", "settles", "--json", "--quiet"]
+    assert main(["margin", "a.kilter.json", *typed]) == 3
     answer = json.loads(capsys.readouterr().out)
     assert answer["level"] == "equilibrium"
     pushes = answer["at_level"]["pushes"]
@@ -234,7 +235,9 @@ def test_all_searches_together_take_a_fixed_amount_of_work(monkeypatch):
 
     monkeypatch.setattr(LevelDecisions, "reach", counted)
     slope = stacks.block_on_slope(20.0, friction=0.5)
-    margin = kilter.margin(slope, require="settles", effort=0, push=[1, 0, 0], loads=True)
+    margin = kilter.margin(
+        slope, require="settles", effort=0, push=[1, 0, 0], pushes=True, loads=True
+    )
     assert margin.at_level is not None
     assert min(spent) >= DECISION
     # the decision during which the work ends is completed

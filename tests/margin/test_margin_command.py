@@ -95,14 +95,14 @@ def test_an_assembly_without_reserve_is_reported_with_the_option_that_helps(
     monkeypatch.chdir(tmp_path)
     kilter.dump(scene(name), "a.json")
     typed = [] if friction is None else ["--friction", friction]
-    assert main(["margin", "a.json", *typed, "--quiet"]) == 0
+    assert main(["margin", "a.json", "--pushes", *typed, "--quiet"]) == 0
     text = capsys.readouterr().out
     assert ("at its limit" in text) == (moved is not None)
     if moved is not None:
         assert f"{moved}; --friction MU states the friction of its contacts" in text
-        assert "next: kilter margin a.json --friction 0.3\n" in text
-        assert main(["margin", "a.json", "--friction", "0", "--quiet"]) == 0
-        assert "next: kilter margin a.json --friction 0.3\n" in capsys.readouterr().out
+        assert "next: kilter margin a.json --pushes --friction 0.3\n" in text
+        assert main(["margin", "a.json", "--pushes", "--friction", "0", "--quiet"]) == 0
+        assert "next: kilter margin a.json --pushes --friction 0.3\n" in capsys.readouterr().out
 
 
 def test_a_ball_with_friction_is_at_its_limit_without_that_option(tmp_path, monkeypatch, capsys):
@@ -110,7 +110,7 @@ def test_a_ball_with_friction_is_at_its_limit_without_that_option(tmp_path, monk
     table = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
     ball = Part("ball", Sphere(0.5), [0, 0, 0.5])
     kilter.dump(Assembly([table, ball], friction=0.5), "a.json")
-    assert main(["margin", "a.json", "--quiet"]) == 0
+    assert main(["margin", "a.json", "--pushes", "--quiet"]) == 0
     text = capsys.readouterr().out
     assert "at its limit  the least tilt or push in some directions moves it" in text
     assert "--friction" not in text
@@ -188,7 +188,7 @@ def test_the_margin_of_a_large_drawing_that_falls_uses_the_motion_of_the_verdict
     def not_called(*arguments: object) -> None:
         raise AssertionError("the verdict has decided that no tilt margin exists")
 
-    monkeypatch.setattr(margin_steps, "find_tilt_margin", not_called)
+    monkeypatch.setattr(margin_steps, "find_least_tilt", not_called)
     large = kilter.margin(slope)
     assert large.tilt_deg == usual.tilt_deg
     assert large.tilt_deg is not None

@@ -1,5 +1,6 @@
 """States of an assembly: as `check`, open ones, pressed and carried ones."""
 
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -10,7 +11,7 @@ from random_turned import random_turned
 from read_proofs import proof_of, reasons, signed
 
 import kilter
-from kilter import Assembly, InputError, Mesh, Part, PlanRules, State, States
+from kilter import Assembly, InputError, Load, Mesh, Part, PlanRules, State, States
 from kilter.analysis.planning.order.plan import SIDES, extreme_accelerations
 from kilter.analysis.verification import verify_proof
 from kilter.cli import main
@@ -171,7 +172,11 @@ def test_exact_cones_decide_what_a_pyramid_does_not(friction, stable):
     down = [np.sin(angle) * np.cos(way), np.sin(angle) * np.sin(way), -np.cos(angle)]
     found = kilter.states(flat.with_down(down))
     assert found.of().stable == stable
-    assert found.counts["cones"] == 1
+    assert (found.counts["cones"], found.counts["paths"]) == (1 - stable, stable)
+    pushed = replace(flat, loads=[Load("block", force=[1e-6, 0.0, 0.0])]).with_down(down)
+    found = kilter.states(pushed)
+    assert found.of().stable == stable
+    assert (found.counts["cones"], found.counts["paths"]) == (1, 0)
 
 
 @pytest.mark.slow
@@ -231,15 +236,60 @@ def test_what_falls_is_named_where_check_decided():
 
 
 def test_large_states_are_judged_in_cones_and_small_ones_by_the_kept_program():
-    """A wall with friction: from nothing, then its lowest bricks, which no forces known hold."""
+    """A wall with friction and a held brick: all of it, then its lowest bricks alone."""
     found = kilter.states(scene("wall").with_friction(0.3))
     whole = np.ones(len(found.assembly), dtype=bool)
-    assert found.judge(whole, ~whole).stable
+    free = np.flatnonzero(~found.assembly.geometry.grounded)
+    held = ~whole
+    held[free[0]] = True
+    assert found.judge(whole, held).stable
     assert (found.counts["cones"], found.counts["programs"]) == (1, 0)
     low = whole.copy()
-    low[np.flatnonzero(~found.assembly.geometry.grounded)[12:]] = False
-    assert found.judge(low, ~whole).stable
+    low[free[12:]] = False
+    assert found.judge(low, held).stable
     assert (found.counts["cones"], found.counts["programs"]) == (1, 1)
+
+
+@pytest.mark.parametrize(("reach", "held"), [(1.39, True), (1.41, False)])
+def test_forces_along_gravity_hold_a_beam_that_a_counterweight_keeps_down(reach, held):
+    """A beam of 3 kg, its middle at x = reach beyond a pier that ends at x = 1, and a weight on it.
+
+    The weight of 2 kg lies on the end above the pier, at x = reach - 1. The common centre of mass
+    (3 reach + 2 (reach - 1)) / 5 = reach - .4 is on the pier up to reach = 1.4.
+    """
+    left = reach - 1.5
+    pier = block("pier", (0, 0, 0), (1, 1, 1), grounded=True)
+    beam = block("beam", (left, 0, 1), (left + 3, 1, 2), mass=3.0)
+    weight = block("weight", (left, 0, 2), (left + 1, 1, 3), mass=2.0)
+    found = kilter.states(Assembly([pier, beam, weight]))
+    assert found.of().stable is held
+    assert found.counts["paths"] == held
+    assert found.of(["pier", "beam"]).stable is False
+
+
+def test_a_state_of_a_layered_structure_is_held_by_forces_along_gravity_alone():
+    """Every state of a running-bond wall from which the highest bricks are gone, by no program."""
+    found = kilter.states(scene("wall"))
+    grounded = found.assembly.geometry.grounded
+    height = found.assembly.geometry.center[:, 2]
+    for level in np.unique(height[~grounded].round(6)):
+        state = found.judge(grounded | (height < level + 1e-3), np.zeros(len(grounded), dtype=bool))
+        assert state.stable
+        rechecked(found, state)
+    assert found.counts["paths"] == found.counts["asked"] == 6
+    assert not found.counts["programs"]
+    assert not found.counts["cones"]
+
+
+def test_forces_along_gravity_prove_nothing_that_falls():
+    """A wall with an unsupported brick falls, and a slope holds up to the angle of friction."""
+    falls = kilter.states(scene("wall-with-opening"))
+    assert falls.of().stable is False
+    assert not falls.counts["paths"]
+    for friction, stable in ((0.57, False), (0.58, True)):  # tan 30 deg = 0.5774
+        slope = kilter.states(block_on_slope(30.0, friction=friction))
+        assert slope.of().stable is stable
+        assert slope.counts["paths"] == stable
 
 
 FACES = [[0, 1, 2, 3], [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]

@@ -261,7 +261,7 @@ def stopping(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(boundary_rays, "many_shares", limited)
 
 
-@pytest.mark.parametrize(("after", "least"), sampled(1, [(0, 5.0), (1, 0.5), (2, 0.1)]))
+@pytest.mark.parametrize(("after", "least"), sampled(1, [(1, 5.0), (2, 0.5), (3, 0.1)]))
 def test_a_time_limit_leaves_a_coarse_region_with_its_gap(after, least, monkeypatch):
     stopping(after, monkeypatch)
     coarse = kilter.region(stacks.block_on_slope(0.0, friction=0.5))

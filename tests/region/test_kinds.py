@@ -181,6 +181,17 @@ def test_the_axis_has_the_widest_margin(seed, count):
     assert (facets @ best).min() >= (others @ facets.T).min(axis=1).max() - 1e-12
 
 
+@given(st.integers(0, 10**6), st.integers(3, 20), st.floats(0.05, 0.6))
+def test_the_axis_of_facets_around_a_facet_is_its_normal(seed, count, height):
+    """Facets at one angle on all sides of a normal, which is itself a facet and touches nothing."""
+    angle = np.random.default_rng(seed).uniform(0, 2 * np.pi, count)
+    angle = np.append(angle, angle[0] + np.pi * np.array([2 / 3, 4 / 3]))
+    flat = np.cos(height) * np.column_stack([np.cos(angle), np.sin(angle)])
+    around = np.column_stack([flat, np.full(len(angle), -np.sin(height))])
+    best = widest_axis(np.vstack([[0.0, 0.0, -1.0], around]))
+    assert best == pytest.approx([0, 0, -1], abs=1e-9)
+
+
 def test_shapes_of_directions():
     cone, _ = cone_of(-np.eye(3))
     assert cone.contains([-1, -1, -1]).shape == ()

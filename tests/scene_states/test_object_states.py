@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import kilter
-from kilter import Assembly, Box, Cylinder, InputError, Joint, Mesh, Part, Pose, Sphere
+from kilter import Assembly, Box, Cylinder, InputError, Joint, Load, Mesh, Part, Pose, Sphere
+from kilter.analysis.scene_states import survey
 from kilter.arrays import Array
 from kilter.cli import main
 from kilter.contact.contact_tolerances import GAP
@@ -353,3 +354,40 @@ def test_a_repaired_usd_scene_is_a_layer(tmp_path):
     assert main(["scene", str(out)]) == 0
     assert file.read_bytes() == before
     assert "subLayers" in out.read_text(encoding="utf-8")
+
+
+def random_scene(seed: int) -> Assembly:
+    """Stacks on a table of which some float, lean over, sink, touch each other, or carry a load."""
+    random, parts = np.random.default_rng(seed), []
+    for stack in range(12):
+        top = float(random.choice([0.0, 0.0, 0.0, 0.3, -0.002]))
+        x, y = stack % 4 + random.uniform(-0.08, 0.08), stack // 4 - 1.0
+        for k in range(random.integers(1, 4)):
+            size = random.uniform(0.3, 0.9, 3)
+            parts.append(Part(f"{stack}-{k}", Box(size), Pose([x - 1.5, y, top + size[2] / 2])))
+            x, top = x + random.uniform(-0.3, 0.3) * size[0], top + size[2]
+    parts.append(Part("loaded", Box([0.5, 0.5, 0.5]), Pose([0, 3, 0.25])))
+    loads = [Load("loaded", force=[0, 0, 1e5])] if seed % 2 else []
+    table = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
+    return Assembly([table, *parts], friction=0.4 * (seed % 3), loads=loads)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_clusters_that_are_decided_at_once_have_the_states_of_single_ones(seed, monkeypatch):
+    drawn = random_scene(seed)
+    together = kilter.scene(drawn, assume="drawn")
+    monkeypatch.setattr(survey, "FEWEST", 1000)
+    single = kilter.scene(drawn, assume="drawn")
+    assert {**together.to_dict(), "seconds": 0} == {**single.to_dict(), "seconds": 0}
+    assert together.clusters == single.clusters > 4
+    found = {frozenset(v.assembly.names): (v.verdict, v.level) for v in together.verdicts}
+    assert found == {frozenset(v.assembly.names): (v.verdict, v.level) for v in single.verdicts}
+
+
+def test_a_verdict_about_a_cluster_at_rest_is_complete_on_request():
+    report = kilter.scene(Assembly([TABLE, *(cube(f"{k}", 2.0 * k - 4, 0) for k in range(5))]))
+    first = report.verdicts[0]
+    assert (first.verdict, first.level) == ("stable", "proved")
+    assert first.assembly.names == ("table", "0")
+    assert first.evidence is not None
+    assert first.evidence.holds

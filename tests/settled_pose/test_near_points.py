@@ -94,6 +94,24 @@ def test_no_reach_sees_through_a_wall(sunk, reach):
     assert np.ptp(corners, axis=0) == pytest.approx([60, 40])
 
 
+@pytest.mark.parametrize("reach", [0.015, 0.2])
+def test_rings_have_no_depth_through_their_holes(reach):
+    """The outer ends of two rings face away from each other, and their middles lie in the holes."""
+    low, high = (tube(name, 0.03, 0.1, 0.02, [0, 0, z]) for name, z in (("a", 0.0), ("b", 0.03)))
+    points = find_near_points(Assembly([low, high]), reach, reach)
+    assert points.gap.min() == pytest.approx(0.01, abs=1e-12)
+
+
+def test_a_penetration_that_is_deeper_than_the_reach_stays_known():
+    ring = tube("ring", 0.03, 0.1, 0.05, [0, 0, 0.025])
+    bodies = rigid_bodies(Assembly([floor([-1, -1], [1, 1]), ring]), ())
+    candidates = CandidatePoints.of(bodies)
+    for k in range(6):
+        points = candidates.near(bodies, 1e-3)
+        assert points.gap.min() == pytest.approx(-0.002 * k, abs=1e-12)
+        bodies = bodies.moved(np.array([[0.0] * 6, [0, 0, -0.002, 0, 0, 0]]))
+
+
 @pytest.mark.parametrize(("height", "clear"), [(0.5, True), (2.5, False)])
 def test_a_segment_is_clear_if_no_wall_is_in_between(height, clear):
     """A plate of thickness 1 over a slab, and a lid of the same part above the plate."""
@@ -238,6 +256,19 @@ def test_points_of_a_pin_in_a_hole_lie_between_the_exact_cylinders(tilt, shift):
     for side in (0, -90, 90, 180):
         off = np.abs((angle - side + 180) % 360 - 180).min()
         assert off < np.degrees(2 * np.linalg.norm(shift[:2]) / 0.01) + 2 * tilt + 1e-9
+
+
+@pytest.mark.parametrize("tilt", [5.0, 20.0])
+def test_a_pin_that_is_tilted_in_its_hole_has_points_at_the_walls(tilt):
+    """In the plane of the tilt, an end of the wall is R cos - h sin from the axis of the pin."""
+    hole = tube("hole", 0.0103, 0.02, 0.01, grounded=True)
+    pin = Part("pin", Cylinder(0.005, 0.05), Pose([0, 0, 0], turn([1, 0, 0], tilt)))
+    points = find_near_points(Assembly([hole, pin], gravity=[0, -9.81, 0]), 5e-3, 5e-3)
+    for side in (-1, 1):
+        near = points.normal[:, 1] * side > 0.9
+        angle = np.radians(tilt)
+        known = 0.0103 * np.cos(angle) - 0.005 - 0.005 * np.sin(angle)
+        assert points.gap[near].min() == pytest.approx(known, abs=1e-12)
 
 
 def test_a_ring_around_a_bar_has_points_at_any_play():

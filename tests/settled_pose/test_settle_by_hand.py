@@ -148,6 +148,6 @@ def test_the_heavier_of_two_cubes_moves_less_only_if_masses_weigh_the_motion(by_
     ]
     assembly = Assembly(cubes)
     points = find_near_points(assembly, 2e-3, 2e-3)
-    programs = RestPrograms.of(rigid_bodies(assembly, ()), points, 1.0, 1.0)
-    light, heavy = programs.push_apart(by_mass=by_mass).reshape(2, 6)[:, 0]
+    programs = RestPrograms.of(rigid_bodies(assembly, ()), points, 1.0, 1.0, by_mass=by_mass)
+    light, heavy = programs.push_apart().reshape(2, 6)[:, 0]
     assert [-light, heavy] == pytest.approx([1e-3 * (1 - share), 1e-3 * share], abs=1e-9)

@@ -227,9 +227,11 @@ def test_the_command_prints_a_row_for_each_state_of_a_benchmark_file(tmp_path, c
 
 
 FIXED = '<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
+LOOSE = '<mujoco><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujoco>'
 WRONG = {
     "another length": (SCENE, np.ones((2, 5)), [], "a state has 5 numbers, but a state of the mod"),
     "no joint": (FIXED, np.ones((2, 5)), [], "the model has no joint; give a body a free joint"),
+    "no static body": (LOOSE, np.eye(7)[3:4], [], "no body of the scene is static, so nothing sup"),
     "an unknown part": (SCENE, states(1), ["--keep", "c"], "no part is named 'c'"),
     "a scene as output": (SCENE, states(1), ["-o", "x.xml"], "states are written to a NumPy file"),
     "a proof": (SCENE, states(1), ["--proof", "p.json"], "--proof is that of one state"),
@@ -248,6 +250,12 @@ def test_wrong_input_is_a_sentence(name, tmp_path, capsys, monkeypatch):
     out, error = capsys.readouterr()
     assert sentence in error
     assert (out, error.count("\n")) == ("", 1)
+
+
+def test_a_floor_of_a_given_height_supports_states_without_a_static_body(tmp_path):
+    rows = np.array([[0, 0, height, 1, 0, 0, 0] for height in (0.1, 0.3)])
+    answer = kilter.settle_states(scene(tmp_path, LOOSE), rows, floor=-0.2)
+    assert answer.qpos[:, 2] == pytest.approx(-0.1, abs=1e-9)
 
 
 def test_states_of_another_file_are_refused(tmp_path):

@@ -69,7 +69,8 @@ def test_tabs_have_answer_and_command(page):
         assert page.say(do="ask", tab=name)["ok"]
         tab = page.hear(lambda message: message.get("is") == "tab")
         assert (tab["name"], tab["error"]) == (name, "")
-        assert tab["command"] == f"kilter {name} f8.kilter.json --ground C2"
+        pushes = " --pushes" if name == "margin" else ""
+        assert tab["command"] == f"kilter {name} f8.kilter.json --ground C2{pushes}"
         assert "<" in tab["html"]
 
 

@@ -13,10 +13,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import GAP_DEG
 from kilter.analysis.check import check
 from kilter.analysis.margins.improve import Improvement, improve
 from kilter.analysis.margins.margin import margin
-from kilter.analysis.margins.margin_steps import PUSHED
+from kilter.analysis.margins.margin_steps import HELD_TRIED
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
 from kilter.analysis.regions.well import find_rests
@@ -50,7 +51,7 @@ MAP_PROGRAMS = 1500
 MAP_MOTIONS = 12_000
 """Largest number of map vertices times free parts; with more, the map is omitted, because its
 motions take too long."""
-MARGIN_PARTS = PUSHED
+MARGIN_PARTS = HELD_TRIED
 """Largest number of free parts for which margins are computed, including pushes on each part."""
 REST_PARTS = 3
 """Largest number of free parts for which the places of rest in the region are computed."""
@@ -289,8 +290,11 @@ def _directions(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
             verdict = turned_verdict(assembly, contacts, answer.down, effort)
+            stable = answer.stable_region
+            if (stable.gap_deg or 0.0) > GAP_DEG:  # only its widest cone was refined
+                stable = _region(assembly, contacts, notes)
             return (
-                answer.stable_region,
+                stable,
                 full_answer(verdict, answer.sentence),
                 answer.verdict == "none",
             )
@@ -382,8 +386,14 @@ def _margin(
         )
         return None
     # effort 0, since the check already reports the guarantee of friction
-    loads = bool(assembly.bonds)
-    return margin(assembly, contacts=contacts, loads=loads, effort=0, progress=tell).to_dict()
+    return margin(
+        assembly,
+        contacts=contacts,
+        pushes=True,
+        loads=bool(assembly.bonds),
+        effort=0,
+        progress=tell,
+    ).to_dict()
 
 
 def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> Improvement | None:

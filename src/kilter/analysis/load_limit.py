@@ -18,7 +18,7 @@ constraints, 2001.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
@@ -49,9 +49,9 @@ from kilter.mechanics.certificate import (
     part_sizes,
 )
 from kilter.mechanics.coulomb_cones import (
+    LargestLoads,
     angles_across,
     cone_problem,
-    largest_load,
     pyramid,
     pyramid_forces,
 )
@@ -224,12 +224,17 @@ def beyond_at(program: Program, wrench: Array, share: float, motion: Array) -> L
     Arguments: `wrench` (N, 6) [N]; `share` [-]; `motion` (N, 6).
     """
     start = motion_share(program, wrench, motion)
+    size, needed = max(abs(share), 1.0), -np.inf
     for step in BEYOND_LIMIT if np.isfinite(share) else ():
-        above = share + step * max(abs(share), 1.0)
+        above = share + step * size
+        if above - start < needed:
+            continue
         loaded = program.with_rows(applied=program.applied + above * wrench)
         proof = check_motion(loaded, motion)
         if proof.holds:
             return LimitSides(start=start, beyond=above, motion=proof)
+        if proof.ratio > 0.0:  # the power grows from `start` on, the needed power hardly changes
+            needed = SHORT_OF_PROOF * (above - start) / proof.ratio
     return LimitSides()
 
 
@@ -255,6 +260,8 @@ def slips_of(program: Program, motion: Array) -> Array:
     return slips
 
 
+SHORT_OF_PROOF = 0.9
+"""Steps above a limit are left out if they give less than this share of the needed power [-]."""
 MENDED = 2000
 """Largest number of rows for which a further program narrows bounds that already agree."""
 EXACT = 500
@@ -270,7 +277,9 @@ MODEST = 10.0
 """Upper end of the interval of shares that is tried first [-]."""
 
 T = TypeVar("T")
-Why = Literal["none", "failed", "time", "effort"]
+Why = Literal["none", "failed", "time", "effort", "interrupted"]
+WHYS: tuple[Why, ...] = ("none", "interrupted", "time", "effort", "failed")
+"""The reasons in order of precedence if several limits have no value."""
 
 
 class Limit(Record):
@@ -318,10 +327,23 @@ class NoLimit:
     """The reason why a limit has no value.
 
     The reason `why` is "none" if it is proved that no share is held, "failed" if the solvers
-    failed, "time" if the time limit was reached, and "effort" if no work was left.
+    failed, "time" if the time limit was reached, "effort" if no work was left, and "interrupted" if
+    the user ended the command.
     """
 
     why: Why
+
+
+def least_limit(limits: Sequence[T | NoLimit], value: Callable[[T], Any]) -> T | NoLimit:
+    """The least of the limits of groups that do not touch, which is that of all parts.
+
+    If a group has no limit, the whole has none; the reason "none" is a proof, and precedes others.
+    """
+    whys = {limit.why for limit in limits if isinstance(limit, NoLimit)}
+    for why in WHYS:
+        if why in whys:
+            return NoLimit(why)
+    return min((limit for limit in limits if not isinstance(limit, NoLimit)), key=value)
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -329,11 +351,14 @@ class LimitSteps:
     """Base class of the steps of an answer, each of which computes a limit, under a time limit.
 
     `missing` has the reason for each requested limit that has no value. An answer at the time limit
-    still has the limits of the steps that ended before it.
+    still has the limits of the steps that ended before it. So has an answer of a command that the
+    user interrupts, if the command prints such answers (`keeps`).
     """
 
     work: Work
     tell: Callable[[str], None]
+    keeps: bool = False
+    interrupted: bool = False
     missing: dict[str, Why] = field(default_factory=dict)
 
     def limit(
@@ -347,12 +372,19 @@ class LimitSteps:
         return result
 
     def in_time(self, step: Callable[..., T], *arguments: Any) -> T | NoLimit:
-        """The result of a step, or the reason that the time limit ended it."""
+        """The result of a step, or the reason that the time limit or the user ended it."""
+        if self.interrupted:
+            return NoLimit("interrupted")
         try:
             with stop_after(self.work.seconds):
                 result = step(*arguments)
         except TimeLimitReached:
             return NoLimit("time")
+        except KeyboardInterrupt:
+            if not self.keeps:
+                raise
+            self.interrupted = True
+            return NoLimit("interrupted")
         # a solver that was cut short has no proof, which is no failure of the solver
         if isinstance(result, NoLimit) and result.why == "failed" and self.work.late:
             return NoLimit("time")
@@ -392,7 +424,6 @@ def find_limit(
     program: Program,
     wrench: Array,
     *,
-    opening: Opening | None = None,
     most: float = UNLIMITED,
     shared: SharedCones | None = None,
     from_none: bool = False,
@@ -405,7 +436,7 @@ def find_limit(
     The result is a `NoLimit` with the reason "none" if it is proved that no share is held, or
     "failed" if the solvers give no proof.
 
-    Arguments: `wrench` (N, 6) [N]; `most` [-].
+    Arguments: `wrench` (N, 6) [N]; `most` [-]; `shared`: that of earlier limits of the program.
 
     Examples
     --------
@@ -419,26 +450,28 @@ def find_limit(
     >>> round(find_limit(program, aside).value, 9)
     0.5
     """
-    opening = opening or Opening(cone_problem(program))
+    shared = shared or SharedCones(program)
     large = len(program.part_a) > EXACT
     # with bonds, kilter's interior point starts too far from the forces that pull: it ends after 50
     # steps without a proof, and the conic solver needs 15
-    if most <= MODEST and not program.planar and large and not program.has_strength:
-        bounds = _by_own_cones(program, wrench, most, shared)
+    near_start = not (program.planar or program.has_strength or shared.far)
+    if most <= MODEST and large and near_start:
+        bounds = _by_own_cones(wrench, most, shared)
         if bounds.closed or bounds.held >= most * (1 - NEARLY):
-            return _limit(program, bounds, most)
+            return _limit(shared, bounds, most)
     if most > MODEST:  # shares near 1 need fewer steps of the solver
-        near = find_limit(program, wrench, opening=opening, most=MODEST, shared=shared)
+        near = find_limit(program, wrench, most=MODEST, shared=shared)
         known = isinstance(near, Limit) and np.isfinite(near.value)
         if known or (from_none and isinstance(near, NoLimit)):
             return near  # else larger shares may be held, although no share up to MODEST is
-    return _limit(program, _best_sides(program, opening, wrench, most), most)
+    return _limit(shared, _best_sides(shared, wrench, most), most)
 
 
-def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) -> LimitSides:
+def _best_sides(shared: SharedCones, wrench: Array, most: float) -> LimitSides:
     """Bounds of a load limit from the conic program, or from finer programs if the gap is large."""
+    program = shared.program
     limited = program.has_limits  # only the conic program models limits of single forces
-    conic = _in_cones(program, opening, wrench, most)
+    conic = _in_cones(shared, wrench, most)
     large = len(program.part_a) > EXACT
     enough = conic.sides.gap <= SIDES_NEAR and large
     whole = conic.sides.held >= most * (1 - NEARLY)
@@ -448,7 +481,7 @@ def _best_sides(program: Program, opening: Opening, wrench: Array, most: float) 
     if not limited:
         sides = sides.better(limit_sides(program, wrench, most, conic.across))
     if not sides.none and sides.gap > SIDES_APART:
-        sharp = _in_cones(program, opening, wrench, most, CONIC_SHARP).sides
+        sharp = _in_cones(shared, wrench, most, CONIC_SHARP).sides
         sides = sides.better(sharp)
     return sides
 
@@ -461,11 +494,39 @@ class _Conic:
     across: list[Array]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class SharedCones:
-    """Friction cones and starting point that all load limits of a program have in common."""
+    """Cones, starting point and mechanisms that the load limits of a program have in common."""
 
     program: Program
+    far: bool = False
+    """True if kilter's own interior-point method found no proof for an earlier limit."""
+    mechanisms: list[Array] = field(default_factory=list)
+    """Motions at earlier limits, shape (N, 6) each; each bounds the limits of other loads."""
+
+    @cached_property
+    def opening(self) -> Opening:
+        """The motion that opens every contact, and the matrices of the conic program."""
+        return Opening(cone_problem(self.program))
+
+    @cached_property
+    def loads(self) -> LargestLoads:
+        """Conic programs for the largest multiples of further loads."""
+        return LargestLoads(self.opening.wide)
+
+    def turned(self, down: Array) -> SharedCones:
+        """The same for gravity along `down`, shape (3,), with the opening motion of this one."""
+        turned = SharedCones(self.program.turned(down), self.far)
+        turned.opening = self.opening.turned(down)
+        return turned
+
+    def beyond(self, wrench: Array) -> LimitSides:
+        """The least upper bound of a load limit that an earlier mechanism proves."""
+        shares = [motion_share(self.program, wrench, motion) for motion in self.mechanisms]
+        if not shares or not np.isfinite(min(shares)):
+            return LimitSides()
+        least = int(np.argmin(shares))
+        return beyond_at(self.program, wrench, shares[least], self.mechanisms[least])
 
     @cached_property
     def balance(self) -> ConeBalance:
@@ -479,16 +540,15 @@ class SharedCones:
         return common_start(self.balance.cones)
 
 
-def _by_own_cones(
-    program: Program, wrench: Array, most: float, shared: SharedCones | None
-) -> LimitSides:
+def _by_own_cones(wrench: Array, most: float, shared: SharedCones) -> LimitSides:
     """Load bounds by kilter's own interior-point method; open if the base load is not held."""
-    balance = (shared or SharedCones(program)).balance.with_more(wrench, most)
-    if shared is not None:  # the common start may be too far from this wrench
-        sides = _from_iterates(balance, wrench, shared.start)
+    balance = shared.balance.with_more(wrench, most)
+    for start in (shared.start, None):  # the common start may be too far from this wrench
+        sides = _from_iterates(balance, wrench, start)
         if sides.closed or sides.held >= most * (1 - NEARLY):
             return sides
-    return _from_iterates(balance, wrench, None)
+    shared.far = not np.isfinite(sides.held)
+    return sides
 
 
 def _from_iterates(balance: ConeBalance, wrench: Array, start: Start | None) -> LimitSides:
@@ -512,18 +572,13 @@ def _from_iterates(balance: ConeBalance, wrench: Array, start: Start | None) -> 
     return best
 
 
-def _in_cones(
-    program: Program,
-    opening: Opening,
-    wrench: Array,
-    most: float,
-    tolerance: float = CONIC,
-) -> _Conic:
+def _in_cones(shared: SharedCones, wrench: Array, most: float, tolerance: float = CONIC) -> _Conic:
     """Bounds of a load limit by one conic program, with the friction of its solution."""
     from kilter.solvers.clarabel import solve_conic
 
+    program, opening = shared.program, shared.opening
     wide = opening.wide
-    answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
+    answer = solve_conic(shared.loads.along(wrench, most), tolerance=tolerance)
     if not answer.found:
         return _Conic(LimitSides(none=answer.proves_none), [])
     value = float(answer.x[-1])
@@ -535,6 +590,8 @@ def _in_cones(
     motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
     across = [aside, -slips_of(program, motion)]
     bounds = sides.better(beyond_at(program, wrench, value, motion))
+    if not bounds.closed:
+        bounds = bounds.better(shared.beyond(wrench))
     apart = bounds.gap > PROVED_APART and len(program.part_a) <= MENDED
     if not bounds.closed or apart:
         # the motion may violate contacts slightly; an opening motion, added to it, corrects this
@@ -544,8 +601,11 @@ def _in_cones(
     return _Conic(bounds, across)
 
 
-def _limit(program: Program, sides: LimitSides, most: float) -> Limit | NoLimit:
+def _limit(shared: SharedCones, sides: LimitSides, most: float) -> Limit | NoLimit:
     """The load limit of proved bounds; `NoLimit` if not even the base load is proved to be held."""
+    program = shared.program
+    if sides.motion is not None and sides.closed:
+        shared.mechanisms.append(sides.motion.motion)
     if sides.forces is None:
         return NoLimit("none" if sides.none else "failed")
     value, motion, gap = sides.held, sides.motion, sides.gap

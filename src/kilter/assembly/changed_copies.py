@@ -266,7 +266,7 @@ class ChangedCopies(Value):
         up = -self.down
         lowest = number(height, "height of the floor") if height is not None else None
         if lowest is None:
-            lowest = float(lowest_heights(geometry, up).min())
+            lowest = lowest_height(geometry, up)
         size = float(np.ptp(geometry.vertices, axis=0).max())
         middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
         thick = THICK * size
@@ -313,18 +313,16 @@ def lowest_heights(geometry: Geometry, up: Array) -> Array:
     return _lowered(geometry, up, low)
 
 
-def lowest_height(geometry: Geometry, up: Array, chosen: Mask) -> float:
-    """Height of the lowest point of the chosen parts along an upward unit vector.
-
-    Edges that lie above the lowest vertex of all are skipped.
-    """
-    low = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
-    lowest = _lowered(geometry, up, np.where(chosen, low[chosen].min(), -np.inf))
-    return float(lowest[chosen].min())
+def lowest_height(geometry: Geometry, up: Array, chosen: Mask | None = None) -> float:
+    """Height of the lowest point of the chosen parts (N,), or of all, along an upward vector."""
+    low: Array = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+    chosen = np.ones(len(low), dtype=bool) if chosen is None else chosen
+    low = np.where(chosen, low[chosen].min(), -np.inf)  # no higher point matters
+    return float(_lowered(geometry, up, low)[chosen].min())
 
 
 def _lowered(geometry: Geometry, up: Array, low: Array) -> Array:
-    """Heights of vertices or lower points, shape (N,), lowered to those of the exact surfaces."""
+    """The heights (N,), lowered to the points of each part on its exact surfaces below them."""
     if len(geometry.surfaces):
         for part, height in (_inside_faces(geometry, up, low), _on_edges(geometry, up, low)):
             np.minimum.at(low, part, height)
@@ -337,14 +335,15 @@ def _lowered(geometry: Geometry, up: Array, low: Array) -> Array:
 def _inside_faces(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
     """Part and height of the lowest points of exact spheres and tori, if on their faces.
 
-    `low`: a height for each part, shape (N,); surfaces above it are skipped.
+    `low` (N,): heights of the parts; points above them are skipped.
     """
     s = geometry.surfaces
     parts, heights = [], []
     exact = np.isin(s.kind, (SPHERE, TORUS)) & ~s.hollow & (s.doubt == 0)
-    exact &= s.point @ up - s.radius - s.tube <= low[s.part]
     for row in np.flatnonzero(exact).tolist():
         points = _lowest_of_surface(geometry, row, up)
+        if points[0] @ up >= low[s.part[row]]:
+            continue
         triangles = geometry.vertices[geometry.triangles[s.triangles_of(row)]]
         grow = BESIDE_SEAM * float(s.radius[row])
         down = np.tile(-up, (len(points), 1))
@@ -377,7 +376,7 @@ def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
 def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
     """Part and height of the lowest points of curved edges at exact faces.
 
-    `low`: a height for each part, shape (N,); edges above it are skipped.
+    `low` (N,): heights of the parts; edges above them are skipped.
     """
     chords, part = _chords(geometry, up, low)
     if not len(part):
@@ -395,7 +394,7 @@ def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
 
 
 def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
-    """Chords of curved edges that may reach below all vertices of their part, and the parts."""
+    """Chords of curved edges that may reach below the heights (N,), and their parts."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
     on_curved = np.flatnonzero((np.diff(s.start) > 0)[owner])  # triangles of parts with surfaces

@@ -110,6 +110,11 @@ class Geometry:
         span = slice(self.triangle_start[part], self.triangle_start[part + 1])
         return self.vertices[self.triangles[span]]
 
+    def slack_of(self, part: int) -> Array:
+        """Distance of each triangle of a part from its true surface [length unit], shape (m,)."""
+        span = slice(self.triangle_start[part], self.triangle_start[part + 1])
+        return np.append(self.surfaces.sagitta, 0.0)[self.triangle_surface[span]]
+
 
 def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     """Compute the geometry of parts, with lengths in `units`.

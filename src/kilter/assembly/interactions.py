@@ -382,11 +382,18 @@ class Joint(Value):
             return {}
         return {name: getattr(self, name).tolist() for name in FREE_AXES}
 
-    def moved(self, point: Any, turn: Any) -> Joint:
-        """The joint with another point, and with its directions turned by a matrix (3, 3)."""
-        axis = None if self.axis is None else turn @ self.axis
-        slides, turns = (getattr(self, name) @ np.asarray(turn).T for name in FREE_AXES)
-        return dataclasses.replace(self, point=point, axis=axis, slides=slides, turns=turns)
+    def moved(self, point: Any, turn: Any, position: float = 0.0) -> Joint:
+        """The joint with another point, and with its directions turned by a matrix (3, 3).
+
+        `position`: position [rad] or [length unit] in the new pose, from which positions count.
+        """
+        places: dict[str, Any] = {"axis": None if self.axis is None else turn @ self.axis}
+        places |= {name: getattr(self, name) @ np.asarray(turn).T for name in FREE_AXES}
+        if self.limits is not None:
+            places["limits"] = tuple(limit - position for limit in self.limits)
+        if self.stiffness:
+            places["rest"] = self.rest - position
+        return dataclasses.replace(self, point=point, **places)
 
     def without(self, *names: str) -> Joint:
         """The joint without its "limits", "friction" or "stiffness"."""

@@ -40,10 +40,9 @@ STRENGTH = ("friction", "stiffness")
 LEFT_OUT = {
     **dict.fromkeys(("region", "common_region", "orient", "plan", "states", "hold"), STRENGTH),
     **dict.fromkeys(("lashing", "place"), STRENGTH),
-    "settle": (*STRENGTH, "limits"),
 }
 """Members of joints that a function leaves out, by its name or by the kind of its proofs."""
-WORDS = {"friction": "friction", "stiffness": "springs", "limits": "limits"}
+WORDS = {"friction": "friction", "stiffness": "springs"}
 """Word of each member in a note."""
 
 

@@ -313,26 +313,28 @@ def _merge_equal(local_surfaces: PartSurfaces) -> tuple[Index, list[Surface | No
     Returns `names` (number of surfaces + 1,): new number of each surface, and of the free form;
     `kept`: the distinct surfaces; None is the free form, if a triangle has it.
     """
-    kept: list[Surface | None] = []
-    names = np.zeros(len(local_surfaces.surfaces) + 1, dtype=np.int64)
-    free = bool((local_surfaces.triangle_surface == len(local_surfaces.surfaces)).any())
-    points = np.array([s.point for s in local_surfaces.surfaces]).reshape(-1, 3)
-    radius = np.array([s.radius for s in local_surfaces.surfaces])
-    rows: list[int] = []  # of the kept surfaces
-    for k, surface in enumerate(local_surfaces.surfaces):
-        # only near surfaces are compared one by one: a board has hundreds of holes
-        step = points[rows] - surface.point
-        size = radius[rows] + surface.radius + lengths(step)
+    surfaces = local_surfaces.surfaces
+    kept: list[int] = []
+    names = np.zeros(len(surfaces) + 1, dtype=np.int64)
+    free = bool((local_surfaces.triangle_surface == len(surfaces)).any())
+    kind = np.array([2 * KINDS.index(s.kind) + s.hollow for s in surfaces])
+    point = np.array([s.point for s in surfaces]).reshape(-1, 3)
+    sizes = np.array([[s.radius, s.tube, s.half_angle] for s in surfaces]).reshape(-1, 3)
+    for k, surface in enumerate(surfaces):
+        step = point[kept] - surface.point
+        far = np.abs(step).max(axis=1, initial=0.0)
+        length = SAME_SURFACE * np.maximum(np.maximum(sizes[kept, 0], surface.radius), far)
         if surface.kind == "cylinder":
-            step = step - np.outer(step @ surface.axis, surface.axis)
-        near = np.flatnonzero(lengths(step) <= 2 * SAME_SURFACE * size).tolist()
-        alike = [n for n in near if _is_same(surface, local_surfaces.surfaces[rows[n]])]
+            step -= (step @ surface.axis)[:, None] * surface.axis
+        near = (kind[kept] == kind[k]) & (lengths(step) <= length)
+        near &= (np.abs(sizes[kept] - sizes[k])[:, :2] <= length[:, None]).all(axis=1)
+        alike = [n for n in np.flatnonzero(near).tolist() if _is_same(surface, surfaces[kept[n]])]
         names[k] = alike[0] if alike else len(kept)
         if not alike:
-            kept.append(surface)
-            rows.append(k)
+            kept.append(k)
     names[-1] = len(kept)
-    return names, [*kept, None] if free else kept
+    distinct: list[Surface | None] = [surfaces[k] for k in kept]
+    return names, [*distinct, None] if free else distinct
 
 
 def _is_same(first: Surface, second: Surface) -> bool:

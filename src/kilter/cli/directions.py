@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from kilter.cli.asked import Asked, code_of
-from kilter.cli.exit_codes import ORIENT, VERDICT, WRITTEN
+from kilter.cli.exit_codes import INTERRUPTED, ORIENT, VERDICT, WRITTEN
 from kilter.cli.options import FORM, asks
 from kilter.cli.output import Progress
 from kilter.cli.planning import as_typed
@@ -141,10 +141,16 @@ class MarginOptions:
         "rule; the opposite axis is the other sense. Only without loads and bonds.",
         ASKED,
     )
+    pushes: bool = option(
+        "--pushes",
+        "Also compute the greatest push that each part resists in its weakest direction; of more "
+        "than 50 parts, of those that move most easily.",
+        ASKED,
+    )
     part: list[str] | None = option(
         "--part NAME",
         "Compute the greatest push that this part resists, and the gain in tilt or load if it"
-        " is held. Repeatable; all parts by default if there are at most 20.",
+        " is held. Repeatable.",
         ASKED,
     )
     loads: bool = option(
@@ -200,12 +206,13 @@ def margin(asked: Asked, options: MarginOptions) -> int:
     from kilter.analysis.margins.margin import margin as find
 
     ranges = _ranges(options.mass_range, options.com_range, options.mu_range, options.normal_tilt)
-    with Progress(asked.quiet) as progress:
+    with Progress(asked.quiet, lines=True) as progress:
         assembly, contacts = asked.read(progress)
         answer = find(
             assembly,
             push=options.push,
             about=options.about,
+            pushes=options.pushes,
             pushed=options.part,
             loads=options.loads,
             ranges=ranges,
@@ -216,6 +223,8 @@ def margin(asked: Asked, options: MarginOptions) -> int:
     data = answer.to_dict()
     typed = as_typed(options)
     asked.tell(data, after=asked.keep_proof(answer.proof, data), typed=typed)
+    if "interrupted" in answer.missing.values():
+        return INTERRUPTED
     verdict = answer.check
     lowest = verdict.require if options.require == "equilibrium" else options.require
     reached = holds(verdict.level, lowest)

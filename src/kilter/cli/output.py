@@ -40,6 +40,8 @@ def in_colour(text: str, answer: Mapping[str, Any]) -> str:
     return "\n".join([f"\x1b[{code}m{first}\x1b[0m", *rest])
 
 
+GROWING = 1.5
+"""Factor between the times of two progress lines that are not on a terminal [-]."""
 EACH = 1.0
 """Time between two updates of the progress line [s]."""
 
@@ -145,12 +147,17 @@ def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None
 class Progress:
     """Progress line on the error stream with the current step and the elapsed time.
 
-    The line appears after a second, only on a terminal, and not if `quiet`.
+    The line appears after a second, and not if `quiet`. If the error stream is no terminal, lines
+    follow each other in growing intervals, and only for commands that may take minutes (`lines`).
     """
 
-    def __init__(self, quiet: bool) -> None:
+    keeps = True
+    """An answer that the user interrupts keeps what is known (`LimitSteps`)."""
+
+    def __init__(self, quiet: bool, *, lines: bool = False) -> None:
         begin_facts()
-        self._on = not quiet and sys.stderr.isatty()
+        self._terminal = sys.stderr.isatty()
+        self._on = not quiet and (self._terminal or lines)
         self._started = time.perf_counter()
         self._step = ""
         self._ended = threading.Event()
@@ -169,11 +176,15 @@ class Progress:
         remember_fact(subject, words)
 
     def _tell(self) -> None:
-        shown = False
+        shown, next_line = False, 0.0
         while not self._ended.wait(EACH):
-            elapsed, shown = time.perf_counter() - self._started, True
+            elapsed, shown = time.perf_counter() - self._started, self._terminal
             line = f"kilter: {short_name(self._step)} ... ({elapsed:.0f} s so far)"
-            print(f"\r\x1b[K{line}", end="", file=sys.stderr, flush=True)
+            if self._terminal:
+                print(f"\r\x1b[K{line}", end="", file=sys.stderr, flush=True)
+            elif elapsed >= next_line:
+                print(line, file=sys.stderr, flush=True)
+                next_line = GROWING * elapsed
         if shown:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 

@@ -51,7 +51,7 @@ def report(asked: Asked, options: ReportOptions) -> int:
     publish.require_ending(options.output, publish.PAGES, "page")
     asked.apart(options.output)
     typed = ["-o", str(options.output), *["--margins"] * options.margins]
-    with Progress(asked.quiet) as progress:
+    with Progress(asked.quiet, lines=True) as progress:
         assembly, contacts = asked.read(progress)
         page = publish.report(
             assembly,

@@ -25,6 +25,7 @@ from kilter.files.formats import FORMATS, load_bodies, read_bodies
 from kilter.files.limits import is_folder, read_bounded, read_bytes, require_below, require_regular
 from kilter.files.meshes.bodies import split_bodies
 from kilter.files.meshes.placed import FileBodies, distinct, fill_names, natural_key
+from kilter.files.native_formats import export_hint
 from kilter.files.own.kilter_json import from_dict
 from kilter.files.packing.packing_lists import CSV, is_packing_plan, load_plan, plan_of_json
 from kilter.files.robots.scene_process import read_scene
@@ -75,6 +76,9 @@ def _remedy(entries: Sequence[Path]) -> str:
     files = [e.name for e in entries if e.name.lower().endswith(".json")]
     if files:
         return f"give the file itself: {files[0]!r}"
+    exports = [export for entry in entries if (export := export_hint(entry))]
+    if exports:
+        return f"export the parts from {exports[0]}"
     return f"put files of {', '.join(FORMATS)} into it"
 
 
@@ -137,7 +141,7 @@ def _several_bodies(file: Path, bodies: FileBodies) -> list[str]:
     return [f"{file.name}: {count} separate bodies, read as a single part"] if count > 1 else []
 
 
-XML = (".xml", ".mjcf", ".urdf")
+XML = (".xml", ".mjcf", ".urdf", ".sdf", ".world")
 """Endings of MJCF and URDF files."""
 STANDARD_INPUT = "-"
 STANDARD_INPUT_NAME = "standard input"
@@ -220,7 +224,8 @@ def read_path(
         scene = FileContent(read_scene("usd", path, options), states_gravity=True)
         return scene.without_held_parts()
     if suffix in LDRAW_FILES:
-        return FileContent(load_ldraw(path, rules=options.studs), states_gravity=True)
+        built = load_ldraw(path, rules=options.studs, name=options.model)
+        return FileContent(built, states_gravity=True)
     if suffix in BRICK_TEXT:
         return FileContent(load_brick_text(path, rules=options.studs), states_gravity=True)
     if suffix in CSV:
@@ -228,6 +233,12 @@ def read_path(
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), options)
+    if export := export_hint(path):
+        raise InputError(
+            f"{path.suffix} is the native format of a CAD program, which only that program reads",
+            file=str(path),
+            hint=f"export the file from {export}",
+        )
     kinds = f"{', '.join(ENDINGS)}, or a folder of them"
     raise InputError(
         f"cannot read files of type {path.suffix or '(no ending)'}",

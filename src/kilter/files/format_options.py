@@ -23,6 +23,8 @@ class FormatOptions:
     """MuJoCo: name of the keyframe whose pose is used."""
     states: StateRows | None = None
     """MuJoCo: states in place of the pose of a keyframe; the first is that of the assembly."""
+    model: str | None = None
+    """LDraw: name of the model of the file that is built."""
     base: str | None = None
     """One of "fixed", "floating". URDF: whether the root link is held."""
     loose_robots: bool = False

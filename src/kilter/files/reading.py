@@ -116,6 +116,7 @@ class Reading(ReadingOptions):
             self.contacts,
             self.keyframe,
             states,
+            self.model,
             self.base,
             self.loose_robots,
             self.keep_copies,

@@ -129,6 +129,9 @@ class ReadingOptions:
         "such as .pruned_init); row 0 by default. A row is qpos, or a full state.",
         HELD,
     )
+    model: str | None = option(
+        "--model NAME", "LDraw only: build this model of the file; the first by default.", HELD
+    )
     base: str | None = option(
         "--base fixed|floating", "URDF only: whether the root link is held; fixed by default.", HELD
     )

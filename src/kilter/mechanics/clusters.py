@@ -12,22 +12,25 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, connected, starts
+from kilter.arrays import TINY, Array, Index, Mask, starts
 from kilter.mechanics.mechanics_tolerances import (
     COARSE_EXCESS,
     COARSE_EXCUSED,
     EXCESS,
     EXCUSED,
     RULED_OUT,
+    SHIFT_DIGITS,
     TOLERANCE,
     UNITS_IN_LAST_PLACE,
 )
-from kilter.mechanics.program import Program
+from kilter.mechanics.program import ROW_FIELDS, Program
 
 PARTED = 1500
 """Programs with more freedoms than this are solved cluster by cluster."""
 GROUP = 300
 """Clusters are solved together up to this many freedoms: a solver run has a fixed cost."""
+PART_FIELDS = ("mass", "inertia", "radius", "applied", "clamp", "tolerance")
+"""Names of the members of a program that have an entry for each part, without the centres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +49,7 @@ def clusters(program: Program) -> list[Cluster]:
 
     Rows between held parts belong to no cluster.
     """
-    return _divided(program, cluster_labels(program))
+    return _divided(program, program.clusters)
 
 
 def cluster_groups(program: Program) -> list[Cluster]:
@@ -59,7 +62,7 @@ def cluster_groups(program: Program) -> list[Cluster]:
     per = len(program.freedoms)
     if per * int(program.free.sum()) <= PARTED or program.has_limits:
         return [Cluster(program, np.arange(len(program.part_a)))]
-    label = cluster_labels(program)
+    label = program.clusters
     numbers, count = np.unique(label[program.free], return_counts=True)
     group_of = np.full(len(label), -1)
     group, size = -1, GROUP
@@ -71,12 +74,53 @@ def cluster_groups(program: Program) -> list[Cluster]:
     return _divided(program, np.where(label >= 0, group_of[label], -1))
 
 
-def cluster_labels(program: Program) -> Index:
-    """Number of the cluster of each free part, in order of first part, shape (N,); -1 if held."""
-    free = np.append(program.free, False)
-    inner = free[program.part_a] & free[program.part_b]
-    label = connected(len(program.names), program.part_a[inner], program.part_b[inner])
-    return np.where(program.free, label, -1)
+def different_clusters(parted: list[Cluster]) -> Index:
+    """Position of the first cluster that is equal to each cluster up to a shift, shape (n,).
+
+    Equal clusters have the same masses, loads and rows in the same order, so they have the same
+    limits.
+    """
+    first: dict[bytes, int] = {}
+    return np.array([first.setdefault(_shifted(c.program), k) for k, c in enumerate(parted)])
+
+
+def limit_groups(program: Program) -> list[Program]:
+    """Programs whose limits together are those of a program: the least limit is that of all.
+
+    Of clusters that are equal up to a shift, the groups contain the first.
+    """
+    parted = [] if program.has_limits else clusters(program)
+    if len(parted) > 1:
+        used = [parted[k] for k in np.unique(different_clusters(parted)).tolist()]
+        free = np.any([cluster.program.free for cluster in used], axis=0)
+        rows = np.sort(np.concatenate([cluster.rows for cluster in used]))
+        program = replace(program, free=free).taking(rows)
+    return [group.program for group in cluster_groups(program)]
+
+
+def _shifted(program: Program) -> bytes:
+    """Rows, masses and loads of the free parts, relative to the first of them, as a key."""
+    free = np.flatnonzero(program.free)
+    number = np.full(len(program.names) + 1, -1)
+    number[free] = np.arange(len(free))
+    origin, size = program.center[free[0]], float(program.radius[free].max())
+    rows = {name: getattr(program, name) for name in ROW_FIELDS}
+    rows |= {name: number[rows[name]] for name in ("part_a", "part_b")}
+    rows["point"] = (program.point - origin) / size
+    rows["source"] = np.unique(program.source, return_inverse=True)[1]
+    parts = [getattr(program, name)[free] for name in PART_FIELDS]
+    data = [*rows.values(), *parts, (program.center[free] - origin) / size]
+    return b"".join(_rounded_bytes(values) for values in data)
+
+
+def _rounded_bytes(values: Any) -> bytes:
+    """Entries of an array, rounded relative to the power of 2 above the largest, as a key."""
+    if values.dtype.kind != "f":
+        return np.ascontiguousarray(values).tobytes()
+    finite = np.abs(values[np.isfinite(values)])
+    exponent = int(np.frexp(finite.max(initial=0.0))[1])
+    rounded = np.round(np.ldexp(values, -exponent), SHIFT_DIGITS) + 0.0
+    return bytes(str(exponent), "ascii") + np.ascontiguousarray(rounded).tobytes()
 
 
 def _divided(program: Program, label: Index) -> list[Cluster]:
@@ -109,7 +153,7 @@ def balanced_parts(
     of bonds [N]. Returns `relative` (..., N): imbalance over the weight; 0 for held parts [-];
     `balanced` (..., N): parts that are in balance, or held.
     """
-    label, free = cluster_labels(program), program.free
+    label, free = program.clusters, program.free
     relative = np.where(free, imbalance / np.maximum(weight, TINY), 0.0)
     usual = program.tolerance * weight
     if program.pull.any():
@@ -195,7 +239,7 @@ def power_limit(
     """
     mu = program.mu if mu is None else mu
     owner = np.zeros(len(sizes), dtype=int) if owner is None else owner
-    label, bounded = cluster_labels(program), program.bounded
+    label, bounded = program.clusters, program.bounded
     moved = np.zeros(len(label) + 1, dtype=bool)
     moved[label[program.free & (sizes > 0)]] = True
     moves = moved[label] & program.free
@@ -203,7 +247,7 @@ def power_limit(
     closing = np.where(program.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
     kept = np.where(program.two_sided, -closing, opening)
     rounded = np.maximum((1.0 + mu) * rounding - kept, 0.0)
-    limits = program.cohesion
+    limits = program.cohesion.copy()
     limits[bounded] = program.capacity[bounded] / program.arm[bounded]
     closing[bounded] = rounded[bounded] = 0.0
     row_owner = owner[np.maximum(program.part_a, program.part_b)]

@@ -167,30 +167,46 @@ def load_factor_in_cones(cones: ConeProblem) -> ConicProgram:
     return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive + 2, sizes)
 
 
-def largest_load(cones: ConeProblem, wrench: Array, most: float) -> ConicProgram:
-    """Conic program for the largest multiple t <= `most` of extra wrenches that contacts balance.
+class LargestLoads:
+    """Conic programs for the largest multiples of different wrenches that contacts balance.
 
-    Arguments: `wrench` (N, 6): force [N] and torque about the centre of mass [N x length unit] on
-    each part; `most`: upper bound of t [-].
+    The programs differ in the last column, which is that of the multiple t.
 
     Notes
     -----
     The multipliers y of the first rows give the mechanism that starts at the limit: a motion in the
     dual cone for which the load at the limit has no power.
     """
-    problem = cones.problem
-    total = problem.matrix.shape[1]
-    cone_matrix, positive, sizes = cones.cone_rows()
-    along = problem.scaled_load(wrench)
-    balance, equal = cones.balance(-along)
-    upper_bound = csc_array((np.array([1.0]), ([0], [total])), shape=(1, total + 1))
-    conic = hstack([-cone_matrix, csc_array((cone_matrix.shape[0], 1))])
-    matrix = vstack([balance, upper_bound, conic], format="csc")
-    bound = np.concatenate([problem.right, np.zeros(equal), [most], cones.heads])
-    cost = np.zeros(total + 1)
-    cost[-1] = -1.0
-    no_quadratic = csc_array((total + 1, total + 1))
-    return ConicProgram(no_quadratic, cost, matrix, bound, balance.shape[0], positive + 1, sizes)
+
+    def __init__(self, cones: ConeProblem) -> None:
+        self._problem = problem = cones.problem
+        total = problem.matrix.shape[1]
+        cone_matrix, positive, self._sizes = cones.cone_rows()
+        balance, equal = cones.balance()
+        self._matrix = vstack([balance, csc_array((1, total)), -cone_matrix], format="csc")
+        self._bound = np.concatenate([problem.right, np.zeros(equal + 1), cones.heads])
+        self._cost = np.append(np.zeros(total), -1.0)
+        self._no_quadratic = csc_array((total + 1, total + 1))
+        self._equal, self._positive = balance.shape[0], positive + 1
+
+    def along(self, wrench: Array, most: float) -> ConicProgram:
+        """Conic program for the largest multiple t <= `most` of extra wrenches.
+
+        Arguments: `wrench` (N, 6): force [N] and torque about the centre of mass [N x length unit]
+        on each part; `most`: upper bound of t [-].
+        """
+        column = -self._problem.scaled_load(wrench)
+        rows = np.flatnonzero(column)
+        base, last = self._matrix, self._equal
+        data = np.concatenate([base.data, column[rows], [1.0]])
+        index = np.concatenate([base.indices, rows, [last]])
+        ends = np.append(base.indptr, len(data))
+        matrix = csc_array((data, index, ends), shape=(base.shape[0], base.shape[1] + 1))
+        bound = self._bound.copy()
+        bound[last] = most
+        return ConicProgram(
+            self._no_quadratic, self._cost, matrix, bound, last, self._positive, self._sizes
+        )
 
 
 def nearest_load(cones: ConeProblem, wrenches: Array, start: Array) -> ConicProgram:

@@ -50,6 +50,9 @@ RULED_OUT = 1e6
 """Largest sum of contact forces, over the weight of a cluster, that a proof by forces may have and
 that a motion must exclude. A larger value demands more exact motions, since contacts that a motion
 closes by rounding then count more."""
+SHIFT_DIGITS = 10
+"""Decimal digits to which two clusters that are equal up to a shift must agree, relative to the
+largest value of each kind [-]."""
 OPENS_FAR = 1e6
 """Largest ratio of a part's motion to the least gap opening, in a motion that opens all contacts. A
 larger value admits opening motions of nearly closed contacts."""

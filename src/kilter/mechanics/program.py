@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, connected, cross
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.strap_wrenches import strap_wrenches
@@ -53,6 +53,11 @@ from kilter.validate import frozen
 
 ROW_FIELDS = tuple(field.name for field in fields(ForceRows))
 """Names of the members of a program that have an entry for each row."""
+
+LOADS = frozenset(("gravity", "applied", "clamp"))
+"""Names of the arrays that change the load, but neither parts nor rows."""
+OF_ROWS = ("clusters", "levers", "arm", "rough", "cohesion", "gripping", "bounded")
+"""Names of the cached values that do not depend on the load."""
 
 PLANE = np.array([0, 2, 4])
 PLANE.setflags(write=False)
@@ -126,6 +131,19 @@ class Program(RowArrays):
         arm = np.maximum(size[self.part_a], size[self.part_b])
         return frozen(np.where(self.angular, arm, 1.0))
 
+    @cached_property
+    def clusters(self) -> Index:
+        """Number of the cluster of each free part, in order of first part, shape (N,); else -1.
+
+        A cluster is a set of free parts that touch each other (`kilter.mechanics.clusters`).
+        """
+        free = np.append(self.free, False)
+        inner = free[self.part_a] & free[self.part_b]
+        label = connected(len(self.names), self.part_a[inner], self.part_b[inner])
+        clusters = np.where(self.free, label, -1)
+        clusters.setflags(write=False)
+        return clusters
+
     @property
     def freedoms(self) -> Index:
         """Indices of the freedoms that a part has: all six, or three in the plane."""
@@ -161,17 +179,17 @@ class Program(RowArrays):
         angular = self.angular[rows][:, None]
         return np.hstack([np.where(angular, 0.0, normal), np.where(angular, normal, moment)])
 
-    @property
+    @cached_property
     def rough(self) -> Index:
         """Indices of the rows with friction, shape (R,)."""
         return np.flatnonzero(self.mu > 0)
 
-    @property
+    @cached_property
     def cohesion(self) -> Array:
         """Shear strength of the bond of each row, beside friction [N], shape (K,); or 0."""
-        return np.where(np.isnan(self.shear), 0.0, self.shear)
+        return frozen(np.where(np.isnan(self.shear), 0.0, self.shear))
 
-    @property
+    @cached_property
     def gripping(self) -> Index:
         """Indices of the rows with a tangential force, from friction or bond shear, shape (R,)."""
         return np.flatnonzero((self.mu > 0) | (self.cohesion > 0))
@@ -184,7 +202,7 @@ class Program(RowArrays):
         """
         return bool(self.pull.any() or self.clamp.any() or self.has_limits)
 
-    @property
+    @cached_property
     def bounded(self) -> Index:
         """Indices of the rows whose force is at most a capacity, of straps and of joint friction.
 
@@ -222,8 +240,10 @@ class Program(RowArrays):
 
         The sum along the free motion of each joint stays, but for what exceeds the limits.
         """
+        rows = np.flatnonzero((self.kind == STOP) | (self.kind == DRAG))
+        if not len(rows):
+            return forces
         shared = forces.copy()
-        rows = np.flatnonzero(np.isin(self.kind, (STOP, DRAG)))
         for joint in np.unique(self.source[rows]):
             mine = rows[self.source[rows] == joint]
             senses = self.normal[mine] @ self.normal[mine[0]]
@@ -280,12 +300,28 @@ class Program(RowArrays):
         certain = changed.force_rows.certain
         return changed if certain.all() else changed.taking(certain)
 
+    @cached_property
+    def levers(self) -> tuple[tuple[Index, Index, Array], ...]:
+        """Rows, parts, and the wrench of a unit force of each row on its part, for b and for a."""
+        sides = []
+        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
+            k = np.flatnonzero(part >= 0)
+            sides.append((k, part[k], sign * self.lever(k, part[k])))
+        return tuple(sides)
+
+    def of_parts(self, parts: Index) -> Program:
+        """Copy of the program with the parts `parts`; the rows still have the old numbers."""
+        names = ("free", "center", "mass", "inertia", "radius", "applied", "clamp", "tolerance")
+        return self.with_rows(
+            names=tuple(self.names[part] for part in parts.tolist()),
+            **{name: getattr(self, name)[parts] for name in names},
+        )
+
     def velocities(self, motion: Array) -> Array:
         """Speed at which a motion, shape (N, 6), opens the gap of each row, shape (K,)."""
         result = np.zeros(len(self.part_a))
-        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
-            k = np.flatnonzero(part >= 0)
-            result[k] += sign * np.einsum("ij,ij->i", self.lever(k, part[k]), motion[part[k]])
+        for k, part, lever in self.levers:
+            result[k] += np.einsum("ij,ij->i", lever, motion[part])
         return result
 
     def slips(self, motion: Array, rows: Index) -> Array:
@@ -329,11 +365,12 @@ class Program(RowArrays):
         [N].
         """
         total = np.zeros((len(self.names), 6))
-        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
-            k = np.flatnonzero((part >= 0) & (forces != 0))
-            wrench = (sign * forces[k])[:, None] * self.lever(k, part[k])
+        for (rows, of, lever), (part, sign) in zip(
+            self.levers, ((self.part_b, 1.0), (self.part_a, -1.0)), strict=True
+        ):
+            wrench = forces[rows, None] * lever
             for axis in range(6):
-                total[:, axis] += np.bincount(part[k], wrench[:, axis], minlength=len(total))
+                total[:, axis] += np.bincount(of, wrench[:, axis], minlength=len(total))
             if friction is not None:
                 k = np.flatnonzero((part >= 0) & friction.any(axis=1))
                 across = sign * friction[k]
@@ -408,7 +445,10 @@ class Program(RowArrays):
 
     def with_rows(self, **changes: Any) -> Program:
         """A copy of the program with new values of the named arrays."""
-        return replace(self, **changes)
+        copy = replace(self, **changes)
+        if changes.keys() <= LOADS:
+            copy.__dict__.update({name: getattr(self, name) for name in OF_ROWS})
+        return copy
 
 
 def build_program(

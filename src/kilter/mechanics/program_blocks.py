@@ -129,18 +129,9 @@ class ProgramBlocks:
         chosen = whole.taking(self.rows(which))
         number = np.full(len(whole.names) + 1, -1)
         number[parts] = np.arange(len(parts))
-        program = chosen.with_rows(
-            names=tuple(whole.names[part] for part in parts.tolist()),
-            **{
-                name: getattr(whole, name)[parts]
-                for name in (
-                    "free", "center", "mass", "inertia", "radius", "applied", "clamp",
-                    "tolerance",
-                )
-            },
-            part_a=number[chosen.part_a],
-            part_b=number[chosen.part_b],
-        )  # fmt: skip
+        program = chosen.of_parts(parts).with_rows(
+            part_a=number[chosen.part_a], part_b=number[chosen.part_b]
+        )
         part_start, row_start = (starts(np.diff(s)[which]) for s in (self.start, self.row_start))
         return ProgramBlocks(program, part_start, row_start, self.gravity[which], self.mu[which])
 
@@ -296,3 +287,40 @@ def program_blocks(
         whole, owner = whole.taking(order), owner[order]
     row_start = np.searchsorted(owner, np.arange(len(apart) + 1))
     return ProgramBlocks(whole, apart.start, row_start, apart.gravity, mu)
+
+
+def cluster_blocks(program: Program, label: Index) -> ProgramBlocks:
+    """Build the programs of clusters of an assembly in shared arrays, without friction.
+
+    Each cluster has its own copies of the parts that it touches, which are held.
+
+    Arguments: `label` (N,): cluster of each free part, 0 to M - 1, or -1 for parts of no cluster;
+    no row has ends in two clusters.
+    """
+    count = len(label)
+    owned = np.append(label, -1)
+    row_owner = np.maximum(owned[program.part_a], owned[program.part_b])
+    order = np.argsort(row_owner, kind="stable")
+    rows = order[int((row_owner < 0).sum()) :]
+    owner, clusters = row_owner[rows], int(label.max(initial=-1)) + 1
+    own = np.flatnonzero(label >= 0)
+    ends = [
+        owner * (count + 1) + part[rows] % (count + 1) for part in (program.part_a, program.part_b)
+    ]
+    keys = np.unique(np.concatenate([label[own] * (count + 1) + own, *ends]))
+    keys = keys[keys % (count + 1) < count]  # the ground is no part
+    parts, of_part = keys % (count + 1), keys // (count + 1)
+    number_a, number_b = (
+        np.where(end % (count + 1) < count, np.searchsorted(keys, end), -1) for end in ends
+    )
+    whole = (
+        program.taking(rows)
+        .of_parts(parts)
+        .with_rows(
+            free=label[parts] == of_part, part_a=number_a, part_b=number_b, mu=np.zeros(len(rows))
+        )
+    )
+    edges = np.arange(clusters + 1)
+    gravity = np.tile(program.gravity, (clusters, 1))
+    start, row_start = np.searchsorted(of_part, edges), np.searchsorted(owner, edges)
+    return ProgramBlocks(whole, start, row_start, gravity, np.zeros(clusters))

@@ -6,7 +6,7 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.assembly.bricks import BrickModel
-from kilter.assembly.bricks.brick_library import STATED, brick_mass
+from kilter.assembly.bricks.brick_library import STATED, brick_mass, studded_all_over
 from kilter.assembly.part import BRICK_PLATES
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.registry import listed
@@ -102,4 +102,5 @@ def random_bricks(count: int, *, seed: int, spread: int | None = None) -> BrickM
         held=zero > 0,
         number=number,
         line=number,
+        studded=studded_all_over(rows[:, 3:]),
     )

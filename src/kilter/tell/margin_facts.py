@@ -18,6 +18,7 @@ AT_MU = "at mu ="
 UNKNOWN = {
     "failed": "not known: the solver failed",
     "time": "not known: the time limit was reached",
+    "interrupted": "not known: the command was interrupted",
 }
 """Words of a limit whose program no solver finished."""
 

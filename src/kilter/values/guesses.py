@@ -153,7 +153,6 @@ RIGHT: dict[str, dict[str, str]] = {
         "code forward": "kilter.transport(assembly, code=...), which checks each direction",
         "proof": "verdict.proof(), the proof of the answer",
         "verbose quiet": "progress=print, which reports the stages; functions print nothing",
-        "pushes": "pushed=[names] for the parts that are pushed, or push=[x, y, z]",
         "output path file": "the second argument, as in kilter.report(assembly, path)",
     },
     "Part()": {

@@ -10,7 +10,7 @@ import numpy as np
 
 from kilter.analysis.assumptions.assume import assumed
 from kilter.analysis.check import check, check_equilibrium
-from kilter.analysis.everything import full_answer, only_given, turned_verdict
+from kilter.analysis.everything import MARGIN_PARTS, full_answer, only_given, turned_verdict
 from kilter.analysis.margins.margin import margin
 from kilter.analysis.placing.place import Places, box_to_place, place
 from kilter.analysis.planning.hold.hold import hold
@@ -331,8 +331,15 @@ def _orient(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple
 
 def _margin(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:
     loads = bool(options.get("loads"))
-    answer = margin(prepared.assembly, contacts=prepared.contacts, loads=loads, progress=tell)
-    return answer, ["--loads"] * loads
+    pushes = sum(not part.grounded for part in prepared.assembly.parts) <= MARGIN_PARTS
+    answer = margin(
+        prepared.assembly,
+        contacts=prepared.contacts,
+        pushes=pushes,
+        loads=loads,
+        progress=tell,
+    )
+    return answer, ["--pushes"] * pushes + ["--loads"] * loads
 
 
 def _plan(prepared: Prepared, options: Mapping[str, Any], tell: Tell) -> tuple[Any, list[str]]:

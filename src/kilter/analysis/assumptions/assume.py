@@ -38,7 +38,7 @@ from kilter.units import metres_per_unit
 
 FASTENED = ("thread", "press fit", "insert")
 """Kinds of suggestions that the rung "fits" joins. Other overlaps may be merely sunk."""
-SIMULATED = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz", ".sdf")
+SIMULATED = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz", ".sdf", ".world")
 """Endings of the files of simulators, whose default rung is "play"."""
 COLLIDER = "collider"
 """Geometry of a part of a simulator, whose model in memory has no file."""

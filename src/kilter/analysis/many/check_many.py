@@ -3,7 +3,8 @@
 Hundreds of assemblies are processed together (`kilter.analysis.many.verdicts`): contacts
 are detected for all parts at once, a warm solver solves the programs in sequence, and the proofs
 are verified in arrays. Assemblies with joints, loads, round faces, undecided friction or open pairs
-are left to `check`.
+are left to `check`. With numba installed, compiled code first decides large batches of prisms that
+are far from any limit (`kilter.analysis.many.clear_stacks`).
 """
 
 from __future__ import annotations
@@ -11,12 +12,22 @@ from __future__ import annotations
 import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.many.verdicts import Row, Together, Verdicts, decide_together
+from kilter.analysis.many.clear_stacks import clear_answers, largest_friction
+from kilter.analysis.many.compiled_tolerances import LEFT, STABLE, UNSTABLE
+from kilter.analysis.many.verdicts import (
+    Certificate,
+    Rows,
+    Together,
+    Verdicts,
+    decide_together,
+)
 from kilter.arrays import Index
 from kilter.assembly import Assembly
 from kilter.assembly.array_geometry import SideBySide, arrays_side_by_side, side_by_side
@@ -91,22 +102,66 @@ def check_many(
         "time_limit": asked.time_limit,
     }
     given = _given(assemblies, asked)
-    rows: dict[int, Row] = {}
-    for first in range(0, len(given), AT_ONCE):
-        last = min(first + AT_ONCE, len(given))
-        for which, decided in _together(given, first, last, tolerance):
-            rows |= {
-                k: Row.of(decided, n) for n, k in enumerate(which.tolist()) if decided.decides(n)
-            }
-        for k in range(first, last):
-            if k not in rows:
-                rows[k] = _row_of_check(given, k, options)
-        if not proofs:
-            for k in range(first, last):
-                rows[k] = rows[k].without_proof()
+    rows = Rows.empty(len(given))
+    _put_clear(given, tolerance, rows, proofs=proofs)
+    left = rows.left
+    for first in range(0, len(left), AT_ONCE):
+        some = left[first : first + AT_ONCE]
+        for which, decided in _together(given, some, tolerance):
+            rows.put_together(which, decided, proofs=proofs)
+        for k in some[rows.word[some] == ""].tolist():
+            _put_check(given, k, options, rows, proofs=proofs)
         if progress is not None:
-            progress(last, len(given))
-    return Verdicts(given, tuple(rows[k] for k in range(len(given))), options)
+            progress(len(given) - len(left) + first + len(some), len(given))
+    if progress is not None and not len(left):
+        progress(len(given), len(given))
+    return Verdicts(given, rows, options)
+
+
+def _put_clear(
+    given: Sequence[Assembly] | AssemblyArrays, tolerance: Tolerance, rows: Rows, *, proofs: bool
+) -> None:
+    """Put the verdicts of compiled code about assemblies far from any limit.
+
+    Their proofs are made on request, by the computation without compiled code.
+    """
+    clear = clear_answers(given, tolerance)
+    if clear is None:
+        return
+    which, answers = clear
+    numbers = answers.residual, answers.power, answers.violation
+    rows.put_proved(which, answers.code == STABLE, answers.code == UNSTABLE, numbers)
+    decided = which[answers.code != LEFT] if proofs else which[:0]
+    for first in range(0, len(decided), AT_ONCE):
+        late = _LateProofs(given, decided[first : first + AT_ONCE], tolerance)
+        rows.proofs.update({k: partial(late.of, k) for k in late.some.tolist()})
+
+
+@dataclass(eq=False)
+class _LateProofs:
+    """Proofs of the assemblies `some` of `given`, which compiled code has decided.
+
+    They are made together at the first request, without compiled code.
+    """
+
+    given: Sequence[Assembly] | AssemblyArrays
+    some: Index
+    tolerance: Tolerance
+
+    @cached_property
+    def rows(self) -> Rows:
+        """The verdicts of the computation without compiled code, with their proofs."""
+        rows = Rows.empty(len(self.given))
+        for which, decided in _together(self.given, self.some, self.tolerance):
+            rows.put_together(which, decided, proofs=True)
+        return rows
+
+    def of(self, k: int) -> Certificate | None:
+        """The program and the proof of assembly k."""
+        if k not in self.rows.proofs:
+            _put_check(self.given, k, {"tolerance": self.tolerance}, self.rows, proofs=True)
+        proof = self.rows.proofs.get(k)
+        return None if proof is None else proof()
 
 
 def _given(
@@ -135,23 +190,23 @@ def _given(
 
 
 def _together(
-    given: Sequence[Assembly] | AssemblyArrays, first: int, last: int, tolerance: Tolerance
+    given: Sequence[Assembly] | AssemblyArrays, some: Index, tolerance: Tolerance
 ) -> Iterable[tuple[Index, Together]]:
     """Judge suitable assemblies in groups; yield the indices and results of each group."""
     if isinstance(given, AssemblyArrays):
-        apart, which = arrays_side_by_side(given.among(np.arange(first, last)))
+        apart, which = arrays_side_by_side(given.among(some))
         if apart is not None:
             mu = np.full(len(apart), given.friction)
-            yield which + first, decide_together(apart, mu, tolerance)
+            yield some[which], decide_together(apart, mu, tolerance)
         return
     alike: dict[tuple[str, bool], list[int]] = defaultdict(list)
-    for k in range(first, last):
+    for k in some.tolist():
         if _plain(given[k]):
             alike[given[k].units, given[k].planar].append(k)
     for chosen in alike.values():
         apart, kept = _side_by_side(given, chosen)
         if apart is not None:
-            mu = np.array([_largest_friction(given[k]) for k in kept])
+            mu = np.array([largest_friction(given[k]) for k in kept])
             yield np.array(kept), decide_together(apart, mu, tolerance)
 
 
@@ -168,11 +223,6 @@ def _plain(assembly: Assembly) -> bool:
     ):
         return False
     return all(isinstance(part.shape, Box | Prism | Mesh) for part in assembly.parts)
-
-
-def _largest_friction(assembly: Assembly) -> float:
-    """Largest friction coefficient of any contact of an assembly [-]."""
-    return max(assembly.friction, *(pair.mu for pair in assembly.friction_pairs), 0.0)
 
 
 def _side_by_side(
@@ -199,11 +249,16 @@ def _has_geometry(assembly: Assembly) -> bool:
         return False
 
 
-def _row_of_check(
-    given: Sequence[Assembly] | AssemblyArrays, k: int, options: dict[str, Any]
-) -> Row:
-    """Judge an assembly by `check`; return its verdict, or its error, as a row."""
+def _put_check(
+    given: Sequence[Assembly] | AssemblyArrays,
+    k: int,
+    options: dict[str, Any],
+    rows: Rows,
+    *,
+    proofs: bool,
+) -> None:
+    """Judge assembly k by `check`, and put its verdict or its error."""
     try:
-        return Row.of_verdict(check(given[k], **options))
+        rows.put_verdict(k, check(given[k], **options), proofs=proofs)
     except KilterError as error:
-        return Row("error", error=error)
+        rows.put_error(k, error)

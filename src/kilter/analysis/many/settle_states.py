@@ -256,7 +256,13 @@ class _StatesRun:
             open_scene(self.source, first), self.reading, self.tolerance, self.options
         )
         assembly = self.question.assembly()
-        assembly.require_grounded()
+        if not assembly.holds:  # a floor below each state would differ from row to row
+            raise InputError(
+                "no body of the scene is static, so nothing supports the states", file=self._file,
+                hint="give the height of a floor with floor=0.0, or hold a body with ground=NAME",
+                option="give the height of a floor with --floor 0, or hold a body with "
+                "--ground NAME",
+            )  # fmt: skip
         assembly.matching(self.options["keep"])
         if assembly.geometry.grounded.all():
             raise InputError(

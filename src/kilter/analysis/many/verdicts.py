@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, overload
 
 import numpy as np
@@ -25,8 +24,13 @@ from kilter.contact.detect import contacts_side_by_side
 from kilter.contact.fits.suggestions import coincident
 from kilter.errors import KilterError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.program import Program
-from kilter.mechanics.program_blocks import BlockProofs, ProgramBlocks, program_blocks
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.program_blocks import (
+    BlockProofs,
+    ProgramBlocks,
+    cluster_blocks,
+    program_blocks,
+)
 from kilter.second_order.proofs.level_rest import level_rows, rest_on_level
 from kilter.second_order.searches.level_rest_search import rests_level
 from kilter.solvers.highs import solve_blocks
@@ -50,18 +54,21 @@ class Together:
     in_outer: Mask
     """Whether the proof of an assembly is in `outer`, shape (M,)."""
 
-    def decides(self, k: int) -> bool:
-        """Whether the batch computation proves assembly k stable or unstable."""
-        return bool(self.stable[k] or self.unstable[k])
-
     def _block_of(self, k: int) -> tuple[ProgramBlocks, BlockProofs]:
         """Programs and proofs of the block of assemblies to which assembly k belongs."""
         outer = self.outer if self.in_outer[k] else None
         return self.certain if outer is None else outer
 
-    def proofs(self, k: int) -> BlockProofs:
-        """Proofs of the block of assemblies to which assembly k belongs."""
-        return self._block_of(k)[1]
+    @property
+    def numbers(self) -> tuple[Array, Array, Array]:
+        """Residual, power and violation of the proof of each assembly, shape (M,)."""
+        certain = self.certain[1]
+        outer = certain if self.outer is None else self.outer[1]
+        names = ("residual", "power", "violation")
+        a, b, c = (
+            np.where(self.in_outer, getattr(outer, name), getattr(certain, name)) for name in names
+        )
+        return a, b, c
 
     def certificate(self, k: int) -> tuple[Program, ForceProof | MotionProof]:
         """The program of assembly k and its proof, verified without the other assemblies."""
@@ -82,12 +89,10 @@ def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Toget
     Arguments: `mu` (M,) [-].
     """
     contacts = contacts_side_by_side(apart, tolerance)
-    asked = ~_odd(apart, contacts)
+    asked = ~_odd(apart.owner, len(apart), contacts)
     certain = program_blocks(apart, contacts, mu)
-    stacked = certain.stacked(asked)
-    proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
-    stable, falls = proofs.stable & asked, proofs.unstable & asked
-    stable &= _rests_level(certain, contacts, proofs, stable)
+    proofs, stable = _certain_proofs(certain, contacts, asked)
+    falls = proofs.unstable & asked
     bounded = falls.any() and has_possible_contacts(contacts)
     outer = program_blocks(apart, contacts, mu, possible=True) if bounded else certain
     more = falls & (np.diff(outer.row_start) > np.diff(certain.row_start))
@@ -97,6 +102,26 @@ def decide_together(apart: SideBySide, mu: Array, tolerance: Tolerance) -> Toget
     bounds = _with_programs(outer, kept, more & ~kept.unstable)
     unstable = np.where(more, bounds.unstable, falls)
     return Together(stable, unstable, (certain, proofs), (outer, bounds), more)
+
+
+def clusters_at_rest(contacts: ContactSet, label: Index) -> Mask:
+    """Mask of the clusters of an assembly that are proved stable in a single computation, (M,).
+
+    Arguments: `label` (N,): cluster of each free part, 0 to M - 1, or -1 for parts of no cluster.
+    """
+    blocks = cluster_blocks(build_program(contacts.assembly, contacts), label)
+    odd = _odd(label, len(blocks.gravity), contacts)
+    return _certain_proofs(blocks, contacts, ~odd)[1]
+
+
+def _certain_proofs(
+    certain: ProgramBlocks, contacts: ContactSet, asked: Mask
+) -> tuple[BlockProofs, Mask]:
+    """Proofs with the certain contacts, and a mask of those in `asked` that are stable, (M,)."""
+    stacked = certain.stacked(asked)
+    proofs = _with_programs(certain, stacked, asked & ~stacked.stable & ~stacked.unstable)
+    stable = proofs.stable & asked
+    return proofs, stable & _rests_level(certain, contacts, proofs, stable)
 
 
 def _with_programs(blocks: ProgramBlocks, proofs: BlockProofs, left: Mask) -> BlockProofs:
@@ -114,14 +139,16 @@ def _with_programs(blocks: ProgramBlocks, proofs: BlockProofs, left: Mask) -> Bl
     return BlockProofs(**merged)
 
 
-def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
-    """Mask of the assemblies with coincident parts or with fitted contact normals, shape (M,)."""
-    owner = apart.owner
-    odd = np.zeros(len(apart), dtype=bool)
-    parts: Index = np.array([pair.ends[0] for pair in coincident(contacts)], dtype=np.int64)
+def _odd(owner: Index, count: int, contacts: ContactSet) -> Mask:
+    """Mask of the assemblies with coincident parts or with fitted contact normals, shape (M,).
+
+    Arguments: `owner` (N,): assembly of each part, or -1.
+    """
+    pairs = np.array([pair.ends for pair in coincident(contacts)], dtype=np.int64).reshape(-1, 2)
+    parts = np.concatenate([pairs, fitted_pairs(contacts)])
+    odd = np.zeros(count + 1, dtype=bool)
     odd[owner[parts]] = True
-    odd[owner[fitted_pairs(contacts)[:, 0]]] = True
-    return odd
+    return odd[:-1]
 
 
 def _rests_level(
@@ -146,6 +173,10 @@ def _rests_level(
 # A verdict with only its word computed; access to any other field runs `check`.
 
 
+WORD = "<U24"
+"""Type of arrays of verdict words."""
+
+
 FIELDS = frozenset(field.name for field in fields(Verdict))
 
 
@@ -155,26 +186,17 @@ class DeferredVerdict(Verdict):
     @classmethod
     def of(
         cls,
-        assemblies: Sequence[Assembly] | AssemblyArrays,
-        k: int,
         known: Mapping[str, Any],
-        options: Mapping[str, Any],
+        assembly: Callable[[], Assembly],
+        whole: Callable[[Assembly], Verdict],
     ) -> DeferredVerdict:
-        """Create the verdict of assembly k from known fields; `options` serve to compute the rest.
+        """Create a verdict from known fields, whose values are those of `check`.
 
-        Parameters
-        ----------
-        assemblies : sequence of Assembly, or AssemblyArrays
-        k : int
-            Index of the assembly.
-        known : mapping
-            Values of the known fields, equal to those of `check`.
-        options : mapping
-            Arguments of `check`.
+        `assembly` and `whole` return the assembly and its full verdict.
         """
         verdict: DeferredVerdict = object.__new__(cls)
         verdict.__dict__.update(known)
-        verdict.__dict__["_deferred"] = (assemblies, k, options)
+        verdict.__dict__["_deferred"] = (assembly, whole)
         return verdict
 
     def __getattribute__(self, name: str) -> Any:
@@ -182,11 +204,11 @@ class DeferredVerdict(Verdict):
         if name in FIELDS:
             values = object.__getattribute__(self, "__dict__")
             if name not in values and "_deferred" in values:
-                assemblies, k, options = values["_deferred"]
+                assembly, find = values["_deferred"]
                 if name == "assembly":
-                    values[name] = assemblies[k]
+                    values[name] = assembly()
                     return values[name]
-                whole = check(self.assembly, **{"assume": DRAWN, **options})
+                whole = find(self.assembly)
                 values.update({field: getattr(whole, field) for field in FIELDS})
                 del values["_deferred"]
         return object.__getattribute__(self, name)
@@ -196,40 +218,71 @@ Certificate = tuple[Program, ForceProof | MotionProof]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Row:
-    """Verdict word of an assembly, the numerical errors of its proof, and the proof itself."""
+class Rows:
+    """Verdict words of M assemblies and the numbers of their proofs, filled in any order."""
 
-    verdict: str
-    residual: float = np.nan
-    power: float = np.nan
-    violation: float = np.nan
-    together: tuple[Together, int] | None = None
-    certificate: Certificate | None = None
-    error: KilterError | None = None
-
-    @classmethod
-    def of(cls, decided: Together, n: int) -> Row:
-        """Create the row of assembly `n` of a joint computation."""
-        proofs = decided.proofs(n)
-        if decided.stable[n]:
-            return cls("stable", residual=float(proofs.residual[n]), together=(decided, n))
-        power, violation = float(proofs.power[n]), float(proofs.violation[n])
-        return cls("unstable", power=power, violation=violation, together=(decided, n))
+    word: Labels
+    """Verdict words, "" where it is not known yet, shape (M,)."""
+    residual: Array
+    power: Array
+    violation: Array
+    """As in `Verdicts`, shape (M,)."""
+    proofs: dict[int, Callable[[], Certificate | None]]
+    """Functions that return the program and the proof of an assembly, by its index."""
+    errors: dict[int, KilterError]
 
     @classmethod
-    def of_verdict(cls, verdict: Verdict) -> Row:
-        """Create the row of an assembly from its verdict by `check`."""
-        proof = verdict.evidence
+    def empty(cls, count: int) -> Rows:
+        """Rows of `count` assemblies without a verdict."""
+        residual, power, violation = np.full((3, count), np.nan)
+        return cls(np.full(count, "", dtype=WORD), residual, power, violation, {}, {})
+
+    @property
+    def left(self) -> Index:
+        """Indices of the assemblies without a verdict."""
+        return np.flatnonzero(self.word == "")
+
+    def put_proved(
+        self,
+        which: Index,
+        stable: Mask,
+        unstable: Mask,
+        numbers: tuple[Array, Array, Array],
+    ) -> None:
+        """Put the assemblies `which` that are proved, all shape (m,).
+
+        Arguments: `numbers`: residual, power and violation of their proofs.
+        """
+        residual, power, violation = numbers
+        self.word[which[stable]] = "stable"
+        self.word[which[unstable]] = "unstable"
+        self.residual[which[stable]] = residual[stable]
+        self.power[which[unstable]] = power[unstable]
+        self.violation[which[unstable]] = violation[unstable]
+
+    def put_together(self, which: Index, decided: Together, *, proofs: bool) -> None:
+        """Put those of the assemblies `which` that a joint computation decided."""
+        self.put_proved(which, decided.stable, decided.unstable, decided.numbers)
+        if proofs:
+            for n in np.flatnonzero(decided.stable | decided.unstable).tolist():
+                self.proofs[int(which[n])] = partial(decided.certificate, n)
+
+    def put_verdict(self, k: int, verdict: Verdict, *, proofs: bool) -> None:
+        """Put the verdict of `check` about assembly k."""
+        self.word[k], proof = verdict.verdict, verdict.evidence
         if proof is None:
-            return cls(verdict.verdict)
-        both = (verdict.program, proof)
+            return
         if isinstance(proof, ForceProof):
-            return cls(verdict.verdict, residual=proof.residual, certificate=both)
-        return cls(verdict.verdict, power=proof.power, violation=proof.violation, certificate=both)
+            self.residual[k] = proof.residual
+        else:
+            self.power[k], self.violation[k] = proof.power, proof.violation
+        if proofs:
+            both = (verdict.program, proof)
+            self.proofs[k] = lambda: both
 
-    def without_proof(self) -> Row:
-        """Copy of the row without the proof."""
-        return dataclasses.replace(self, together=None, certificate=None)
+    def put_error(self, k: int, error: KilterError) -> None:
+        """Put the reason why assembly k has no verdict."""
+        self.word[k], self.errors[k] = "error", error
 
 
 class Verdicts(Sequence[Verdict]):
@@ -267,14 +320,15 @@ class Verdicts(Sequence[Verdict]):
     def __init__(
         self,
         assemblies: Sequence[Assembly] | AssemblyArrays,
-        rows: tuple[Row, ...],
+        rows: Rows,
         options: Mapping[str, Any],
     ) -> None:
         self.assemblies = assemblies
         self._rows, self._options = rows, options
+        self.errors = dict(sorted(rows.errors.items()))
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self._rows.word)
 
     @overload
     def __getitem__(self, k: int) -> Verdict: ...
@@ -290,11 +344,17 @@ class Verdicts(Sequence[Verdict]):
         if isinstance(k, slice):
             return [self[n] for n in range(len(self))[k]]
         index = range(len(self))[k]
-        row = self._rows[index]
-        if row.error is not None:
-            raise row.error
-        known = {"verdict": row.verdict, "require": self._options["require"]}
-        return DeferredVerdict.of(self.assemblies, index, known, self._options)
+        if index in self.errors:
+            raise self.errors[index]
+        known = {
+            "verdict": str(self._rows.word[index]),
+            "require": self._options["require"],
+        }
+        return DeferredVerdict.of(
+            known,
+            partial(self.assemblies.__getitem__, index),
+            partial(check, **{"assume": DRAWN, **self._options}),
+        )
 
     def __iter__(self) -> Iterator[Verdict]:
         return (self[k] for k in range(len(self)))
@@ -302,39 +362,34 @@ class Verdicts(Sequence[Verdict]):
     @cached_property
     def verdict(self) -> Labels:
         """Verdict word of each assembly, shape (M,)."""
-        return np.array([row.verdict for row in self._rows], dtype=object).astype(str)
+        return self._rows.word.copy()
 
     @property
     def level(self) -> tuple[str | None, ...]:
         """Verdict level of each assembly; None if it does not hold."""
-        return tuple(level_of(row.verdict) for row in self._rows)
+        return tuple(level_of(word) for word in self.verdict.tolist())
 
     @cached_property
     def stable(self) -> Mask:
         """Whether each assembly reaches the required verdict level, shape (M,)."""
-        return np.array(
-            [holds(level, self._options["require"]) for level in self.level], dtype=bool
-        )
+        require = self._options["require"]
+        words = [word for word in self.counts if holds(level_of(word), require)]
+        return np.isin(self.verdict, words)
 
     @property
     def residual(self) -> Array:
         """Largest imbalance of a part under the proving forces, over its weight [-], shape (M,)."""
-        return np.array([row.residual for row in self._rows])
+        return self._rows.residual.copy()
 
     @property
     def power(self) -> Array:
         """Power of the weight in the proving motions [W], shape (M,)."""
-        return np.array([row.power for row in self._rows])
+        return self._rows.power.copy()
 
     @property
     def violation(self) -> Array:
         """Largest violation of the contacts by the proving motions [-], shape (M,)."""
-        return np.array([row.violation for row in self._rows])
-
-    @cached_property
-    def errors(self) -> dict[int, KilterError]:
-        """Errors that prevented verdicts, by index of the assembly."""
-        return {k: row.error for k, row in enumerate(self._rows) if row.error is not None}
+        return self._rows.violation.copy()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -343,11 +398,8 @@ class Verdicts(Sequence[Verdict]):
 
     def certificate(self, k: int) -> Certificate | None:
         """The program and the proof of the k-th verdict; None if no proof is stored."""
-        row = self._rows[range(len(self))[k]]
-        if row.together is not None:
-            decided, n = row.together
-            return decided.certificate(n)
-        return row.certificate
+        proof = self._rows.proofs.get(range(len(self))[k])
+        return None if proof is None else proof()
 
     def __repr__(self) -> str:
         counts = "".join(f", {count} {word}" for word, count in self.counts.items())

@@ -245,6 +245,7 @@ def _additions(model: BrickModel, cell: float, motion: Array, near: list[int]) -
             np.zeros(1, dtype=bool),
             np.array([number]),
             np.zeros(1, dtype=np.int64),
+            np.array([[0, 0, a, b]]),
         )
         yield "add", len(model), BrickModel.join([model, brick])
 

@@ -17,7 +17,8 @@ coefficient is then zero and not attained: as mu decreases, the forces grow with
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -32,7 +33,7 @@ from kilter.analysis.analysis_tolerances import (
 )
 from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import NoLimit, starting
+from kilter.analysis.load_limit import NoLimit, least_limit, starting
 from kilter.arrays import Array, Mask
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import ConeProblem, balanced_forces, cone_problem
@@ -201,6 +202,25 @@ class LeastFriction(Record):
         if self.value == 0.0:
             return f"LeastFriction({'none is needed' if self.attained else 'any mu above 0'})"
         return f"LeastFriction(mu >= {rounded_up(self.value)}, above {self.lower:.6g})"
+
+
+def find_group_friction(
+    groups: Sequence[Program], *, programs: float = np.inf
+) -> LeastFriction | NoLimit:
+    """Compute the least friction coefficient, equal at all contacts, that holds separate groups.
+
+    Arguments: `groups`: programs of parts that do not touch those of other groups; `programs`: as
+    in `find_least_friction`, for each group.
+    """
+    bounds = [find_least_friction(program, programs=programs) for program in groups]
+    whole = least_limit(bounds, lambda bound: (-bound.value, bound.attained, -bound.lower))
+    if isinstance(whole, NoLimit):
+        return whole
+    found = [bound for bound in bounds if isinstance(bound, LeastFriction)]
+    failing = max(found, key=lambda bound: bound.lower)
+    if failing.lower > whole.lower:
+        whole = replace(whole, lower=failing.lower, motion=failing.motion, program=failing.program)
+    return replace(whole, programs=sum(bound.programs for bound in found))
 
 
 def find_least_friction(

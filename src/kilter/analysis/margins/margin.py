@@ -8,7 +8,6 @@ Contacts that are not modelled are left out; more contacts only raise a margin.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,6 @@ from kilter.tell.levels import REQUIRE
 from kilter.tell.record import (
     Ends,
 )
-from kilter.work import Work
 
 
 def _interval(factor: tuple[Limit | None, Limit | None] | None) -> Ends | None:
@@ -55,6 +53,7 @@ def margin(
     *,
     push: Any = None,
     about: Any = None,
+    pushes: bool = False,
     pushed: list[str] | None = None,
     loads: bool = False,
     ranges: Ranges | None = None,
@@ -70,9 +69,11 @@ def margin(
         else that of the given loads, if there are any.
     about : array_like, shape (3,), optional
         Also the tilt about this axis, across gravity, by the right-hand rule.
+    pushes : bool
+        Also the weakest push of each free part. Of more than 50 parts, those that move most
+        easily.
     pushed : list of str, optional
-        Parts for which the weakest push, and the gain of holding them, are computed;
-        by default all, up to `PUSHED` free parts.
+        Only the pushes of these parts, and the gain of holding them.
     loads : bool
         Also the load straight down that each free part takes, or each of `pushed`.
     ranges : Ranges, optional
@@ -106,6 +107,7 @@ def margin(
         asked.assembly,
         push=push,
         about=about,
+        pushes=pushes,
         pushed=pushed,
         loads=loads,
         ranges=ranges,
@@ -113,7 +115,7 @@ def margin(
         require=asked.require,
     )
     verdict = check(asked.but(require=REQUIRE))
-    limits = _limits(question, verdict, asked.work(), asked.tell)
+    limits = _limits(question, verdict, asked)
     seconds = {**verdict.seconds, "total": time.perf_counter() - asked.begun}
     return Margin(
         assembly=asked.assembly,
@@ -130,16 +132,15 @@ def margin(
     )
 
 
-def _limits(
-    question: MarginQuestion, verdict: Verdict, work: Work, tell: Callable[[str], None]
-) -> dict[str, Any]:
+def _limits(question: MarginQuestion, verdict: Verdict, asked: Question) -> dict[str, Any]:
     """Compute the limits of a margin: the members of `Margin` that need a program."""
-    assembly = question.assembly
+    assembly, tell = question.assembly, asked.tell
     program = build_program(assembly, verdict.contact_set)
     warnings = [*verdict.notes, *_left_out(assembly, verdict.contact_set, program)]
     steps = MarginSteps(
-        work=work,
+        work=asked.work(),
         tell=tell,
+        keeps=getattr(asked.progress, "keeps", False),
         question=question,
         verdict=verdict,
         program=program,
@@ -150,7 +151,7 @@ def _limits(
     degrees, down = _boundary(gravity)
     about = None
     if question.axis is not None:
-        about = steps.limit("about", tilt_about, program, question.axis)
+        about = steps.limit("about", tilt_about, steps.groups, question.axis)
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = steps.friction()
     bond = steps.bond()

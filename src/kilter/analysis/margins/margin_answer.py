@@ -18,7 +18,8 @@ from kilter.analysis.decision.bond_factor import BondFactor
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.load_limit import Limit, Why
 from kilter.analysis.margins.least_friction import LeastFriction
-from kilter.analysis.margins.level_limits import LevelLimits, PartLoad, Push
+from kilter.analysis.margins.level_limits import LevelLimits
+from kilter.analysis.margins.part_limits import PartLoad, Push
 from kilter.analysis.margins.tilt import NearestHeld, TiltAbout, TiltMargin
 from kilter.analysis.margins.uncertainty import Uncertainty
 from kilter.analysis.margins.what_helps import Help

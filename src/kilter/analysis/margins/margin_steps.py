@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
-from kilter.analysis.analysis_tolerances import ACROSS_GRAVITY
+from kilter.analysis.analysis_tolerances import ACROSS_GRAVITY, NOT_HELD
 from kilter.analysis.decision.bond_factor import BondFactor, find_bond_factor
-from kilter.analysis.load_limit import Limit, LimitSteps, NoLimit, Why, find_limit, gravity_wrench
-from kilter.analysis.margins.least_friction import Failing, LeastFriction, find_least_friction
+from kilter.analysis.load_limit import (
+    Limit,
+    LimitSteps,
+    NoLimit,
+    Why,
+    find_limit,
+    gravity_wrench,
+    least_limit,
+)
+from kilter.analysis.margins.least_friction import (
+    Failing,
+    LeastFriction,
+    find_group_friction,
+    find_least_friction,
+)
 from kilter.analysis.margins.level_limits import (
     LevelLimits,
     Limits,
-    PartLoad,
-    Push,
     find_level_limits,
-    find_part_load,
-    find_weakest_push,
 )
 from kilter.analysis.margins.limit_level import verdict_outside
+from kilter.analysis.margins.part_limits import PartClusters, PartLoad, Push, easily_moved
 from kilter.analysis.margins.tilt import (
     NearestHeld,
     TiltMargin,
+    find_least_tilt,
     find_nearest_held,
-    find_tilt_margin,
 )
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
@@ -38,9 +48,8 @@ from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
 from kilter.assembly.question import require_plain_joints
 from kilter.contact.round_edges import RoundEdge, round_edges
 from kilter.errors import InputError, some_names
-from kilter.mechanics.certificate import MotionProof, check_motion
-from kilter.mechanics.coulomb_cones import cone_problem
-from kilter.mechanics.opening import Opening
+from kilter.mechanics.certificate import MotionProof, check_motion, part_sizes
+from kilter.mechanics.clusters import clusters, different_clusters, limit_groups
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import CONTACT
 from kilter.rigid import unit
@@ -50,8 +59,10 @@ from kilter.work import PER_EFFORT
 # The limits that the user requested of `kilter.margin`, validated.
 
 
-PUSHED = 20
-"""Largest number of free parts for which the weakest push of every part is computed by default."""
+PUSHED = 50
+"""Largest number of parts for which the weakest push is computed, unless parts are named."""
+HELD_TRIED = 20
+"""Largest number of free parts of which any may be held to find what helps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,11 +76,13 @@ class MarginQuestion:
     axis: Array | None
     """Unit axis of a further tilt, world frame, perpendicular to gravity, shape (3,)."""
     pushed: list[int]
-    """Parts for which the weakest push and the gain of a grip are computed."""
+    """Parts for which the weakest push is computed; more than `PUSHED` if the user named them."""
+    named: bool
+    """Whether the user named the parts that are pushed."""
+    held: list[int]
+    """Parts of which one is held to find what helps; empty for many free parts."""
     loaded: list[int]
     """Parts for which the largest further load straight down is computed."""
-    omits_pushes: bool
-    """Whether `pushed` is empty because the assembly has more than `PUSHED` free parts."""
     ranges: Ranges | None
     """Intervals of the worst case; None: no worst case is computed."""
     bracket: bool
@@ -83,6 +96,7 @@ def margin_question(
     *,
     push: Any,
     about: Any,
+    pushes: bool,
     pushed: list[str] | None,
     loads: bool,
     ranges: Ranges | None,
@@ -103,14 +117,14 @@ def margin_question(
         require_no_bonds(assembly, "the worst case over ranges", NOT_RANGED)
         require_plain_joints(assembly, "the worst case over ranges")
     chosen = _free_parts(assembly) if pushed is None else _named_parts(assembly, pushed)
-    omits_pushes = pushed is None and len(chosen) > PUSHED
     return MarginQuestion(
         assembly=assembly,
         push=direction,
         axis=axis,
-        pushed=[] if omits_pushes else chosen,
+        pushed=chosen if pushes or pushed is not None else [],
+        named=pushed is not None,
+        held=[] if pushed is None and len(chosen) > HELD_TRIED else chosen,
         loaded=chosen if loads else [],
-        omits_pushes=omits_pushes,
         ranges=ranges,
         bracket=bracket,
         require=level,
@@ -163,6 +177,11 @@ def _named_parts(assembly: Assembly, names: list[str]) -> list[int]:
 
 T = TypeVar("T")
 
+ENDED: dict[Why, str] = {
+    "time": "the time limit was reached",
+    "interrupted": "the command was interrupted",
+}
+"""Causes that ended a search for a limit."""
 LARGE = 500
 """Number of rows of a program above which the number of coefficients is limited."""
 COEFFICIENTS, OPEN = 20, 1
@@ -170,6 +189,8 @@ COEFFICIENTS, OPEN = 20, 1
 and a coefficient is already proved not to be enough.
 """
 
+ENDS: tuple[Why, ...] = ("interrupted", "time", "failed", "none")
+"""Reasons for a missing end of the load factor, in order of precedence."""
 Ends = tuple[Limit | None, Limit | None]
 """Limits at the least and the greatest load factor; None for an end that has no limit."""
 
@@ -182,6 +203,15 @@ class MarginSteps(LimitSteps):
     verdict: Verdict
     program: Program
     warnings: list[str]
+    groups: list[Program] = field(default_factory=list)
+    """Programs of groups of parts that do not touch; of equal clusters only the first."""
+    tilts: list[float] = field(default_factory=list)
+    """Tilt of each group [rad]."""
+    factors: list[float] = field(default_factory=list)
+    """Greatest load factor of each group [-]."""
+
+    def __post_init__(self) -> None:
+        self.groups = limit_groups(self.program)
 
     def tilt(self) -> TiltMargin | NearestHeld | None:
         """Compute the tilt margin, or the nearest held direction if the gravity is not held."""
@@ -196,8 +226,7 @@ class MarginSteps(LimitSteps):
             return None
         # the verdict proves that no tilt limit exists, so that only the nearest direction is open
         falls = self._large and self._falls is not None
-        find = find_nearest_held if falls else partial(_tilt_or_nearest, edges=self.edges)
-        gravity = self.in_time(find, self.program)
+        gravity = self.in_time(self._nearest if falls else self._tilt_or_nearest)
         if isinstance(gravity, NoLimit):
             self.missing["tilt"] = gravity.why
             return None
@@ -220,8 +249,11 @@ class MarginSteps(LimitSteps):
         if self._large:
             few = self.verdict.question is not None and failing is not None
             most = OPEN if few else COEFFICIENTS * max(self.work.allowed / PER_EFFORT, 1.0)
-        find = partial(find_least_friction, failing=failing, programs=most)
-        return self.limit("friction", find, fitted)
+        if failing is not None:
+            find = partial(find_least_friction, failing=failing, programs=most)
+            return self.limit("friction", find, fitted)
+        find_all = partial(find_group_friction, programs=most)
+        return self.limit("friction", find_all, limit_groups(fitted))
 
     def bond(self) -> BondFactor | None:
         """Least share of the strength of bonds and straps; None without a value."""
@@ -253,38 +285,50 @@ class MarginSteps(LimitSteps):
 
     def load_factor(self, name: str, program: Program) -> Ends | None:
         """Least and greatest load factor at which the assembly holds; None if no load is given."""
-        ends = self.in_time(_load_factor, self.question, program)
-        if ends is None:
+        groups = self.groups if program is self.program else limit_groups(program)
+        limits = self.in_time(_load_factors, self.question, groups)
+        if limits is None:
             return None
-        least, greatest = (ends, ends) if isinstance(ends, NoLimit) else ends
+        least: Limit | NoLimit
+        greatest: Limit | NoLimit
+        if isinstance(limits, NoLimit):
+            least, greatest = limits, limits
+        else:
+            least, greatest = _load_factor(*limits)
+            known = [limit.value for limit in limits[1] if isinstance(limit, Limit)]
+            self.factors = known if program is self.program else self.factors
         whys = [end.why for end in (least, greatest) if isinstance(end, NoLimit)]
         if whys:
-            self.missing[name] = next(why for why in ("time", "failed", "none") if why in whys)
+            self.missing[name] = next(why for why in ENDS if why in whys)
         return _limit_or_none(least), _limit_or_none(greatest)
 
-    def pushes(self, opening: Opening) -> tuple[Push, ...]:
-        """The weakest push that moves each requested part."""
-        find = partial(find_weakest_push, opening=opening)
-        return self._of_parts("push of", "pushes", find, self.question.pushed)
-
-    def loads(self, opening: Opening) -> tuple[PartLoad, ...]:
-        """The largest further load straight down that each requested part carries."""
-        find = partial(find_part_load, opening=opening)
-        return self._of_parts("load on", "loads", find, self.question.loaded)
+    def pushes(self, clusters: PartClusters) -> tuple[Push, ...]:
+        """The weakest push that moves each requested part, or the parts that move most easily."""
+        pushed = self.question.pushed
+        if len(pushed) > PUSHED and not self.question.named:
+            pushed = easily_moved(self.program, pushed)[:PUSHED]
+            self.warnings.append(
+                f"pushes: {PUSHED} of {len(self.question.pushed)} parts, which move most easily "
+                "if all other parts are held; --part NAME adds others"
+            )
+        return self._of_parts("push of", "pushes", clusters.push, pushed)
 
     def parts(self) -> tuple[tuple[Push, ...], tuple[PartLoad, ...]]:
-        """Weakest pushes and largest loads of the parts, computed with a common factorisation."""
-        self.tell("pushes")
-        opening = Opening(cone_problem(self.program))
-        return self.pushes(opening), self.loads(opening)
+        """Weakest pushes and largest loads of the parts; each concerns the cluster of its part."""
+        if not (self.question.pushed or self.question.loaded):
+            return (), ()
+        self.tell("pushes" if self.question.pushed else "loads")
+        clusters = PartClusters(self.program)
+        pushes = self.pushes(clusters)
+        return pushes, self._of_parts("load on", "loads", clusters.load, self.question.loaded)
 
     def warn_of_missing(self) -> None:
-        """Add warnings about limits that have no value, and about omitted pushes."""
+        """Add warnings about limits that have no value, and about gains that are not computed."""
         self.warnings += _missing_words(self.missing)
-        if self.question.omits_pushes:
+        if not (self.question.held or self.question.named) and self.program.free.any():
             self.warnings.append(
-                f"for more than {PUSHED} free parts, pushes and the gain of holding a part are "
-                "computed only for parts that --part NAME names"
+                f"for more than {HELD_TRIED} free parts, the gain of holding a part is computed "
+                "only for parts that --part NAME names"
             )
 
     def worst_case(self) -> Uncertainty | None:
@@ -324,23 +368,51 @@ class MarginSteps(LimitSteps):
 
     def helps(self, tilt: TiltMargin | None, factor: Limit | None) -> tuple[Help, ...]:
         """Changes of the assembly that raise the tilt margin, or else the load factor, most."""
-        find = partial(what_helps, held=self.question.pushed, edges=self.edges)
+        of_tilt = tilt is not None and tilt.angle < np.pi / 2
+        limit = tilt.limit if tilt is not None and of_tilt else factor
+        if limit is None or self._has_copies(limit):
+            return ()
+        limits = self.tilts if of_tilt else self.factors
+        find = partial(
+            what_helps, held=self.question.held, edges=self.edges, others=_second(limits)
+        )
         helps = self.limit("what helps", find, self.program, tilt, factor, self.question.push)
         return helps or ()
+
+    def _has_copies(self, limit: Limit) -> bool:
+        """Whether another cluster is equal to the one that moves: then no single change helps."""
+        if limit.motion is None or len(parted := clusters(self.program)) < 2:
+            return False
+        fastest = int(part_sizes(self.program, limit.motion.motion, per_radius=False).argmax())
+        same = different_clusters(parted)
+        number = next(k for k, cluster in enumerate(parted) if cluster.program.free[fastest])
+        return bool((same == same[number]).sum() > 1)
+
+    def _nearest(self) -> NearestHeld | NoLimit:
+        """The held direction of gravity that is nearest to the given one, which is not held."""
+        return find_nearest_held(self.program)
+
+    def _tilt_or_nearest(self) -> TiltMargin | NearestHeld | NoLimit:
+        """The tilt margin; or the nearest held direction, if the given one is proved not held."""
+        tilt, self.tilts = find_least_tilt(self.groups, self.edges, self.tell)
+        if isinstance(tilt, TiltMargin):
+            return tilt
+        nearest = self._nearest()
+        # without a proof that gravity as given is not held, a nearest direction answers nothing
+        failed = tilt.why == "failed" and not isinstance(nearest, NoLimit)
+        return tilt if failed else nearest
 
     def _of_parts(
         self,
         name: str,
         stage: str,
-        find: Callable[[Program, int], T | NoLimit],
+        find: Callable[[int], T | NoLimit],
         parts: list[int],
     ) -> tuple[T, ...]:
         """Compute a limit of each listed part; return the limits that have a value, in order."""
         limits = []
         for count, part in enumerate(parts, 1):
-            limits.append(
-                self.limit(f"{name} {self.program.names[part]}", find, self.program, part)
-            )
+            limits.append(self.limit(f"{name} {self.program.names[part]}", find, part))
             self.tell(f"{stage}: {count} of {len(parts)}")
         return tuple(limit for limit in limits if limit is not None)
 
@@ -350,43 +422,61 @@ def _limit_or_none(limit: T | NoLimit | None) -> T | None:
     return None if isinstance(limit, NoLimit) else limit
 
 
-def _tilt_or_nearest(
-    program: Program, edges: tuple[RoundEdge, ...]
-) -> TiltMargin | NearestHeld | NoLimit:
-    """The tilt margin; or the nearest held direction, if the given one is proved not held."""
-    tilt = find_tilt_margin(program, edges)
-    if isinstance(tilt, TiltMargin):
-        return tilt
-    nearest = find_nearest_held(program)
-    # without a proof that gravity as given is not held, a nearest direction answers nothing
-    failed = tilt.why == "failed" and not isinstance(nearest, NoLimit)
-    return tilt if failed else nearest
+def _second(limits: Sequence[float]) -> float:
+    """The second least of some limits; infinite if there are fewer."""
+    return sorted(limits)[1] if len(limits) > 1 else np.inf
 
 
 def _missing_words(missing: dict[str, Why]) -> list[str]:
     """Warnings about limits without a value, and about an assembly that any push moves."""
     failed = [name for name, why in missing.items() if why == "failed"]
     words = [f"not known, because the solver failed: {some_names(failed)}"] if failed else []
-    late = [name for name, why in missing.items() if why == "time"]
-    words += [f"not known, because the time limit was reached: {some_names(late)}"] if late else []
+    for why, cause in ENDED.items():
+        late = [name for name, reason in missing.items() if reason == why]
+        words += [f"not known, because {cause}: {some_names(late)}"] if late else []
     of_parts = (why for name, why in missing.items() if name.startswith(("push of", "load on")))
     if "none" in of_parts:
         words.append("it is not in equilibrium as given, so it resists no push and no load")
     return words
 
 
-def _load_factor(
-    question: MarginQuestion, program: Program
-) -> tuple[Limit | NoLimit, Limit | NoLimit] | None:
-    """Least and greatest factor of the body force or the given loads; None if no load is given."""
-    if question.push is not None:
-        base, wrench = program, gravity_wrench(program, question.push)
-    elif question.assembly.loads:
-        base = program.with_rows(applied=np.zeros_like(program.applied))
-        wrench = program.applied
-    else:
+Factors = tuple[list[Limit | NoLimit], list[Limit | NoLimit]]
+"""Limits of each group at the least and at the greatest load factor."""
+
+
+def _load_factors(question: MarginQuestion, groups: Sequence[Program]) -> Factors | None:
+    """Least and greatest factor of the body force or the given loads of each group.
+
+    None if no load is given.
+    """
+    if question.push is None and not question.assembly.loads:
         return None
-    ends = find_limit(base, -wrench), find_limit(base, wrench)
+    least, greatest = [], []
+    for program in groups:
+        if question.push is not None:
+            base, wrench = program, gravity_wrench(program, question.push)
+        else:
+            base = program.with_rows(applied=np.zeros_like(program.applied))
+            wrench = np.where(program.free[:, None], program.applied, 0.0)
+        least.append(find_limit(base, -wrench))
+        greatest.append(find_limit(base, wrench))
+    return least, greatest
+
+
+def _load_factor(
+    least: list[Limit | NoLimit], greatest: list[Limit | NoLimit]
+) -> tuple[Limit | NoLimit, Limit | NoLimit]:
+    """Least and greatest load factor of all groups together, from those of each group."""
+    first = least_limit(least, lambda limit: limit.value)
+    last = least_limit(greatest, lambda limit: limit.value)
     # the proof that no factor is held covers both ends: an end at which the solver failed, too
-    whys = {end.why for end in ends if isinstance(end, NoLimit)}
-    return (NoLimit("none"), NoLimit("none")) if whys == {"none", "failed"} else ends
+    whys = {end.why for end in (first, last) if isinstance(end, NoLimit)}
+    apart = not whys and _limit_value(first) + _limit_value(last) < NOT_HELD
+    if whys == {"none", "failed"} or apart:
+        return NoLimit("none"), NoLimit("none")
+    return first, last
+
+
+def _limit_value(limit: Limit | NoLimit) -> float:
+    """The value of a limit; NaN if it has none."""
+    return limit.value if isinstance(limit, Limit) else np.nan

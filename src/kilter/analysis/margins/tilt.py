@@ -32,7 +32,14 @@ from kilter.analysis.analysis_tolerances import (
     TILT_AGREES,
 )
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import Limit, NoLimit, SharedCones, find_limit, gravity_wrench
+from kilter.analysis.load_limit import (
+    Limit,
+    NoLimit,
+    SharedCones,
+    find_limit,
+    gravity_wrench,
+    least_limit,
+)
 from kilter.analysis.margins.turned_forces import held_distance
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.arrays import TINY, Array, across, angle_between, cross
@@ -41,10 +48,10 @@ from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb_cones import cone_problem, nearest_load
 from kilter.mechanics.forms import ScaledProblem, UncertainLoad, affine_forces, affine_imbalance
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows
-from kilter.tell.record import OrNull, Record, Vector
+from kilter.tell.record import InPython, OrNull, Record, Vector
+from kilter.work import stop_if_late
 
 if TYPE_CHECKING:
     from kilter.solvers.highs import Method
@@ -164,6 +171,8 @@ class TiltMargin(Record):
     enough."""
     limit: Limit
     """Forces and mechanism there."""
+    shared: InPython[SharedCones]
+    """The program of the parts that move, with what its limits have in common."""
     programs: int
 
     @property
@@ -176,8 +185,19 @@ class TiltMargin(Record):
         return f"TiltMargin({over}{np.degrees(self.angle):.6g} deg)"
 
 
-def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
+def tilt_about(groups: Sequence[Program], axis: Array) -> TiltAbout | NoLimit:
     """Largest turn of gravity about an axis at which the parts hold, and its limit.
+
+    Arguments: `groups`: programs of parts that do not touch those of other groups.
+
+    Raises `ValueError` if there are given loads or bonds: they do not turn.
+    """
+    turns = [_group_tilt_about(program, axis) for program in groups]
+    return least_limit(turns, lambda turn: turn.tilt_deg)
+
+
+def _group_tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
+    """Largest turn of gravity about an axis at which the parts of a group hold.
 
     By the right-hand rule, from 0 to pi, infinite if a full turn is held. Not held as given:
     no limit. A conic program for each right angle.
@@ -190,11 +210,11 @@ def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
     aside = cross(axis / float(np.linalg.norm(axis)), start)
     quarter = ((start, aside), (aside, -start), (-start, -aside), (-aside, start))
     unlimited: Limit | None = None
-    opening = Opening(cone_problem(program))
+    drawn = SharedCones(program)
     for turns, (down, along) in enumerate(quarter):
-        turned = opening.turned(down)
+        turned = drawn.turned(down)
         wrench = gravity_wrench(program, along)
-        limit = find_limit(turned.program, wrench, opening=turned, most=STEEPEST)
+        limit = find_limit(turned.program, wrench, shared=turned, most=STEEPEST)
         if isinstance(limit, NoLimit):
             return limit if turns == 0 else NoLimit("failed")
         if np.isfinite(limit.value):
@@ -205,10 +225,41 @@ def tilt_about(program: Program, axis: Array) -> TiltAbout | NoLimit:
     return TiltAbout(axis=axis, tilt_deg=np.inf, limit=unlimited)
 
 
-def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltMargin | NoLimit:
+def find_least_tilt(
+    groups: Sequence[Program], edges: Sequence[RoundEdge], tell: Callable[[str], None]
+) -> tuple[TiltMargin | NoLimit, list[float]]:
+    """The least tilt margin of groups that do not touch, and the tilt of each group [rad].
+
+    The tilt of a group is not exact if it exceeds that of an earlier group. If a group has no tilt
+    margin, the groups after it have none either.
+    """
+    tilts: list[TiltMargin | NoLimit] = []
+    least = np.pi / 2
+    for count, program in enumerate(groups, 1):
+        stop_if_late()
+        if len(groups) > 1:
+            tell(f"tilt: group {count} of {len(groups)}")
+        enough = float(np.tan(least)) if least < np.pi / 2 else np.inf
+        tilt = find_tilt_margin(program, edges, enough=enough)
+        tilts.append(tilt)
+        if isinstance(tilt, NoLimit):
+            break
+        least = min(least, tilt.angle)
+    whole = least_limit(tilts, lambda tilt: tilt.angle)
+    found = [tilt for tilt in tilts if isinstance(tilt, TiltMargin)]
+    if isinstance(whole, TiltMargin):
+        lower, programs = min(t.lower for t in found), sum(t.programs for t in found)
+        whole = replace(whole, lower=lower, programs=programs)
+    return whole, [tilt.angle for tilt in found]
+
+
+def find_tilt_margin(
+    program: Program, edges: Sequence[RoundEdge] = (), *, enough: float = np.inf
+) -> TiltMargin | NoLimit:
     """The least tilt of gravity beyond which nothing holds; no limit if not held without tilt.
 
-    Parts tip over the given round edges, and over the corners of all other contacts.
+    Parts tip over the given round edges, and over the corners of all other contacts. The search
+    may end with a smaller `lower` than `angle` if both are above atan(`enough`).
 
     Raises `ValueError` if there are given loads: they do not turn.
 
@@ -225,15 +276,13 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
     if program.applied.any():
         raise ValueError("given loads do not turn with gravity")
     basis = across_gravity(program)
-    opening, shared = Opening(cone_problem(program)), SharedCones(program)
+    shared = SharedCones(program)
     limits: list[Limit | NoLimit] = []
     known: list[tuple[Array, Limit]] = []
 
     def shoot(direction: Array) -> SupportPoint | None:
         wrench = gravity_wrench(program, direction @ basis)
-        limit = held_limit(
-            program, wrench, opening=opening, most=STEEPEST, shared=shared, edges=edges
-        )
+        limit = held_limit(wrench, shared=shared, most=STEEPEST, edges=edges)
         limits.append(limit)
         if isinstance(limit, NoLimit):
             return None
@@ -250,6 +299,7 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
         most=STEEPEST,
         within=TOLERANCE,
         inside=None if program.planar else partial(held_distance, program, edges, known),
+        enough=enough,
     )
     if face is None or NoLimit("none") in limits:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
@@ -270,29 +320,26 @@ def find_tilt_margin(program: Program, edges: Sequence[RoundEdge] = ()) -> TiltM
             angle = float(np.arctan(face.outer))
             lower = max(float(np.arctan(face.inner)) - TOLERANCE, 0.0)
     return TiltMargin(
-        angle=angle, lower=lower, down=down, toward=toward, limit=limit, programs=face.asked
+        angle=angle,
+        lower=lower,
+        down=down,
+        toward=toward,
+        limit=limit,
+        shared=shared,
+        programs=face.asked,
     )
 
 
 def held_limit(
-    program: Program,
-    wrench: Array,
-    *,
-    opening: Opening,
-    most: float,
-    shared: SharedCones | None = None,
-    edges: Sequence[RoundEdge] = (),
+    wrench: Array, *, shared: SharedCones, most: float, edges: Sequence[RoundEdge] = ()
 ) -> Limit | NoLimit:
     """Compute the load limit of a program; no limit if the program without the load is not held."""
 
     def find(refined: Program) -> Limit | NoLimit:
-        if refined is not program:
-            return find_limit(refined, wrench, most=most, from_none=True)
-        return find_limit(
-            program, wrench, opening=opening, most=most, shared=shared, from_none=True
-        )
+        known = shared if refined is shared.program else None
+        return find_limit(refined, wrench, most=most, shared=known, from_none=True)
 
-    limit = limit_on_circles(program, edges, find)
+    limit = limit_on_circles(shared.program, edges, find)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 

@@ -72,11 +72,14 @@ def what_helps(
     *,
     held: Sequence[int],
     edges: Sequence[RoundEdge] = (),
+    others: float = np.inf,
 ) -> tuple[Help, ...]:
     """The most effective change of each kind, which raises the tilt margin or else the load factor.
 
-    Arguments: `push` (3,): the direction that it is of; None: of given loads; `held`: free parts,
-    by position, of which those that drive the mechanism most are held in turn.
+    Arguments: `program`: that of all parts; `push` (3,): the direction of the load factor; None:
+    of given loads; `held`: free parts, by position, of which those that drive the mechanism most
+    are held in turn; `others`: the limit of the other groups, [rad] or [-], which no change of
+    the group with the least limit raises.
 
     Examples
     --------
@@ -89,26 +92,30 @@ def what_helps(
     ['hold', 'friction']
     """
     if tilt is not None and tilt.angle < np.pi / 2:
-        aside = tilt.down / float(tilt.down @ program.down) - program.down
+        group = tilt.shared.program
+        aside = tilt.down / float(tilt.down @ group.down) - group.down
         size = float(np.linalg.norm(aside))
         if size < NO_GAIN:
             return ()
-        along = gravity_wrench(program, aside / size)
-        limit = find_limit(program, along)
+        along = gravity_wrench(group, aside / size)
+        limit = find_limit(group, along, shared=tilt.shared)
         if isinstance(limit, NoLimit):
             return ()
         before = float(np.degrees(tilt.angle))
-        gain = _Gain("tilt", before, lambda changed: _tilt(changed, edges))
-        return _helps(program, limit, along, True, gain, held)
+        most = float(np.degrees(others))
+        gain = _Gain("tilt", before, lambda changed: _tilt(changed, edges), most)
+        return _helps(group, limit, along, True, gain, held)
     if factor is None:
         return ()
+    group = factor.program
     if push is not None:
-        gain = _Gain("load factor", factor.value, lambda p: _factor(p, gravity_wrench(p, push)))
-        return _helps(program, factor, gravity_wrench(program, push), True, gain, held)
-    base = program.with_rows(applied=np.zeros_like(program.applied))
-    load = program.applied
-    gain = _Gain("load factor", factor.value, lambda p: _factor(p, load * p.free[:, None]))
-    return _helps(base, factor, load, False, gain, held)
+        gain = _Gain(
+            "load factor", factor.value, lambda p: _factor(p, gravity_wrench(p, push)), others
+        )
+        return _helps(group, factor, gravity_wrench(group, push), True, gain, held)
+    load = np.where(group.free[:, None], program.applied, 0.0)
+    gain = _Gain("load factor", factor.value, lambda p: _factor(p, load * p.free[:, None]), others)
+    return _helps(group, factor, load, False, gain, held)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,10 +125,14 @@ class _Gain:
     of: Literal["tilt", "load factor"]
     before: float
     margin: Callable[[Program], float]
+    others: float
+    """The margin of parts that no change concerns."""
 
     def by(self, changed: Program) -> float:
         """Gain of a change; 0 if it cannot be computed."""
-        gain = self.margin(changed) - self.before
+        if self.others <= self.before:
+            return 0.0
+        gain = min(self.margin(changed), self.others) - self.before
         return 0.0 if np.isnan(gain) else gain
 
     def help(
@@ -180,6 +191,7 @@ def _hold(
     """The part that raises the limit most if it is held; only the fastest parts are tried."""
     size = part_sizes(program, motion, per_radius=False)
     chosen = np.asarray(held, dtype=np.int64)
+    chosen = chosen[program.free[chosen]]
     moving = chosen[size[chosen] > MOVES * size.max()]
     best: tuple[float, int] | None = None
     for k in moving[np.argsort(-power[moving], kind="stable")][:HELD]:

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import shapely
@@ -32,6 +32,7 @@ from kilter.analysis.placing.shifted_load import CarriedPlaces, CarriedPoint, Sh
 from kilter.analysis.placing.upright_prisms import PlacedLoads, PlacedPrism, Top, places_left
 from kilter.arrays import Array, Index
 from kilter.mechanics.certificate import ForceProof
+from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
@@ -153,6 +154,15 @@ class MovingLoad(ShiftedLoad):
             height=height,
         )
 
+    def on(self, program: Program, proofs: Literal["forces", "motions"]) -> MovingLoad:
+        """The same load on another program of the same parts, for proofs of one kind."""
+        loads = PlacedLoads(program, self.loads.part, self.loads.friction)
+        contact = self.contact
+        areas = contact.areas, self.height, contact.low, contact.high
+        load = MovingLoad.of_areas(loads, self.tops, *areas)
+        load.proofs = proofs
+        return load
+
     def places_of(self, accuracy: float, within: shapely.Geometry) -> CarriedPlaces:
         """Places that stand and places that are not excluded, of an area in the rectangle.
 
@@ -161,6 +171,7 @@ class MovingLoad(ShiftedLoad):
         middle = (self.contact.low + self.contact.high) / 2
         area = moved(within, -middle)
         shares, motion = self._at_middle()
+        motion = None if self.proofs == "forces" else motion
         motions = [] if motion is None else [motion]
         left = area if motion is None else self._left(area, motion, area)
         if shares is None or left.is_empty:

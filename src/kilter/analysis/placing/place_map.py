@@ -27,6 +27,7 @@ import numpy as np
 import shapely
 
 from kilter.analysis.placing.moving_load import MovingLoad
+from kilter.analysis.placing.near_load import near_moving, near_places
 from kilter.analysis.placing.polygon_sets import (
     GRID,
     NOTHING,
@@ -142,13 +143,26 @@ class PlaceMap:
             )
         low, high = np.array(top.polygon.bounds[:2]), np.array(top.polygon.bounds[2:])
         middle, half = (low + high) / 2, (high - low) / 2
-        inner = self._searched(*self.loads.on_top(top, middle), half, self.strip)
-        if self.bound is not self.loads:
-            outer = self._searched(*self.bound.on_top(top, middle), half, self.strip)
-            inner = inner.with_outside_of(outer)
+        load, bound = (
+            ShiftedLoad(*loads.on_top(top, middle)[:2], -half, half)
+            for loads in (self.loads, self.bound)
+        )
+        inner = self._near(load, bound, top.part)
+        if inner is None:
+            inner = self._counted(load.places(self.strip))
+            if self.bound is not self.loads:
+                inner = inner.with_outside_of(self._counted(bound.places(self.strip)))
         carried = inner.shifted(middle)
         self._findings.append(Finding(low, high, top.part, carried))
         return CarriedPlaces(both(carried.inner, top.polygon), both(carried.outer, top.polygon))
+
+    def _near(self, load: ShiftedLoad, bound: ShiftedLoad, part: int) -> CarriedPlaces | None:
+        """Carried shifts of a load on a part, if the parts near it decide them."""
+        if not self._alone.points:
+            return None
+        found, programs = near_places(load, bound, part, self._alone.points[0][1], self.strip)
+        self.programs += programs
+        return found
 
     @cached_property
     def _alone(self) -> CarriedPlaces:
@@ -215,11 +229,13 @@ class PlaceMap:
             return nowhere, out, True
         accuracy = max(self.strip / 2, COARSE * float((high - low).max()))
         question = (landing.tops, possible, landing.height, low, high)
-        load = MovingLoad.of_areas(self.loads, *question)
-        found = self._counted(load.places_of(accuracy, cell))
-        settled = False
+        load = bound = MovingLoad.of_areas(self.loads, *question)
         if self.bound is not self.loads:
             bound = MovingLoad.of_areas(self.bound, *question)
+        near = self._near_moving(load, bound, accuracy, cell)
+        found = near or self._counted(load.places_of(accuracy, cell))
+        settled = False
+        if near is None and self.bound is not self.loads:
             outside = self._counted(bound.places_of(accuracy, cell))
             # places that no motion excludes may stand; places that all contacts hold cannot fall
             unsure = [without(each.outer, each.inner) for each in (found, outside)]
@@ -229,6 +245,19 @@ class PlaceMap:
         self._findings.append(Finding(low, high, -1, found, shares))
         stands = both(cell, found.inner)
         return stands, union([out, without(without(cell, stands), found.outer)]), settled
+
+    def _near_moving(
+        self, load: MovingLoad, bound: MovingLoad, accuracy: float, cell: shapely.Geometry
+    ) -> CarriedPlaces | None:
+        """Places of a cell that the parts near it decide; sets the shares of the load."""
+        if not self._alone.points:
+            return None
+        base = self._alone.points[0][1]
+        found, shares, programs = near_moving(load, bound, base, accuracy, cell)
+        self.programs += programs
+        if found is not None:
+            load.shares = shares
+        return found
 
     def _decided(
         self, landing: Landing, cell: shapely.Geometry, low: Array, high: Array

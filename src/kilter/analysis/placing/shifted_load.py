@@ -332,6 +332,19 @@ def _hull_of(proved: Sequence[tuple[Array, ForceProof]]) -> shapely.Geometry:
     return shapely.convex_hull(shapely.multipoints(np.array([place for place, _ in proved])))
 
 
+def meet(inner: shapely.Geometry, outer: shapely.Geometry, accuracy: float, sides: Array) -> bool:
+    """Whether each edge of the carried places is near to those that are not excluded.
+
+    Arguments: `accuracy` [length unit]; `sides` (2,): of the rectangle of shifts.
+    """
+    if outer.is_empty or not outer.area > 0:
+        return True
+    if inner.geom_type != "Polygon" or inner.is_empty:
+        return False
+    span = float(sides.max())
+    return _next_edge(inner, outer, set(), max(accuracy, SAME * span), span) is None
+
+
 def _next_edge(
     hull: shapely.Geometry,
     outer: shapely.Geometry,

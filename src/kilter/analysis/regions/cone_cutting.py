@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from kilter.analysis.analysis_tolerances import (
     WIDEST_ARC,
 )
 from kilter.analysis.decision.judge import judge
-from kilter.analysis.load_limit import NoLimit, find_limit, gravity_wrench
+from kilter.analysis.load_limit import NoLimit, SharedCones, find_limit, gravity_wrench
 from kilter.analysis.regions.cone_hull import (
     InnerHull,
     cone_around,
@@ -39,7 +40,7 @@ from kilter.analysis.regions.cone_hull import (
 )
 from kilter.analysis.regions.polyhedral_cone import widest_axis
 from kilter.analysis.regions.stable_cone import DirectionProof, StableCone, stable_cone
-from kilter.arrays import Array, angle_between, unit_rows
+from kilter.arrays import Array, Mask, angle_between, unit_rows
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
@@ -142,6 +143,8 @@ def _ways(start: Array, targets: Array) -> Array:
 NEARER = 0.5
 """Fraction of the allowed angle within which a boundary ray is at the extreme ray: no facet is
 added."""
+GIVEN = 0.99
+"""Largest absolute cosine between given gravity and the target of an arc that starts there [-]."""
 PIECE = 0.05
 """Half of the angle of the pieces of an edge between whose ends distances are computed [rad]."""
 PROGRAMS = 600
@@ -149,10 +152,15 @@ PROGRAMS = 600
 
 
 class ConeCutting:
-    """Refinement of the enclosure: rays proved inside the stable cone, and facets outside it."""
+    """Refinement of the enclosure: rays proved inside the stable cone, and facets outside it.
 
-    def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
-        self.program, self.progress = program, progress
+    Arguments: `widest`: whether the widest circular cone inside is all that is sought.
+    """
+
+    def __init__(
+        self, program: Program, progress: Callable[[str], None] | None, *, widest: bool = False
+    ) -> None:
+        self.program, self.progress, self.inscribed = program, progress, widest
         self.locked = find_locked_parts(program)
         self.small = self.locked.program
         self.wide: ConeProblem = cone_problem(self.small)
@@ -195,12 +203,14 @@ class ConeCutting:
         outer = extreme_rays(self.normals)
         hull = self.hull()
         if hull is None or self.arcs is None:
-            return self._cut_by_projection(outer, most)
+            return self._cut_from_given(outer) or self._cut_by_projection(outer, most)
         if self.programs >= PROGRAMS:
             return False
         distance = self._distances(outer, hull)
         self.widest = float(distance.max(initial=0.0))
         far = np.flatnonzero(distance > most)
+        if self.inscribed:
+            far = far[self._beyond_widest(outer[far], hull, most)]
         # the farthest first, so that an early end leaves the least gap
         far = far[np.argsort(-distance[far], kind="stable")][: self.arcs.together]
         failed = [k for k in far if not self._known_failure(outer[k])]
@@ -217,6 +227,43 @@ class ConeCutting:
         if missed:
             self._cut_by_projection(np.array(missed), most)
         return True
+
+    def _cut_from_given(self, outer: Array) -> bool:
+        """Cut off extreme rays of the outer cone by arcs from the given gravity, if it is held.
+
+        Until the inner cone has width, this takes the place of projections, which cost more. Return
+        whether a facet was added.
+        """
+        start = self.program.down
+        if self.arcs is None or not self.given_holds:
+            return False
+        targets = outer[(outer @ start < GIVEN) & (outer @ start > -GIVEN)]
+        self._tell(len(targets))
+        before = len(self.facets)
+        for target, ray in zip(targets, self.arcs.towards(start, targets), strict=True):
+            if ray is not None:
+                self._add(ray, target, 0.0)
+        return len(self.facets) > before
+
+    @cached_property
+    def given_holds(self) -> bool:
+        """Whether forces hold the given direction of gravity, so that arcs may start there."""
+        return judge(self.program).stable is True
+
+    def _beyond_widest(self, far: Array, hull: InnerHull, most: float) -> Mask:
+        """Mask of extreme rays beyond the facets of the inner cone that bound its widest cone.
+
+        No ray counts if a circular cone within the outer cone is wider by at most `most` [rad].
+        """
+        axis = widest_axis(hull.normals)
+        sines = hull.normals @ axis
+        angle = np.arcsin(sines.min())
+        outer = -self.normals
+        if np.arcsin((outer @ widest_axis(outer)).min()) <= angle + most:
+            return np.zeros(len(far), dtype=bool)
+        bounding = hull.normals[np.arcsin(np.clip(sines, -1.0, 1.0)) <= angle + most]
+        beyond: Mask = (far @ bounding.T < -ON_PLANE).any(axis=1)
+        return beyond if beyond.any() else np.ones(len(far), dtype=bool)
 
     def _known_failure(self, direction: Array) -> bool:
         """Whether the arc to this direction was already tried without success."""
@@ -371,8 +418,10 @@ class ConeCutting:
                 return angle, None
             return angle, self._facet(direction, np.zeros(3), judged.motion.motion)
         start = middle / length
-        opening, way = self.opening.turned(start), gravity_wrench(self.small, direction - start)
-        limit = find_limit(opening.program, way, opening=opening, most=1.0)
+        way, at_start = gravity_wrench(self.small, direction - start), SharedCones(self.small)
+        at_start.opening = self.opening
+        at_start = at_start.turned(start)
+        limit = find_limit(at_start.program, way, shared=at_start, most=1.0)
         if isinstance(limit, NoLimit):
             return angle, None
         share = min(limit.value, 1.0)
@@ -454,14 +503,19 @@ SHARES = (0.9, 0.45, 0.2)
 
 
 def friction_cone(
-    program: Program, *, gap_deg: float = GAP_DEG, progress: Callable[[str], None] | None = None
+    program: Program,
+    *,
+    gap_deg: float = GAP_DEG,
+    widest: bool = False,
+    progress: Callable[[str], None] | None = None,
 ) -> StableCone:
     """Enclose the directions of gravity that contacts with friction can hold.
 
     Arguments: `gap_deg`: [deg]; ends earlier, with the gap that is left, after `PROGRAMS` programs
-    or at the limit of `kilter.work.stop_after`. Raises `TimeLimitReached` if no direction is yet
-    known to be held, or none yet known not to be. Raises `InputError` if loads are given: the set
-    is then no cone.
+    or at the limit of `kilter.work.stop_after`; `widest`: whether only the half angle of the widest
+    circular cone inside must be known to within the gap. Raises `TimeLimitReached` if no direction
+    is yet known to be held, or none yet known not to be. Raises `InputError` if loads are given:
+    the set is then no cone.
 
     Examples
     --------
@@ -481,13 +535,13 @@ def friction_cone(
         )
     if program.planar or not program.mu.any() or not program.free.any():
         return _exact(program, progress)
-    search = ConeCutting(program, progress)
+    search = ConeCutting(program, progress, widest=widest)
     try:
         for share in SHARES:
             while search.cut(share * np.radians(gap_deg)):
                 pass
             cone = search.answer()
-            if cone.gap <= np.radians(gap_deg):
+            if widest or cone.gap <= np.radians(gap_deg):
                 break
     except TimeLimitReached:
         if not search.rays or not search.facets:

@@ -221,9 +221,13 @@ class KnownSet:
         most: float = np.inf,
         within: float = 0.0,
         inside: Callable[[float], float] | None = None,
+        enough: float = np.inf,
     ) -> bool:
-        """Refine the hull facet nearest to 0 until it is confirmed; False at the query limit."""
-        while self.asked < limit:
+        """Refine the hull facet nearest to 0 until it is confirmed; False at the query limit.
+
+        The search also ends if all points nearer than `enough` are known to be inside.
+        """
+        while self.asked < limit and self.inner < enough:
             if inside is not None and self.asked in PROVED_AFTER:
                 self.proved = max(self.proved, min(inside(self.outer), self.outer))
                 if self.proved >= self.outer * (1 - PROVED_NEAR):
@@ -273,11 +277,12 @@ def nearest_face(
     most: float = np.inf,
     within: float = 0.0,
     inside: Callable[[float], float] | None = None,
+    enough: float = np.inf,
 ) -> Face | None:
     """Find the boundary point of a set that is nearest to 0; None if the first query fails.
 
     Arguments: `directions` (n, d): unit, asked first; on all sides of 0; `agree`: the search ends
-    if inner and outer distance differ by at most this fraction.
+    if inner and outer distance differ by at most this fraction, or if both exceed `enough`.
 
     Examples
     --------
@@ -303,6 +308,6 @@ def nearest_face(
     size = float(np.abs(np.array(points)).max(initial=0.0))
     tolerance = max(HULL_FINER * agree * min(known.outer, size), HULL_ROUNDING * size)
     known.hull = GrowingHull.of(np.array(points), tolerance)
-    known.close_nearest(limit, agree, most, within, inside)
+    known.close_nearest(limit, agree, most, within, inside, enough)
     inner = float(min(known.inner, known.outer))
     return Face(inner, known.outer, known.normal, known.answer, known.asked, known.failed)

@@ -248,16 +248,22 @@ def widest_axis(facets: ArrayLike) -> Array:
 
 
 def _axis_of(candidates: list[int], q: Array) -> tuple[list[int], Array]:
-    """Axis of the widest circular cone inside up to four facets, and the facets that it touches."""
+    """Axis of the widest circular cone inside up to four facets, and the facets that it touches.
+
+    A subset may have that axis without touching the cone: the subset of least reach is the basis.
+    """
     best: tuple[float, list[int], Array] | None = None
+    least = np.inf
     for size in (1, 2, 3):
         for chosen in itertools.combinations(candidates, size):
             axis = _equidistant(q[list(chosen)])
             if axis is None:
                 continue
             reach = float((q[candidates] @ axis).min())
-            if best is None or reach > best[0] + 1e-15:
-                best = (reach, list(chosen), axis)
+            own = float((q[list(chosen)] @ axis).min())
+            wider = best is None or reach > best[0] + 1e-15
+            if wider or (best and reach >= best[0] - 1e-15 and own < least - 1e-15):
+                best, least = (reach, list(chosen), axis), own
     assert best is not None
     return best[1], best[2]
 

@@ -68,7 +68,8 @@ SAME_REGION = 1e-6
 """Angle up to which two regions are the same [rad]; a larger one hides pairs that decide."""
 LARGE = 1000
 """Number of contact points above which the region with joined open pairs is not computed if a
-single direction proves that these pairs decide."""
+single direction proves that these pairs decide, and `kilter.orient` refines a region with friction
+only around its widest circular cone."""
 
 
 class RegionShape(Record):
@@ -348,6 +349,16 @@ def region(
     >>> rough.exact, round(rough.half_angle_deg, 1), rough.gap_deg < 0.1
     (False, 26.5, True)
     """
+    return region_of(asked, gap_deg=gap_deg, rests=rests)
+
+
+def region_of(
+    asked: Question, *, gap_deg: float = GAP_DEG, rests: bool = False, widest: bool = False
+) -> Region:
+    """Find the region as `region`; if `widest`, with friction only its widest circular cone.
+
+    The half angle of that cone is then known to within `gap_deg`, the rest of the region less well.
+    """
     assembly = asked.assembly
     require_no_bonds(assembly, "region", NO_CONE)
     assembly.require_grounded()
@@ -362,7 +373,9 @@ def region(
     pairs = still_open(contacts.open_pairs, assembly)
     with given_direction_known(assembly, contacts, limit):
         with stop_after(limit if limit is None or not pairs else limit / 2):
-            stable = _region(assembly, contacts, rubs, gap_deg, started, asked.progress)
+            stable = _region(
+                assembly, contacts, rubs, gap_deg, started, asked.progress, widest=widest
+            )
         if pairs:
             joined = _all_joined(assembly, contacts)
             if _joined_holds(stable, joined):
@@ -407,6 +420,8 @@ def _region(
     gap_deg: float,
     started: float,
     progress: Tell | None,
+    *,
+    widest: bool = False,
 ) -> Region:
     """Find the region of a single assembly, with or without friction."""
     require_apart(assembly, contacts)
@@ -414,7 +429,7 @@ def _region(
     program = program if rubs else program.frictionless
     between = time.perf_counter()
     if rubs:
-        cone = friction_cone(program, gap_deg=gap_deg, progress=progress)
+        cone = friction_cone(program, gap_deg=gap_deg, widest=widest, progress=progress)
     else:
         cone = stable_cone(program, progress=progress)
     seconds = {"contacts": between - started, "solve": time.perf_counter() - between}
@@ -427,7 +442,9 @@ def _region(
         contacts=(contacts,),
         found=(cone,),
         programs=cone.programs,
-        warnings=tuple(warnings_of(assembly, contacts, program, cone, gap_deg)),
+        warnings=tuple(
+            warnings_of(assembly, contacts, program, cone, 180.0 if widest else gap_deg)
+        ),
         seconds=seconds,
     )
 

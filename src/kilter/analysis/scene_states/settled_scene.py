@@ -24,7 +24,7 @@ from kilter.analysis.settled_pose.rest_verification import closed_parts, parts_w
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.analysis.settled_pose.settle import rest_of, way_of
 from kilter.assembly import Assembly
-from kilter.assembly.question import Question, plain_joints
+from kilter.assembly.question import Question
 from kilter.contact import ContactSet, detect
 from kilter.contact.common.patches import SAME_BODY
 from kilter.contact.kept_contacts import contacts_among
@@ -43,7 +43,7 @@ def settled_scene(asked: Question) -> SceneReport:
         once = _drawn_once(drawn, contacts)
         if once is not drawn:
             contacts = contacts_among(contacts, once)
-        bodies = rigid_bodies(plain_joints(once, "settle"), ())
+        bodies = rigid_bodies(once, ())
         rest = rest_of(bodies, contacts, reach=None, tell=asked.tell)
         asked.tell("states")
         rest, first = _judged(rest, asked)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,14 @@ import numpy as np
 from kilter.analysis.check import CUT, check
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.decision.motion import falls_freely
+from kilter.analysis.many.verdicts import DeferredVerdict, clusters_at_rest
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.scene_states.scene_graph import SceneGraph
 from kilter.analysis.scene_states.scene_report import ObjectState, SceneObject, SceneReport
 from kilter.analysis.settled_pose.straight_falls import falling_distance, touching_gap
 from kilter.analysis.verdict.remarks import remarks
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question
 from kilter.contact import ContactSet
@@ -26,6 +28,7 @@ from kilter.contact.common.patches import SAME_BODY, Overlap
 from kilter.contact.kept_contacts import contacts_among, without_overlaps
 from kilter.errors import InputError
 from kilter.rigid import Pose
+from kilter.tell.levels import REACHED, VerdictWord
 
 
 def survey(asked: Question) -> SceneReport:
@@ -105,9 +108,66 @@ class _Survey:
                 self._floating(cluster)
                 among[cluster] = False
         clusters = self.graph.clusters(among, near=True)
+        rests = self._at_rest_together(clusters)
         for number, cluster in enumerate(clusters, 1):
-            self.tell(f"cluster {number} of {len(clusters)}")
-            self._judge_cluster(cluster)
+            if not rests[number - 1]:
+                self.tell(f"cluster {number} of {len(clusters)}")
+                self._judge_cluster(cluster)
+
+    def _at_rest_together(self, clusters: list[Index]) -> Mask:
+        """Give states to the clusters that are proved at once to be at rest; mask of them, (M,).
+
+        The clusters must have flat faces and detected contacts only, and touch no part with a
+        fault. Their full verdicts are computed at the first access.
+        """
+        rests = np.zeros(len(clusters), dtype=bool)
+        if len(clusters) < FEWEST or self.require == "strict":
+            return rests
+        label = np.full(len(self.assembly), -1)
+        for number, cluster in enumerate(clusters):
+            label[cluster] = number
+        label[np.isin(label, label[self._apart()])] = -1
+        if not (label >= 0).any():
+            return rests
+        self.tell("clusters at rest")
+        numbers, compact = np.unique(label[label >= 0], return_inverse=True)
+        label[label >= 0] = compact
+        rests[numbers] = clusters_at_rest(self.contacts, label)
+        for k in np.flatnonzero(rests).tolist():
+            self._at_rest(clusters[k], REACHED["stable"], ())
+            known = {"verdict": VerdictWord.STABLE, "require": self.require}
+            part_of_scene = partial(chosen_parts, self.assembly, self._with_beside(clusters[k]), [])
+            self.verdicts.append(DeferredVerdict.of(known, part_of_scene, self._full_verdict))
+        return rests
+
+    def _apart(self) -> Index:
+        """Free parts whose cluster is judged by itself: with joints, loads, round faces or faults.
+
+        Parts that touch a part with a fault count, too.
+        """
+        assembly, geometry = self.assembly, self.assembly.geometry
+        listed: list[Any] = [
+            *assembly.joints,
+            *assembly.bonds,
+            *assembly.straps,
+            *assembly.contacts,
+        ]
+        names = {name for entry in listed for name in entry.parts}
+        names |= {load.part for load in assembly.loads}
+        known = [assembly.index[name] for name in names if name in assembly.index]
+        if self.states:
+            faults = np.array([*self.states], dtype=np.int64)
+            known += self.graph.beside(faults).tolist()
+        odd = np.concatenate([geometry.surfaces.part, geometry.unknown.part, known]).astype(int)
+        if assembly.planar:
+            odd = np.arange(len(assembly))
+        free: Index = odd[~geometry.grounded[odd]]
+        return free
+
+    def _full_verdict(self, sub: Assembly) -> Verdict:
+        """The verdict of `check` about a cluster at rest."""
+        contacts = contacts_among(self.contacts, sub)
+        return check(sub, contacts=contacts, require=self.require, effort=self.effort)
 
     def _judge_cluster(self, cluster: Index) -> None:
         """Find the states of the parts of a cluster, and of what remains of it after faults."""
@@ -152,14 +212,18 @@ class _Survey:
 
         Parts with a fault are held. Overlaps with them have no contact.
         """
-        beside = self.graph.beside(members)
-        known = [k for k in beside.tolist() if k in self.states]
-        chosen = np.sort(np.concatenate([members, beside]))
+        chosen = self._with_beside(members)
+        among = set(members.tolist())
+        known = [k for k in chosen.tolist() if k in self.states and k not in among]
         sub = chosen_parts(self.assembly, chosen, known)
         contacts = self.contacts
         if known:
             contacts = without_overlaps(contacts, known)
         return sub, contacts_among(contacts, sub), known
+
+    def _with_beside(self, members: Index) -> Index:
+        """The members of a cluster with the parts that touch them or are near, ascending."""
+        return np.sort(np.concatenate([members, self.graph.beside(members)]))
 
     def _at_rest(self, members: Index, level: str, if_held: tuple[str, ...]) -> None:
         for k in members.tolist():
@@ -269,5 +333,7 @@ def worst_overlaps(assembly: Assembly, contacts: ContactSet) -> dict[int, Overla
     return worst
 
 
+FEWEST = 4
+"""Least number of clusters that are decided at once."""
 SAME_HEIGHT = 1e-6
 """Difference of the lowest points of two equally high parts [depths of their overlap]."""

@@ -32,6 +32,8 @@ BESIDE_DOWN = (0.0, 0.2, 2.0, 10.0, 25.0, 45.0, 90.0, 135.0, 180.0)
 """Angles of the directions to the nearest direction and to that of gravity, on both sides [deg]. A
 body that slides along the wall stays inside of the polygon of the walls across these directions;
 small angles keep it near to the wall itself."""
+OBLIQUE = 0.5
+"""Largest angle between the axes of a body and a hole [rad]."""
 LENGTHS = 4.0
 """Distance over which triangles may lie off the surface that they cover, in sagittas [-]."""
 INSIDE = 1e-3
@@ -69,7 +71,7 @@ def bore_points(geometry: Geometry, shafts: Shafts, down: Array, reach: float) -
 
 
 def shafts_in_holes(geometry: Geometry, pairs: Index) -> Shafts:
-    """Solid cylinders, and wider hollow cylinders of the other part that are nearly parallel.
+    """Solid cylinders, and wider hollow cylinders of the other part up to `OBLIQUE` apart.
 
     Arguments: `pairs` (n, 2): parts a and b.
     """
@@ -82,7 +84,7 @@ def shafts_in_holes(geometry: Geometry, pairs: Index) -> Shafts:
         row, j = ragged(s.start, pairs[owner, hollow])
         keep = (s.kind[j] == CYLINDER) & s.hollow[j] & (s.radius[j] > s.radius[i[row]])
         row, j = row[keep], j[keep]
-        keep = lengths(np.cross(s.axis[i[row]], s.axis[j])) <= FACING
+        keep = lengths(np.cross(s.axis[i[row]], s.axis[j])) <= np.sin(OBLIQUE)
         row, j = row[keep], j[keep]
         blocks.append(Shafts(owner[row], i[row], j, np.full(len(j), solid == 1)))
     return Shafts.join(blocks)

@@ -1,24 +1,42 @@
-"""The last least motion: bodies that the engine left out of balance, or in a slight overlap.
+"""The least motion that brings bodies to rest that overlap or are apart by little.
 
-The engine regards a body as still before its gaps are closed to the tolerance of the verification.
-The search for the least motion, within a small reach, closes these gaps.
+Bodies of a simulator are sunk into each other by little, so the search for the least motion comes
+first. It comes last, too: the engine regards a body as still before its gaps are closed to the
+tolerance of the verification.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
+from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import RestResult
-from kilter.analysis.settled_pose.rest_search import search_rest
+from kilter.analysis.settled_pose.rest_search import SearchResult, search_rest
 from kilter.analysis.settled_pose.rest_verification import parts_without_rest
-from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
+from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
+from kilter.arrays import Array
 
 REACH = 1e-3
-"""Reach of the search, over the median size of the parts [-]."""
+"""Reach of the last search, over the median size of the parts [-]."""
+
+
+def least_motion(
+    bodies: RigidBodies, reach: float, near: Callable[[RigidBodies, float | Array], NearPoints]
+) -> SearchResult:
+    """Search for a pose at rest within a reach [length unit] of bodies; heavy ones move less."""
+
+    def around(moved: RigidBodies, widest: float) -> NearPoints:
+        """The points of these bodies, without those of the ground."""
+        return near(moved, np.where(moved.free, widest, 0.0))
+
+    return search_rest(
+        bodies, reach=reach, most=None, progress=lambda stage: None, near=around, by_mass=True
+    )
 
 
 def closed_up(rest: RestResult) -> RestResult | None:
@@ -35,10 +53,7 @@ def closed_up(rest: RestResult) -> RestResult | None:
     still = ~bodies.moves[bodies.of_part[chosen]] & free
     small = rigid_bodies(sub, [sub.names[k] for k in np.flatnonzero(still).tolist()])
     reach = REACH * float(np.median(sub.geometry.size[free]))
-    found = search_rest(
-        small, reach=reach, most=None, progress=lambda stage: None,
-        near=CandidatePoints.of(small).near,
-    )  # fmt: skip
+    found = least_motion(small, reach, CandidatePoints.of(small).near)
     if found.state != "at-rest" or found.points is None:
         return None
     center, rotation = bodies.center.copy(), bodies.rotation.copy()

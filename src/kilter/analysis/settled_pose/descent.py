@@ -4,12 +4,14 @@ Let p be the small motions of the bodies, M their inertia, w their loads, and ta
 step. Motion is overdamped: a body that nothing supports moves by tau times its acceleration from
 rest. The step obeys
 
-    min p'Mp / 2 - tau w.p      g + J_n p + s >= mu |J_t p|         s = mu |J_t p|
+    min p'Mp / 2 - tau (w.p - sum k q'^2 / 2 - sum f |q'|)      g + J_n p + s >= mu |J_t p|
+                                                                s = mu |J_t p|
 
-where the points of contact have the gaps g, and J_n, J_t are the rates of gaps and slips. With
-s = 0 the program is convex, and its optimum is p = 0 exactly if forces in Coulomb's cones balance
-all loads at closed points (the relaxation of Anitescu 2006). A sliding contact would open by
-mu |J_t p|; s removes this opening. It is found by repetition (Acary and others 2011).
+where the points of contact have the gaps g, and J_n, J_t are the rates of gaps and slips; joints
+move by q' = G p against springs k and friction f, and their limits are points without friction.
+With s = 0 the program is convex, and its optimum is p = 0 exactly if forces in Coulomb's cones
+balance all loads at closed points (the relaxation of Anitescu 2006). A sliding contact would open
+by mu |J_t p|; s removes this opening. It is found by repetition (Acary and others 2011).
 
 References
 ----------
@@ -20,13 +22,14 @@ friction problem via convex optimization, ZAMM 91, 2011.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import block_diag, csc_array, csr_array, vstack
+from scipy.sparse import block_array, block_diag, csc_array, csr_array, eye_array, vstack
 
+from kilter.analysis.settled_pose.joint_rows import JointGuides, joint_rates
 from kilter.analysis.settled_pose.near_points import NearPoints
-from kilter.analysis.settled_pose.rest_programs import joint_rates, loads, rates
+from kilter.analysis.settled_pose.rest_programs import loads, rates
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Array, Index, Mask, across
 from kilter.solvers.clarabel import solve_conic
@@ -56,7 +59,8 @@ class Descent:
 
     normal: csr_array
     slip: csr_array
-    """Rates of gaps (K, n), and of slips along two tangents, interleaved (2 K, n)."""
+    """Rates of gaps (K, n), and of slips along two tangents, interleaved (2 K, n), of K points and
+    limits of joints."""
     joint: csr_array
     drift: Array
     """Rates and errors of the constraints of joints."""
@@ -68,7 +72,12 @@ class Descent:
     mu: Array
     """Gap [lengths] and friction of each point, shape (K,)."""
     pair: Index
-    """Number of the pair of parts of each point, shape (K,)."""
+    """Number of the pair of parts of each point, shape (K,); limits have numbers of their own."""
+    guide: csr_array
+    """Rates of the positions of joints with friction or a spring, shape (G, n)."""
+    stiffness: Array
+    friction: Array
+    """Stiffness and largest friction of each of these joints, shape (G,)."""
     columns: Index
     """Columns of the moving bodies in the motions of all free bodies."""
     bodies: RigidBodies
@@ -86,21 +95,30 @@ class Descent:
         freedoms = np.array([0, 2, 4]) if bodies.drawn.planar else np.arange(6)
         moving = np.flatnonzero((active & bodies.moves)[free])
         columns = (6 * moving[:, None] + freedoms).ravel()
-        u, v = across(points.normal)
-        normal = rates(bodies, points, points.normal, length)[:, columns]
-        tangents = [rates(bodies, points, d, length)[:, columns] for d in (u, v)]
-        count = len(points)
+        guides = JointGuides.of(bodies, length, weight)
+        stop, limits = guides.stop[:, columns], len(guides.room)
+        normal = vstack([rates(bodies, points, points.normal, length)[:, columns], stop])
+        tangents = [
+            vstack([rates(bodies, points, d, length)[:, columns], csr_array(stop.shape)])
+            for d in across(points.normal)
+        ]
+        count = len(points) + limits
         order = np.arange(2 * count).reshape(2, count).T.ravel()
         slip = csr_array(vstack(tangents, format="csr"))[order]
         joint, drift = joint_rates(bodies, length)
         joint = csr_array(joint[:, columns])
         used = np.diff(joint.indptr) > 0
         mu = np.where(points.bears, points.mu, 0.0)
+        load = loads(bodies, length, weight) + guides.load
+        drives = np.diff(csr_array(guides.rate[:, columns]).indptr) > 0
+        drives &= (guides.friction > 0) | (guides.stiffness > 0)
+        pair = points.part_a * len(bodies.of_part) + points.part_b
         return Descent(
             csr_array(normal), slip, csr_array(joint[used]), drift[used],
-            _inertia(bodies, free[moving], freedoms, length, weight),
-            loads(bodies, length, weight)[columns], points.gap / length, mu,
-            points.part_a * len(bodies.of_part) + points.part_b, columns, bodies, length,
+            _inertia(bodies, free[moving], freedoms, length, weight), load[columns],
+            np.append(points.gap / length, guides.room), np.append(mu, np.zeros(limits)),
+            np.append(pair, -1 - np.arange(limits)), csr_array(guides.rate[drives][:, columns]),
+            guides.stiffness[drives], guides.friction[drives], columns, bodies, length,
         )  # fmt: skip
 
     def step(self, times: Array, rough: Mask) -> Array | None:
@@ -112,9 +130,10 @@ class Descent:
         scale = self._scale(times)
         if not len(self.columns) or not scale.any():
             return np.zeros((len(self.bodies.mass), 6))
-        rough = rough & (self.mu > 0)
+        rough = self._padded(rough) & (self.mu > 0)
         opening = np.zeros(len(self.gap))
         motion: Array | None = None
+        before: Array | None = None
         chosen = self._most(-self.gap)
         for _ in range(REPEATS):
             stop_if_late()
@@ -123,13 +142,16 @@ class Descent:
                 break
             found = answer.x
             largest = float(np.abs(found).max())
-            settled = motion is not None and np.abs(found - motion).max() <= SAME * largest
-            motion = found
+            settled = before is not None and np.abs(found - before).max() <= SAME * largest
+            before = found
+            # a single sliding contact changes the slip by mu^2 / (1 + mu^2) of a change of s
+            change = np.where(rough, self.mu * self._slipped(found) - opening, 0.0)
+            # an opening beyond that of the slip would let the bodies penetrate
+            if motion is None or settled or change.min(initial=0.0) >= -SAME * largest:
+                motion = found
             if settled or largest <= 1e-9 or not rough.any():
                 break
-            # a single sliding contact changes the slip by mu^2 / (1 + mu^2) of a change of s
-            change = self.mu * self._slipped(motion) - opening
-            opening = np.where(rough, np.maximum(opening + (1 + self.mu**2) * change, 0.0), 0.0)
+            opening = np.maximum(opening + (1 + self.mu**2) * change, 0.0)
         if motion is None:
             return None
         return self._expanded(motion * scale)
@@ -142,7 +164,8 @@ class Descent:
         Arguments: `smooth` (K,): these points; others: as of `step`. None if the solver fails.
         """
         scale = self._scale(times)
-        rough = rough & ~smooth & (self.mu > 0)
+        count, smooth = len(smooth), self._padded(smooth)
+        rough = self._padded(rough) & ~smooth & (self.mu > 0)
         chosen = self._most(-self.gap)
         answer = self._solve(scale, rough, np.zeros(len(self.gap)), chosen)
         if answer is None:
@@ -152,7 +175,11 @@ class Descent:
         force = np.zeros(len(self.gap))
         force[others] = answer.multipliers[begin : begin + len(others)]
         pressed = smooth & (force > PRESSES * float(np.abs(self.load).max(initial=0.0)))
-        return self._expanded(answer.x * scale), pressed
+        return self._expanded(answer.x * scale), pressed[:count]
+
+    def _padded(self, mask: Mask) -> Mask:
+        """A mask of the points and the limits of joints from a mask of the points."""
+        return np.append(mask, np.zeros(len(self.gap) - len(mask), dtype=bool))
 
     def _slipped(self, motion: Array) -> Array:
         """Length of the slip of each point in a motion, shape (K,)."""
@@ -177,12 +204,13 @@ class Descent:
         scale: Array = times[owner]
         return scale
 
-    def _scaled_rows(self, matrix: csr_array, values: Array, scale: Array) -> Array:
-        """Values of rows, over the units of the motions that change them."""
-        unit = np.zeros(len(values))
-        row = np.repeat(np.arange(len(values)), np.diff(matrix.indptr))
-        np.maximum.at(unit, row, scale[matrix.indices])
-        return values / np.where(unit > 0, unit, 1.0)
+    @staticmethod
+    def _units(matrix: csr_array, scale: Array) -> Array:
+        """The largest unit of the motions that change each row of a matrix; 1 without one."""
+        unit = np.zeros(matrix.shape[0])
+        np.maximum.at(unit, np.repeat(np.arange(len(unit)), np.diff(matrix.indptr)),
+                      scale[matrix.indices])  # fmt: skip
+        return np.where(unit > 0, unit, 1.0)
 
     def _solve(self, scale: Array, rough: Mask, opening: Array, chosen: Mask) -> Solution | None:
         """The motion, over `scale`, for given openings of sliding contacts; None: no solution.
@@ -190,7 +218,7 @@ class Descent:
         The program has only the points of `chosen` (K,), to which the points are added that its
         motion would lead into an overlap; of the others, none changes the optimum.
         """
-        gap = self._scaled_rows(self.normal, self.gap, scale)
+        gap = self.gap / self._units(self.normal, scale)
         while True:
             answer = solve_conic(self._program(scale, gap, rough, opening, chosen))
             if not answer.found:
@@ -202,6 +230,7 @@ class Descent:
                     gap = np.maximum(gap, 0.0)
                 rough = rough & ~wedged
                 continue
+            answer = replace(answer, x=answer.x[: len(self.columns)])
             room = gap + self.normal @ answer.x + opening
             room -= np.where(rough, self.mu, 0.0) * self._slipped(answer.x)
             missed = ~chosen & (room < -MISSED)
@@ -215,7 +244,7 @@ class Descent:
         """The convex program of the step, with the points of `chosen` (K,)."""
         cones, smooth = np.flatnonzero(chosen & rough), np.flatnonzero(chosen & ~rough)
         slips = (2 * cones[:, None] + np.arange(2)).ravel()
-        drift = self._scaled_rows(self.joint, self.drift, scale)
+        drift = self.drift / self._units(self.joint, scale)
         rows = csr_array(
             vstack([self.normal[cones], _scaled(self.slip[slips], np.repeat(self.mu[cones], 2))])
         )
@@ -223,14 +252,20 @@ class Descent:
         order = np.column_stack([k, len(k) + 2 * k, len(k) + 2 * k + 1]).ravel()
         bound = np.zeros((len(cones), 3))
         bound[:, 0] = (gap + opening)[cones]
-        matrix = vstack([self.joint, -self.normal[smooth], -rows[order]], format="csc")
+        # |q'| of each joint with friction is at most a further variable
+        drag, count = self.guide[self.friction > 0], int(np.count_nonzero(self.friction))
+        above = -eye_array(count, format="csr")
+        blocks = [[self.joint, None], [-self.normal[smooth], None], [drag, above], [-drag, above]]
+        matrix = block_array([*blocks, [-rows[order], csr_array((3 * len(cones), count))]])
+        tight = _scaled(self.guide, self.stiffness * self._units(self.guide, scale))
+        springs = csc_array(self.guide.T @ tight)
         return ConicProgram(
-            self.inertia,
-            -self.load,
+            csc_array(block_diag([self.inertia + springs, csc_array((count, count))])),
+            np.append(-self.load, self.friction[self.friction > 0]),
             csc_array(matrix),
-            np.concatenate([-drift, gap[smooth], bound.ravel()]),
+            np.concatenate([-drift, gap[smooth], np.zeros(2 * count), bound.ravel()]),
             self.joint.shape[0],
-            len(smooth),
+            len(smooth) + 2 * count,
             np.full(len(cones), 3),
         )
 

@@ -16,6 +16,9 @@ from kilter.assembly import Assembly, Part
 from kilter.contact.convex_points import box_pairs
 from kilter.rigid import Pose, matrix_to_quaternion
 
+LARGEST = 0.25
+"""Largest growth of a penetration in a movement, over the size of the smaller part [-]."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _KnownPairs:
@@ -82,14 +85,9 @@ class MovingPairs:
         limit = np.maximum(reach[a], reach[b])
         flat = np.concatenate([rotation.reshape(-1, 9), position], axis=1)
         key, pose = a * len(body) + b, np.concatenate([flat[a], flat[b]], axis=1)
-        place = np.searchsorted(self.known.key, key)
-        place = np.minimum(place, max(len(self.known.key) - 1, 0))
-        same = np.zeros(len(key), dtype=bool)
-        if len(self.known.key):
-            same = (self.known.key[place] == key) & (self.known.reach[place] >= limit)
-            same &= (self.known.pose[place] == pose).all(axis=1)
+        place, same, deep = self._last_search(key, pose, limit)
         new = np.flatnonzero(~same)
-        used_reach = float(limit[new].max(initial=0.0))
+        used_reach = float(np.maximum(limit, deep)[new].max(initial=0.0))
         found = self._examined(rotation, position, np.column_stack([a, b])[new], used_reach)
         kept = self.known.points.take(ragged(self.known.start, place[same])[1])
         points = NearPoints.join([kept, found])
@@ -98,7 +96,32 @@ class MovingPairs:
             used[same] = self.known.reach[place[same]]
         self.known = _sorted(key, pose, used, points, len(body))
         limit = np.maximum(reach[points.part_a], reach[points.part_b])
-        return points.take(np.abs(points.gap) <= limit)
+        return points.take(points.gap <= limit)
+
+    def _last_search(self, key: Index, pose: Array, limit: Array) -> tuple[Index, Mask, Array]:
+        """Row of each pair in the last search, whether its points are still valid, and its depth.
+
+        The depth is the largest that the pair may have now [length unit]: that of the last search
+        and the movement of both parts since then. A penetration deeper than the reach of a search
+        would not be found.
+        """
+        known, deep = self.known, np.zeros(len(key))
+        if not len(known.key):
+            return np.zeros(len(key), np.int64), np.zeros(len(key), dtype=bool), deep
+        place = np.minimum(np.searchsorted(known.key, key), len(known.key) - 1)
+        there = known.key[place] == key
+        change = pose - known.pose[place]
+        same = there & (known.reach[place] >= limit) & (change == 0).all(axis=1)
+        owner, row = ragged(known.start, place)
+        np.maximum.at(deep, owner, -known.points.gap[row])
+        ends = np.column_stack(np.divmod(key, len(self.low)))
+        middle, size = (self.low + self.high) / 2, np.linalg.norm(self.high - self.low, axis=1)
+        turn, shift = change.reshape(-1, 2, 12)[..., :9], change.reshape(-1, 2, 12)[..., 9:]
+        turn = turn.reshape(-1, 2, 3, 3)
+        moved = np.linalg.norm(shift + np.einsum("kpij,kpj->kpi", turn, middle[ends]), axis=2)
+        moved += np.linalg.norm(turn, axis=(2, 3)) * size[ends] / 2
+        deep += np.minimum(moved.sum(axis=1), LARGEST * size[ends].min(axis=1))
+        return place, same, np.where(there, deep, 0.0)
 
     def _pairs(
         self, rotation: Array, position: Array, body: Index, reach: Array

@@ -19,6 +19,7 @@ through a wall.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -72,8 +73,11 @@ from kilter.contact.overlap import inside_part
 from kilter.contact.sharp.sharp_contacts import find_sharp
 from kilter.contact.smooth.smooth_joints import find_smooth
 
-BETWEEN = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])
+BETWEEN = np.array([0.0, -0.2, 0.2, -0.4, 0.4])
 """Places along the normal of a penetrating point that are examined, over its penetration [-]."""
+STAGES = (0, 4, 20)
+"""Numbers of places beside a point between which the later places are examined only if no earlier
+place has material."""
 TWICE = 1e-7
 """Distance within which a corner or edge is a known point, over the size of the smallest part
 [-]."""
@@ -423,7 +427,9 @@ def _general_points(search: ContactSearch, reach: float, down: Array) -> list[Ne
         found = FacePatches(flat)
         if may_be_smooth(flat).any():
             found = replace(found, smooth=find_smooth(found))
-        blocks += [_flat_points(flat, reach, found)[0], _patches_of(flat, found.smooth.patches)]
+        points = _flat_points(flat, reach, found)[0]
+        blocks += [points.take(_share_material(geometry, points))]
+        blocks += [_patches_of(flat, found.smooth.patches)]
     faces = NearPoints.join(blocks)
     points = NearPoints.join([faces, features.take(_not_among(geometry, features, faces))])
     return [points.take(~_beside_least_depth(geometry, points))]
@@ -434,6 +440,7 @@ def _curved_points(search: ContactSearch, reach: float, down: Array) -> list[Nea
     geometry = search.geometry
     found = _families(search, reach)
     flat = _flat_points(search, reach, found)[0]
+    flat = flat.take(_share_material(geometry, flat))
     blocks = [_patches_of(search, found.smooth.patches)]
     shafts = shafts_in_holes(geometry, search.pairs)
     curved = _without(found.curved, shafts)
@@ -587,12 +594,29 @@ def _share_material(geometry: Geometry, points: NearPoints) -> Mask:
         u, v = u + OBLIQUE * v, v - OBLIQUE * u  # rims often run along a tangent
         sides = BESIDE * np.stack([u, -u, v, -v], axis=1)
         along = BETWEEN[:, None] * points.normal[k][:, None]
-        offset = points.gap[k, None, None, None] * (sides[:, :, None] + along[:, None])
+        offset = points.gap[k, None, None, None] * (along[:, :, None] + sides[:, None])
         places = points.point[k, None, None] + offset
-        flat = places.reshape(-1, 3)
-        both = inside_part(geometry, a, flat) & inside_part(geometry, b, flat)
-        sound[k] = both.reshape(len(k), -1).any(axis=1)
+        sound[k] = _any_inside(geometry, (a, b), places.reshape(len(k), -1, 3))
     return sound
+
+
+def _any_inside(geometry: Geometry, parts: tuple[int, int], places: Array) -> Mask:
+    """Mask of the rows of places (n, m, 3) of which one lies inside of both parts.
+
+    Later places of a row are tested only if no earlier place is inside.
+    """
+    corners = [geometry.corners_of(part) for part in parts]
+    low = np.maximum(*(triangles.min(axis=(0, 1)) for triangles in corners))
+    high = np.minimum(*(triangles.max(axis=(0, 1)) for triangles in corners))
+    near = ((places >= low) & (places <= high)).all(axis=2)
+    found = np.zeros(len(places), dtype=bool)
+    for begin, end in pairwise(STAGES):
+        row, k = np.nonzero(near[:, begin:end] & ~found[:, None])
+        for part in parts:
+            inside = inside_part(geometry, part, places[row, begin + k])
+            row, k = row[inside], k[inside]
+        found[row] = True
+    return found
 
 
 def _truly_inside(geometry: Geometry, points: NearPoints) -> Mask:

@@ -21,7 +21,9 @@ import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
+from kilter.analysis.settled_pose.closing_motion import least_motion
 from kilter.analysis.settled_pose.descent import Descent
+from kilter.analysis.settled_pose.joint_rows import spring_energy
 from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import RestResult, RestState, WayKind, WayStep
 from kilter.analysis.settled_pose.rest_programs import RestPrograms
@@ -68,12 +70,22 @@ DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
 """Length of a movement that corrects the step before it [sizes]."""
+BALANCES, BALANCED = 40, 1e-13
+"""Largest number of steps that balance the springs of joints at rest, and movement in a step that
+ends them [lengths]."""
+BALANCE_STRIDE, LIGHT = 1e-3, 1e-6
+"""Length of such a step [lengths], and factor of the inertia, which springs then outweigh [-]."""
 FREELY = 0.9
 """Fall in a step from which a body falls freely [strides]."""
 SIDEWAYS = 1e-6
 """Component of a normal along gravity up to which a contact is at a side [-]."""
 STRAIGHT = 0.999
 """Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
+SUNK = 2.0
+"""Reach of the least motion of bodies that are sunk into each other, over the deepest overlap [-].
+"""
+SOFT = 0.05
+"""Deepest overlap of soft contacts, over the median size of the bodies of a group [-]."""
 FLOATS = 1e-6
 """Gap to the support from which a body floats [sizes]."""
 
@@ -112,8 +124,8 @@ class _State:
     first: RigidBodies
     """The bodies in the first pose."""
     loose: Array
-    """Gap up to which a body does not float [length unit], shape (B,): straight falls of compounds
-    end before their curved surfaces meet."""
+    """Gap up to which a body does not float [length unit], shape (B,): straight falls end
+    before curved surfaces meet."""
     most_rounds: int = ROUNDS
     """Largest number of steps."""
     falls_from: int = 0
@@ -142,6 +154,16 @@ class _State:
             self._note(k, kind, far[k], turn[k])
         if np.isfinite(self.limit).any():
             self.gone |= self.way > self.limit
+
+    def put(self, group: Mask, bodies: RigidBodies) -> None:
+        """Put a group of bodies (B,), those of `bodies` from 1 on, where they rest."""
+        before, self.bodies = self.bodies, self.bodies.with_poses(group, bodies)
+        turned = np.einsum("bij,bkj->bik", self.bodies.rotation, before.rotation)
+        turn = np.linalg.norm(turned - np.eye(3), axis=(1, 2)) / np.sqrt(2)
+        far = np.linalg.norm(self.bodies.center - before.center, axis=1)
+        for k in np.flatnonzero(far + turn * self.bodies.size / 2 > STILL * self.closed).tolist():
+            self._note(k, "pushed-out", far[k], turn[k])
+        self.asleep |= group
 
     @property
     def way(self) -> Array:
@@ -189,11 +211,13 @@ def come_to_rest(
     if limit is not None:
         state.limit = limit
         state.stride = np.minimum(state.stride, limit / 8)
+    _close_sunk_groups(state)
     _open_overlaps(state)
     aside, again = state.bodies, True
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
+    _balance_springs(state)
     return replace(_result(state, reach), aside=aside)
 
 
@@ -226,27 +250,55 @@ def _points(state: _State, reach: float | Array) -> NearPoints:
     return points.take(there & (moves[points.part_a] | moves[points.part_b]))
 
 
-def _open_overlaps(state: _State) -> None:
-    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place."""
+def _close_sunk_groups(state: _State) -> None:
+    """Move groups of bodies that are sunk into each other to rest by the least motion.
+
+    A group whose overlaps are deeper than those of soft contacts stays as it is, as does one that
+    has no pose at rest within `SUNK` times its deepest overlap.
+    """
+    bodies = state.bodies
+    points = _points(state, state.closed)
+    island = _islands(state, points, bodies.moves)
+    deep = np.where(island >= 0, _deepest(state, island, points), 0.0)
+    deep[(deep <= 5 * state.closed) | np.isfinite(state.limit)] = 0.0
+    points = _points(state, np.maximum(SUNK * deep, state.closed))
+    island = _islands(state, points, (deep > 0) & bodies.moves)
+    for each in np.unique(island[island >= 0]).tolist():
+        group = island == each
+        deepest = float(deep[group].max())
+        if deepest > SOFT * np.median(bodies.size[group]):
+            continue
+        state.tell(f"sunk group: {number(deepest)}")
+        found = least_motion(bodies.only(group), SUNK * deepest, state.candidates.near)
+        if found.state == "at-rest":
+            state.put(group, found.bodies)
+
+
+def _open_overlaps(state: _State, *, upright: bool = False) -> None:
+    """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place.
+
+    `upright`: whether bodies shift rather than turn, as they do within a limited way.
+    """
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
-    if np.isfinite(state.limit).any():  # deeper overlaps would move bodies beyond their limits
+    limited = bool(np.isfinite(state.limit).any())
+    if limited:  # deeper overlaps would move bodies beyond their limits
         reach = min(reach, float(state.limit[np.isfinite(state.limit)].max()))
     pushes = 0
     while pushes < PUSHES:
         stop_if_late()
         points = _points(state, reach)
-        deep = -float(points.gap.min(initial=0.0))
+        programs = RestPrograms.of(state.bodies, points, state.length, state.weight, by_mass=True)
+        deep = -float(programs.gap.min(initial=0.0)) * state.length
         if deep <= 5 * state.closed:  # half of what counts as closed
             return
         state.tell(f"overlaps: {number(deep)}")
-        programs = RestPrograms.of(state.bodies, points, state.length, state.weight)
-        apart = programs.push_apart(by_mass=True, upright=bool(np.isfinite(state.limit).any()))
+        apart = programs.push_apart(upright=upright or limited)
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth * state.length <= 10 * state.closed:
                 return
-            _stay(state, points, depth * state.length, forces)
+            _stay(state, programs, depth * state.length, forces)
             continue
         pushes += 1
         step = programs.steps(apart, state.bodies)
@@ -255,15 +307,15 @@ def _open_overlaps(state: _State) -> None:
         reach = max(min(reach, 4 * far), 1e-4 * state.length)
 
 
-def _stay(state: _State, points: NearPoints, depth: float, forces: Array) -> None:
+def _stay(state: _State, programs: RestPrograms, depth: float, forces: Array) -> None:
     """Keep the bodies of a certificate in place: no motion opens their overlaps.
 
     Arguments: `depth`: least depth that remains [length unit]; `forces` (K,): the certificate.
     """
     bodies = state.bodies
     if not forces.any():  # the solver failed
-        forces = (points.gap <= points.gap.min()).astype(np.float64)
-    names = pressed_parts(bodies, points, forces)
+        forces = (programs.gap <= programs.gap.min()).astype(np.float64)
+    names = pressed_parts(bodies, programs, forces)
     state.unfit += tuple(name for name in names if name not in state.unfit)
     state.depth = max(state.depth, depth)
     moves = bodies.moves.copy()
@@ -296,9 +348,8 @@ def _drop(state: _State, group: Index) -> float:
     """Let groups of bodies (B,) fall until they land; returns the longest fall [length unit]."""
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
-    several = state.candidates.pieces.several
     among = np.where(state.gone, -1, group)[state.bodies.of_part]
-    fall = straight_falls(sweeps, assembly, among, several)
+    fall = straight_falls(sweeps, assembly, among)
     fall = fall[group]
     lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
@@ -409,7 +460,35 @@ def _settle_down(state: _State) -> bool:
         last = _Last(state.bodies, island, stride, _deepest(state, island, points))
         _advance(state, island, stride, step)
         _count_stalls(state, island, lowest, stalled)
+        rocks = (stalled > 0) & (stalled % STALLS == 0) & (last.deep > 10 * state.closed)
+        if rocks.any():  # corners of compounds that another piece hides while they are open
+            state.stride = np.where(rocks, last.deep, state.stride)
+            _open_overlaps(state, upright=True)
     return False
+
+
+def _balance_springs(state: _State) -> None:
+    """Move resting bodies on springs of joints until the springs balance the loads to rounding.
+
+    Contacts may be open by rounding, but a force of a spring has no such tolerance.
+    """
+    sprung = np.zeros(len(state.bodies.mass), dtype=bool)
+    for joint in state.bodies.drawn.joints:
+        sprung[list(state.bodies.ends(joint))] |= joint.stiffness > 0
+    sprung &= state.asleep & state.bodies.moves & ~state.gone
+    for _ in range(BALANCES if sprung.any() else 0):
+        stop_if_late()
+        points = _without_still_gaps(state, _points(state, CORRECTS * state.length))
+        island = _islands(state, points, sprung)
+        program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
+        light = replace(program, inertia=LIGHT * program.inertia)
+        step = light.step(np.full(len(sprung), BALANCE_STRIDE), np.ones(len(points), dtype=bool))
+        far = np.inf if step is None else float(state.bodies.travel(step).max())
+        if step is None or far > CORRECTS * state.length:
+            return
+        state.bodies = state.bodies.screwed(step)
+        if far <= BALANCED * state.length:
+            return
 
 
 def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
@@ -436,13 +515,15 @@ def _deepest(state: _State, island: Index, points: NearPoints) -> Array:
 
 
 def _count_stalls(state: _State, island: Index, lowest: Array, stalled: Index) -> None:
-    """Shorten the stride of islands whose centre has not sunk for some steps.
+    """Shorten the stride of islands whose energy has not fallen for some steps.
 
     Round faces that fit each other closely may rock by rounding, about gaps that count as closed.
     """
     mass = state.bodies.mass
     total, weight = np.zeros(len(mass) + 1), np.zeros(len(mass) + 1)
+    gravity = float(np.linalg.norm(state.bodies.drawn.gravity)) or 1.0
     np.add.at(total, island, mass * (state.bodies.center @ state.bodies.drawn.down))
+    np.add.at(total, island, -spring_energy(state.bodies) / gravity)
     np.add.at(weight, island, mass)
     depth = (total / np.maximum(weight, 1e-300))[island]
     sinks = depth > lowest + STILL * state.closed
@@ -487,18 +568,19 @@ def _without_still_gaps(state: _State, points: NearPoints) -> NearPoints:
 def _awake_points(state: _State) -> tuple[NearPoints, Index]:
     """Points near contact, and the island of each body (B,).
 
-    Resting bodies of islands wake up. Bodies that stand still take the stride of those that move.
+    Resting bodies of islands wake up. They and bodies that stand still take the stride of those
+    that move, so that a body that comes near does not shorten the steps.
     """
     while True:
         points = _points(state, _reach(state))
         island = _islands(state, points, ~state.asleep & ~state.gone & state.bodies.moves)
         woken = state.asleep & (island >= 0)
-        stride = np.maximum(_stride_of_islands(state, island), state.stride)
+        stride = _stride_of_islands(state, island)
         longer = (state.quiet > 0) & (stride > state.stride)
         if not (woken | longer).any():
             return points, island
         state.asleep &= ~woken
-        state.stride = np.where(longer, stride, state.stride)
+        state.stride = np.where(woken | longer, stride, state.stride)
 
 
 def _islands(state: _State, points: NearPoints, active: Mask) -> Index:
@@ -520,7 +602,7 @@ def _stride_of_islands(state: _State, island: Index) -> Array:
     least, moving = np.full((2, len(island) + 1), np.inf)
     own = np.minimum(state.stride, state.limit / 4)
     np.minimum.at(least, island, own)
-    np.minimum.at(moving, island, np.where(state.quiet > 0, np.inf, own))
+    np.minimum.at(moving, island, np.where((state.quiet > 0) | state.asleep, np.inf, own))
     stride = np.where(np.isfinite(moving), moving, least)
     return np.where(island >= 0, stride[island], 0.0)
 

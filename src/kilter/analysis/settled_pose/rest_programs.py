@@ -1,18 +1,19 @@
 """The programs of a step towards rest, over the points near contact in the current pose.
 
 Let p be the small motions of the bodies, J_n p the rates of the gaps g, and f the forces at the
-points in Coulomb's cones. M weighs motions by the squares of the distances that points move,
-and D by the masses of the bodies, unless the least motion is searched: a heavy bin stays where it
-is, and its light contents move.
+points in Coulomb's cones. M weighs motions by the squares of the distances that points move, and
+by the masses of the bodies, unless the least motion is searched: a heavy bin stays where it is, and
+its light contents move.
 
-    push apart     min p'MDp                                    g + J_n p >= 0
+    push apart     min p'Mp                                     g + J_n p >= 0
     carry          min sum f_n c + PRICE |J'f + w|_1            f in the cones, c >= 0
     close          min kappa p'Mp / 2 + sum c (g + J_n p)       g + J_n p >= 0, c >= 0
     least overlap  min t + epsilon p'Mp                         g + J_n p + t >= 0
 
 `carry` selects the points whose forces balance the weights at the least sum of force times gap;
 `close` closes them. Lengths are in units of the median size; forces in units of the mean weight.
-Constraints of joints are equations in all programs, and their forces have any sign.
+Constraints of joints are equations in all programs, and their forces have any sign. Limits of
+joints are further rows of J_n, after those of the points, without friction.
 """
 
 from __future__ import annotations
@@ -22,10 +23,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import block_array, coo_array, csc_array, csr_array, diags_array, eye_array
 
+from kilter.analysis.settled_pose.joint_rows import JointGuides, joint_rates
 from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.arrays import Array, Index, Mask, across
-from kilter.mechanics.joints import constraints
 from kilter.solvers.clarabel import solve_conic
 from kilter.solvers.problem import ConicProgram
 from kilter.work import stop_if_late
@@ -54,11 +55,15 @@ class RestPrograms:
     normal: csr_array
     slips: csr_array
     """Rates of the gaps, shape (K, 6 F), and of the slips along two tangents, first all along
-    the first, shape (2 K, 6 F), for unit motions of the F free bodies."""
+    the first, shape (2 K, 6 F), for unit motions of the F free bodies; K points and limits."""
+    parts: Index
+    """The two parts of each row, shape (K, 2); -1 is the ground."""
     joint: csr_array
     """Rates of the constraints of joints, shape (L, 6 F)."""
     drift: Array
     """Error of each constraint in the current pose, shape (L,)."""
+    guides: JointGuides
+    """Limits, friction and springs of joints."""
     load: Array
     """Forces and torques on the free bodies, shape (6 F,)."""
     gap: Array
@@ -73,22 +78,27 @@ class RestPrograms:
     """Columns in which forces must balance; a planar assembly has three for each body."""
     weights: Array
     """Diagonal of M for `columns`."""
-    mass: Array
-    """Mass of the body of each of `columns`, over the median [-]."""
     length: float
     """Unit of length [length unit]."""
 
     @staticmethod
-    def of(bodies: RigidBodies, points: NearPoints, length: float, weight: float) -> RestPrograms:
+    def of(
+        bodies: RigidBodies, points: NearPoints, length: float, weight: float, *, by_mass: bool
+    ) -> RestPrograms:
         """Build the programs of bodies with the given points near contact.
 
-        `length` and `weight` are the units of length [length unit] and force [N].
+        `length` and `weight` are the units of length [length unit] and force [N]; `by_mass`: M
+        weighs the masses of the bodies.
         """
         free = np.flatnonzero(bodies.free)
         n, (u, v) = points.normal, across(points.normal)
         normal = rates(bodies, points, n, length)
-        slips = _stacked([rates(bodies, points, d, length) for d in (u, v)])
+        guides = JointGuides.of(bodies, length, weight)
+        count = len(guides.room)
+        still = csr_array(guides.stop.shape)
+        slips = [_stacked([rates(bodies, points, d, length), still]) for d in (u, v)]
         joint, drift = joint_rates(bodies, length)
+        parts = np.column_stack([points.part_a, points.part_b])
         planar = bodies.drawn.planar
         freedoms = np.array([0, 2, 4]) if planar else np.arange(6)
         balanced = (6 * np.arange(len(free))[:, None] + freedoms).ravel()
@@ -98,11 +108,15 @@ class RestPrograms:
         weights = np.concatenate(
             [np.ones((len(free), 3)), np.repeat(arm[:, None] ** 2, 3, axis=1)], axis=1
         ).ravel()[columns]
-        mass = bodies.mass[free[columns // 6]]
-        mass = np.clip(mass / (np.median(mass) if len(mass) else 1.0), 1 / HEAVIER, HEAVIER)
+        if by_mass and len(columns):
+            mass = bodies.mass[free[columns // 6]]
+            weights *= np.clip(mass / np.median(mass), 1 / HEAVIER, HEAVIER)
         return RestPrograms(
-            normal, slips, joint, drift, loads(bodies, length, weight), points.gap / length,
-            points.mu, points.bears, columns, balanced, weights, mass, length,
+            _stacked([normal, guides.stop]), _stacked(slips), np.vstack([parts, guides.stop_parts]),
+            joint, drift, guides, loads(bodies, length, weight) + guides.load,
+            np.append(points.gap / length, guides.room), np.append(points.mu, np.zeros(count)),
+            np.append(points.bears, np.ones(count, dtype=bool)),
+            columns, balanced, weights, length,
         )  # fmt: skip
 
     @property
@@ -110,17 +124,16 @@ class RestPrograms:
         """Rates of the gaps for motions of the bodies that may move."""
         return csr_array(self.normal[:, self.columns])
 
-    def push_apart(self, *, by_mass: bool, upright: bool = False) -> Array | None:
+    def push_apart(self, *, upright: bool = False) -> Array | None:
         """Least motion that opens all overlaps; None if none exists to first order.
 
-        `by_mass`: whether D weighs the motion, too. The search for the least motion leaves it out.
         `upright`: whether bodies shift rather than turn, so that their faces stay parallel.
         """
         deep = float(max(-self.gap.min(initial=0.0), np.abs(self.drift).max(initial=0.0)))
         if deep == 0.0:
             return np.zeros(len(self.columns))
-        weights = self.weights * (self.mass if by_mass else 1.0)
-        weights = np.where(upright & (self.columns % 6 >= 3), UPRIGHT * weights, weights)
+        turns = upright & (self.columns % 6 >= 3)
+        weights = np.where(turns, UPRIGHT * self.weights, self.weights)
         step = self._step(weights, np.zeros(len(self.columns)), self.gap / deep, deep)
         return None if step is None else deep * step
 
@@ -175,8 +188,10 @@ class RestPrograms:
         triples = np.column_stack([rough, rough + len(self.gap), rough + 2 * len(self.gap)]).ravel()
         every = csr_array(_stacked([self.normal, self.slips])[:, self.balanced])
         acting = [csc_array(every[smooth].T), csc_array(every[triples].T)]
-        acting.append(csc_array(self.joint[:, self.balanced].T))
-        sizes = [len(smooth), len(triples), self.joint.shape[0], len(load), len(load)]
+        drags = self.guides.friction > 0
+        joint = _stacked([self.joint, csr_array(self.guides.rate[drags])])
+        acting.append(csc_array(joint[:, self.balanced].T))
+        sizes = [len(smooth), len(triples), joint.shape[0], len(load), len(load)]
         columns = np.concatenate([[0], np.cumsum(sizes)])
         total = int(columns[-1])
         identity = eye_array(len(load), format="csc")
@@ -184,10 +199,15 @@ class RestPrograms:
         positive = _selection(
             np.concatenate([np.arange(sizes[0]), np.arange(columns[3], total)]), total, -1.0
         )
+        drag = np.arange(columns[2] + self.joint.shape[0], columns[3])
+        positive = _stacked([positive, *(_selection(drag, total, sign) for sign in (1.0, -1.0))])
         scale = np.ones(sizes[1])
         scale[::3] = self.mu[rough]
         cones = _selection(columns[1] + np.arange(sizes[1]), total, -scale)
         matrix = csc_array(_stacked([csr_array(balance), positive, cones]))
+        bound = np.concatenate([-load, np.zeros(matrix.shape[0] - len(load))])
+        first = len(load) + positive.shape[0] - 2 * len(drag)
+        bound[first : first + 2 * len(drag)] = np.tile(self.guides.friction[drags], 2)
         prices = np.zeros(total)
         prices[: sizes[0]] = cost[smooth]
         prices[columns[1] : columns[2] : 3] = cost[rough]
@@ -196,7 +216,7 @@ class RestPrograms:
             csc_array((total, total)),
             prices,
             matrix,
-            np.concatenate([-load, np.zeros(matrix.shape[0] - len(load))]),
+            bound,
             len(load),
             positive.shape[0],
             np.full(len(rough), 3),
@@ -277,45 +297,6 @@ def rates(bodies: RigidBodies, points: NearPoints, along: Array, length: float) 
     shape = (len(along), 6 * int(bodies.free.sum()))
     entries, at = np.concatenate(data), (np.concatenate(row), np.concatenate(column))
     return csr_array(coo_array((entries, at), shape=shape))
-
-
-def joint_rates(bodies: RigidBodies, length: float) -> tuple[csr_array, Array]:
-    """Rates and errors of the constraints of all joints that are not fixed."""
-    from scipy.spatial.transform import Rotation
-
-    assembly = bodies.drawn
-    number = np.cumsum(bodies.free) - 1
-    rows, drift = [], []
-    width = 6 * int(bodies.free.sum())
-    for joint in assembly.joints:
-        a, b = (bodies.body_of(name) for name in joint.parts)
-        if a == b or joint.kind == "fixed":
-            continue
-        anchor = joint.point if joint.point is not None else bodies.drawn_center[b or a]
-        linear, angular = (
-            np.asarray(each) @ bodies.rotation[a].T
-            for each in constraints(joint, planar=assembly.planar)
-        )
-        at = bodies.placed(a, anchor), bodies.placed(b, anchor)
-        turned = Rotation.from_matrix(bodies.rotation[b] @ bodies.rotation[a].T).as_rotvec()
-        for d in linear:
-            row = np.zeros(width)
-            for body, sign in ((a, -1.0), (b, 1.0)):
-                if body:
-                    arm = (at[1] - bodies.center[body]) / length
-                    begin = 6 * number[body]
-                    row[begin : begin + 6] += sign * np.concatenate([d, np.cross(arm, d)])
-            rows.append(row)
-            drift.append(d @ (at[1] - at[0]) / length)
-        for d in angular:
-            row = np.zeros(width)
-            for body, sign in ((a, -1.0), (b, 1.0)):
-                if body:
-                    row[6 * number[body] + 3 : 6 * number[body] + 6] += sign * d
-            rows.append(row)
-            drift.append(float(d @ turned))
-    matrix = csr_array(np.array(rows)) if rows else csr_array((0, width))
-    return matrix, np.array(drift, dtype=np.float64)
 
 
 def loads(bodies: RigidBodies, length: float, weight: float) -> Array:

@@ -33,6 +33,7 @@ from kilter.analysis.settled_pose.settle_tolerances import (
     SEARCH_SHARE,
 )
 from kilter.arrays import Array
+from kilter.assembly import GROUND
 from kilter.tell.numbers import number
 from kilter.work import stop_if_late
 
@@ -108,12 +109,13 @@ def search_rest(
     most: float | None,
     progress: Callable[[str], None],
     near: Callable[[RigidBodies, float], NearPoints] | None = None,
+    by_mass: bool = False,
 ) -> SearchResult:
     """Search for a pose at rest near the current pose.
 
     Arguments: `reach`: largest gap of the points that are considered [length unit]; `most`: largest
     permitted movement of a part [length unit]; None: no limit; `near`: function that finds the
-    points within a reach; by default `find_near_points`.
+    points within a reach; by default `find_near_points`; `by_mass`: heavy bodies move less.
     """
     length, weight = units_of(bodies)
     closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)
@@ -127,11 +129,11 @@ def search_rest(
             else near(bodies, reach)
         )
         points = _between_bodies(bodies, every)
-        if not len(points):
+        programs = RestPrograms.of(bodies, points, length, weight, by_mass=by_mass)
+        if not len(programs.gap):
             why = "no two parts come within reach"
             return SearchResult("not-found", bodies, rounds, why=why)
-        programs = RestPrograms.of(bodies, points, length, weight)
-        outcome = _round(bodies, programs, points, state, rounds, reach)
+        outcome = _round(bodies, programs, state, rounds, reach)
         if isinstance(outcome, SearchResult):
             closed = every.bears & (np.abs(every.gap) <= state.closed * length)
             return replace(outcome, points=every.take(closed))
@@ -147,7 +149,7 @@ def search_rest(
 
 def _not_closed(bodies: RigidBodies, state: _Progress, length: float) -> SearchResult:
     """The result after the last round: it names the pair with the widest gap."""
-    both = tuple(bodies.drawn.names[k] for k in state.widest)
+    both = tuple(GROUND if k < 0 else bodies.drawn.names[k] for k in state.widest)
     wide = f"{number(state.wide * length, 3)} {bodies.drawn.units}"
     why = f"{both[0]!r} and {both[1]!r} do not close: {wide} are left after {ROUNDS} rounds"
     return SearchResult("not-found", bodies, ROUNDS, both, why=why)
@@ -156,10 +158,11 @@ def _not_closed(bodies: RigidBodies, state: _Progress, length: float) -> SearchR
 def units_of(bodies: RigidBodies) -> tuple[float, float]:
     """Units of length [length unit] and force [N] of the programs."""
     geometry = bodies.drawn.geometry
-    free = ~geometry.grounded
+    free = bodies.of_part > 0
     sizes = geometry.size[free] if free.any() else geometry.size
     weights = geometry.mass[free] * float(np.linalg.norm(bodies.drawn.gravity))
-    loads = [float(np.linalg.norm(load.force)) for load in bodies.drawn.loads]
+    acting = [load for load in bodies.drawn.loads if bodies.body_of(load.part)]
+    loads = [float(np.linalg.norm(load.force)) for load in acting]
     mean = float(weights.mean()) if free.any() else 1.0
     return float(np.median(sizes)), max([mean, *loads])
 
@@ -174,8 +177,7 @@ def _between_bodies(bodies: RigidBodies, points: NearPoints) -> NearPoints:
 
 
 def _round(
-    bodies: RigidBodies, programs: RestPrograms, points: NearPoints, state: _Progress,
-    rounds: int, reach: float,
+    bodies: RigidBodies, programs: RestPrograms, state: _Progress, rounds: int, reach: float
 ) -> SearchResult | Array:  # fmt: skip
     """A round: the result if the search ends, else the step of all bodies, shape (B, 6)."""
     gap = programs.gap
@@ -188,15 +190,15 @@ def _round(
         if np.abs(imbalance).max(initial=0.0) <= BALANCED:
             return SearchResult("at-rest", bodies, rounds)
     else:
-        apart = programs.push_apart(by_mass=False)
+        apart = programs.push_apart()
         if apart is None:
             depth, forces = programs.least_overlap()
             if depth > state.accepted:
-                return _does_not_fit(bodies, programs, points, depth, forces, rounds)
+                return _does_not_fit(bodies, programs, depth, forces, rounds)
             if depth > state.closed:
                 state.closed = state.accepted
             programs = replace(programs, gap=gap + 2 * depth + state.closed / 2)
-            apart = programs.push_apart(by_mass=False)
+            apart = programs.push_apart()
         if apart is not None:
             opened = gap + programs.rates @ apart
     forces, imbalance = programs.carry(
@@ -208,7 +210,7 @@ def _round(
     carrying = np.where(forces > least, np.abs(gap), np.maximum(-gap, 0.0))
     state.wide = max(float(carrying.max(initial=0.0)), off)
     worst = int(carrying.argmax())
-    state.widest = (int(points.part_a[worst]), int(points.part_b[worst]))
+    state.widest = (int(programs.parts[worst, 0]), int(programs.parts[worst, 1]))
     state.tell(f"round {rounds + 1}: widest gap {number(state.wide * programs.length)}")
     state.stuck += state.wide > before / 2 or state.wide <= state.closed
     state.grows = state.grows + 1 if state.wide > before else 0
@@ -263,19 +265,18 @@ def _closing_step(
     return motion
 
 
-def pressed_parts(bodies: RigidBodies, points: NearPoints, forces: Array) -> tuple[str, ...]:
+def pressed_parts(bodies: RigidBodies, programs: RestPrograms, forces: Array) -> tuple[str, ...]:
     """Names of the parts that the forces of a certificate press against each other."""
     pressed = forces > 1e-3 * max(float(forces.max(initial=0.0)), 1e-300)
-    parts = np.unique(np.concatenate([points.part_a[pressed], points.part_b[pressed]]))
-    return tuple(bodies.drawn.names[k] for k in parts.tolist())
+    parts = np.unique(programs.parts[pressed])
+    return tuple(bodies.drawn.names[k] for k in parts[parts >= 0].tolist())
 
 
 def _does_not_fit(
-    bodies: RigidBodies, programs: RestPrograms, points: NearPoints, depth: float,
-    forces: Array, rounds: int,
+    bodies: RigidBodies, programs: RestPrograms, depth: float, forces: Array, rounds: int
 ) -> SearchResult:  # fmt: skip
     """The result for parts whose overlaps no small motion opens: the parts of the certificate."""
-    names = pressed_parts(bodies, points, forces)
+    names = pressed_parts(bodies, programs, forces)
     return SearchResult(
         "does-not-fit", bodies, rounds, names, depth * programs.length,
         "no small motion opens all overlaps",

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected
-from kilter.assembly import GROUND, Assembly, Part
+from kilter.assembly import GROUND, Assembly, Joint, Part
 from kilter.rigid import Pose, matrix_to_quaternion
 
 
@@ -94,6 +94,19 @@ class RigidBodies:
             rotation=np.where(chosen[:, None, None], self.rotation, other.rotation),
         )
 
+    def only(self, group: Mask) -> RigidBodies:
+        """Some bodies (B,), numbered from 1; the others are held in their drawn pose."""
+        kept = np.append(0, np.flatnonzero(group))
+        number = np.where(group, np.cumsum(group), 0)
+        every = (self.moves, self.mass, self.size, self.drawn_center, self.center, self.rotation)
+        return RigidBodies(self.drawn, number[self.of_part], *(each[kept] for each in every))
+
+    def with_poses(self, group: Mask, other: RigidBodies) -> RigidBodies:
+        """The bodies, with the poses of those of `only(group)` from `other`."""
+        center, rotation = self.center.copy(), self.rotation.copy()
+        center[group], rotation[group] = other.center[1:], other.rotation[1:]
+        return replace(self, center=center, rotation=rotation)
+
     def assembly(self) -> Assembly:
         """The assembly in the current pose; joints and points of loads and bonds follow.
 
@@ -105,7 +118,8 @@ class RigidBodies:
         for k, joint in enumerate(joints):
             body = self.body_of(joint.parts[1 if joint.parts[0] == GROUND else 0])
             point = None if joint.point is None else self.placed(body, joint.point)
-            joints[k] = joint.moved(point, self.rotation[body])
+            position = self.joint_position(joint) if joint.guide else 0.0
+            joints[k] = joint.moved(point, self.rotation[body], position)
         for k, load in enumerate(loads):
             if load.point is not None:
                 loads[k] = replace(load, point=self.placed(self.body_of(load.part), load.point))
@@ -130,6 +144,34 @@ class RigidBodies:
     def body_of(self, name: str) -> int:
         """Body of a part, by name; 0 for the ground."""
         return 0 if name == GROUND else int(self.of_part[self.drawn.index[name]])
+
+    def ends(self, joint: Joint) -> tuple[int, int]:
+        """The two bodies of a joint."""
+        first, second = joint.parts
+        return self.body_of(first), self.body_of(second)
+
+    def anchors(self, joint: Joint) -> tuple[Array, Array]:
+        """The point of a joint in the current pose, as a point of its first and second body."""
+        a, b = self.ends(joint)
+        anchor = joint.point if joint.point is not None else self.drawn_center[b or a]
+        return self.placed(a, anchor), self.placed(b, anchor)
+
+    def joint_position(self, joint: Joint) -> float:
+        """Position of a joint along its axis in the current pose [length unit] or [rad].
+
+        Of the equal angles it is the nearest to the middle of the limits, or to the drawn pose.
+        """
+        from scipy.spatial.transform import Rotation
+
+        a, b = self.ends(joint)
+        axis = self.rotation[a] @ joint.axis
+        if joint.kind == "prismatic":
+            first, second = self.anchors(joint)
+            return float(axis @ (first - second))
+        turn = Rotation.from_matrix(self.rotation[a] @ self.rotation[b].T)
+        angle = float(axis @ turn.as_rotvec())
+        middle = 0.0 if joint.limits is None else sum(joint.limits) / 2
+        return angle + 2 * np.pi * round((middle - angle) / (2 * np.pi))
 
     def movements(self) -> Array:
         """Shift of the centre of mass of each part, and its rotation vector [rad], shape (N, 6)."""

@@ -17,20 +17,24 @@ import numpy as np
 from kilter.analysis.planning.order.sweeps import Direction, Sweeps
 from kilter.arrays import Array, Index, Mask, connected, members_by_label
 from kilter.assembly import Assembly
-from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact import ContactSet, Tolerance
+from kilter.contact.common.contact_search import begin_search
+from kilter.contact.common.patches import Patches
+from kilter.contact.pair_findings import find_families
 from kilter.rigid import Pose
 
 
-def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: Mask) -> Array:
+def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index) -> Array:
     """Lengths of the falls of groups of parts that fall at the same time.
 
-    Arguments: `group` (N,): group of each part; 0 is supported and does not fall, -1 is not there;
-    `compound` (N,):
-    parts of several pieces, whose falls end before their curved surfaces meet. Returns `fall` (G,):
-    length of the fall of each group [length unit], infinite if it leaves the scene.
+    A fall ends before curved faces meet, by the distances of both parts from their triangles.
+
+    Arguments: `group` (N,): group of each part; 0 is supported and does not fall, -1 is not there.
+    Returns `fall` (G,): length of the fall of each group [length unit], infinite if it leaves the
+    scene.
     """
-    down, slack = assembly.down, assembly.geometry.slack
-    x, y, z = down.tolist()
+    slack = assembly.geometry.slack
+    x, y, z = assembly.down.tolist()
     direction: Direction = (x, y, z)
     count = int(group.max(initial=0)) + 1
     fall = np.full(count, np.inf)
@@ -43,7 +47,6 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: M
             for other, bound in zip(others.tolist(), bounds.tolist(), strict=True):
                 if group[other] not in (g, -1):
                     meets.setdefault(int(group[other]), []).append((g, bound, part, other))
-    heights: dict[tuple[int, int], float] = {}
     waiting = [(0.0, 0)]
     done = np.zeros(count, dtype=bool)
     while waiting:
@@ -54,20 +57,21 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: M
         for g, bound, part, other in sorted(meets.get(landed, ()), key=lambda entry: entry[1]):
             if done[g] or length + bound >= fall[g]:
                 continue
-            if (part, other) not in heights:
-                found = sweeps.clearance(part, other, direction)
-                curved = slack[part] + slack[other] > 0
-                if curved and np.isfinite(found) and length + found < fall[g]:
-                    if compound[part] or compound[other]:
-                        found = max(found - float(slack[part] + slack[other]), 0.0)
-                    else:
-                        found = height_on_surfaces(assembly, part, other, down, found)
-                heights[part, other] = found
-            total = length + max(heights[part, other], 0.0)
+            height = _height(sweeps, part, other, direction, slack)
+            total = length + max(height, 0.0)
             if total < fall[g]:
                 fall[g] = total
                 heapq.heappush(waiting, (total, g))
     return fall
+
+
+def _height(sweeps: Sweeps, part: int, other: int, direction: Direction, slack: Array) -> float:
+    """Length of the fall of a part on another, at most until their curved faces may meet.
+
+    Arguments: `slack` (N,): distance of each part from its triangles [length unit].
+    """
+    height, exact = sweeps.heights(part, other, direction)
+    return height if exact else max(height - float(slack[part] + slack[other]), 0.0)
 
 
 # Fall of a single group, and the exact height above curved surfaces.
@@ -75,8 +79,6 @@ def straight_falls(sweeps: Sweeps, assembly: Assembly, group: Index, compound: M
 
 ROUNDS = 6
 """Largest number of Newton steps to the first contact of round faces."""
-MEETS = 4.0
-"""Curved faces that are less than this above a level face may meet first [slacks of the parts]."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
 MOST_GROUPS = 200
@@ -122,11 +124,10 @@ def falling_distance(
         most = np.inf if best is None else best.distance + spare
         if bound >= most or frozenset((assembly.names[part], assembly.names[other])) in apart:
             continue
-        level, sloped = sweeps.heights(part, other, direction)
-        distance = min(level, sloped)
+        distance, exact = sweeps.heights(part, other, direction)
         if not np.isfinite(distance) or distance >= most:
             continue
-        if spare > 0 and sloped < level + MEETS * spare:  # curved faces may meet first
+        if not exact:
             distance = height_on_surfaces(assembly, part, other, down, distance)
         if best is None or distance < best.distance:
             best = StraightFall(distance, part, other)
@@ -175,12 +176,15 @@ def height_on_surfaces(
         pose = falling.pose
         moved = replace(falling, pose=Pose(pose.position + found * down, pose.rotation))
         pair = Assembly([moved, still], units=assembly.units, gravity=assembly.gravity)
-        near = detect.contacts(pair, tolerance=Tolerance(gap=4 * slack))
-        steep = np.abs(near.patch_normal @ down)
+        faces = find_families(begin_search(pair, Tolerance(gap=4 * slack), lambda stage: None))
+        near = Patches.join(
+            [of.patches for of in (faces.smooth, faces.flat, faces.curved, faces.sharp)]
+        )
+        steep = np.abs(near.normal @ down)
         usable = steep > UPRIGHT
         if not usable.any():
             break
-        step = float((near.patch_gap[usable, 0] / steep[usable]).min())
+        step = float((near.gap[usable, 0] / steep[usable]).min())
         found += step
         if abs(step) <= EXACT * size:
             break

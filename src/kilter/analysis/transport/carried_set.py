@@ -31,9 +31,7 @@ from kilter.analysis.transport.carrier import CarrierMotion, carrier_wrench
 from kilter.analysis.transport.plane_section import SupportLine, enclose_section
 from kilter.arrays import Array, Mask
 from kilter.contact.round_edges import RoundEdge
-from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.tell.record import Lines, OrNull, Record, Rows
 
@@ -105,10 +103,6 @@ class CarriedSet:
     program: Program
     most: float = MOST
     edges: tuple[RoundEdge, ...] = ()
-
-    @cached_property
-    def _opening(self) -> Opening:
-        return Opening(cone_problem(self.program))
 
     @cached_property
     def _known(self) -> dict[tuple[float, ...], Limit | NoLimit]:
@@ -218,14 +212,7 @@ class CarriedSet:
     def _farthest(self, motion: CarrierMotion) -> Limit | NoLimit:
         """Largest factor of a carrier motion, with forces and mechanism at the limit."""
         wrench = carrier_wrench(self.program, motion)
-        return held_limit(
-            self.program,
-            wrench,
-            opening=self._opening,
-            most=self.most,
-            shared=self._shared,
-            edges=self.edges,
-        )
+        return held_limit(wrench, shared=self._shared, most=self.most, edges=self.edges)
 
     def _support(self, axes: Array, direction: Array, limit: Limit) -> SupportLine:
         """Boundary point along a direction in the plane, and its bounding line, in [g].

@@ -45,9 +45,7 @@ from kilter.analysis.load_limit import (
 from kilter.analysis.transport.carrier import load_matrix
 from kilter.analysis.transport.carrier_path import CarrierPath
 from kilter.arrays import Array, Mask
-from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.nonnegative import nonnegative
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.tell.record import InPython, OrNull, Record, Shape, key
 
@@ -127,7 +125,7 @@ class _PathSearch:
         self.carried = np.zeros((0, 12))
         self.limits: dict[int, tuple[float, Limit]] = {}
         self.programs = 0
-        self._known: dict[bytes, tuple[Program, Opening, SharedCones]] = {}
+        self._known: dict[bytes, SharedCones] = {}
 
     def upper_bounds(self) -> Array:
         """Upper bound of the squared speed factor at each sample, from all known planes, (n,)."""
@@ -186,12 +184,11 @@ class _PathSearch:
         key = start[:3].tobytes()
         if key not in self._known:
             program = self.program.with_rows(gravity=start[:3])
-            opening = Opening(cone_problem(program))
-            self._known = {key: (program, opening, SharedCones(program))}
-        program, opening, shared = self._known[key]
+            self._known = {key: SharedCones(program)}
+        shared = self._known[key]
         wrench = np.einsum("pij,j->pi", self.matrix, along)
         self.programs += 1
-        limit = find_limit(program, wrench, opening=opening, shared=shared, most=most)
+        limit = find_limit(shared.program, wrench, shared=shared, most=most)
         if isinstance(limit, Limit):
             self._carry(start + min(limit.value, most) * along)
             if limit.motion is not None:

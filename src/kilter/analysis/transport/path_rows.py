@@ -32,9 +32,7 @@ from kilter.analysis.transport.path import PathLimit
 from kilter.analysis.transport.plane_section import SupportLine, enclose_section
 from kilter.arrays import TINY, Array
 from kilter.errors import InputError
-from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
 # Linear constraints A a <= b on the acceleration of a carrier, for path planners.
@@ -143,13 +141,11 @@ def _section(
     wrenches = np.einsum("pij,kj->kpi", matrix, loads)
     rest = np.einsum("pij,j->pi", matrix[..., 3:], base[3:])
     at_base = program.with_rows(gravity=base[:3], applied=program.applied + rest)
-    opening, shared = Opening(cone_problem(at_base)), SharedCones(at_base)
+    shared = SharedCones(at_base)
 
     def support(direction: Array) -> SupportLine | NoLimit:
         wrench = np.einsum("k,kpi->pi", direction, wrenches)
-        limit = find_limit(
-            at_base, wrench, opening=opening, shared=shared, most=MOST, from_none=True
-        )
+        limit = find_limit(at_base, wrench, shared=shared, most=MOST, from_none=True)
         return limit if isinstance(limit, NoLimit) else _line(at_base, wrenches, direction, limit)
 
     section = enclose_section(support, accuracy=ACCURACY)

@@ -29,7 +29,7 @@ from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.decision.motion import NO_MOTION
 from kilter.analysis.decision.open_question import open_pair_names
 from kilter.analysis.regions.polyhedral_cone import Cone
-from kilter.analysis.regions.region import Region, region
+from kilter.analysis.regions.region import LARGE, Region, region_of
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.analysis.turning.facet_program import DiamondOptimum, Method, Nearest, joint, nearest
 from kilter.analysis.verdict.answers import OfAssembly
@@ -106,7 +106,8 @@ class Orientation(OfAssembly):
     check: InPython[Verdict | None] = None
     """Verdict at `down`, if no direction was found."""
     stable_region: InPython[Region]
-    """All stable directions."""
+    """All stable directions. With friction and more than 1,000 contact points, only the widest
+    circular cone in it is known to within 0.1 deg."""
     region: RegionWidth
     """Kind and angular width of the region of stable directions."""
     warnings: tuple[str, ...]
@@ -229,7 +230,9 @@ def _orient(asked: Question, method: Method) -> Orientation:
     program = build_program(asked.assembly, contacts)
     tell("stable region")
     part = asked.within(None if left is None else OF_REGION * left)
-    every = region(part if program.mu.any() else part.but(progress=None))
+    # of a large region only the facets around its widest cone matter
+    widest = len(contacts.points) > LARGE
+    every = region_of(part if program.mu.any() else part.but(progress=None), widest=widest)
     if every.kind == "none" and every.joined_holds:
         return _open_pairs_decide(program, every, method)
     tell("orientation")

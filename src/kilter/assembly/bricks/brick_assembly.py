@@ -1,4 +1,4 @@
-"""Convert bricks on their grid to an assembly: boxes, studs as bonds, contacts of sides.
+"""Convert bricks on their grid to an assembly: shapes, studs as bonds, contacts of sides.
 
 No contact detection is needed: the integer grid determines which stud is in which brick.
 """
@@ -17,6 +17,7 @@ from kilter.assembly.assembly_tolerances import ON_GRID
 from kilter.assembly.bricks.brick_library import (
     GRAVITY,
     LAYER,
+    LIP,
     NO_COLOR,
     UNIT,
     UNLIMITED,
@@ -26,12 +27,14 @@ from kilter.assembly.bricks.brick_library import (
     Studs,
     is_stated,
     sides_of,
+    studded_all_over,
     studs_of,
+    tops_of,
 )
 from kilter.assembly.part import BRICK_PLATES, Brick
 from kilter.errors import InputError
 from kilter.rigid import Pose
-from kilter.shape.primitives import Box
+from kilter.shape.primitives import Box, Mesh
 
 BASEPLATE = "baseplate"
 """Name of the held plate under the lowest layer."""
@@ -75,7 +78,8 @@ def assembly_of_bricks(
     --------
     >>> two = BrickModel(
     ...     np.array([[0, 0, 0], [1, 0, 3]]), np.array([[4, 2, 3], [4, 2, 3]]), np.full(2, 0.002),
-    ...     np.zeros(2, int), np.zeros(2, bool), np.array([1, 2]), np.array([1, 2]))
+    ...     np.zeros(2, int), np.zeros(2, bool), np.array([1, 2]), np.array([1, 2]),
+    ...     np.array([[0, 0, 4, 2], [0, 0, 4, 2]]))
     >>> assembly = assembly_of_bricks(two)
     >>> assembly.names, [len(bond.points) for bond in assembly.bonds]
     (('2x4-1', '2x4-2', 'baseplate'), [18, 24])
@@ -89,7 +93,10 @@ def assembly_of_bricks(
         list(_parts(model, names, scale)),
         units="mm",
         gravity=(0.0, 0.0, -GRAVITY),
-        contacts=list(_contacts(sides_of(model), names, scale, rules)),
+        contacts=[
+            *_contacts(sides_of(model), names, scale, rules),
+            *_tops(tops_of(model), names, scale),
+        ],
         bonds=list(_bonds(model, studs_of(model), names, scale, rules)),
         detect=False,
         source=source,
@@ -118,6 +125,7 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
         np.array([part.grounded for part in parts]),
         np.array([int(match[1]) if match else 0 for match in numbers]),
         np.zeros(len(parts), dtype=np.int64),
+        studded_all_over(size),
     )
     bond, sides = assembly.bonds[0], {len(contact.points) for contact in assembly.contacts}
     shear = UNLIMITED if bond.bears is None else bond.bears
@@ -156,42 +164,64 @@ def _baseplate(model: BrickModel) -> BrickModel:
     size = (model.corner + model.size).max(axis=0) + MARGIN - low
     zero, mass = np.zeros(1, dtype=np.int64), np.ones(1)
     corner, size = np.array([[*low[:2], -1]]), np.array([[*size[:2], 1]])
-    return BrickModel(corner, size, mass, zero + NO_COLOR, mass > 0, zero, zero)
+    color, studded = zero + NO_COLOR, studded_all_over(size)
+    return BrickModel(corner, size, mass, color, mass > 0, zero, zero, studded)
 
 
 def _names(model: BrickModel) -> list[str]:
     """Names for the parts: ``2x4-7``, ``plate-2x4-7``, ``weight-7`` or ``baseplate``."""
     across, along = np.sort(model.size[:, :2], axis=1).T
-    rows = zip(across, along, model.size[:, 2], model.mass, model.held, model.number, strict=True)
+    rows = zip(across, along, _kinds(model), model.mass, model.held, model.number, strict=True)
     names = []
-    for a, b, plates, mass, held, number in rows:
+    for a, b, kind, mass, held, number in rows:
         if held:
             names.append(f"{BASEPLATE}-{number}" if number > 0 else BASEPLATE)
         elif mass > HEAVY:
             names.append(f"weight-{number}")
         else:
-            kind = "" if plates == BRICK_PLATES else "plate-"
-            names.append(f"{kind}{a}x{b}-{number}")
+            names.append(f"{kind}{'-' if kind else ''}{a}x{b}-{number}")
     return names
+
+
+def _kinds(model: BrickModel) -> list[str]:
+    """Word for the kind of each brick: "plate", "tile", "slope", or "" for a brick."""
+    plates = model.size[:, 2]
+    kinds = [model.slopes, model.tiles, plates != BRICK_PLATES]
+    words: list[str] = np.select(kinds, ["slope", "tile", "plate"], "").tolist()
+    return words
 
 
 def _parts(model: BrickModel, names: list[str], scale: Index) -> Iterator[Part]:
     """Yield the part of each brick; equal bricks have the same shape object."""
-    kinds, kind = distinct_rows(model.size)
-    shapes = [Box(size) for size in kinds * scale]
+    sloping, plain = model.slopes, ~model.slopes & ~model.tiles
+    kinds, kind = distinct_rows(np.column_stack([model.size, model.studded * sloping[:, None]]))
+    shapes = [_slope(row, scale) if row[3:].any() else Box(row[:3] * scale) for row in kinds]
     middle = (model.corner + model.size / 2) * scale
-    cells = [(int(a), int(b), int(h)) for a, b, h in kinds]
-    rows = zip(names, kind, middle, model.held, model.mass, model.color, strict=True)
-    for name, k, place, held, mass, color in rows:
-        a, b, plates = cells[k]
+    rows = zip(names, kind, middle, model.held, model.mass, model.color, plain, strict=True)
+    for name, k, place, held, mass, color, studs in rows:
+        a, b, plates = kinds[k, :3].tolist()
         yield Part(
             name,
             shapes[k],
             Pose(place),
             grounded=bool(held),
             mass=float(mass),
-            brick=Brick((a, b), plates, None if color == NO_COLOR else int(color)),
+            brick=Brick((a, b), plates, None if color == NO_COLOR else int(color))
+            if studs
+            else None,
         )
+
+
+def _slope(row: Index, scale: Index) -> Mesh:
+    """Shape of a slope about the middle of its cells, from its size and its cells with studs."""
+    size, low, high = row[:3], row[3:5], row[5:7]
+    sides = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    base = np.column_stack([sides * size[:2], np.zeros(4)])
+    edge = np.column_stack([low + sides * (high - low), np.full(4, size[2])])
+    far = sides * size[:2]
+    below = ((far >= low) & (far <= high)).all(axis=1)
+    lip = np.column_stack([far[~below], np.full(2, LIP)])
+    return Mesh.convex_hull((np.concatenate([base, edge, lip]) - size / 2) * scale)
 
 
 def _bonds(
@@ -228,15 +258,23 @@ def _contacts(
         yield GivenContact((names[a], names[b]), points, normals[axis])
 
 
+def _tops(tops: Sides, names: list[str], scale: Index) -> Iterator[GivenContact]:
+    """Yield the contacts of bricks on tiles: at the corners of the rectangle, without a bond."""
+    low, high = tops.low * scale, tops.high * scale
+    sides = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    corners = low[:, None] + sides * (high - low)[:, None]
+    for a, b, points in zip(tops.first.tolist(), tops.second.tolist(), corners, strict=True):
+        yield GivenContact((names[a], names[b]), points, UP)
+
+
 def _estimate_note(model: BrickModel) -> list[str]:
     """A note that lists brick sizes with estimated mass; an empty list if none is estimated."""
     free = np.flatnonzero(~model.held & (model.mass <= HEAVY))
-    sizes = np.unique(
-        np.column_stack([np.sort(model.size[free, :2], axis=1), model.size[free, 2]]), axis=0
-    )
+    kinds = _kinds(model)
+    sizes = {(kinds[k], *sorted(model.size[k, :2].tolist()), int(model.size[k, 2])) for k in free}
     words = [
-        f"{a}x{b}{'' if plates == BRICK_PLATES else ' plate'}"
-        for a, b, plates in sizes.tolist()
-        if not is_stated(a, b, plates)
+        f"{a}x{b}{' ' if kind else ''}{kind}"
+        for kind, a, b, plates in sorted(sizes)
+        if kind or not is_stated(a, b, plates)
     ]
     return [f"the masses of these bricks are estimates: {', '.join(words)}"] if words else []

@@ -1,4 +1,4 @@
-"""Sizes, LDraw part numbers and masses of bricks, plates and baseplates.
+"""Sizes, LDraw part numbers and masses of bricks, plates, tiles, slopes and baseplates.
 
 The libraries of StableLego and BrickGPT state the masses of some sizes. The masses of other sizes
 are estimated by a fit to the stated masses, with a term for the top with its studs and a term for
@@ -9,13 +9,15 @@ the walls:
 References
 ----------
 StableLego (arXiv 2402.10711), ``lego_library.json``; BrickGPT, ``brick_library.json``;
-LDraw parts library, numbers of "Brick", "Plate", "Baseplate".
+LDraw parts library, numbers of "Brick", "Plate", "Tile", "Slope Brick", "Baseplate".
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -66,6 +68,54 @@ LDRAW: dict[str, tuple[int, int, int]] = {
     **_sizes(0, "3865:8x16 3867:16x16 3334:16x24 3857:16x32 3811:32x32 4186:48x48"),
 }
 """Studs across, studs along and height in plates by LDraw part number; height 0 is a baseplate."""
+TILES: dict[str, tuple[int, int, int]] = _sizes(
+    1,
+    "3070:1x1 3069:1x2 63864:1x3 2431:1x4 6636:1x6 4162:1x8 3068:2x2 26603:2x3 87079:2x4 69729:2x6"
+    " 6934:3x6 1751:4x4 48288:8x16",
+)
+"""Tiles by LDraw part number: plates without studs."""
+SLOPES: dict[str, tuple[int, int, int]] = _sizes(
+    BRICK_PLATES,
+    "3040:1x2 3039:2x2 3038:3x2 3037:4x2 23949:6x2 4445:8x2 4286:1x3 3298:2x3 4161:3x3 3297:4x3 "
+    "3939:6x3",
+)
+"""Slopes by LDraw part number: cells along the edge and down the slope; the first row has studs."""
+LIP = 0.5
+"""Height of the low edge of a slope [plates]."""
+
+
+class BrickKind(NamedTuple):
+    """Size of an LDraw part in its own frame, x along the part and y towards its back [cells].
+
+    `size`: cells along x and y, plates (0: a baseplate); `studded`: lowest and highest corner of
+    the cells with studs, (x, y, x, y); `middle`: y of the middle of its cells.
+    """
+
+    size: tuple[int, int, int]
+    studded: tuple[int, int, int, int]
+    middle: float = 0.0
+
+
+def brick_kind(number: str) -> BrickKind | None:
+    """Find the kind of an LDraw part; letters behind its number are moulds and prints.
+
+    Examples
+    --------
+    >>> brick_kind("3069bp07"), brick_kind("3039").middle, brick_kind("3176")
+    (BrickKind(size=(2, 1, 1), studded=(0, 0, 0, 0), middle=0.0), -0.5, None)
+    """
+    plain = re.fullmatch(r"(\d+)[a-d]?(p\w+)?", number)
+    base = plain[1] if plain else ""
+    if base in LDRAW:
+        across, along, plates = LDRAW[base]
+        return BrickKind((along, across, plates), (0, 0, along, across))
+    if base in TILES:
+        across, along, plates = TILES[base]
+        return BrickKind((along, across, plates), (0, 0, 0, 0))
+    if base in SLOPES:
+        wide, deep, plates = SLOPES[base]
+        return BrickKind((wide, deep, plates), (0, deep - 1, wide, deep), 0.5 - deep / 2)
+    return None
 
 
 @cache
@@ -103,6 +153,19 @@ def brick_mass(across: int, along: int, plates: int = BRICK_PLATES) -> float:
     return float((_terms(np.array([[across, along]]), plates) @ _fit())[0])
 
 
+def slope_mass(wide: int, deep: int) -> float:
+    """Estimated mass of a slope [kg], `wide` cells along its edge and `deep` cells down.
+
+    Examples
+    --------
+    >>> brick_mass(2, 2, plates=1) < slope_mass(2, 2) < brick_mass(2, 2)
+    True
+    """
+    flank = BRICK_PLATES + (deep - 1) * (BRICK_PLATES + LIP) / 2
+    walls = wide * (BRICK_PLATES + LIP) + 2 * flank
+    return float(np.array([wide * deep, walls / BRICK_PLATES]) @ _fit())
+
+
 # BrickModel: bricks on their grid, one row per brick.
 
 
@@ -128,6 +191,9 @@ class BrickModel(Rows):
     """Number of the brick in the file, shape (N,): its key, or its line."""
     line: Index = columns()
     """Line of the file, shape (N,); 0 for a brick that is in no file."""
+    studded: Index = columns(4)
+    """Cells with studs from the lowest corner, shape (N, 4): x, y of their lowest and highest
+    corner. A tile has none. A slope falls from its cells with studs to the other side."""
 
     @property
     def top(self) -> Index:
@@ -135,24 +201,59 @@ class BrickModel(Rows):
         top: Index = self.corner[:, 2] + self.size[:, 2]
         return top
 
+    @property
+    def tiles(self) -> Mask:
+        """Bricks without studs, shape (N,)."""
+        tiles: Mask = (self.studded == 0).all(axis=1)
+        return tiles
+
+    @property
+    def slopes(self) -> Mask:
+        """Bricks of which some cells have studs, shape (N,)."""
+        whole = np.column_stack([np.zeros((len(self), 2), dtype=np.int64), self.size[:, :2]])
+        slopes: Mask = (self.studded != whole).any(axis=1) & ~self.tiles
+        return slopes
+
+    @property
+    def blocks(self) -> BrickModel:
+        """The model in which a slope is only the block under its studs."""
+        slopes, corner, size = self.slopes, self.corner.copy(), self.size.copy()
+        corner[slopes, :2] += self.studded[slopes, :2]
+        size[slopes, :2] = self.studded[slopes, 2:] - self.studded[slopes, :2]
+        return replace(self, corner=corner, size=size, studded=studded_all_over(size))
+
+    def overlaps(self) -> tuple[Index, Index]:
+        """Pairs of bricks that occupy the same cell, shape (n, 2), and x, y of the cell, (n, 2).
+
+        The sloping half of a slope counts as free.
+        """
+        cells = cells_of(self.blocks)
+        low, high = self.corner[cells.brick, 2], self.top[cells.brick]
+        clash = np.flatnonzero(cells.same_column & (low[1:] < high[:-1]))
+        pairs = np.sort(np.column_stack([cells.brick[clash], cells.brick[clash + 1]]))
+        return pairs, cells.xy[clash]
+
     def require_apart(self) -> None:
         """Raise an InputError if two bricks occupy the same grid cell.
 
         Raises `InputError` if two bricks overlap; the error names the lines of both, and the cell.
         """
-        cells = cells_of(self)
-        low, high = self.corner[cells.brick, 2], self.top[cells.brick]
-        clash = np.flatnonzero(cells.same_column & (low[1:] < high[:-1]))
-        if not len(clash):
+        overlapping, cells = self.overlaps()
+        if not len(overlapping):
             return
-        pairs = np.sort(self.line[np.column_stack([cells.brick[clash], cells.brick[clash + 1]])])
+        pairs = np.sort(self.line[overlapping])
         k = np.lexsort(pairs.T)[0]
-        x, y = cells.xy[clash[k]]
+        x, y = cells[k]
         other, line = pairs[k]
         raise InputError(
             f"line {line}: cell ({x}, {y}) is occupied by the brick in line {other}",
             hint="move either brick",
         )
+
+
+def studded_all_over(size: Index) -> Index:
+    """Value of `BrickModel.studded` of bricks with studs on all cells, from their sizes (N, 3)."""
+    return np.column_stack([np.zeros((len(size), 2), dtype=np.int64), size[:, :2]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -283,13 +384,17 @@ def studs_of(model: BrickModel) -> Studs:
 
     >>> two = BrickModel(
     ...     np.array([[0, 0, 0], [1, 0, 3]]), np.array([[2, 1, 3], [1, 1, 3]]), np.ones(2),
-    ...     np.zeros(2, int), np.zeros(2, bool), np.array([1, 2]), np.array([1, 2]))
+    ...     np.zeros(2, int), np.zeros(2, bool), np.array([1, 2]), np.array([1, 2]),
+    ...     np.array([[0, 0, 2, 1], [0, 0, 1, 1]]))
     >>> studs_of(two).point[:, 0]
     array([1.5 , 1.25, 1.5 , 1.75])
     """
     cells = cells_of(model)
     below, above = cells.brick[:-1], cells.brick[1:]
-    k = np.flatnonzero(cells.same_column & (model.top[below] == model.corner[above, 2]))
+    place = cells.xy[:-1] - model.corner[below, :2]
+    studded = (place >= model.studded[below, :2]) & (place < model.studded[below, 2:])
+    on = cells.same_column & (model.top[below] == model.corner[above, 2])
+    k = np.flatnonzero(on & studded.all(axis=1))
     narrow = model.size[above[k], :2].min(axis=1) == 1
     stud, place = counted(np.where(narrow, len(NARROW), len(WIDE)))
     offset = np.where(narrow[stud, None], NARROW[place], WIDE[np.minimum(place, len(WIDE) - 1)])
@@ -301,8 +406,21 @@ def studs_of(model: BrickModel) -> Studs:
     return Studs(lower[order], upper[order], points[order])
 
 
+def tops_of(model: BrickModel) -> Sides:
+    """Find the rectangle over which each tile touches a brick on it; `axis` is 2."""
+    cells = cells_of(model)
+    below, above = cells.brick[:-1], cells.brick[1:]
+    on = cells.same_column & (model.top[below] == model.corner[above, 2]) & model.tiles[below]
+    pairs, _ = distinct_rows(np.column_stack([below[on], above[on]]))
+    return _rectangles(model, pairs, 2)
+
+
 def sides_of(model: BrickModel) -> Sides:
-    """Find the rectangle over which each two neighbouring bricks touch with their sides."""
+    """Find the rectangle over which each two neighbouring bricks touch with their sides.
+
+    The sloping half of a slope pushes no neighbour.
+    """
+    model = model.blocks
     cells = cells_of(model)
     owner, height = counted(model.size[cells.brick, 2])
     brick = cells.brick[owner]

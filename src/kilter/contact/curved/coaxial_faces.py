@@ -106,7 +106,9 @@ def shared_region(
     overlap = _partial_overlap(geometry, surfaces, angle_offset, sense, height_offset, scale)
     if overlap is None:
         return None
-    angles, heights, area = overlap
+    angles, heights, area, filled = overlap
+    if filled:  # one set of points, however both faces are meshed
+        return SharedRegion(arcs, float(heights.min()), float(heights.max()), None, area)
     return SharedRegion(arcs, bottom, top, (angles, heights), area)
 
 
@@ -135,10 +137,10 @@ def _partial_overlap(
     sense: float,
     height_offset: float,
     scale: float,
-) -> tuple[Array, Array, float] | None:
-    """Overlap of two coaxial faces with irregular outlines: angles, heights and area; or None.
+) -> tuple[Array, Array, float, bool] | None:
+    """Overlap of two coaxial faces with irregular outlines: angles, heights, area, form; or None.
 
-    Angles are in rad. The faces are not whole bands about the axis.
+    Angles are in rad. A face is no whole band about the axis, and yet the overlap may be one.
 
     Angles and heights of the second surface are transformed to the frame of the first by `sense`,
     `angle_offset` and `height_offset`. None if there is no overlap.
@@ -149,7 +151,7 @@ def _partial_overlap(
     if tip.any():
         angle, height, owner = _without_tips(angle, height, owner, tip)
     first, second = ((angle[owner == k], height[owner == k]) for k in (0, 1))
-    angles, heights, area = unrolled_overlap(first, second, scale)
+    angles, heights, area, filled = unrolled_overlap(first, second, scale)
     if area <= 0:
         return None
     reduced = np.round(np.remainder(angles, TURN), 9)
@@ -158,7 +160,7 @@ def _partial_overlap(
     high = -low
     np.minimum.at(low, group.reshape(-1), heights)
     np.maximum.at(high, group.reshape(-1), heights)
-    return np.tile(angles[representative], 2), np.concatenate([low, high]), area
+    return np.tile(angles[representative], 2), np.concatenate([low, high]), area, filled
 
 
 def _without_tips(

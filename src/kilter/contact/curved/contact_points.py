@@ -522,10 +522,11 @@ def _as_circle(rays: Array) -> tuple[Array, tuple[float, float]] | None:
 
 def unrolled_overlap(
     first: tuple[Array, Array], second: tuple[Array, Array], scale: float
-) -> tuple[Array, Array, float]:
-    """Overlap of two faces that are unrolled to angle and height: corners and area.
+) -> tuple[Array, Array, float, bool]:
+    """Overlap of two faces that are unrolled to angle and height: corners, area, and its form.
 
-    The area has the unit rad x length unit.
+    The area has the unit rad x length unit. The last value is True if the overlap consists of
+    whole bands: it has the same heights at each of its angles.
 
     Each face is given by angles [rad] and heights of its triangles, shape (m, 3). `scale` is a
     length that makes heights comparable with angles.
@@ -539,7 +540,7 @@ def unrolled_overlap(
     boxes = [(p.min(axis=1), p.max(axis=1)) for p in (flat_first, flat_second)]
     padded_boxes = [tuple(np.column_stack([c, np.zeros(len(c))]) for c in box) for box in boxes]
     owners = [np.zeros(len(p), dtype=np.int64) for p in (flat_first, flat_second)]
-    corners, area = [np.empty((0, 2))], 0.0
+    corners, boxes_of_pieces, area = [np.empty((0, 2))], [np.empty((0, 2, 2))], 0.0
     for _, i, j in joins(
         owners[0],
         (padded_boxes[0][0], padded_boxes[0][1]),
@@ -555,6 +556,29 @@ def unrolled_overlap(
         keep = (count >= 3) & (size > LEAST_OVERLAP)
         is_corner = (np.arange(points.shape[1]) < count[:, None]) & keep[:, None]
         corners.append(points[is_corner])
+        inner = is_corner[keep][:, :, None]
+        low = np.where(inner, points[keep], np.inf).min(axis=1)
+        high = np.where(inner, points[keep], -np.inf).max(axis=1)
+        boxes_of_pieces.append(np.stack([low, high], axis=1))
         area += float(size[keep].sum())
     stacked = np.concatenate(corners)
-    return stacked[:, 0], stacked[:, 1] * scale, area * scale
+    filled = _fills_bands(np.concatenate(boxes_of_pieces), area)
+    return stacked[:, 0], stacked[:, 1] * scale, area * scale, filled
+
+
+def _fills_bands(boxes: Array, area: float) -> bool:
+    """Whether pieces fill bands: all their angles times all their heights.
+
+    `boxes`, shape (n, 2, 2): least and greatest angle [rad] and scaled height of each piece.
+    """
+    if not len(boxes):
+        return False
+    angles, heights = boxes.transpose(2, 1, 0)
+    _, width, arcs = _arc_unions(np.zeros(boxes.shape[0], dtype=np.int64), angles[0],
+                                 angles[1] - angles[0], 1)  # fmt: skip
+    order = np.argsort(heights[0], kind="stable")
+    reached = np.maximum.accumulate(heights[1][order])
+    gaps = np.maximum(heights[0][order][1:] - reached[:-1], 0.0)
+    tall = float(reached[-1] - heights[0][order][0] - gaps.sum())
+    full = float(width[0]) * tall
+    return int(arcs[0]) == 1 and abs(area - full) <= BAND_FILLED * full

@@ -26,6 +26,7 @@ from kilter.assembly.bricks.brick_library import (
     STATED,
     brick_mass,
     is_stated,
+    studded_all_over,
 )
 from kilter.assembly.part import BRICK_PLATES
 from kilter.errors import InputError
@@ -83,6 +84,7 @@ def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:
         held=zeros > 0,
         number=number,
         line=number,
+        studded=studded_all_over(size),
     )
     return assembly_of_bricks(model, rules=rules, source=source)
 
@@ -158,6 +160,7 @@ def from_stable_lego(
             held=np.zeros(count, dtype=bool),
             number=_numbers(data),
             line=_lines(data, text),
+            studded=studded_all_over(size),
         )
         return assembly_of_bricks(model, rules=rules, source=source)
 

@@ -34,19 +34,21 @@ from kilter.files.objects.mujoco_contacts import GeomRules, contact_entries
 from kilter.files.objects.mujoco_joints import ModelJoints
 from kilter.files.objects.mujoco_shapes import PLANE, GeomShapes
 from kilter.files.objects.mujoco_snapshot import Snapshot, take_snapshot
-from kilter.files.robots.one_body import compose, held_note, near_pairs, one_body
+from kilter.files.robots.one_body import (
+    REACH,
+    compose,
+    held_note,
+    near_pairs,
+    one_body,
+    plane_table,
+)
 from kilter.rigid import Pose
-from kilter.shape.primitives import Box, Shape, Sphere, surface
+from kilter.shape.primitives import Shape, Sphere
 
 DEFAULT_GRAVITY = np.array([0.0, 0.0, -9.81])
 """Gravity of MuJoCo by default [m/s^2]."""
 LEAST_MASS = 1e-6
 """Least mass of the ball that shows a body without geoms [kg]."""
-SPACIOUS = 4.0
-"""Margin of the table for an infinite plane around the parts [sizes of all parts]."""
-REACH = 2.0
-"""Distance of two parts up to which their friction is read [sums of their radii]; a larger value
-gives more friction pairs."""
 
 
 def read(value: Any, choices: FormatOptions) -> Assembly:
@@ -292,29 +294,15 @@ class ModelScene:
 
     def _add_planes(self) -> None:
         """Add a held table for each plane geom, large enough for all parts."""
-        model = self.model
-        points = [part.pose.apply(surface(part.shape)[0]) for part in self.parts]
-        corners = np.vstack(points) if points else np.zeros((1, 3))
-        size = float(np.ptp(corners, axis=0).max()) or 1.0
+        model, parts = self.model, list(self.parts)
         for geom in self.planes:
             body = int(model.geom_bodyid[geom])
             pose = compose(
                 Pose(model.xpos[body], model.xquat[body]),
                 Pose(model.geom_pos[geom], model.geom_quat[geom]),
             )
-            half = np.array(model.geom_size[geom][:2])
-            local = np.abs((corners - pose.position) @ pose.matrix)[:, :2].max(axis=0)
-            half = np.where(half > 0, half, local + SPACIOUS * size)
-            box = Box([2 * half[0], 2 * half[1], size])
-            part = Part(
-                self._geom_name(geom, self.names[body] if body else "floor"),
-                box,
-                compose(pose, Pose([0, 0, -size / 2])),
-                grounded=True,
-                density=1000.0,
-                table=True,
-                geometry="collider",
-            )
+            name = self._geom_name(geom, self.names[body] if body else "floor")
+            part = plane_table(name, pose, np.array(model.geom_size[geom][:2]), parts)
             self.parts.append(part)
             self.rows.append([geom])
             self.bodies.append(0)

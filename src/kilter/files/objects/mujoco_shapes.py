@@ -14,9 +14,9 @@ from kilter.arrays import Array, Index, Mask
 from kilter.errors import InputError
 from kilter.files.limits import Tally
 from kilter.files.objects.mujoco_snapshot import Snapshot
-from kilter.files.robots.one_body import capsule
+from kilter.files.robots.one_body import capsule, ellipsoid
 from kilter.rigid import Pose
-from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, hull_surface, surface
+from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, hull_surface
 
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH, DISTANCES = range(9)
 """MuJoCo's numbers for the kinds of geoms."""
@@ -65,8 +65,7 @@ class GeomShapes:
         if kind == CAPSULE:
             return capsule(size[0], 2 * size[1])
         if kind == ELLIPSOID:
-            vertices, triangles = surface(Sphere(1.0))
-            return Mesh(vertices * size, triangles)
+            return ellipsoid(size)
         number = int(self.model.geom_dataid[geom])
         if kind in (MESH, DISTANCES) and number >= 0:
             mesh = self._mesh(number)

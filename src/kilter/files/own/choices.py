@@ -42,6 +42,7 @@ OPTIONS = {
             "density",
             "keyframe",
             "state",
+            "model",
             "base",
             "loose_robots",
             "assume",
@@ -99,7 +100,7 @@ class Choices:
         Loose tolerances, for scanned data.
     density : float, optional
         Density of parts without density and mass [kg/m^3].
-    keyframe, state, base : str, optional
+    keyframe, state, model, base : str, optional
         Options of MJCF and URDF, see `kilter.load`.
     loose_robots : bool
         MJCF and URDF: bodies that motors move are free.
@@ -158,6 +159,7 @@ class Choices:
     density: float | None = None
     keyframe: str | None = None
     state: str | None = None
+    model: str | None = None
     base: str | None = None
     loose_robots: bool = False
     studs: Any = None

@@ -442,6 +442,7 @@ class ChoicesFile(Entry):
     state: str | None = Field(
         None, description="FILE:ROW, a state of a simulator; the file is relative to the choices"
     )
+    model: str | None = None
     base: Literal["fixed", "floating"] | None = None
     loose_robots: Flag | None = None
     studs: StudsEntry | None = None

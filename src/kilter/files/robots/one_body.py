@@ -17,11 +17,14 @@ from kilter.assembly import Part
 from kilter.errors import InputError
 from kilter.files.limits import Tally
 from kilter.rigid import Pose, matrix_to_quaternion
-from kilter.shape.primitives import Cylinder, Mesh, Shape, Sphere, hull_surface, surface
+from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, hull_surface, surface
 
 # Pairs of parts that are near each other, whose friction and filters a scene states.
 
 
+REACH = 2.0
+"""Distance of two parts up to which their friction is read [sums of their radii]; a larger value
+gives more friction pairs."""
 MOST_PAIRS = 10_000_000
 """Largest number of near pairs; parts that all lie at the same place have many."""
 AT_ONCE = 128
@@ -133,6 +136,37 @@ def capsule(radius: float, height: float) -> Shape:
         return ball
     ends = [(ball, Pose([0, 0, z])) for z in (-height / 2, height / 2)]
     return one_body([(Cylinder(radius, height), Pose()), *ends], "capsule", [])[0]
+
+
+def ellipsoid(radii: Sequence[float] | Array) -> Mesh:
+    """An ellipsoid about the origin with three radii [m], as a mesh."""
+    vertices, triangles = surface(Sphere(1.0))
+    return Mesh(vertices * np.asarray(radii), triangles)
+
+
+SPACIOUS = 4.0
+"""Margin of the table for an infinite plane around the parts [sizes of all parts]."""
+
+
+def plane_table(name: str, pose: Pose, half: Array, parts: Sequence[Part]) -> Part:
+    """A held table whose top is a plane, the plane z = 0 of a pose.
+
+    Arguments: `half` (2,): half lengths along x and y of the pose [m]; 0: large enough for `parts`.
+    """
+    points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
+    corners = np.vstack(points) if points else np.zeros((1, 3))
+    size = float(np.ptp(corners, axis=0).max()) or 1.0
+    local = np.abs((corners - pose.position) @ pose.matrix)[:, :2].max(axis=0)
+    half = np.where(half > 0, half, local + SPACIOUS * size)
+    return Part(
+        name,
+        Box([2 * half[0], 2 * half[1], size]),
+        compose(pose, Pose([0, 0, -size / 2])),
+        grounded=True,
+        density=1000.0,
+        table=True,
+        geometry="collider",
+    )
 
 
 def _manifold(vertices: Array, triangles: Index, pose: Pose) -> Any:

@@ -317,8 +317,11 @@ def _planned(
     whole, finished = part_states.finished(require=level, effort=asked.effort, work=work)
     screws = tuple(find_screws(part_states.contacts, rules.screws))
     search = _order_search(part_states, rules, work, after, units, screws)
-    obstacles = _find_obstacles(search, rules, whole)
-    searched = _search(search, rules, whole, obstacles)
+    obstacles = _Obstacles(applies=False, locked=[], falling=[])
+    searched = _search_directly(search, rules, whole)
+    if searched is None:
+        obstacles = _find_obstacles(search, rules, whole)
+        searched = _search(search, rules, whole, obstacles)
     refused, searched = _find_refused(search, rules, obstacles, searched)
     ordered = time.perf_counter()
     work.stage("levels of the steps")
@@ -412,6 +415,21 @@ def _find_obstacles(search: OrderSearch, rules: PlanRules, whole: State) -> _Obs
     # a turned base changes the direction of gravity, so a part that falls here may stand there
     falling = [] if locked or rules.turn else find_unreachable(search.states, search.work)[1]
     return _Obstacles(applies=True, locked=locked, falling=falling)
+
+
+def _search_directly(search: OrderSearch, rules: PlanRules, whole: State) -> Searched | None:
+    """Take a layered structure apart without held parts or backtracking; None if that fails.
+
+    Such an order shows that no parts lock each other or always fall.
+    """
+    if not whole.stable or rules.sequence is not None or rules.turn:
+        return None
+    search.work.stage("an order without held parts")
+    try:
+        order = search.find(0, direct=True)
+    except KeyboardInterrupt:
+        return Searched(None, interrupted=True)
+    return None if order is None else Searched(order, proved=True)
 
 
 def _search(search: OrderSearch, rules: PlanRules, whole: State, obstacles: _Obstacles) -> Searched:

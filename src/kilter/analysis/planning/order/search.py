@@ -194,7 +194,9 @@ class OrderSearch:
     """Whether the last search tried every possible removal."""
     base: int = field(init=False)
     _near: list[int] = field(init=False)
-    _seat: dict[int, tuple[float, Array]] = field(init=False)
+    _layer: Array = field(init=False)
+    _middle: Array = field(init=False)
+    _height: dict[int, float] = field(init=False)
     _holds: dict[int, Holds[State]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -204,18 +206,23 @@ class OrderSearch:
         up = geometry.center @ -self.states.assembly.down
         wide = float(np.ptp(geometry.center, axis=0).max())
         layer = (up / max(wide, TINY) / LAYER).round()
-        self._seat = {}
-        for unit in self.units:
-            parts = list(self._members(unit))
-            self._seat[unit] = float(layer[parts].max()), geometry.center[parts].mean(axis=0)
+        groups = [list(self._members(unit)) for unit in self.units]
+        self._layer = np.array([layer[parts].max() for parts in groups])
+        self._middle = np.array([geometry.center[parts].mean(axis=0) for parts in groups])
+        self._middle = self._middle.reshape(-1, 3)
+        self._height = dict(zip(self.units, self._layer.tolist(), strict=True))
 
     @property
     def whole(self) -> int:
         """All parts of the assembly as a bit set."""
         return (1 << len(self._near)) - 1
 
-    def find(self, hold: int) -> list[Removed] | None:
-        """Find removals that form an order with at most `hold` held parts; None if not found."""
+    def find(self, hold: int, *, direct: bool = False) -> list[Removed] | None:
+        """Find removals that form an order with at most `hold` held parts; None if not found.
+
+        A `direct` search takes the first possible removal from each set, and ends at the first set
+        without one.
+        """
         dead: set[int] = set()
         order: list[Removed] = []
         self.exhausted = False
@@ -230,7 +237,7 @@ class OrderSearch:
                 (removal for removal in removals if present & ~removal.set not in dead), None
             )
             if taken is None:
-                if self.work.over:  # the removals that are left were not tried
+                if direct or self.work.over:  # the removals that are left were not tried
                     return None
                 dead.add(present)
                 waiting.pop()
@@ -261,7 +268,7 @@ class OrderSearch:
         self.work.tell(f"order: sets of parts {self.visited}, judged states {len(self.states)}")
         stuck: list[int] = []
         candidates = self._candidates(present, last)
-        for _, layer in groupby(candidates, key=lambda unit: self._seat[unit][0]):
+        for _, layer in groupby(candidates, key=self._height.__getitem__):
             yield from self._of_layer(layer, present, hold, stuck)
         for moved in self._in_budget(stuck):
             legs = self.way_out(moved, present, 2)
@@ -306,15 +313,12 @@ class OrderSearch:
 
     def _candidates(self, present: int, last: int) -> list[int]:
         """Units that may be removed: the highest layer first, then nearest to `last`."""
-        candidates = [unit for unit in self.units if unit & present]
-        if not candidates:
-            return []
-        layer = np.array([self._seat[unit][0] for unit in candidates])
-        middle = np.array([self._seat[unit][1] for unit in candidates])
+        here = np.array([k for k, unit in enumerate(self.units) if unit & present], dtype=int)
+        layer, middle = self._layer[here], self._middle[here]
         parts = list(self._members(last))
         place = self.states.assembly.geometry.center[parts].mean(axis=0) if last else middle
         away = np.linalg.norm(middle - place, axis=1).round(9)
-        return [candidates[k] for k in np.lexsort((away, -layer)).tolist()]
+        return [self.units[k] for k in here[np.lexsort((away, -layer))].tolist()]
 
     def may_leave(self, moved: int, present: int) -> bool:
         """Whether precedence allows to remove `moved`, and contacts tie the rest to the base."""

@@ -17,7 +17,7 @@ in the file must still block each other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -38,8 +38,9 @@ WELD = 1e-3
 
 SLIVER = 1e-3
 """Width up to which an overlap of two faces in projection comes from rounding [tolerances]."""
-ACROSS = 1 - 1e-14
-"""Least facing cosine of a face across the direction of a path: a slope of 1.4e-7 [-]."""
+MEETS = 4.0
+"""Curved faces that are less than this above other faces may meet first [distance of a triangle
+from its surface]."""
 
 Direction = tuple[float, float, float]
 
@@ -53,11 +54,13 @@ class _Shadow:
     height: Array
     """Heights of the corners along the direction [length unit], shape (m, 3)."""
     facing: Array
-    """Facing cosine n , shape (m,). d of each triangle [-]."""
+    """Facing cosine n . d of each triangle [-], shape (m,)."""
+    slack: Array
+    """Distance of each triangle from its curved surface [length unit], shape (m,)."""
 
     def moved(self, aside: Array, along: float) -> _Shadow:
         """Copy of the projection, moved by a vector on the plane, shape (2,), and by a height."""
-        return _Shadow(self.plane + aside, self.height + along, self.facing)
+        return replace(self, plane=self.plane + aside, height=self.height + along)
 
 
 class Sweeps:
@@ -69,7 +72,10 @@ class Sweeps:
     def __init__(self, contacts: ContactSet) -> None:
         self._geometry = contacts.assembly.geometry
         self._tolerance = contacts.searched
-        self._depth = {frozenset(overlap.ends): overlap.depth for overlap in contacts.overlaps}
+        self._depths: dict[int, dict[int, float]] = {}
+        for overlap in contacts.overlaps:
+            for part, other in (overlap.ends, overlap.ends[::-1]):
+                self._depths.setdefault(part, {})[other] = overlap.depth
         self._shadows: dict[tuple[int, Direction], _Shadow] = {}
         self._endless: dict[tuple[int, Direction], tuple[int, int]] = {}
         self._before: dict[tuple[int, Direction], int] = {}
@@ -78,12 +84,19 @@ class Sweeps:
 
     def tolerance(self, p: int, q: int) -> float:
         """Depth to which two parts may overlap on a path without a collision [length unit]."""
+        return float(self._tolerances(p, np.array([q]))[0])
+
+    def _tolerances(self, p: int, others: Index) -> Array:
+        """`tolerance` of a part with each of several others, shape (n,) [length unit]."""
         g = self._geometry
-        pair = [p, q]
-        gap = float(self._tolerance.gap_of(g.size[pair].min()[None])[0])
-        slack, accuracy = float(g.slack[pair].sum()), float(g.accuracy[pair].sum())
-        depth = self._depth.get(frozenset(pair), 0.0)
-        return max(gap, SLACKS * slack, 2 * accuracy, DEPTHS * depth)
+        gap = self._tolerance.gap_of(np.minimum(g.size[p], g.size[others]))
+        slack, accuracy = g.slack[p] + g.slack[others], g.accuracy[p] + g.accuracy[others]
+        most: Array = np.maximum.reduce([gap, SLACKS * slack, 2 * accuracy])
+        depths = self._depths.get(p)
+        if depths is not None:
+            depth = [depths.get(other, 0.0) for other in others.tolist()]
+            most = np.maximum(most, DEPTHS * np.array(depth))
+        return most
 
     def stops(self, part: int, present: int, direction: Direction) -> bool:
         """Whether any present part blocks a part on an endless straight path."""
@@ -105,9 +118,9 @@ class Sweeps:
         if key not in self._before:
             low, high = self._boxes(direction)
             meets = (low[:, :2] < high[part, :2]) & (high[:, :2] > low[part, :2])
-            near = np.flatnonzero(meets.all(axis=1)).tolist()
-            most = max(self.tolerance(part, other) for other in near)
-            self._before[key] = bits_of(meets.all(axis=1) & (high[:, 2] >= low[part, 2] - most))
+            near = meets.all(axis=1)
+            most = float(self._tolerances(part, np.flatnonzero(near)).max())
+            self._before[key] = bits_of(near & (high[:, 2] >= low[part, 2] - most))
         return self._before[key]
 
     def _boxes(self, direction: Direction) -> tuple[Array, Array]:
@@ -152,12 +165,12 @@ class Sweeps:
 
         Returns distance [length unit]; infinite if the parts never meet.
         """
-        return min(self.heights(part, other, direction))
+        return self.heights(part, other, direction)[0]
 
-    def heights(self, part: int, other: int, direction: Direction) -> tuple[float, float]:
-        """Distance as `clearance`, between faces across the direction, and between all others.
+    def heights(self, part: int, other: int, direction: Direction) -> tuple[float, bool]:
+        """Distance as `clearance`, and whether it is that of the exact surfaces, too.
 
-        Triangles of curved surfaces are among the others.
+        It is not if curved surfaces, which are beside their triangles, may meet first.
         """
         moving, still = self._shadow(part, direction), self._shadow(other, direction)
         return _least_heights(moving, still, self.tolerance(part, other))
@@ -188,7 +201,8 @@ class Sweeps:
             normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             seen = corners @ _basis(np.array(direction)).T
             facing = unit_rows(normal) @ np.array(direction)
-            self._shadows[key] = _Shadow(seen[..., :2], seen[..., 2], facing)
+            slack = self._geometry.slack_of(part)
+            self._shadows[key] = _Shadow(seen[..., :2], seen[..., 2], facing, slack)
         return self._shadows[key]
 
 
@@ -234,17 +248,17 @@ def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: 
     return not shapely.is_empty(shapely.buffer(joined, -tolerance))
 
 
-def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[float, float]:
+def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[float, bool]:
     """Least height from exit faces of a part to entry faces of another; infinite without any.
 
-    The first height is that between faces across the direction, the second that of all other
-    pairs. Slivers that come from the rounding of touching outlines do not count.
+    It is exact if no pair with a curved surface may be lower, by `MEETS` times its distance from
+    the triangles. Slivers that come from the rounding of touching outlines do not count.
     """
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     above = moving.height[exits].min(initial=np.inf)
     entries = entries[still.height[entries].max(axis=1) >= above - tolerance]
     if not len(exits) or not len(entries):
-        return np.inf, np.inf
+        return np.inf, True
     below = shapely.polygons(moving.plane[exits])
     tree = shapely.STRtree(shapely.polygons(still.plane[entries]))
     first, second = tree.query(below, predicate="intersects")
@@ -254,16 +268,15 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
     first, second, shared = first[wide], second[wide], shared[wide]
     corner, owner = shapely.get_coordinates(shared, return_index=True)
     if not len(corner):
-        return np.inf, np.inf
+        return np.inf, True
     between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
     starts = np.flatnonzero(np.diff(owner, prepend=-1))
     ahead = np.maximum.reduceat(between, starts) >= -tolerance
     lowest = np.maximum(np.minimum.reduceat(between, starts), -tolerance)
-    across = (moving.facing[first] > ACROSS) & (still.facing[second] < -ACROSS)
-    return (
-        float(lowest[ahead & across].min(initial=np.inf)),
-        float(lowest[ahead & ~across].min(initial=np.inf)),
-    )
+    least = float(lowest[ahead].min(initial=np.inf))
+    slack = moving.slack[first] + still.slack[second]
+    may_meet = ahead & (slack > 0) & (lowest - MEETS * slack < least)
+    return least, not may_meet.any()
 
 
 def _near_faces(

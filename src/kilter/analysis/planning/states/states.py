@@ -5,13 +5,15 @@ parts in equilibrium (the level "equilibrium" of `kilter.check`). A planner need
 verdicts, so the contacts are detected once, and the methods below are tried in turn. The first
 certificate that is verified in the state itself decides.
 
-1. Forces or a motion of an earlier state (`kilter.analysis.planning.states.known_proofs`).
-2. A linear program with friction pyramids, warm-started from the last state, if the state is
+1. Forces along gravity, if no part is held (`kilter.analysis.planning.states.load_paths`): they
+   hold the states of layered structures, such as walls, without a search.
+2. Forces or a motion of an earlier state (`kilter.analysis.planning.states.known_proofs`).
+3. A linear program with friction pyramids, warm-started from the last state, if the state is
    small or near the last state.
-3. Exact friction cones, without a warm start. They hold some states that pyramids do not hold.
-4. Choices of normals at edges and corners, if the state falls by its certain contacts and holds
+4. Exact friction cones, without a warm start. They hold some states that pyramids do not hold.
+5. Choices of normals at edges and corners, if the state falls by its certain contacts and holds
    with all possible contacts. If they do not decide, the state is undecided.
-5. `kilter.check` of the state, if fitted normals, the accuracy that the file declares, or the
+6. `kilter.check` of the state, if fitted normals, the accuracy that the file declares, or the
    numerics leave it undecided.
 
 Each state may also have to hold while its carrier accelerates: it then holds under the gravity
@@ -47,6 +49,7 @@ from kilter.analysis.planning.states.known_proofs import (
     motions_for_others,
     rows_of_state,
 )
+from kilter.analysis.planning.states.load_paths import LoadPaths
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
@@ -93,9 +96,9 @@ class States:
     carried : tuple of States
         The states of the same assembly at each of these accelerations.
     counts : dict
-        Numbers of states by key: requested (`asked`), decided by an earlier proof (`known`), solved
-        by linear `programs` or exact `cones`, left `open` by possible contacts, and decided by
-        `kilter.check` (`checks`).
+        Numbers of states by key: requested (`asked`), held by forces along gravity (`paths`),
+        decided by an earlier proof (`known`), solved by linear `programs` or exact `cones`, left
+        `open` by possible contacts, and decided by `kilter.check` (`checks`).
 
     See Also
     --------
@@ -112,10 +115,12 @@ class States:
     ) -> None:
         self.assembly = assembly
         self.contacts = contacts
-        self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "open": 0, "checks": 0}
+        ways = ("asked", "paths", "known", "programs", "cones", "open", "checks")
+        self.counts = dict.fromkeys(ways, 0)
         self._count = Work()
         self._programs: StatePrograms = programs or build_state_programs(assembly, contacts)
         self._doubts = doubts_of(assembly, contacts)
+        self._paths: LoadPaths | None = None
         self._pyramid: PyramidProgram | None = None
         self._forces: list[KnownForces] = []
         self._motions: list[KnownMotion] = []
@@ -299,7 +304,9 @@ class States:
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
         state = State(self.assembly.names, present, free, None, self._programs)
-        proof: _Found = self._matching_proof(state, program, outer, key)
+        proof: _Found = self._by_load_paths(state, program)
+        if proof is None:
+            proof = self._matching_proof(state, program, outer, key)
         if proof is None:
             ways = [self._by_pyramid, self._by_cones]
             if self._far(state, program):
@@ -316,6 +323,23 @@ class States:
         if isinstance(proof, MotionProof) and not self._doubts.explain_motion(outer):
             return replace(state, stable=False, outer=self._programs.open, motion=proof)
         return self._state_by_check(state)
+
+    def _by_load_paths(self, state: State, program: Program) -> ForceProof | None:
+        """Forces along gravity that hold a layered state without held parts; None without proof."""
+        whole = self._programs.whole
+        if not np.array_equal(state.free, whole.free & state.present):
+            return None
+        if self._paths is None:
+            self._paths = LoadPaths(whole)
+        given = self._paths.forces(state.free)
+        if given is None:
+            return None
+        self._count.weighed(len(program.part_a))
+        rows = rows_of_state(whole, state.present, state.free)
+        across = None if given[1] is None else given[1][rows]
+        proof = check_forces(program, given[0][rows], across)
+        self.counts["paths"] += proof.holds
+        return proof if proof.holds else None
 
     def _matching_proof(
         self, state: State, program: Program, outer: Program, key: tuple[int, int]

@@ -1,0 +1,59 @@
+"""Maps of large assemblies: the parts near a load decide as the whole assembly does."""
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter.analysis.placing import near_load
+from kilter.analysis.placing.near_load import NearParts
+from kilter.analysis.placing.place import Places, box_to_place
+from kilter.contact import contacts
+from kilter.mechanics.program import build_program
+from kilter.scenes import walls
+from kilter.scenes.random_bricks import box_pile
+
+
+def both_maps(assembly: kilter.Assembly, monkeypatch: pytest.MonkeyPatch) -> tuple[Places, Places]:
+    """The map by the parts near each load, and the map by the whole assembly."""
+    box = box_to_place([1, 1, 1], 1000.0)
+    near = kilter.place(assembly, box)
+    monkeypatch.setattr(near_load, "LARGE", 0.0)  # no parts are few enough
+    return near, kilter.place(assembly, box)
+
+
+@pytest.mark.parametrize(
+    ("count", "seed", "friction"),
+    [(12, 1, 0.0), pytest.param(40, 2, 0.0, marks=pytest.mark.slow), (6, 3, 0.5)],
+)
+def test_the_map_is_that_of_the_whole_assembly(count, seed, friction, monkeypatch):
+    pile = box_pile(count, seed=seed, cells=8, friction=friction)
+    near, whole = both_maps(pile, monkeypatch)
+    for ours, theirs in zip(near.levels, whole.levels, strict=True):
+        assert ours.height == theirs.height
+        strip = 2 * near.accuracy * (ours.stands.length + ours.falls.length + 1)
+        assert ours.stands.symmetric_difference(theirs.stands).area <= strip
+        assert ours.stands.intersection(theirs.falls).area == pytest.approx(0.0, abs=1e-9)
+        assert theirs.stands.intersection(ours.falls).area == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_proof_by_near_parts_is_verified_with_the_whole_assembly():
+    pile = box_pile(12, seed=1, cells=8)
+    answer = kilter.place(pile, box_to_place([1, 1, 1], 1000.0))
+    assert answer.stands
+    assert kilter.verify(pile, answer.proof()).holds
+
+
+def test_near_parts_are_those_below_and_those_that_rest_on_them():
+    """In a running bond the bricks below one brick form a triangle, which is a small part."""
+    wall = walls.wall_of(100)
+    program = build_program(wall, contacts(wall))
+    top = int(np.argmax(program.center[:, 2]))
+    below = NearParts.of(program, top, above=False)
+    assert below is not None
+    courses = np.unique(program.center[program.free, 2].round(6))
+    assert len(np.unique(program.center[below.near, 2].round(6))) == len(courses)
+    lowest = int(np.argmin(np.where(program.free, program.center[:, 2], np.inf)))
+    alone = NearParts.of(program, lowest, above=False)
+    assert alone is not None
+    assert np.flatnonzero(alone.near).tolist() == [lowest]
+    assert alone.inside.sum() < len(alone.rows)

@@ -1,0 +1,131 @@
+"""Rules of the engine that brings bodies to rest: a closed form, or both sides of each limit."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import kilter
+from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, settle
+from kilter.analysis.settled_pose.candidate_points import CandidatePoints
+from kilter.analysis.settled_pose.descent import Descent
+from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
+from kilter.shape.primitives import hull_surface
+
+FLOOR = Part("floor", Box([2, 2, 0.1]), [0, 0, -0.05], grounded=True)
+WALL = Part("wall", Box([0.1, 2, 1]), [-0.05, 0, 0.5], grounded=True)
+LONG, WIDE = 0.2, 0.05
+
+
+def leaning(tilt: float, sunk: float, gap: float, friction: float) -> Assembly:
+    """A rod, tilted by an angle [rad], sunk into the floor, and apart from the wall by a gap."""
+    turn = Rotation.from_rotvec([0, -tilt, 0])
+    half = np.array([WIDE, WIDE, LONG]) / 2
+    reach = np.abs(turn.as_matrix()) @ half
+    pose = Pose([reach[0] + gap, 0, reach[2] - sunk], turn.as_quat(scalar_first=True))
+    return Assembly([FLOOR, WALL, Part("rod", Box(2 * half), pose)], friction=friction)
+
+
+# steps ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("friction", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("tilt", [0.4, 0.8, 1.1])
+@pytest.mark.parametrize("gap", [0.0, 1e-5])
+def test_a_step_leads_into_no_overlap_also_if_its_sliding_is_not_found(friction, tilt, gap):
+    """The openings of sliding contacts may not converge; the foot was led .67 of the step deep."""
+    sunk, stride = 1e-4, 1e-2
+    bodies = rigid_bodies(leaning(tilt, sunk, gap, friction), ())
+    points = CandidatePoints.of(bodies).near(bodies, 3 * stride)
+    program = Descent.of(bodies, points, np.array([False, True]), 1.0, 1.0)
+    step = program.step(np.array([0, stride]), points.gap <= 1.5 * stride)
+    assert step is not None
+    room = points.gap + program.normal @ step[1]
+    assert room.min() >= -1.01 * sunk
+
+
+# sunk groups ------------------------------------------------------------------------------------
+
+
+def stone() -> Assembly:
+    """A stone on the floor that leans on a held can and on a free frustum, sunk by at most .3 mm.
+
+    It has a pose at rest within .3 mm, and another one after tipping by 16 deg.
+    """
+    corners = [[0.04966, 0.04686, 0.01172], [0.07205, 0.02625, 0.06004],
+               [0.09892, 0.05755, 0.04462], [0.10199, 0.04749, 0.03091],
+               [0.09558, 0.03882, -0.00023], [0.05143, 0.07704, 0.04701]]  # fmt: skip
+    frustum = [[-0.0009, -0.0032, -0.0001], [0.0302, -0.0166, -0.0001], [0.0601, -0.0006, -0.0001],
+               [0.0662, 0.0327, -0.0001], [0.044, 0.0583, -0.0001], [0.0102, 0.0569, -0.0001],
+               [-0.0098, 0.0295, -0.0001], [0.0095, 0.0059, 0.0469], [0.0296, -0.0028, 0.0469],
+               [0.0489, 0.0075, 0.0469], [0.0529, 0.029, 0.0469], [0.0386, 0.0456, 0.0469],
+               [0.0167, 0.0446, 0.0469], [0.0038, 0.027, 0.0469]]  # fmt: skip
+    can = Part("can", Cylinder(0.018127, 0.026857), [0.05183, 0.07751, 0.01324], grounded=True)
+    free = [
+        Part(name, Mesh(*hull_surface(np.array(points))))
+        for name, points in (("frustum", frustum), ("stone", corners))
+    ]
+    return Assembly([FLOOR, can, *free], friction=0.946)
+
+
+def test_a_sunk_stone_comes_to_rest_where_it_is():
+    answer = settle(stone(), require="equilibrium")
+    assert answer.at_rest
+    assert answer.rounds == 0
+    assert {way.how for ways in answer.ways for way in ways} == {"pushed-out"}
+    assert answer.distance.max() < 3e-4
+    assert kilter.verify(answer.assembly, answer.proof()).holds
+
+
+def test_a_heavy_bin_moves_less_than_what_is_sunk_into_it():
+    """A cube is sunk between a bin of 20 times its mass and a held block: the cube moves."""
+    sunk = 1e-4
+    bin_ = Part("bin", Box([0.4, 0.4, 0.02]), [0, 0, 0.01], mass=20.0)
+    cube = Part("cube", Box([0.1, 0.1, 0.1]), [0, 0, 0.07 - sunk], mass=1.0)
+    answer = settle(Assembly([FLOOR, bin_, cube], friction=0.5))
+    assert answer.at_rest
+    assert answer.movement[1:, 2] == pytest.approx([0.0, sunk], abs=1e-8)
+
+
+@pytest.mark.parametrize(("overhang", "state"), [(0.49, "at-rest"), (0.51, "partly")])
+def test_a_sunk_stack_rests_or_falls_on_both_sides_of_its_edge(overhang, state):
+    sunk = 3e-4
+    table = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
+    low = Part("low", Box([1, 1, 1]), [1.5, 0, 0.5 - sunk])
+    upper = Part("upper", Box([1, 1, 1]), [1.5 + overhang, 0, 1.5 - 2 * sunk])
+    answer = settle(Assembly([table, low, upper], friction=0.8), require="equilibrium")
+    assert answer.state == state
+    if state == "at-rest":
+        assert answer.movement[1:, 2] == pytest.approx([sunk, 2 * sunk], abs=1e-8)
+    else:
+        assert answer.leaves == ("upper",)
+
+
+def test_overlaps_deeper_than_those_of_soft_contacts_are_pushed_out_by_the_engine():
+    """A cube in a table by .04 of its size moves up as sunk, one by .2 as an overlap: the same."""
+    for depth in (0.04, 0.2):
+        table = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
+        cube = Part("cube", Box([1, 1, 1]), [0, 0, 0.5 - depth])
+        answer = settle(Assembly([table, cube]))
+        assert answer.at_rest
+        assert answer.movement[1, :3] == pytest.approx([0, 0, depth], abs=1e-8)
+
+
+# groups -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_bodies_that_do_not_touch_a_tipping_plate_change_nothing_of_its_way():
+    """A box at rest that the plate comes near does not shorten its steps."""
+    table = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
+    step = Part("step", Box([1, 1, 0.5]), [-1, 0, 0.25], grounded=True)
+    plate = Part("plate", Box([1.2, 0.5, 0.1]), [-0.47, 0, 0.55])
+    others = [Part("rests", Box([1, 1, 1]), [0.9, -1, 0.5]),
+              Part("floats", Box([1, 1, 1]), [1, 1, 0.51])]  # fmt: skip
+    alone, beside = (
+        settle(Assembly([table, step, plate, *more], friction=1.0), require="equilibrium")
+        for more in ([], others)
+    )
+    assert alone.at_rest
+    assert beside.at_rest
+    assert beside.movement[2] == pytest.approx(alone.movement[2], abs=1e-6)
+    assert beside.movement[3] == pytest.approx(np.zeros(6), abs=1e-9)
