@@ -340,7 +340,6 @@ def _inside_faces(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Arr
     s = geometry.surfaces
     parts, heights = [], []
     exact = np.isin(s.kind, (SPHERE, TORUS)) & ~s.hollow & (s.doubt == 0)
-    exact &= s.point @ up - s.radius - s.tube <= low[s.part]
     for row in np.flatnonzero(exact).tolist():
         points = _lowest_of_surface(geometry, row, up)
         if points[0] @ up >= low[s.part[row]]:

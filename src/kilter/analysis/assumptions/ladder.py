@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from kilter.analysis.assumptions.assume import Assumed, assume
+from kilter.analysis.assumptions.assume import FEW_VERTICES, Assumed, assume
 from kilter.analysis.assumptions.rung_verdict import judged
 from kilter.analysis.check import check_level
-from kilter.analysis.settled_pose.straight_falls import FEW_VERTICES
 from kilter.analysis.verdict.remarks import floating_groups, touching_nothing
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly
