@@ -285,6 +285,11 @@ class FoundVerdicts:
         self.word[k], self.errors[k] = "error", error
 
 
+def _full_verdict(options: Mapping[str, Any], assembly: Assembly) -> Verdict:
+    """The verdict of `check` about an assembly; `options` are its arguments."""
+    return check(assembly, **{"assume": DRAWN, **options})
+
+
 class Verdicts(Sequence[Verdict]):
     """Verdicts of M assemblies in arrays; ``verdicts[k]`` is the full verdict of `check`.
 
@@ -353,7 +358,7 @@ class Verdicts(Sequence[Verdict]):
         return DeferredVerdict.of(
             known,
             partial(self.assemblies.__getitem__, index),
-            partial(check, **{"assume": DRAWN, **self._options}),
+            partial(_full_verdict, self._options),
         )
 
     def __iter__(self) -> Iterator[Verdict]:
