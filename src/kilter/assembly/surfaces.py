@@ -173,18 +173,25 @@ def surfaces_of(
     if isinstance(shape, Solid):
         return _curved_only(shape.surfaces, shape.triangle_surface, shape.sagitta, exact=True)
     if isinstance(shape, Mesh) and _may_be_curved(vertices, triangles):
+        own = [s for each in _round_members(shape, accuracy) for s in each.surfaces]
+        if shape.members and not own:  # recognition would take most of the time of a scene
+            return None
         found = _recognise_curved(vertices, triangles, accuracy)
-        return _of_members(found, shape, accuracy) if found and shape.members else found
+        return _of_members(found, own) if found and shape.members else found
     return None
 
 
-def _of_members(found: PartSurfaces, shape: Mesh, accuracy: float) -> PartSurfaces | None:
+def _round_members(shape: Mesh, accuracy: float) -> list[PartSurfaces]:
+    """The curved surfaces of the members of a compound that have some."""
+    found = (surfaces_of(each, *triangulated(each), accuracy) for each, _ in shape.members)
+    return [surfaces for surfaces in found if surfaces]
+
+
+def _of_members(found: PartSurfaces, own: Sequence[Surface]) -> PartSurfaces | None:
     """The surfaces recognised in a compound that one of its members has; None without such ones.
 
     Flat pieces around a bowl approximate no surface: the members are the exact shape.
     """
-    round_members = (surfaces_of(each, *triangulated(each), accuracy) for each, _ in shape.members)
-    own = [s for each in round_members if each for s in each.surfaces]
     kept = [
         any(s.kind == o.kind and abs(s.radius - o.radius) <= MEMBER * o.radius for o in own)
         for s in found.surfaces
