@@ -1,6 +1,6 @@
-"""Write docs/growth.md from `benchmarks/results/growth.csv`: ``python docs/build_growth.py``.
+"""Write docs/growth.md from `benchmarks/growth.csv`: ``python docs/build_growth.py``.
 
-`python benchmarks/growth.py --output benchmarks/results/growth.csv` adds rows; the last row of a
+`python benchmarks/growth.py --output benchmarks/growth.csv` adds rows; the last row of a
 cell counts.
 """
 
@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / "benchmarks/results/growth.csv"
+RESULTS = ROOT / "benchmarks/growth.csv"
 PAGE = ROOT / "docs/growth.md"
 sys.path.append(str(ROOT / "benchmarks"))
 TITLES = {
@@ -29,7 +29,7 @@ seconds = c n^p over the cells of at least 0.1 s. `>` marks a cell that was ende
 `-` a cell that was not measured.
 
 `python benchmarks/growth.py` measures, and `python docs/build_growth.py` writes this page from
-`benchmarks/results/growth.csv`.
+`benchmarks/growth.csv`.
 """
 
 

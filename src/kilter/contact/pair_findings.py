@@ -34,6 +34,7 @@ from kilter.contact.common.known_pairs import (
     may_repeat,
     moved_pairs,
     pair_keys,
+    pose_key,
 )
 from kilter.contact.common.patches import KeptPairs, Overlap, Patches, UnsupportedContact
 from kilter.contact.flat_contacts import find_flat
@@ -198,7 +199,11 @@ def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> 
         return _examine_each(assembly, search, tolerance)
     keys = dict(zip(repeats.tolist(), pair_keys(search, repeats, assembly, tolerance), strict=True))
     first_of = {keys[row]: row for row in reversed(keys)}
-    fresh = {row: key for key, row in first_of.items() if key not in known_pairs.where}
+    # only the same poses find earlier findings: the answer does not depend on earlier questions
+    placed = {key: (key, pose_key(search, row, assembly)) for key, row in first_of.items()}
+    fresh = {
+        row: placed[key] for key, row in first_of.items() if placed[key] not in known_pairs.where
+    }
     later = np.array([row for row in keys if row not in fresh], dtype=np.int64)
     rows = np.setdiff1d(np.arange(len(search.pairs)), later)
     first = _examine_each(assembly, search.of_rows(rows, first=True), tolerance)
@@ -209,7 +214,7 @@ def examine(assembly: Assembly, search: ContactSearch, tolerance: Tolerance) -> 
                             if row in fresh and k not in smooth})  # fmt: skip
     if not len(later):
         return replace(first, search=search)
-    known = [known_pairs.where.get(keys[row]) for row in later.tolist()]
+    known = [known_pairs.where.get(placed[keys[row]]) for row in later.tolist()]
     of_block = np.array([-1 if at is None else known_pairs.blocks.index(at[0]) for at in known])
     blocks = [(rows, first)]
     for number in np.unique(of_block).tolist():

@@ -5,8 +5,9 @@ and on which part is held. A rigid motion of both parts moves the findings with 
 
     x -> R x + t,   R = R_new R_old^T,   t = p_new - R p_old,
 
-with the poses (R, p) of part a. So such a pair is examined once, for all copies of a sub-assembly,
-and for all tries of a command that move other parts.
+with the poses (R, p) of part a. So such a pair is examined once for all copies of a sub-assembly.
+Later searches reuse findings about the same poses only, such as the tries of a command that move
+other parts: an answer does not depend on the questions before it.
 """
 
 from __future__ import annotations
@@ -224,6 +225,13 @@ def pair_keys(
     ]
     table = np.column_stack(numbers).astype(np.int64)
     return [(tolerance, row.tobytes()) for row in table]
+
+
+def pose_key(search: ContactSearch, row: int, assembly: Assembly) -> Hashable:
+    """Gap tolerance of a pair of a search, and the poses of both parts, for an equal pair."""
+    poses = [assembly.parts[part].pose for part in search.pairs[row].tolist()]
+    numbers = [np.append(pose.position, pose.rotation) for pose in poses]
+    return np.append(numbers, search.limits.gap[row]).tobytes()
 
 
 def moved_pairs(block: KnownBlock, source: Index, pairs: Index, assembly: Assembly) -> MovedPairs:
