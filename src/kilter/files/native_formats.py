@@ -6,17 +6,15 @@ from pathlib import Path
 
 _STEP = "a STEP file (.step)"
 EXPORTS: dict[str, str] = {
+    **dict.fromkeys((".sldasm", ".sldprt"), f"SolidWorks: open it, then File, Save As, as {_STEP}"),
     **dict.fromkeys(
-        (".sldasm", ".sldprt"), f"SolidWorks: open it, then File, Save As, type {_STEP}"
+        (".iam", ".ipt"), f"Inventor: open it, then File, Export, CAD Format, as {_STEP}"
     ),
-    **dict.fromkeys((".iam", ".ipt"), f"Inventor: open it, then File, Export, CAD Format, {_STEP}"),
-    **dict.fromkeys(
-        (".catproduct", ".catpart"), f"CATIA: open it, then File, Save As, type stp for {_STEP}"
-    ),
+    **dict.fromkeys((".catproduct", ".catpart"), f"CATIA: open it, then File, Save As, as {_STEP}"),
     ".prt": f"NX: File, Export, STEP; or Creo: File, Save As, Save a Copy; each writes {_STEP}",
     ".asm": f"Creo: File, Save As, Save a Copy; or Solid Edge: Save As; each writes {_STEP}",
-    **dict.fromkeys((".par", ".psm"), f"Solid Edge: open it, then Save As, type {_STEP}"),
-    **dict.fromkeys((".f3d", ".f3z"), f"Fusion: open it, then File, Export, type {_STEP}"),
+    **dict.fromkeys((".par", ".psm"), f"Solid Edge: open it, then Save As, as {_STEP}"),
+    **dict.fromkeys((".f3d", ".f3z"), f"Fusion: open it, then File, Export, as {_STEP}"),
     ".jt": f"the CAD program that wrote it: export {_STEP} there",
     **dict.fromkeys(
         (".x_t", ".x_b", ".sat", ".sab"),
