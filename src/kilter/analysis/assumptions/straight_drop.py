@@ -66,7 +66,8 @@ def drop_straight(
     sweeps = Sweeps.of(contacts)
     for _ in range(count):
         among = np.where(gone, -1, group)[bodies.of_part]
-        fall, onto = straight_falls(sweeps, assembly, among, on_surfaces=on_surfaces)
+        every = np.full(len(assembly), on_surfaces)
+        fall, onto = straight_falls(sweeps, assembly, among, on_surfaces=every)
         fall = np.append(fall, np.full(count, np.inf))  # of the groups that are gone
         depth = _contacts_below(fall, onto)
         far = ~supported & ~gone & (fall[group] > play * depth[group])

@@ -32,7 +32,7 @@ from kilter.analysis.settled_pose.rest_programs import RestPrograms
 from kilter.analysis.settled_pose.rest_proof import closed_gap
 from kilter.analysis.settled_pose.rest_search import pressed_parts, units_of
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
-from kilter.analysis.settled_pose.straight_falls import straight_falls
+from kilter.analysis.settled_pose.straight_falls import FEW_CURVED, straight_falls
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact import ContactSet
 from kilter.errors import some_names
@@ -356,7 +356,9 @@ def _drop(state: _State, group: Index) -> float:
     assembly = state.bodies.assembly()
     sweeps = Sweeps(replace(state.contacts, assembly=assembly))
     among = np.where(state.gone, -1, group)[state.bodies.of_part]
-    fall = straight_falls(sweeps, assembly, among)[0][group]
+    few = np.diff(assembly.geometry.surfaces.start) <= FEW_CURVED
+    simple = few & ~state.candidates.pieces.several
+    fall = straight_falls(sweeps, assembly, among, on_surfaces=simple)[0][group]
     lost = np.isinf(fall) | (state.way + fall > state.limit)
     state.gone |= lost
     length = np.where(lost, 0.0, fall)

@@ -23,16 +23,20 @@ from kilter.contact.common.patches import Patches
 from kilter.contact.pair_findings import find_families
 from kilter.rigid import Pose
 
+FEW_CURVED = 6
+"""Largest number of curved surfaces of a part whose falls end on the exact surfaces in a search:
+the exact height of a pair of parts costs a search for contacts."""
+
 
 def straight_falls(
-    sweeps: Sweeps, assembly: Assembly, group: Index, *, on_surfaces: bool = False
+    sweeps: Sweeps, assembly: Assembly, group: Index, *, on_surfaces: Mask
 ) -> tuple[Array, Index]:
     """Lengths of the falls of groups of parts that fall at the same time.
 
     A fall ends before curved faces meet, by the distances of both parts from their triangles.
 
     Arguments: `group` (N,): group of each part; 0 is supported and does not fall, -1 is not there;
-    `on_surfaces`: whether falls end on the exact curved surfaces instead. Returns `fall` (G,):
+    `on_surfaces` (N,): parts of which two fall onto the exact curved surfaces. Returns `fall` (G,):
     length of the fall of each group [length unit], infinite if it leaves the scene; `onto` (G,):
     group on which it lands, or -1.
     """
@@ -62,7 +66,7 @@ def straight_falls(
             if done[g] or length + bound >= fall[g]:
                 continue
             height = _height(sweeps, part, other, direction, slack)
-            if on_surfaces and length + height < fall[g]:
+            if on_surfaces[part] and on_surfaces[other] and length + height < fall[g]:
                 exact = sweeps.heights(part, other, direction)
                 if not exact[1] and np.isfinite(exact[0]):
                     height = _height_on_surfaces(sweeps, assembly, (part, other), exact[0])
