@@ -81,7 +81,10 @@ def test_every_brick_and_weight_of_the_library_is_read(tmp_path):
 def test_every_part_of_ldraw_is_read(tmp_path):
     for number, (across, along, plates) in LDRAW.items():
         line = f"1 4 0 0 0 1 0 0 0 1 0 0 0 1 {number}.dat\n"
-        part = loaded(tmp_path / "one.ldr", line).parts[0]
+        # a file must have a brick beside a baseplate
+        x, z = 10 * (1 - along % 2), 10 * (1 - across % 2)
+        far = "" if plates else f"1 4 {x} -24 {z} 1 0 0 0 1 0 0 0 1 3005.dat\n"
+        part = loaded(tmp_path / "one.ldr", line + far).parts[0]
         assert part.brick.cells == (along, across)
         assert part.grounded == (plates == 0)
         assert part.brick.plates == max(plates, 1)
@@ -274,9 +277,8 @@ BAD = {
     "d.txt": "2x4 (0,0,0)\n1x1 (1,1,0)\n",
     "e.txt": "\n2x4 (0,0,-1)\n",
     "f.txt": "\n2x4 (0,0\n",
-    "g.ldr": "\n1 4 0 0 0 1 0 0 0 1 0 0 0 1 9999.dat\n",
     "h.ldr": "\n1 4 0 0 0 1 0 0 0 1 0 0 0 1\n",
-    "i.mpd": "1 4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat\n1 4 20 0 0 1 0 0 0 1 0 0 0 1 3001.dat\n",
+    "i.mpd": "1 4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat\nbrick\n",
 }
 
 

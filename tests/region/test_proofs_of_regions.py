@@ -328,7 +328,7 @@ def test_tilt_limits_at_eight_azimuths_agree(found):
     assert region.proved
     for azimuth in AZIMUTHS:
         aside = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-        tilt = tilt_about(program, cross(program.down, aside))
+        tilt = tilt_about([program], cross(program.down, aside))
         expected = by_bisection(program, aside)
         assert tilt.tilt_deg == pytest.approx(expected, abs=1e-4)
         assert tilt.limit.gap < 2e-5
