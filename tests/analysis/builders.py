@@ -1,8 +1,13 @@
 """Small assemblies with loads, joints and given contacts that several tests start from."""
 
+import numpy as np
+
+from kilter import AssemblyArrays
+from kilter.arrays import starts
 from kilter.assembly import Assembly, GivenContact, Joint, Load
 from kilter.scenes import stacks
 from kilter.scenes.pieces import block, floor
+from kilter.shape.primitives import surface
 
 
 def pressed_box() -> Assembly:
@@ -58,3 +63,24 @@ def given() -> Assembly:
     feet = [[-0.4, -0.4, 0.1], [0.4, -0.4, 0.1], [0.0, 0.4, 0.1]]
     contact = GivenContact(("floor", "box"), feet, [0.0, 0.0, 1.0], mu=0.2)
     return Assembly(parts, contacts=[contact], detect=False, units="cm")
+
+
+def arrays_of(assemblies: list[Assembly], **more: object) -> AssemblyArrays:
+    """The assemblies as arrays of meshes."""
+    parts = [part for one in assemblies for part in one.parts]
+    surfaces = [surface(part.shape) for part in parts]
+    first = starts([len(vertices) for vertices, _ in surfaces])
+    given = {
+        "vertices": np.concatenate(
+            [part.pose.apply(v) for part, (v, _) in zip(parts, surfaces, strict=True)]
+        ),
+        "faces": np.concatenate(
+            [faces + k for (_, faces), k in zip(surfaces, first[:-1], strict=True)]
+        ),
+        "vertex_start": first,
+        "face_start": starts([len(faces) for _, faces in surfaces]),
+        "part_start": starts([len(one) for one in assemblies]),
+        "held": [part.grounded for part in parts],
+        "gravity": np.array([one.gravity for one in assemblies]),
+    }
+    return AssemblyArrays(**{**given, **more})

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from builders import arrays_of
 from judged import judged
 
 import kilter
@@ -32,7 +33,6 @@ from kilter import (
 )
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.verdict.displacement import LIMIT, find_displacement
-from kilter.arrays import starts
 from kilter.assembly.array_geometry import arrays_side_by_side
 from kilter.assembly.hexahedra import box_orders
 from kilter.mechanics import clusters as groups
@@ -41,7 +41,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.rigid import common_frame, common_frames
 from kilter.scenes import friction, paper, scene, stacks, walls
 from kilter.scenes.random_bricks import box_pile
-from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES, surface
+from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES
 
 FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 
@@ -69,27 +69,6 @@ def overhanging(share: float, size: float = 1.0, gravity: float = 9.81) -> Assem
         Part("upper", Box([2 * size, size, size]), Pose([share * size / 2, 0, 1.5 * size])),
     ]
     return Assembly(boxes, gravity=[0, 0, -gravity])
-
-
-def arrays_of(assemblies: list[Assembly], **more: object) -> AssemblyArrays:
-    """The same as arrays of meshes."""
-    parts = [part for one in assemblies for part in one.parts]
-    surfaces = [surface(part.shape) for part in parts]
-    first = starts([len(vertices) for vertices, _ in surfaces])
-    given = {
-        "vertices": np.concatenate(
-            [part.pose.apply(v) for part, (v, _) in zip(parts, surfaces, strict=True)]
-        ),
-        "faces": np.concatenate(
-            [faces + k for (_, faces), k in zip(surfaces, first[:-1], strict=True)]
-        ),
-        "vertex_start": first,
-        "face_start": starts([len(faces) for _, faces in surfaces]),
-        "part_start": starts([len(one) for one in assemblies]),
-        "held": [part.grounded for part in parts],
-        "gravity": np.array([one.gravity for one in assemblies]),
-    }
-    return AssemblyArrays(**{**given, **more})
 
 
 def mixed() -> list[Assembly]:

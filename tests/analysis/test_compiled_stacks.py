@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from builders import arrays_of
 
 import kilter
 from kilter import Assembly, AssemblyArrays, Box, Mesh, Part, Pose
 from kilter.analysis.many import clear_stacks
 from kilter.analysis.many.compiled_tolerances import LEFT, STABLE, UNSTABLE
-from kilter.arrays import starts
 from kilter.contact import Tolerance
 from kilter.scenes.random_bricks import box_pile
 from kilter.shape.primitives import Prism, surface
@@ -25,26 +25,6 @@ def few_are_enough(monkeypatch):
     """Also without numba: the code is then plain Python."""
     monkeypatch.setattr(clear_stacks, "FEWEST", 1)
     monkeypatch.setattr(clear_stacks, "has_numba", lambda: True)
-
-
-def arrays_of(assemblies: list[Assembly], **more: object) -> AssemblyArrays:
-    parts = [part for one in assemblies for part in one.parts]
-    surfaces = [surface(part.shape) for part in parts]
-    first = starts([len(vertices) for vertices, _ in surfaces])
-    given = {
-        "vertices": np.concatenate(
-            [part.pose.apply(v) for part, (v, _) in zip(parts, surfaces, strict=True)]
-        ),
-        "faces": np.concatenate(
-            [faces + k for (_, faces), k in zip(surfaces, first[:-1], strict=True)]
-        ),
-        "vertex_start": first,
-        "face_start": starts([len(faces) for _, faces in surfaces]),
-        "part_start": starts([len(one) for one in assemblies]),
-        "held": [part.grounded for part in parts],
-        "gravity": np.array([one.gravity for one in assemblies]),
-    }
-    return AssemblyArrays(**{**given, **more})
 
 
 def codes(given: list[Assembly] | AssemblyArrays) -> list[int]:

@@ -36,12 +36,11 @@ from kilter.assembly.bricks.brick_library import (
 )
 from kilter.assembly.part import COLOR_CODES
 from kilter.errors import InputError, nearest_name, some, some_names
+from kilter.files.bricks.brick_lists import FARTHEST
 from kilter.files.file_tolerances import OFF_GRID
 from kilter.files.limits import DEEPEST, MOST_LISTED, MOST_TABLE_BYTES, read_bytes, require_count
 from kilter.files.reader_guard import reader_guard
 
-FARTHEST = 1e6
-"""Largest coordinate of a brick [cells]; grid positions are computed as integers."""
 LDRAW_FILES = (".ldr", ".mpd")
 """Endings of LDraw files."""
 CELL, PLATE = 20.0, 8.0

@@ -31,7 +31,6 @@ from kilter.files.meshes.placed import join_meshes, transform_mesh
 from kilter.files.robots.one_body import (
     REACH,
     capsule,
-    compose,
     ellipsoid,
     near_pairs,
     one_body,
@@ -49,6 +48,7 @@ from kilter.files.robots.sdf_document import (
     values_of,
     words_of,
 )
+from kilter.files.robots.urdf import KEYS
 from kilter.rigid import Pose, rotation_between
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 
@@ -58,8 +58,6 @@ USUAL_GRAVITY = "0 0 -9.8"
 """Gravity of a world by default [m/s^2]."""
 UNLIMITED = 1e15
 """Limits of joints beyond this size are none [rad or m]."""
-MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-"""Elements of an `inertia` element, in the order of `inertia_matrix`."""
 KINDS = {
     "fixed": "fixed",
     "revolute": "revolute",
@@ -154,7 +152,7 @@ def read_sdf(root: Element, path: Path) -> Assembly:
 
 
 def _left_words(scene: _Scene) -> list[str]:
-    """A note that counts what is left out; an empty list if nothing is."""
+    """A note that counts the things that are left out; an empty list if there are none."""
     words = ", ".join(f"{what} ({count})" for what, count in scene.left.items())
     return [f"left out: {words}"] if words else []
 
@@ -168,7 +166,7 @@ def _add_link(scene: _Scene, model: Model, link: Element, *, alone: bool) -> Non
     shapes, mus = [], []
     for row in rows or link.findall("visual"):
         try:
-            inner = compose(scene.document.pose(relative_to(row, model.name, name)), pose_of(row))
+            inner = scene.document.pose(relative_to(row, model.name, name)) @ pose_of(row)
             mu = _mu(row)
             shape = _shape(scene, model, name, row, inner, mu)
         except InputError as error:
@@ -230,7 +228,7 @@ def _inertia(scene: _Scene, link: Element, frame: Pose, pose: Pose, name: str) -
     tensor = inertial.find("inertia")
     usual = {"ixx": "1", "iyy": "1", "izz": "1"}
     moments = [
-        float(values_of(words_of(tensor, key, usual.get(key, "0")), 1, key)[0]) for key in MOMENTS
+        float(values_of(words_of(tensor, key, usual.get(key, "0")), 1, key)[0]) for key in KEYS
     ]
     matrix = inertia_matrix(np.array(moments))
     fault = "" if tensor is None else inertia_fault(matrix)
@@ -265,7 +263,7 @@ def _shape(
         return ellipsoid(values_of(words_of(inner, "radii", "1 1 1"), 3, "radii"))
     if kind == "plane" and row.tag == "collision":
         normal = values_of(words_of(inner, "normal", "0 0 1"), 3, "normal")
-        upright = compose(place, Pose([0, 0, 0], rotation_between([0, 0, 1], normal)))
+        upright = place @ Pose([0, 0, 0], rotation_between([0, 0, 1], normal))
         scene.planes.append(_Plane(link, model.name or link, upright, mu))
         return None
     if kind == "mesh" and inner is not None:

@@ -22,13 +22,12 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.limits import DEEPEST, MOST_LISTED, Tally, is_file, is_folder
-from kilter.files.robots.one_body import compose
 from kilter.files.robots.xml_text import xml_root
 from kilter.rigid import Pose
 
 Element = ElementTree.Element
 SCOPE = "::"
-"""Separates the names of a model and of what is inside it."""
+"""The mark between the name of a model and the name of an element inside it."""
 PATHS = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "SDF_PATH")
 """Environment variables with folders of models."""
 
@@ -81,9 +80,9 @@ class Document:
         pose = Pose()
         for inner in reversed(chain):
             frame = self.frames[inner]
-            pose = compose(pose, frame.pose)
+            pose = pose @ frame.pose
             if frame.placed:
-                pose = compose(pose, _inverse(self.pose(frame.placed, inner)))
+                pose = pose @ self.pose(frame.placed, inner).inverse()
         return pose
 
 
@@ -138,21 +137,7 @@ def pose_of(element: Element) -> Pose:
         return Pose(values[:3], values[[6, 3, 4, 5]])
     values = values_of(text, 6, "a pose")
     angles = np.deg2rad(values[3:]) if row.get("degrees") in ("true", "1") else values[3:]
-    return Pose(values[:3], roll_pitch_yaw(*angles.tolist()))
-
-
-def roll_pitch_yaw(roll: float, pitch: float, yaw: float) -> Array:
-    """Quaternion (w, x, y, z) of rotations about the fixed axes x, y, z, in this order [rad]."""
-    half = np.array([roll, pitch, yaw]) / 2
-    (cx, cy, cz), (sx, sy, sz) = np.cos(half), np.sin(half)
-    return np.array(
-        [
-            cx * cy * cz + sx * sy * sz,
-            sx * cy * cz - cx * sy * sz,
-            cx * sy * cz + sx * cy * sz,
-            cx * cy * sz - sx * sy * cz,
-        ]
-    )
+    return Pose.from_euler(angles, values[:3])
 
 
 def scoped(scope: str, name: str) -> str:
@@ -169,12 +154,6 @@ def relative_to(element: Element, scope: str, default: str) -> str:
     row = element.find("pose")
     name = "" if row is None else row.get("relative_to") or row.get("frame") or ""
     return scoped(scope, name) if name else default
-
-
-def _inverse(pose: Pose) -> Pose:
-    """The pose that undoes a pose."""
-    w, x, y, z = pose.rotation
-    return Pose(-pose.matrix.T @ pose.position, np.array([w, -x, -y, -z]))
 
 
 def _add_inside(
