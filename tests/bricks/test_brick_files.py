@@ -221,6 +221,9 @@ def test_a_named_model_of_several(tmp_path):
     assert other.names == ("2x4-1", "2x4-2", "baseplate")
     with pytest.raises(kilter.InputError, match=r"no model 'lage part.ldr'; did you mean 'large p"):
         kilter.load(tmp_path / "two.mpd", model="lage part.ldr")
+    (tmp_path / "one.txt").write_text(TEXT)
+    with pytest.raises(kilter.InputError, match="only LDraw files"):
+        kilter.load(tmp_path / "one.txt", model="a")
 
 
 QUARTERS = ("1 0 0 0 1 0 0 0 1", "0 0 1 0 1 0 -1 0 0", "-1 0 0 0 1 0 0 0 -1", "0 0 -1 0 1 0 1 0 0")

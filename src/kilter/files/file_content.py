@@ -205,6 +205,12 @@ def read_path(
             file=str(path),
             hint="leave the state out",
         )
+    if options.model is not None and suffix not in LDRAW_FILES:
+        raise InputError(
+            "a model is named, but only LDraw files (.ldr, .mpd) have several",
+            file=str(path),
+            hint="leave the model out",
+        )
     if is_folder(path):
         # equal bodies at the same place in two files are likelier two frames than a copy
         return FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
