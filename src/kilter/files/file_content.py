@@ -199,18 +199,7 @@ def read_path(
     path, units = Path(source), options.units
     require_below(path)
     suffix = path.suffix.lower()
-    if options.states is not None and suffix not in XML:
-        raise InputError(
-            "states belong to an MJCF scene, and this is another file",
-            file=str(path),
-            hint="leave the state out",
-        )
-    if options.model is not None and suffix not in LDRAW_FILES:
-        raise InputError(
-            "a model is named, but only LDraw files (.ldr, .mpd) have several",
-            file=str(path),
-            hint="leave the model out",
-        )
+    _require_options_of(path, options)
     if is_folder(path):
         # equal bodies at the same place in two files are likelier two frames than a copy
         return FileContent(load_folder(path, units=units), from_cad=True).without_held_parts()
@@ -251,6 +240,23 @@ def read_path(
         file=str(path),
         hint=f"give {kinds}",
     )
+
+
+def _require_options_of(path: Path, options: FormatOptions) -> None:
+    """Raise an InputError if an option is for another kind of file."""
+    suffix = path.suffix.lower()
+    if options.states is not None and suffix not in XML:
+        raise InputError(
+            "states belong to an MJCF scene, and this is another file",
+            file=str(path),
+            hint="leave the state out",
+        )
+    if options.model is not None and suffix not in LDRAW_FILES:
+        raise InputError(
+            "a model is named, but only LDraw files (.ldr, .mpd) have several",
+            file=str(path),
+            hint="leave the model out",
+        )
 
 
 def read_json(path: Path) -> Any:
