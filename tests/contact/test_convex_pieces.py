@@ -406,6 +406,26 @@ def test_sunk_objects_leave_a_compound_through_its_top(shape: Shape, x: float) -
     assert np.ptp(found.point[:, 0]) > 0.02
 
 
+def test_a_frustum_sunk_into_a_corner_of_a_compound_leaves_both_of_its_faces() -> None:
+    """Its lowest corner on each face lies inside of the other piece, which it overlaps as deep.
+
+    The far side of the thin plate is no exit.
+    """
+    base = Box([0.4, 0.4, 0.02]), pose([0, 0, 0.01])
+    wall = Box([0.02, 0.4, 0.15]), pose([-0.19, 0, 0.075])
+    shape, at = one_body([base, wall], "bin", [])
+    turn = Rotation.from_euler("xyz", [-1e-3, -2e-3, 1e-3])
+    corners = np.array([[x, y, z] for z, a in ((-0.05, 0.03), (0.05, 0.02))
+                        for x in (-a, a) for y in (-a, a)])  # fmt: skip
+    low = turn.apply(corners).min(axis=0)
+    place = pose([-0.18 - 6e-5 - low[0], 0, 0.02 - 1e-4 - low[2]], turn)
+    found = points((shape, at), (Mesh(*hull_surface(corners)), place), reach=1e-4)
+    up, aside = found.normal[:, 2] > 0.9, found.normal[:, 0] > 0.9
+    assert (up | aside).all()
+    assert found.gap[up].min() == pytest.approx(-1e-4, rel=1e-2)
+    assert found.gap[aside].min() == pytest.approx(-6e-5, rel=1e-2)
+
+
 def test_seams_hold_nothing_up() -> None:
     block = Box([0.06, 0.06, 0.1])
     for x in (0.165, 0.18, 0.2, 0.21):

@@ -7,6 +7,7 @@ over the other, and crossings of edges, each with its own gap along n.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -597,8 +598,13 @@ def reduced(row: Index, point: Array, gap: Array, n: Array, size: Array) -> Inde
 
 
 def on_surface(scene: Placed, points: PiecePoints) -> Mask:
-    """Whether points lie on the surfaces of both parts, and not at a seam of their pieces."""
+    """Whether points lie on the surfaces of both parts, and not at a seam of their pieces.
+
+    A point of an overlap may lie in another piece that the other part overlaps as deep, if the
+    normal leads along the surface of that piece: the part is sunk into a corner between both.
+    """
     hidden = np.zeros(len(points), dtype=bool)
+    sunk = _sunk_into(scene, points)
     several = np.bincount(scene.pieces.part)[scene.pieces.part] > 1
     sides = (points.piece_a, -1.0), (points.piece_b, 1.0)
     for pieces, sign in sides:
@@ -614,16 +620,40 @@ def on_surface(scene: Placed, points: PiecePoints) -> Mask:
         inwards -= np.einsum("ki,ki->k", inwards, n)[:, None] * n
         ahead = on + (3 * SUNK * size)[:, None] * n
         ahead += (faced * INWARDS)[:, None] * inwards
+        inside = depth_in(scene, other, on[row])
         deep = depth_in(scene, other, ahead[row]) > SUNK * size[row]
-        deep |= depth_in(scene, other, on[row]) > SUNK * size[row]
+        deep |= inside > SUNK * size[row]
+        corner = np.flatnonzero(deep & (gap[row] < 0))
+        whose = scene.pieces.part[(points.piece_b if sign < 0 else points.piece_a)[some]]
+        k, step = row[corner], (3 * SUNK * size)[:, None] * n
+        before, after = (depth_in(scene, other[corner], x[k]) for x in (ahead - step, ahead))
+        rises = after > before + SUNK * size[k]
+        as_deep = inside[corner] <= sunk(other[corner], whose[k]) + SUNK * size[k]
+        deep[corner] = rises | ~as_deep
         # at an edge, another piece that contains the point and is farther along n is nearer
-        touching = depth_in(scene, other, on[row]) >= -BESIDE * size[row]
+        touching = inside >= -BESIDE * size[row]
         beside = np.flatnonzero(touching & ~deep & ~faced[row])
         height = support_height(scene, other[beside], n[row[beside]])
         level = np.einsum("ki,ki->k", on[row[beside]], n[row[beside]])
         deep[beside] |= height > level + SUNK * size[row[beside]]
         hidden[some[row[deep]]] = True
     return ~hidden
+
+
+def _sunk_into(scene: Placed, points: PiecePoints) -> Callable[[Index, Index], Array]:
+    """Function of pieces and parts (K,): how deep each part overlaps the piece [length unit]."""
+    count, part = len(scene.pieces.whole), scene.pieces.part
+    code = np.append(points.piece_a * count + part[points.piece_b],
+                     points.piece_b * count + part[points.piece_a])  # fmt: skip
+    known, of = np.unique(np.append(code, -1), return_inverse=True)
+    depth = np.zeros(len(known))
+    np.maximum.at(depth, of[:-1], np.tile(-points.gap, 2))
+
+    def sunk(piece: Index, other: Index) -> Array:
+        place = np.searchsorted(known, piece * count + other).clip(max=len(known) - 1)
+        return np.where(known[place] == piece * count + other, depth[place], 0.0)
+
+    return sunk
 
 
 def _along_face(scene: Placed, piece: Index, n: Array) -> Mask:
