@@ -615,6 +615,7 @@ def test_equal_boxes_have_equal_pushes_with_proofs_of_their_own(tmp_path):
     assert kilter.verify(assembly, answer.proof()).holds
 
 
+@pytest.mark.slow
 def test_of_many_parts_those_are_pushed_that_move_most_easily(monkeypatch):
     monkeypatch.setattr(margin_steps, "PUSHED", 2)
     sizes = [(1.0, 1.0, 0.3), (1.0, 1.0, 0.9), (1.0, 1.0, 0.5)]
