@@ -91,8 +91,8 @@ __all__ = sorted(_HOMES)
 
 
 _HOOKS = {
-    "assumed": "kilter.analysis.assumptions.assume",
-    "ladder": "kilter.analysis.assumptions.ladder",
+    "assumed": "kilter.analysis.assumptions.rung_verdict",
+    "ladder": "kilter.analysis.assumptions.rung_verdict",
     "better_up": "kilter.analysis.assumptions.upward",
     "bodies_of": "kilter.analysis.assumptions.joined_bodies",
     "cell": "kilter.notebook",

@@ -24,6 +24,7 @@ def on_slope(slope: float, mu: float) -> kilter.Verdict:
     )
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mu", [0.1, 0.5, 0.9])
 def test_a_body_slides_from_the_slope_of_its_friction_on(mu):
     assert on_slope(mu * (1 - 1e-6), mu).stable
@@ -167,6 +168,7 @@ def test_random_contacts_agree_with_a_linear_program_and_with_check(seed):
     assert (same.level is None) == (verdict.level is None)
 
 
+@pytest.mark.slow
 def test_the_linear_program_of_this_file_sees_both_sides():
     found = [by_linear_program(random_contacts(np.random.default_rng(k)), False) for k in range(30)]
     assert 3 <= sum(found) <= 27

@@ -98,10 +98,19 @@ def test_the_verdicts_are_those_without_compiled_code(friction, monkeypatch):
     assert compiled.verdict.tolist() == pure.verdict.tolist()
     assert decided.mean() > 0.5
     assert set(compiled.verdict[decided].tolist()) == {"stable", "unstable"}
+    assert compiled.rechecked().all()
     for k in np.flatnonzero(decided).tolist():
         kept = compiled.certificate(k)
         assert kept is not None
         assert kept[1].holds
+
+
+def test_a_wrong_word_of_compiled_code_is_found():
+    found = kilter.check_many(arrays_of([overhanging(0.5), overhanging(1.5)]))
+    assert found.verdict.tolist() == ["stable", "unstable"]
+    assert found.rechecked().all()
+    found.verdict[0] = "unstable"
+    assert found.rechecked().tolist() == [False, True]
 
 
 def test_both_sides_of_the_limit_are_decided_and_what_is_near_it_is_left():

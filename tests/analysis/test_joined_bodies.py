@@ -8,10 +8,9 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere, contacts
-from kilter.analysis.assumptions.assume import assume
+from kilter.analysis.assumptions.assume import assume, judged
 from kilter.analysis.assumptions.joined_bodies import bodies_of
 from kilter.analysis.assumptions.joining import joined
-from kilter.analysis.assumptions.rung_verdict import judged
 from kilter.analysis.check import check_level
 from kilter.assembly.assumption import Body
 from kilter.assembly.question import Question

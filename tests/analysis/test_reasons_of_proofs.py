@@ -413,6 +413,7 @@ def test_several_proofs_in_one_file(files):
     assert found.reasons[0].startswith(f"{about['about']} {about['vector']}: the file was changed")
 
 
+@pytest.mark.slow
 def test_the_worst_of_several_proofs_is_told():
     assembly = example("corner-wedges")
     bundle = json.loads(json.dumps(kilter.region(assembly).proof()))

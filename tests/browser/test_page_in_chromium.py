@@ -70,6 +70,7 @@ def test_the_dome_opens(opened):
     assert seen(page.drawn()) > 500
 
 
+@pytest.mark.quick("paper-figure-8", "paper-figure-10", "stopped-groove", "pit")
 @pytest.mark.parametrize("name", REGIONS)
 def test_two_hundred_directions_are_judged_as_python_judges_them(name, opened):
     region = kilter.region(scene(name))
@@ -170,6 +171,7 @@ def test_dragging_the_arrow_by_mouse_changes_the_verdict_at_the_boundary(opened)
     assert "turned by" in page.page.inner_text(".readout")
 
 
+@pytest.mark.quick("corner-wedges")
 @pytest.mark.parametrize("name", ["corner-wedges", "paper-figure-11-in-space", "paper-figure-9"])
 def test_the_arrow_keys_change_the_verdict_where_the_cone_says(name, opened):
     region = kilter.region(scene(name))

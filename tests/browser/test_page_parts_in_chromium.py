@@ -48,6 +48,9 @@ BLOCKED = ("paper-figure-3-vertices", "cad-export")
 
 
 @pytest.mark.browser
+@pytest.mark.quick(
+    "paper-figure-8", "paper-figure-12", "slope", "inverted-triangle", "wedge-on-wedge"
+)
 @pytest.mark.parametrize("name", SCENES)
 def test_play_stops_before_parts_enter_each_other(name, opened):
     assembly = scene(name)

@@ -36,6 +36,7 @@ HEAVY = (
 )  # fmt: skip
 """Packages whose import is slow."""
 UNUSED = (
+    "kilter.analysis.assumptions.assume", "kilter.assembly.array_geometry",
     "kilter.contact.curved.curved_contacts", "kilter.contact.sharp.normals",
     "kilter.files.cad.step_solids", "kilter.second_order.answer.one_cluster",
     "manifold3d", "matplotlib", "numpy.f2py", "numpy.testing", "pydantic", "scipy.linalg",

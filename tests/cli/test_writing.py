@@ -21,6 +21,7 @@ import kilter
 from kilter.cli import main
 from kilter.errors import KilterError
 from kilter.files.own.choices_writing import OFF
+from kilter.mechanics.bundle_changes import restored
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
@@ -331,7 +332,7 @@ def test_the_proof_is_verified_from_the_file(file, tmp_path, capsys):
     )  # fmt: skip
     assert main(["verify", str(file), str(proof)]) == 0
     assert "The proof holds: plan." in capsys.readouterr().out
-    data = json.loads(proof.read_text())
+    data = restored(json.loads(proof.read_text()))
     step = next(one for one in data["proofs"] if one["about"] == "step" and one["change"]["held"])
     step["proof"]["forces"][0][2] += 1e4
     proof.write_text(json.dumps(data))

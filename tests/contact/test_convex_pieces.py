@@ -291,6 +291,7 @@ def polytopes(rng: np.random.Generator) -> list[Shape]:
     return [Box([1, 0.7, 0.4]), Prism([[-0.5, -0.4], [0.5, -0.4], [0, 0.4]], 0.6), *hulls]
 
 
+@pytest.mark.slow
 def test_random_polytopes_against_programs() -> None:
     rng = np.random.default_rng(5)
     shapes = polytopes(rng)
@@ -435,6 +436,7 @@ def test_seams_hold_nothing_up() -> None:
             np.testing.assert_allclose(np.ptp(found.point[:, 0]), 0.06, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_tiles_of_a_slab_give_the_points_of_the_slab() -> None:
     rng = np.random.default_rng(3)
     boards = [

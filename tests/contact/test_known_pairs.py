@@ -78,6 +78,7 @@ def _require_equal(found, expected):
     assert len(found.possible) == len(expected.possible)
 
 
+@pytest.mark.slow
 def test_copies_are_examined_once(monkeypatch):
     expected = _alone(monkeypatch, _cells(5))
     forget_pairs()

@@ -395,6 +395,7 @@ def test_a_convex_mesh_keeps_its_triangles():
     assert len(assembly.parts[0].shape.triangles) == 12
 
 
+@pytest.mark.slow
 def test_a_distance_field_is_its_mesh():
     plugin = (
         '<extension><plugin plugin="mujoco.sdf.torus"><instance name="t">'

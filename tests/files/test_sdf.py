@@ -262,6 +262,7 @@ def test_a_model_that_includes_itself(tmp_path):
         )
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(at=st.integers(0, 10**6), put=st.binary(max_size=8), cut=st.booleans())
 def test_damaged_files_are_read_or_refused(tmp_path_factory, at, put, cut):

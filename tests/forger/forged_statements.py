@@ -20,6 +20,7 @@ from limit_cases import limit_case
 
 import kilter
 from kilter import Assembly, Box, Part, PlanRules
+from kilter.mechanics.bundle_changes import restored
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, digest_of, make_proof
@@ -348,7 +349,7 @@ def _bundle(kind: str) -> tuple[Assembly, str]:
     assembly, answer = made[kind]()
     proof = answer.proof()
     assert kilter.verify(assembly, copied(proof)).holds, kind
-    return assembly, json.dumps(proof)
+    return assembly, json.dumps(restored(proof))
 
 
 def _lies(kind: str, lies: list[tuple[str, Lie]]) -> Forger:

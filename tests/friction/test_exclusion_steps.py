@@ -337,6 +337,9 @@ def test_every_closed_case_matters(proven):
         assert refused(one, other)
 
 
+@pytest.mark.quick(
+    "slope", "trough", "arch", "arch with a light part", "ladder", "slope in the plane"
+)
 def test_what_is_missing_or_foreign_is_refused(proven):
     one, data = proven
     for spoil in (

@@ -36,6 +36,7 @@ def test_a_block_on_a_table_has_a_circular_cone(mu):
     assert found.proved
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(("depth", "mu"), [(0.4, 1.5), (0.6, 0.9), (4.0, 0.3)])
 def test_only_the_widest_cone_is_refined(depth, mu):
     """A panel of height 2 tips across its depth at atan(depth / 2), and slides at atan(mu)."""

@@ -21,7 +21,7 @@ from kilter.analysis.load_limit import (
     gravity_wrench,
     with_more,
 )
-from kilter.analysis.margins import margin_steps
+from kilter.analysis.margins import margin_steps, what_helps
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.margin_steps import HELD_TRIED
 from kilter.analysis.margins.part_limits import find_push, find_weakest_push
@@ -561,6 +561,22 @@ def test_the_limits_of_groups_that_do_not_touch_are_those_of_the_first_to_fail()
     assert not twice.helps  # another box is as slender
 
 
+def test_no_change_is_tried_where_the_mechanisms_of_two_groups_end_the_margin(monkeypatch):
+    """Flat boxes of different sizes all slide at the angle of friction."""
+    tried = []
+    find = what_helps.find_tilt_margin
+    monkeypatch.setattr(
+        what_helps, "find_tilt_margin", lambda *given: tried.append(given) or find(*given)
+    )
+    flat = [(1.0, 1.0, 0.3 + 0.1 * k) for k in range(3)]
+    assert not kilter.margin(boxes_on_a_table(flat, friction=0.4)).helps
+    assert not tried
+    # a single box that tips before the others slide
+    answer = kilter.margin(boxes_on_a_table([*flat, (1.0, 1.0, 3.0)], friction=0.4))
+    assert {one.what for one in answer.helps if one.parts == ("box-3",)} == {"hold"}
+    assert tried
+
+
 def test_separate_groups_are_the_same_whether_split_or_not(monkeypatch):
     sizes = [(1.0, 1.1, 0.8 + 0.1 * k) for k in range(6)]
     whole = kilter.margin(boxes_on_a_table(sizes, friction=0.5), push=[1, 0, 0])
@@ -599,6 +615,7 @@ def test_equal_boxes_have_equal_pushes_with_proofs_of_their_own(tmp_path):
     assert kilter.verify(assembly, answer.proof()).holds
 
 
+@pytest.mark.slow
 def test_of_many_parts_those_are_pushed_that_move_most_easily(monkeypatch):
     monkeypatch.setattr(margin_steps, "PUSHED", 2)
     sizes = [(1.0, 1.0, 0.3), (1.0, 1.0, 0.9), (1.0, 1.0, 0.5)]

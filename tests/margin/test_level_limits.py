@@ -357,7 +357,7 @@ def test_a_turn_about_an_axis_and_both_load_factors_are_in_the_proof():
 CASES = [("arch", 1), ("arch", 2), ("pile", 6), ("pile", 12), ("wedge", 3), ("round", 5)]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed"), CASES)
 def test_both_ways_find_one_limit_and_judge_agrees(family, seed):
     program = program_of(random_turned(family, seed))

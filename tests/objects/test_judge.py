@@ -183,6 +183,7 @@ def test_stiff_contacts_explain_less():
 # forces and mechanisms ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_applied_forces_count_in_each_way_of_the_engine():
     mu, weight = 0.5, 1.0 * 9.81
     cube = '<geom type="box" size=".05 .05 .05" mass="1" friction=".5"/>'

@@ -21,6 +21,7 @@ def both_maps(assembly: kilter.Assembly, monkeypatch: pytest.MonkeyPatch) -> tup
     return near, kilter.place(assembly, box)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("count", "seed", "friction"),
     [(12, 1, 0.0), pytest.param(40, 2, 0.0, marks=pytest.mark.slow), (6, 3, 0.5)],

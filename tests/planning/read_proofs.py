@@ -5,21 +5,28 @@ from typing import Any
 
 import kilter
 from kilter.analysis.verification import verify_bundle
+from kilter.mechanics.bundle_changes import restored
 from kilter.mechanics.proof import digest_of
 
 Proof = dict[str, Any]
 
 
-def proof_of(answer: kilter.Order | kilter.Fixture) -> Proof:
+def written(answer: kilter.Order | kilter.Fixture) -> Proof:
     """Its proof, through JSON."""
     proof: Proof = json.loads(json.dumps(answer.proof(), allow_nan=False))
     return proof
 
 
+def proof_of(answer: kilter.Order | kilter.Fixture) -> Proof:
+    """Its proof, through JSON, with all rows of each state as objects of their own."""
+    proof: Proof = json.loads(json.dumps(restored(written(answer))))
+    return proof
+
+
 def signed(proof: Proof) -> Proof:
     """The same, signed as one who knows how files are signed would after a change."""
-    for entry in proof["proofs"]:
-        entry["proof"]["digest"] = digest_of({**proof["common"], **entry["proof"]})
+    for entry, whole in zip(proof["proofs"], restored(proof)["proofs"], strict=True):
+        entry["proof"]["digest"] = digest_of({**proof["common"], **whole["proof"]})
     proof["digest"] = digest_of(proof)
     return proof
 

@@ -9,14 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from read_proofs import Proof, proof_of, reasons, signed
+from read_proofs import Proof, proof_of, reasons, signed, written
 
 import kilter
 from kilter import Assembly, Box, Cylinder, InputError, Order, Part, Pose
 from kilter.analysis.planning.order.explained import explain
+from kilter.analysis.verification import verify_bundle
+from kilter.mechanics.bundle_changes import restored
+from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube
+from kilter.scenes.walls import wall
 
 Change = Callable[[Proof], object]
 
@@ -209,6 +213,86 @@ def test_a_number_that_is_changed_without_a_signature_is_refused():
 
     assert judged("tower", change) == ""
     assert "digest does not match" in judged("tower", change, anew=False)
+
+
+def test_a_file_has_the_changes_of_a_state_and_not_the_state():
+    """A wall of twice the length has twice the changes, and its states have four times the rows."""
+    sizes = []
+    for length in (4, 8):
+        order = kilter.plan(wall(4, length))
+        proof = written(order)
+        assert verify_bundle(order.states.assembly, order.states.contacts, proof).holds
+        states = [one["proof"] for one in restored(proof)["proofs"]]
+        whole = [len(json.dumps(one)) for one in states]
+        sizes.append((len(json.dumps(proof)), sum(whole)))
+        assert all(one["digest"] == digest_of({**proof["common"], **one}) for one in states)
+    assert sizes[1][0] < 2.4 * sizes[0][0]
+    assert sizes[1][1] > 3 * sizes[0][1]
+
+
+def changed_points(proof: Proof) -> list[dict[str, Any]]:
+    """The changes of the contact points of the last step."""
+    segments: list[dict[str, Any]] = entries(proof, "step")[-1]["proof"]["points"]["rows"]
+    return segments
+
+
+def first_kept(proof: Proof) -> list[int]:
+    """A run of points that the last step keeps."""
+    run: list[int] = next(one["kept"] for one in changed_points(proof) if "kept" in one)
+    return run
+
+
+def one_point_less(proof: Proof) -> None:
+    first_kept(proof)[0] += 1
+
+
+def more_points_than_there_are(proof: Proof) -> None:
+    first_kept(proof)[1] += 1000
+
+
+def points_kept_twice(proof: Proof) -> None:
+    changed_points(proof).append({"kept": first_kept(proof)})
+
+
+def no_whole_numbers(proof: Proof) -> None:
+    first_kept(proof)[0] = True
+
+
+def other_new_force(proof: Proof) -> None:
+    segments = entries(proof, "step")[-1]["proof"]["forces"]["rows"]
+    next(one["new"] for one in segments if "new" in one)[0][2] *= 1.01
+
+
+def another_part_stands(proof: Proof) -> None:
+    entries(proof, "step")[-1]["change"]["without"] = {"rows": [{"new": ["cube-1"]}]}
+
+
+def nothing_before(proof: Proof) -> None:
+    proof["proofs"][0]["proof"]["forces"] = {"rows": [{"kept": [0, 1]}]}
+
+
+DAMAGED: list[tuple[str, Change]] = [
+    ("the proof has 15 contact points, the file 16", one_point_less),
+    ("do not fit the rows before them", more_points_than_there_are),
+    ("do not fit the rows before them", points_kept_twice),
+    ("do not fit the rows before them", no_whole_numbers),
+    ("do not fit the rows before them", nothing_before),
+    ("its stated residual differs from that of its forces", other_new_force),
+    ("its state differs from the parts that stand before the step", another_part_stands),
+]
+
+
+@pytest.mark.parametrize(("why", "change"), DAMAGED, ids=[one[1].__name__ for one in DAMAGED])
+def test_a_damaged_change_is_refused(why, change):
+    """Whoever changes a file may sign it anew: each state is judged with all its rows."""
+    order = planned("tower")
+    proof = written(order)
+    change(proof)
+    try:
+        found = reasons(order, signed(proof))
+    except InputError as error:
+        found = str(error)
+    assert why in found
 
 
 def test_neither_an_order_nor_an_impossibility_proves_nothing():

@@ -372,6 +372,7 @@ def random_scene(seed: int) -> Assembly:
     return Assembly([table, *parts], friction=0.4 * (seed % 3), loads=loads)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_clusters_that_are_decided_at_once_have_the_states_of_single_ones(seed, monkeypatch):
     drawn = random_scene(seed)

@@ -25,6 +25,7 @@ from kilter.second_order.proofs.minimum_proof import MinimumProof, by_part
 from kilter.second_order.searches.decide import decide
 
 
+@pytest.mark.quick(12)
 @pytest.mark.parametrize("kind", [kind for kind in BUILD if kind != "flat"])
 def test_a_true_proof_holds(kind):
     judge, data = proved(kind)

@@ -96,6 +96,7 @@ WALLS = [
 ]
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("parts", "neutral"),
     [

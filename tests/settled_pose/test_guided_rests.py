@@ -48,6 +48,7 @@ def test_a_drawer_stays_by_friction_or_slides_to_its_stop(share, limits, way):
         assert answer.assembly.joints[0].limits == pytest.approx(left, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_drawer_without_a_stop_does_not_rest_at_too_little_friction():
     answer = settle(on_rail(friction=0.999 * PULL), time_limit=60)
     assert not answer.at_rest
@@ -65,6 +66,7 @@ def test_a_drawer_that_is_drawn_beyond_a_stop_is_pushed_to_it(start):
     assert way_along(held) + start == pytest.approx(np.clip(start, 0, 0.4), abs=1e-6)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("stiffness", [5.0, 100.0, 1000.0])
 def test_a_drawer_on_a_spring_rests_where_the_spring_carries_it(stiffness):
     answer = settle(on_rail(stiffness=stiffness, rest=0.02))
@@ -75,6 +77,7 @@ def test_a_drawer_on_a_spring_rests_where_the_spring_carries_it(stiffness):
     assert settle(answer.assembly).distance.max() <= 1e-9
 
 
+@pytest.mark.slow
 def test_a_spring_and_friction_stop_the_drawer_where_both_carry_it():
     answer = settle(on_rail(stiffness=100.0, rest=0.02, friction=1.0))
     assert answer.at_rest
@@ -115,6 +118,7 @@ DRAWER = """
 </worldbody></mujoco>"""
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("share", "way"), [(1.01, 0.0), (0.99, 0.12)])
 def test_a_drawer_takes_its_contents_along(share, way):
     """The friction of the rail carries both weights, or both go to the stop.

@@ -35,6 +35,7 @@ def angle_of(answer: kilter.Settled, name: str) -> float:
     return float(np.linalg.norm(answer.movement[answer.drawn.index[name], 3:]))
 
 
+@pytest.mark.quick(10)
 @pytest.mark.parametrize("known", KNOWN, ids=[known.name for known in KNOWN])
 def test_parts_that_are_drawn_with_play_come_to_rest_where_geometry_says(known: KnownRest):
     assert rest_error(known, kilter.settle(known.assembly, require="equilibrium")) == ""
@@ -144,6 +145,7 @@ def rod_on_an_edge(length: float, beyond: float, high: float, friction: float) -
     return Assembly([floor([-3, -2], [3, 2]), step, rod], friction=friction)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("length", "beyond", "high", "friction"),
     [(1.0, 0.2, 0.35, 1.0), (1.0, 0.05, 0.2, 0.5), (0.3, 0.03, 0.08, 0.9)],
@@ -208,6 +210,7 @@ def three_cylinders(between: float, ground: float, *, held: bool = False) -> Ass
     return Assembly([ground_part, *parts], friction=between, friction_pairs=pairs)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("between", "ground", "rests"),
     [(1.01, 1.01, True), (0.99, 1.5, False), (1.5, 0.99, False)],
@@ -277,6 +280,7 @@ def test_a_box_above_a_table_moves_down_without_a_rotation(nearest: bool):
     assert answer.movement[1] == pytest.approx([0, 0, -0.01, 0, 0, 0], abs=1e-9)
 
 
+@pytest.mark.quick("0.5-default", "0.0-nearest")
 @BOTH
 @pytest.mark.parametrize("friction", [0.5, 0.0])
 def test_a_bar_on_blocks_of_different_height_tilts_and_without_friction_slides(nearest, friction):
@@ -298,6 +302,7 @@ def test_a_bar_on_blocks_of_different_height_tilts_and_without_friction_slides(n
         assert shift_of(answer, "bar")[2] < -0.1
 
 
+@pytest.mark.quick("0.05-nearest", "-0.05-default")
 @BOTH
 @pytest.mark.parametrize("side", [0.05, -0.05])
 def test_a_plate_on_four_posts_rests_on_three(nearest: bool, side: float):
@@ -317,6 +322,7 @@ def test_a_plate_on_four_posts_rests_on_three(nearest: bool, side: float):
     assert -normal[:2] / normal[2] == pytest.approx(slope, abs=1e-8)
 
 
+@pytest.mark.quick("0.51-default", "0.49-nearest")
 @BOTH
 @pytest.mark.parametrize("friction", [0.51, 0.49])
 def test_a_box_on_a_slope_rests_or_slides_off(nearest: bool, friction: float):

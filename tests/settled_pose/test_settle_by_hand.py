@@ -50,6 +50,7 @@ def test_a_box_falls_by_its_height_above_the_table():
     assert scene.to_dict()["objects"][1]["way"] == [way]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("tilt", [10, 40])
 def test_a_tilted_box_turns_back_about_its_edge(tilt):
     """Its lower edge touches the table; friction 1 holds the edge."""

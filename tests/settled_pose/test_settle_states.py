@@ -68,6 +68,7 @@ def drift(path: Path, qpos: np.ndarray) -> float:
     return float(np.linalg.norm(data.xpos - start, axis=1).max())
 
 
+@pytest.mark.slow
 def test_boxes_above_a_tray_come_to_rest_on_it_and_stay_in_the_simulator(tmp_path):
     path, rows = scene(tmp_path), states(4)
     answer = kilter.settle_states(path, rows)

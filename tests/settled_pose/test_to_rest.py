@@ -153,6 +153,7 @@ def slot(at: float, width: float) -> list[Part]:
     return [*walls, box(f"block {at}", [at, 0, 0.5], (width, 1, 1))]
 
 
+@pytest.mark.slow
 def test_parts_beside_those_that_do_not_fit_come_to_rest():
     table = box("table", [0, 0, -0.5], (60, 60, 1), grounded=True)
     wide = [*slot(0.0, 1.001), *slot(9.0, 1.002)]

@@ -321,7 +321,7 @@ def crate(capacity: float, mu: float = 0.3) -> tuple[kilter.Assembly, list[kilte
     return kilter.Assembly(parts, friction=mu), straps
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("share", "count"), [(0.51, 1), (0.49, 2), (0.2501, 2), (0.2499, None)])
 def test_the_same_straps_hold_all_directions_of_a_code(share, count):
     """Forward .8 g needs (.8 - mu) m g = .5 m g behind; the other directions need .2 m g each."""

@@ -46,6 +46,7 @@ from kilter.files.own.saved_entries import valid_entries, with_interactions
 from kilter.files.reading import Reading
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
+from kilter.mechanics.bundle_changes import restored
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import MalformedProof, require_form
@@ -313,7 +314,7 @@ def verify_bundle(
         verdicts.append(proof["verdict"])
         if "forces" in proof:
             levels.append(result.level)
-    together, notes = _judged_together(assembly, contacts, bundle, verdicts)
+    together, notes = _judged_together(assembly, contacts, restored(bundle), verdicts)
     reasons += together
     level = min(levels, key=level_rank, default=None)
     return Verification(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kilter.arrays import starts
 from kilter.assembly import Assembly, Bond, GivenContact
-from kilter.assembly.array_geometry import SideBySide
 from kilter.assembly.question import Question, question
 from kilter.contact.common.contact_search import (
     ContactSearch,
@@ -36,6 +36,9 @@ from kilter.contact.pair_findings import PairFindings, examine, examine_in_time
 from kilter.contact.smooth.smooth_joints import possible_forces_of, smooth_warning
 from kilter.errors import InputError
 from kilter.work import facts_of, stop_after, take_at_least
+
+if TYPE_CHECKING:
+    from kilter.assembly.array_geometry import SideBySide
 
 LEAST_TIME = 0.2
 """Time in which contacts are searched for whatever the time limit [s]."""

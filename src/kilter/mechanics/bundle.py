@@ -1,7 +1,8 @@
 """Several proofs about an assembly in a single file: region, margin, transport, plan, fixture.
 
 The data that all proofs share (parts, points, units, options) are stored once, in `common`. Each
-entry of `proofs` has the other data of its proof, preceded by
+entry of `proofs` has the other data of its proof (in a plan, the changes of its rows from the
+entry before: `kilter.mechanics.bundle_changes`), preceded by
 
     about, value     the subject: a ray or facet; a tilt and the angle at which it is proved
     vector           the ray, line or normal
@@ -33,6 +34,7 @@ from kilter.contact.kept_contacts import contacts_among
 from kilter.contact.supports import Support, with_supports
 from kilter.errors import InputError
 from kilter.files.own.kilter_json import from_dict
+from kilter.mechanics.bundle_changes import ROWS, with_changes
 from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_form
@@ -41,6 +43,8 @@ COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "p
 """Keys whose values are equal in all proofs of a file."""
 
 
+FOLLOWING = ("plan",)
+"""Kinds of files whose proofs are those of states that follow one another."""
 LOAD = ("part", "force", "torque", "point")
 """Keys of a load."""
 
@@ -57,10 +61,13 @@ def make_bundle(
         raise InputError(f"this {kind} has no proof to write")
     first = proofs[0][1]
     common = {key: first[key] for key in COMMON}
-    entries = []
-    for about, proof in proofs:
-        specific = {key: value for key, value in proof.items() if common.get(key, ...) != value}
-        entries.append({**about, "proof": specific})
+    if kind in FOLLOWING:
+        entries = with_changes([{**about, "proof": proof} for about, proof in proofs], common)
+    else:
+        entries = [
+            {**about, "proof": {key: v for key, v in proof.items() if common.get(key, ...) != v}}
+            for about, proof in proofs
+        ]
     bundle = {"kilter_proofs": FORMAT, "kind": kind, **more, "common": common, "proofs": entries}
     return {**bundle, "digest": digest_of(bundle)}
 
@@ -75,15 +82,20 @@ def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]
 
     Raises `InputError` if the data do not have the form of a file of proofs.
     """
-    require_bundle_form(bundle)
+    bundle = require_bundle_form(bundle)
     if more := set(bundle["common"]) - set(COMMON):
         raise InputError(
             f"the proof cannot be read: common.{min(more)} is no key that all proofs share",
             hint="make it anew with --proof",
         )
+    known: set[tuple[str, int]] = set()
     for entry in bundle["proofs"]:
         proof = {**bundle["common"], **entry["proof"]}
-        require_form(proof)
+        # rows that an earlier proof has, too, are the same objects
+        lists = {key: proof[key] for key in ROWS if isinstance(proof.get(key), list)}
+        new = {key: [r for r in rows if (key, id(r)) not in known] for key, rows in lists.items()}
+        require_form({**proof, **new})
+        known.update((key, id(row)) for key, rows in new.items() for row in rows)
         yield {key: value for key, value in entry.items() if key != "proof"}, proof
 
 

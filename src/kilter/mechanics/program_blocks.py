@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.arrays import Array, Index, Mask, across, ragged, starts
-from kilter.assembly.array_geometry import SideBySide
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.clusters import balanced_parts, power_limit
@@ -25,6 +24,9 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.stacked_parts import stack_answers
 from kilter.rigid import common_frames
 from kilter.solvers.highs import BlockAnswers, Blocks
+
+if TYPE_CHECKING:
+    from kilter.assembly.array_geometry import SideBySide
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from kilter.errors import InputError
+from kilter.mechanics.bundle_changes import restored
 from kilter.validate import LARGEST
 
 FORMAT = 1
@@ -262,10 +263,11 @@ def require_form(proof: Any) -> None:
         raise _unreadable(fault)
 
 
-def require_bundle_form(bundle: Any) -> None:
-    """Raise an error if JSON data do not have the form of a file of several proofs.
+def require_bundle_form(bundle: Any) -> dict[str, Any]:
+    """The data of a file of several proofs with all rows of each (`bundle_changes.restored`).
 
-    Raises `InputError` naming the first key that is missing or of another kind.
+    Raises `InputError` if they have another form, naming the first key that is missing or of
+    another kind.
 
     Examples
     --------
@@ -280,9 +282,11 @@ def require_bundle_form(bundle: Any) -> None:
             hint="make it anew with --proof",
         )
     _require_json(bundle)
-    fault = BUNDLE(bundle, "") or ("" if bundle["proofs"] else "it has no proofs")
+    whole: dict[str, Any] = restored(bundle)
+    fault = BUNDLE(whole, "") or ("" if whole["proofs"] else "it has no proofs")
     if fault:
         raise _unreadable(fault)
+    return whole
 
 
 def _require_json(proof: Any) -> None:

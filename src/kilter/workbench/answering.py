@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.assumptions.assume import assumed
+from kilter.analysis.assumptions.rung_verdict import assumed
 from kilter.analysis.check import check, check_equilibrium
 from kilter.analysis.everything import MARGIN_PARTS, full_answer, only_given, turned_verdict
 from kilter.analysis.margins.margin import margin

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.assumptions.assume import rung_of
+from kilter.analysis.assumptions.rungs import rung_of
 from kilter.arrays import Array
 from kilter.assembly.assumption import DRAWN
 from kilter.assembly.question import FREE_STANDING, TURNED, Question

@@ -9,15 +9,15 @@ least motion, so that a contact that is merely sunk decides nothing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from kilter.analysis.assumptions.joining import joined
 from kilter.analysis.assumptions.proved_poses import at_poses
+from kilter.analysis.assumptions.rungs import is_simulated
 from kilter.analysis.assumptions.straight_drop import drop_straight, tips, with_listed_contacts
 from kilter.analysis.check import check_equilibrium
 from kilter.analysis.chosen_parts import chosen_parts
@@ -27,6 +27,7 @@ from kilter.analysis.settled_pose.rest_verification import RestingParts, verify_
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.analysis.settled_pose.settle import is_verified, refusal, without_rounding
 from kilter.analysis.verdict.remarks import floating_groups
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint
 from kilter.assembly.assumption import DRAWN, JOINED, PLAY
@@ -36,15 +37,11 @@ from kilter.contact.fits.fastening import with_decided_pairs
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.contact.open_pairs import still_open
 from kilter.files.own.saved_entries import changed_poses
-from kilter.tell.ladder_words import assumed_words
+from kilter.tell.levels import holds, level_rank
 from kilter.units import metres_per_unit
 
 FASTENED = ("thread", "press fit", "insert")
 """Kinds of suggestions that the rung "fits" joins. Other overlaps may be merely sunk."""
-SIMULATED = (".xml", ".mjcf", ".urdf", ".usd", ".usda", ".usdc", ".usdz", ".sdf", ".world")
-"""Endings of the files of simulators, whose default rung is "play"."""
-COLLIDER = "collider"
-"""Geometry of a part of a simulator, whose model in memory has no file."""
 PLAY_SHARE, LEAST_PLAY, MOST_PLAY = 0.02, 5e-5, 2e-3
 """Play of a part in CAD: a share of its size [-], at least and at most this [m]: the clearances of
 drawn pins, drawers and lids."""
@@ -92,42 +89,7 @@ class Assumed:
     @property
     def marked(self) -> Assembly:
         """The assembly, marked so that no rung is applied to it again."""
-        return _marked(self.assembly)
-
-
-def is_simulated(assembly: Assembly) -> bool:
-    """Whether an assembly comes from a file or a model of a simulator."""
-    collides = any(part.geometry == COLLIDER for part in assembly.parts)
-    return collides or Path(assembly.source).suffix.lower() in SIMULATED
-
-
-def rung_of(asked: Question, default: str | None = None) -> str:
-    """The rung of a question: the given one, else that of the saved choices, else the default.
-
-    `default`: None for that of the file: play for files of simulators, else drawn.
-    """
-    saved = (asked.assembly.reading or {}).get("assume")
-    of_file = PLAY if is_simulated(asked.assembly) else DRAWN
-    return asked.assume or saved or default or of_file
-
-
-def assumed(asked: Question) -> Question:
-    """The question about the assembly on its rung, as the functions other than `check` ask it."""
-    rung = rung_of(asked)
-    if rung == DRAWN:
-        return asked
-    if asked.verb == "settle":
-        if rung == PLAY:
-            return asked
-        contacts = detect.touching(asked)
-        base = with_joints(asked.assembly, contacts, rung)
-        return asked.but(assembly=_marked(base), contacts=contacts.of(base))
-    found = assume(asked, rung)
-    words = assumed_words(found.joints, found.moved, found.assembly.units)
-    marked = found.marked
-    if words:
-        marked = replace(marked, notes=[*marked.notes, words])
-    return asked.but(assembly=marked, contacts=found.contacts.of(marked))
+        return as_drawn(self.assembly)
 
 
 def assume(
@@ -220,7 +182,20 @@ def with_entries(assembly: Assembly, **entries: Any) -> Assembly:
     return replace(assembly, reading={**options, "entries": known} if known else options)
 
 
-def _marked(assembly: Assembly) -> Assembly:
+def judged(asked: Question, found: Assumed, judge: Callable[[Question], Verdict]) -> Verdict:
+    """The verdict on the contacts of the pose, or on its closed points if they prove more."""
+    verdict = judge(asked.but(assembly=found.assembly, contacts=found.contacts))
+    if found.closed is None or holds(verdict.level, asked.require):
+        return verdict
+    closed = found.closed.closed
+    listed = replace(found.assembly, contacts=closed.assembly.contacts, detect=False)
+    other = judge(asked.but(assembly=listed, contacts=closed.contacts.of(listed)))
+    if level_rank(other.level) <= level_rank(verdict.level):
+        return verdict
+    return replace(other, rest_gap=found.closed.gap)
+
+
+def as_drawn(assembly: Assembly) -> Assembly:
     """The assembly with the rung "drawn" in its options: its poses and joints are final."""
     return replace(assembly, reading={**(assembly.reading or {}), "assume": DRAWN})
 

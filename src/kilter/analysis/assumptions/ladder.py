@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
-from kilter.analysis.assumptions.assume import FEW_VERTICES, Assumed, assume
-from kilter.analysis.assumptions.rung_verdict import judged
+from kilter.analysis.assumptions.assume import FEW_VERTICES, Assumed, assume, judged
 from kilter.analysis.check import check_level
 from kilter.analysis.verdict.remarks import floating_groups, touching_nothing
 from kilter.analysis.verdict.verdict import Verdict
@@ -21,11 +19,6 @@ from kilter.assembly.question import Question
 from kilter.contact import ContactSet, detect
 from kilter.errors import KilterError
 
-DRAWINGS = (
-    *(".step", ".stp", ".igs", ".iges", ".fcstd", ".3dm", ".3mf", ".stl", ".obj", ".ply", ".off"),
-    *(".dae", ".gltf", ".glb"),
-)
-"""Endings of the files whose answers have a ladder; folders of such files have one, too."""
 MOST_PARTS, MOST_JOINED = 60, 16_000
 """Sizes up to which the rows search for a pose at rest: number of parts, and number of vertices on
 the rung joined, whose bodies are few; `FEW_VERTICES` on the others."""
@@ -37,17 +30,8 @@ NAMED = 5
 """Number of the falling parts that a row names."""
 
 
-def is_drawing(assembly: Assembly) -> bool:
-    """Whether an assembly comes from CAD, from a mesh file, or from a folder of them."""
-    source = Path(assembly.source)
-    return bool(assembly.source) and (source.suffix.lower() in DRAWINGS or source.is_dir())
-
-
-def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
-    """The rows of the ladder beside a verdict; empty if the drawn pose holds, or has no ladder."""
-    drawn, contacts = verdict.drawn, verdict.drawn_contacts
-    if drawn is None or contacts is None or not is_drawing(drawn) or verdict.time_limit is not None:
-        return ()
+def ladder_rows(verdict: Verdict, drawn: Assembly, contacts: ContactSet) -> tuple[LadderRow, ...]:
+    """The rows beside the verdict on a drawing and its contacts; none if the drawn pose holds."""
     asked = Question(
         assembly=drawn, contacts=contacts, require=verdict.require, effort=verdict.effort,
         time_limit=verdict.seconds_left,

@@ -1,17 +1,21 @@
-"""The verdict of `kilter.check` on a rung of the ladder of assumptions."""
+"""Questions on a rung of the ladder of assumptions, and the verdict of `kilter.check` on it.
+
+The rungs above "drawn" move or join parts. Their modules are imported when a question is on one of
+them, since most questions are about the drawn pose.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from kilter.analysis.assumptions.assume import Assumed, assume, rung_of
+from kilter.analysis.assumptions.rungs import is_drawing, rung_of
 from kilter.analysis.check import check
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.assembly.assumption import DRAWN
+from kilter.assembly.assumption import DRAWN, PLAY, LadderRow
 from kilter.assembly.question import Question
-from kilter.tell.levels import holds, level_rank
+from kilter.contact import detect
+from kilter.tell.ladder_words import assumed_words
 from kilter.work import stop_after
 
 OPEN = (
@@ -30,6 +34,8 @@ def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
     if rung == DRAWN:
         verdict = check(asked, measures=measures)
         return replace(verdict, drawn=asked.assembly, drawn_contacts=verdict.contact_set)
+    from kilter.analysis.assumptions.assume import assume, judged
+
     with stop_after(asked.seconds_left):
         found = assume(asked, rung)
     marked = found.marked
@@ -47,14 +53,32 @@ def verdict_on_rung(asked: Question, *, measures: bool) -> Verdict:
     )
 
 
-def judged(asked: Question, found: Assumed, judge: Callable[[Question], Verdict]) -> Verdict:
-    """The verdict on the contacts of the pose, or on its closed points if they prove more."""
-    verdict = judge(asked.but(assembly=found.assembly, contacts=found.contacts))
-    if found.closed is None or holds(verdict.level, asked.require):
-        return verdict
-    closed = found.closed.closed
-    listed = replace(found.assembly, contacts=closed.assembly.contacts, detect=False)
-    other = judge(asked.but(assembly=listed, contacts=closed.contacts.of(listed)))
-    if level_rank(other.level) <= level_rank(verdict.level):
-        return verdict
-    return replace(other, rest_gap=found.closed.gap)
+def assumed(asked: Question) -> Question:
+    """The question about the assembly on its rung, as the functions other than `check` ask it."""
+    rung = rung_of(asked)
+    if rung == DRAWN:
+        return asked
+    from kilter.analysis.assumptions.assume import as_drawn, assume, with_joints
+
+    if asked.verb == "settle":
+        if rung == PLAY:
+            return asked
+        contacts = detect.touching(asked)
+        base = with_joints(asked.assembly, contacts, rung)
+        return asked.but(assembly=as_drawn(base), contacts=contacts.of(base))
+    found = assume(asked, rung)
+    words = assumed_words(found.joints, found.moved, found.assembly.units)
+    marked = found.marked
+    if words:
+        marked = replace(marked, notes=[*marked.notes, words])
+    return asked.but(assembly=marked, contacts=found.contacts.of(marked))
+
+
+def ladder(verdict: Verdict) -> tuple[LadderRow, ...]:
+    """The rows of the ladder beside a verdict; empty if the drawn pose holds, or has no ladder."""
+    drawn, contacts = verdict.drawn, verdict.drawn_contacts
+    if drawn is None or contacts is None or not is_drawing(drawn) or verdict.time_limit is not None:
+        return ()
+    from kilter.analysis.assumptions.ladder import ladder_rows
+
+    return ladder_rows(verdict, drawn, contacts)

@@ -28,7 +28,7 @@ from kilter.analysis.many.verdicts import (
     Verdicts,
     decide_together,
 )
-from kilter.arrays import Index
+from kilter.arrays import Index, Labels
 from kilter.assembly import Assembly
 from kilter.assembly.array_geometry import SideBySide, arrays_side_by_side, side_by_side
 from kilter.assembly.assembly_arrays import AssemblyArrays
@@ -135,15 +135,19 @@ def _put_clear(
     which, answers = clear
     numbers = answers.residual, answers.power, answers.violation
     rows.put_proved(which, answers.code == STABLE, answers.code == UNSTABLE, numbers)
-    decided = which[answers.code != LEFT] if proofs else which[:0]
-    for first in range(0, len(decided), AT_ONCE):
-        late = _LateProofs(given, decided[first : first + AT_ONCE], tolerance)
-        rows.proofs.update({k: partial(late.of, k) for k in late.some.tolist()})
+    decided = which[answers.code != LEFT]
+    late = [
+        _LateProofs(given, decided[first : first + AT_ONCE], tolerance)
+        for first in range(0, len(decided), AT_ONCE)
+    ]
+    rows.again.extend(one.words for one in late)
+    if proofs:
+        rows.proofs.update({k: partial(one.of, k) for one in late for k in one.some.tolist()})
 
 
 @dataclass(eq=False)
 class _LateProofs:
-    """Proofs of the assemblies `some` of `given`, which compiled code has decided.
+    """Proofs of the assemblies `some` of `given`, shape (m,), which compiled code has decided.
 
     They are made together at the first request, without compiled code.
     """
@@ -154,18 +158,38 @@ class _LateProofs:
 
     @cached_property
     def rows(self) -> FoundVerdicts:
-        """The verdicts of the computation without compiled code, with their proofs."""
-        rows = FoundVerdicts.empty(len(self.given))
-        for which, decided in _together(self.given, self.some, self.tolerance):
-            rows.put_together(which, decided, proofs=True)
-        return rows
+        """The verdicts on `some` of the computation without compiled code, with their proofs."""
+        return self._found(proofs=True)
+
+    def words(self) -> tuple[Index, Labels]:
+        """The assemblies, and the words of the computation without compiled code."""
+        found = self._found(proofs=False)
+        for n in found.left.tolist():
+            self._check(n, found)
+        return self.some, found.word
 
     def of(self, k: int) -> Certificate | None:
         """The program and the proof of assembly k."""
-        if k not in self.rows.proofs:
-            _put_check(self.given, k, {"tolerance": self.tolerance}, self.rows, proofs=True)
-        proof = self.rows.proofs.get(k)
+        n = int(np.searchsorted(self.some, k))
+        if n not in self.rows.proofs:
+            self._check(n, self.rows)
+        proof = self.rows.proofs.get(n)
         return None if proof is None else proof()
+
+    def _found(self, *, proofs: bool) -> FoundVerdicts:
+        rows, every = FoundVerdicts.empty(len(self.some)), np.arange(len(self.some))
+        for which, decided in _together(self._few, every, self.tolerance):
+            rows.put_together(which, decided, proofs=proofs)
+        return rows
+
+    def _check(self, n: int, rows: FoundVerdicts) -> None:
+        _put_check(self._few, n, {"tolerance": self.tolerance}, rows, proofs=True)
+
+    @property
+    def _few(self) -> Sequence[Assembly] | AssemblyArrays:
+        if isinstance(self.given, AssemblyArrays):
+            return self.given.among(self.some)
+        return [self.given[k] for k in self.some.tolist()]
 
 
 def _given(

@@ -15,11 +15,14 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """Compile a function at its first call; its machine code is kept on disk if possible."""
+    """Compile a function at its first call; its machine code is kept on disk if possible.
+
+    A division by zero gives an infinity or NaN, which no comparison of a proof accepts.
+    """
     if numba is None:
         return function
     try:
-        made = numba.njit(cache=True)(function)
+        made = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # no folder for the machine code can be written
-        made = numba.njit(function)
+        made = numba.njit(error_model="numpy")(function)
     return cast(Function, made)

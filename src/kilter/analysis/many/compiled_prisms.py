@@ -167,6 +167,15 @@ def _levels(local: Array, count: int, rounding: float) -> tuple[float, float]:
 
 
 @compiled
+def _turn(x: float, y: float) -> float:
+    """A number that grows with the angle of a direction, from -2 at (-1, 0) around to 2."""
+    away = abs(x) + abs(y)
+    if not away > 0:
+        return 0.0
+    return float(1 - x / away if y >= 0 else x / away - 1)
+
+
+@compiled
 def _ring(desk: Desk, count: int, middle: float) -> int:
     """Write the lower corners by their angle about their mean; return their number."""
     local, ring, angle = desk.local, desk.ring, desk.angle
@@ -182,7 +191,7 @@ def _ring(desk: Desk, count: int, middle: float) -> int:
     x, y = x / n, y / n
     for k in range(n):
         i = ring[k]
-        own = np.arctan2(local[i, 1] - y, local[i, 0] - x)
+        own = _turn(local[i, 0] - x, local[i, 1] - y)
         at = k
         while at > 0 and angle[at - 1] > own:
             angle[at], ring[at] = angle[at - 1], ring[at - 1]

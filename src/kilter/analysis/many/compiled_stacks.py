@@ -96,17 +96,20 @@ class Answers(NamedTuple):
 
 
 @compiled
-def _solve(gram: Array, right: Array) -> tuple[float, float, float, float]:
-    """Solve a symmetric system of three equations; also bound its least eigenvalue from below."""
-    a, b, c = gram[0, 0], gram[0, 1], gram[0, 2]
-    d, e, f = gram[1, 1], gram[1, 2], gram[2, 2]
+def _solve(
+    gram: tuple[float, float, float, float, float, float], x: float, y: float, z: float
+) -> tuple[float, float, float, float]:
+    """Solve a symmetric system of three equations; also bound its least eigenvalue from below.
+
+    Arguments: `gram`: entries 11, 12, 13, 22, 23 and 33; `x`, `y`, `z`: right side.
+    """
+    a, b, c, d, e, f = gram
     p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
     det = a * p + b * q + c * r
     trace = a + d + f
     if not det > 0:
         return 0.0, 0.0, 0.0, 0.0
     s, t, w = a * f - c * c, b * c - a * e, a * d - b * b
-    x, y, z = right
     # the product of the two larger eigenvalues is at most a quarter of the square of the trace
     return (
         (p * x + q * y + r * z) / det,
@@ -117,31 +120,27 @@ def _solve(gram: Array, right: Array) -> tuple[float, float, float, float]:
 
 
 @compiled
-def _footing(prisms: Prisms, p: int, point: Array, foot: Array) -> None:
-    """Write (1, u, v) of a point: its horizontal place from the centre over the radius."""
-    foot[0] = 1.0
-    foot[1] = (point[0] - prisms.centre[p, 0]) / prisms.size[p, 1]
-    foot[2] = (point[1] - prisms.centre[p, 1]) / prisms.size[p, 1]
-
-
-@compiled
-def _add_moments(gram: Array, foot: Array, weight: float) -> None:
-    for i in range(3):
-        for j in range(3):
-            gram[i, j] += weight * foot[i] * foot[j]
+def _footing(prisms: Prisms, p: int, point: Array) -> tuple[float, float]:
+    """Horizontal place (u, v) of a point from the centre of part p, over its radius."""
+    return (
+        (point[0] - prisms.centre[p, 0]) / prisms.size[p, 1],
+        (point[1] - prisms.centre[p, 1]) / prisms.size[p, 1],
+    )
 
 
 @compiled
 def _share_least(feet: Array, count: int, need: Array, force: Array) -> bool:
     """Share a load by least squares; false if a force pulls or the supports are on a line."""
-    gram = np.zeros((3, 3))
+    su = sv = suu = suv = svv = 0.0
     for k in range(count):
-        _add_moments(gram, feet[k], 1.0)
-    a, b, c, least = _solve(gram, need)
-    if not least > STEADY * (gram[0, 0] + gram[1, 1] + gram[2, 2]):
+        u, v = feet[k, 0], feet[k, 1]
+        su, sv, suu, suv, svv = su + u, sv + v, suu + u * u, suv + u * v, svv + v * v
+    gram = (float(count), su, sv, suu, suv, svv)
+    a, b, c, least = _solve(gram, need[0], need[1], need[2])
+    if not least > STEADY * (count + suu + svv):
         return False
     for k in range(count):
-        force[k] = a + b * feet[k, 1] + c * feet[k, 2]
+        force[k] = a + b * feet[k, 0] + c * feet[k, 1]
         if not force[k] > 1e-3 * need[0] / count:
             return False
     return True
@@ -152,26 +151,26 @@ def _hull(feet: Array, count: int, hull: Index) -> int:
     """Write the corners of the convex hull, counterclockwise; return their number (Jarvis)."""
     start = 0
     for k in range(1, count):
-        if (feet[k, 1], feet[k, 2]) < (feet[start, 1], feet[start, 2]):
+        if (feet[k, 0], feet[k, 1]) < (feet[start, 0], feet[start, 1]):
             start = k
     here, n = start, 0
     while n < count:
         hull[n], n = here, n + 1
         best = -1
         for k in range(count):
-            x, y = feet[k, 1] - feet[here, 1], feet[k, 2] - feet[here, 2]
+            x, y = feet[k, 0] - feet[here, 0], feet[k, 1] - feet[here, 1]
             if x * x + y * y < INSIDE * INSIDE:
                 continue
             if best < 0:
                 best = k
                 continue
-            bx, by = feet[best, 1] - feet[here, 1], feet[best, 2] - feet[here, 2]
+            bx, by = feet[best, 0] - feet[here, 0], feet[best, 1] - feet[here, 1]
             turn = bx * y - by * x
             if turn < -1e-12 or (turn <= 1e-12 and x * x + y * y > bx * bx + by * by):
                 best = k
         if best < 0:
             break
-        x, y = feet[best, 1] - feet[start, 1], feet[best, 2] - feet[start, 2]
+        x, y = feet[best, 0] - feet[start, 0], feet[best, 1] - feet[start, 1]
         if x * x + y * y < INSIDE * INSIDE:
             break
         here = best
@@ -184,8 +183,8 @@ def _beyond(feet: Array, hull: Index, n: int, u: float, v: float) -> tuple[float
     most, edge = -np.inf, -1
     for k in range(n):
         a, b = hull[k], hull[(k + 1) % n]
-        x, y = feet[b, 1] - feet[a, 1], feet[b, 2] - feet[a, 2]
-        out = ((u - feet[a, 1]) * y - (v - feet[a, 2]) * x) / np.sqrt(x * x + y * y)
+        x, y = feet[b, 0] - feet[a, 0], feet[b, 1] - feet[a, 1]
+        out = ((u - feet[a, 0]) * y - (v - feet[a, 1]) * x) / np.sqrt(x * x + y * y)
         if out > most:
             most, edge = out, k
     return most, edge
@@ -199,13 +198,13 @@ def _share_hull(feet: Array, count: int, hull: Index, n: int, need: Array, force
     tangent = np.empty(n)
     for k in range(n):
         a, b = hull[k], hull[(k + 1) % n]
-        ax, ay, bx, by = feet[a, 1] - u, feet[a, 2] - v, feet[b, 1] - u, feet[b, 2] - v
+        ax, ay, bx, by = feet[a, 0] - u, feet[a, 1] - v, feet[b, 0] - u, feet[b, 1] - v
         cross, dot = ax * by - ay * bx, ax * bx + ay * by
         tangent[k] = cross / (np.sqrt((ax * ax + ay * ay) * (bx * bx + by * by)) + dot)
     total = 0.0
     for k in range(n):
         a = hull[k]
-        far = np.hypot(feet[a, 1] - u, feet[a, 2] - v)
+        far = np.hypot(feet[a, 0] - u, feet[a, 1] - v)
         force[a] = (tangent[k - 1] + tangent[k]) / far
         total += force[a]
     force[:count] *= need[0] / total
@@ -220,7 +219,7 @@ def _gather(prisms: Prisms, touches: Touches, found: int, p: int, feet: Array) -
             for k in range(touches.sides[c]):
                 if count == MOST_POINTS:
                     return -1
-                _footing(prisms, p, touches.points[c, k], feet[count])
+                feet[count, 0], feet[count, 1] = _footing(prisms, p, touches.points[c, k])
                 count += 1
     return count
 
@@ -230,15 +229,16 @@ def _pass_down(
     prisms: Prisms, touches: Touches, found: int, p: int, force: Array, statics: Statics
 ) -> None:
     """Store the forces of the supports of part p, and add them to the loads of the parts below."""
-    at, foot = 0, np.empty(3)
+    at = 0
     for c in range(found):
         if touches.upper[c] == p:
             lower = touches.lower[c]
             for k in range(touches.sides[c]):
                 statics.force[c, k] = force[at]
-                _footing(prisms, lower, touches.points[c, k], foot)
-                for i in range(3):
-                    statics.need[lower, i] += force[at] * foot[i]
+                u, v = _footing(prisms, lower, touches.points[c, k])
+                statics.need[lower, 0] += force[at]
+                statics.need[lower, 1] += force[at] * u
+                statics.need[lower, 2] += force[at] * v
                 at += 1
 
 
@@ -263,11 +263,11 @@ def _tip(
                 statics.motion[q, 2] = -1.0
         return
     radius = prisms.size[p, 1]
-    x, y = feet[b, 1] - feet[a, 1], feet[b, 2] - feet[a, 2]
+    x, y = feet[b, 0] - feet[a, 0], feet[b, 1] - feet[a, 1]
     long = np.sqrt(x * x + y * y)
     x, y = x / long, y / long  # the hull is to the left of the edge: it turns to the right
-    px = prisms.centre[p, 0] + radius * feet[a, 1]
-    py = prisms.centre[p, 1] + radius * feet[a, 2]
+    px = prisms.centre[p, 0] + radius * feet[a, 0]
+    py = prisms.centre[p, 1] + radius * feet[a, 1]
     pz = prisms.level[p, 0]
     for q in range(len(statics.order)):
         if not statics.moving[q]:
@@ -332,8 +332,7 @@ def _carried_sums(
     prisms: Prisms, touches: Touches, found: int, parts: int, statics: Statics
 ) -> tuple[Array, Array, float]:
     """Balance (force and moments over the radius) and sum of forces of each part; the largest."""
-    left, sums, foot = np.zeros((parts, 3)), np.zeros(parts), np.empty(3)
-    largest = 0.0
+    left, sums, largest = np.zeros((parts, 3)), np.zeros(parts), 0.0
     left[:, 0] = -statics.weight[:parts]
     for c in range(found):
         for k in range(touches.sides[c]):
@@ -343,9 +342,11 @@ def _carried_sums(
             largest = max(largest, force)
             for side in range(2):
                 p = touches.upper[c] if side == 0 else touches.lower[c]
-                _footing(prisms, p, touches.points[c, k], foot)
-                for i in range(3):
-                    left[p, i] += (force if side == 0 else -force) * foot[i]
+                u, v = _footing(prisms, p, touches.points[c, k])
+                push = force if side == 0 else -force
+                left[p, 0] += push
+                left[p, 1] += push * u
+                left[p, 2] += push * v
                 sums[p] += force
     return left, sums, largest
 
@@ -356,7 +357,7 @@ def _judge_forces(
 ) -> tuple[bool, float]:
     """Whether the forces prove that all parts stay, and their largest relative imbalance."""
     left, sums, largest = _carried_sums(prisms, touches, found, parts, statics)
-    worst, foot, gram = 0.0, np.empty(3), np.empty((3, 3))
+    worst = 0.0
     if largest < 0:
         return False, 0.0
     for place in range(parts):
@@ -371,33 +372,39 @@ def _judge_forces(
         p = statics.order[place]
         if statics.held[p]:
             continue
-        gram[:] = 0.0
+        s = su = sv = suu = suv = svv = 0.0
         for c in range(found):
             if touches.upper[c] == p:
                 for k in range(touches.sides[c]):
-                    if statics.force[c, k] > CARRIES * largest:
-                        _footing(prisms, p, touches.points[c, k], foot)
-                        _add_moments(gram, foot, statics.force[c, k])
-        a, b, d, least = _solve(gram, -left[p])
-        if not least > STEADY * (gram[0, 0] + gram[1, 1] + gram[2, 2]):
+                    force = statics.force[c, k]
+                    if force > CARRIES * largest:
+                        u, v = _footing(prisms, p, touches.points[c, k])
+                        s, su, sv = s + force, su + force * u, sv + force * v
+                        suu, suv = suu + force * u * u, suv + force * u * v
+                        svv += force * v * v
+        gram = (s, su, sv, suu, suv, svv)
+        a, b, d, least = _solve(gram, -left[p, 0], -left[p, 1], -left[p, 2])
+        if not least > STEADY * (s + suu + svv):
             return False, worst
         for c in range(found):
             if touches.upper[c] == p:
                 for k in range(touches.sides[c]):
-                    _footing(prisms, p, touches.points[c, k], foot)
-                    change = a + b * foot[1] + d * foot[2]
+                    u, v = _footing(prisms, p, touches.points[c, k])
+                    change = a + b * u + d * v
                     if not abs(change) < CHANGED:
                         return False, worst
-                    _footing(prisms, touches.lower[c], touches.points[c, k], foot)
-                    for i in range(3):
-                        left[touches.lower[c], i] -= statics.force[c, k] * change * foot[i]
+                    lower, force = touches.lower[c], statics.force[c, k] * change
+                    u, v = _footing(prisms, lower, touches.points[c, k])
+                    left[lower, 0] -= force
+                    left[lower, 1] -= force * u
+                    left[lower, 2] -= force * v
     return True, worst
 
 
 @compiled
 def _spread(prisms: Prisms, touches: Touches, found: int, parts: int, statics: Statics) -> int:
     """Find forces, or the motion of the highest part that no forces hold."""
-    feet, force = np.empty((MOST_POINTS, 3)), np.empty(MOST_POINTS)
+    feet, force = np.empty((MOST_POINTS, 2)), np.empty(MOST_POINTS)
     hull = np.empty(MOST_POINTS, dtype=np.int64)
     for place in range(parts):
         p = statics.order[place]

@@ -230,12 +230,15 @@ class FoundVerdicts:
     proofs: dict[int, Callable[[], Certificate | None]]
     """Functions that return the program and the proof of an assembly, by its index."""
     errors: dict[int, KilterError]
+    again: list[Callable[[], tuple[Index, Labels]]]
+    """Functions that decide assemblies of compiled code without it, and return their indices and
+    words."""
 
     @classmethod
     def empty(cls, count: int) -> FoundVerdicts:
         """Rows of `count` assemblies without a verdict."""
         a, b, c = (np.full(count, np.nan) for _ in range(3))
-        return cls(np.full(count, "", dtype=WORD), a, b, c, {}, {})
+        return cls(np.full(count, "", dtype=WORD), a, b, c, {}, {}, [])
 
     @property
     def left(self) -> Index:
@@ -400,6 +403,19 @@ class Verdicts(Sequence[Verdict]):
     def counts(self) -> dict[str, int]:
         """Number of assemblies for each verdict word, the most frequent first."""
         return dict(Counter(self.verdict.tolist()).most_common())
+
+    def rechecked(self) -> Mask:
+        """Whether each verdict is proved, shape (M,), also without compiled code.
+
+        Verdicts of compiled code are decided again by the general computation, with its own
+        contacts, program and solver, hundreds at once. This takes a third of the time of their
+        certificates. The other verdicts have been judged so before.
+        """
+        holds: Mask = ~np.isin(self.verdict, ("undecided", "error"))
+        for decide in self._rows.again:
+            which, words = decide()
+            holds[which] = words == self.verdict[which]
+        return holds
 
     def certificate(self, k: int) -> Certificate | None:
         """The program and the proof of the k-th verdict; None if no proof is stored."""

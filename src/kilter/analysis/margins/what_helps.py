@@ -26,8 +26,10 @@ from kilter.analysis.analysis_tolerances import (
 from kilter.analysis.load_limit import (
     Limit,
     NoLimit,
+    beyond_at,
     find_limit,
     gravity_wrench,
+    motion_share,
 )
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
 from kilter.arrays import Array
@@ -135,6 +137,10 @@ class _Gain:
         gain = min(self.margin(changed), self.others) - self.before
         return 0.0 if np.isnan(gain) else gain
 
+    def value_of(self, share: float) -> float:
+        """The margin at a share of the load; infinite shares are allowed."""
+        return float(np.degrees(np.arctan(share))) if self.of == "tilt" else share
+
     def help(
         self, what: What, parts: tuple[str, ...], by: float | None, gain: float, sentence: str
     ) -> Help:
@@ -173,7 +179,7 @@ def _helps(
     if limit.motion is None or not np.isfinite(limit.value):
         return ()
     motion = limit.motion.motion
-    if float((along * motion).sum()) <= 0:
+    if float((along * motion).sum()) <= 0 or _ends_apart(program, along, motion, gain):
         return ()
     weight = program.load - program.applied + (limit.value * along if by_mass else 0.0)
     power = np.where(program.free, (weight * motion).sum(axis=1), 0.0)
@@ -183,6 +189,22 @@ def _helps(
         _mass(program, power, gain),
     ]
     return tuple(change for change in changes if change is not None)
+
+
+def _ends_apart(program: Program, along: Array, motion: Array, gain: _Gain) -> bool:
+    """Whether the mechanism of several clusters alone ends the margin: then no change helps.
+
+    A change concerns one cluster only. The motion of each other cluster proves its own limit.
+    """
+    label = program.clusters
+    numbers = np.unique(label[program.free & motion.any(axis=1)])
+    ended = 0
+    for number in numbers.tolist() if len(numbers) > 1 else ():
+        alone = np.where((label == number)[:, None], motion, 0.0)
+        share = motion_share(program, along, alone)
+        beyond = beyond_at(program, along, share, alone).beyond
+        ended += gain.value_of(beyond) <= gain.before + NO_GAIN
+    return ended > 1
 
 
 def _hold(

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kilter.analysis.assumptions.assume import Assumed, assume, rung_of
+from kilter.analysis.assumptions.assume import Assumed, assume
+from kilter.analysis.assumptions.rungs import rung_of
 from kilter.analysis.scene_states.scene_report import SceneReport
 from kilter.analysis.scene_states.survey import survey
 from kilter.analysis.settled_pose.settle import way_of
