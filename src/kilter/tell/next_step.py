@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from kilter.tell.check_facts import Answer
 from kilter.tell.facts import kind_of
-from kilter.tell.ladder_words import DRAWN, ladder_step
+from kilter.tell.ladder_words import DRAWN, JOINED, ladder_step
 from kilter.tell.margin_facts import moved_by_least
 from kilter.tell.numbers import near_zero, number
 from kilter.tell.open_words import MOVABLE
@@ -168,7 +168,8 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
     rows = [row for row in answer["ladder"] if row["friction"] is None]
-    later = [row["assume"] for row in rows if not row["decided"]]
+    open_rows = [row for row in rows if not row["decided"]]
+    later = [r["assume"] for r in open_rows if not r["falls"] or r["assume"] == JOINED]
     if later and answer["assume"] == DRAWN:
         asked = later[-1]  # fewer bodies are decided sooner
         return NextStep(("check", "--assume", asked), f"decides the row {asked}")

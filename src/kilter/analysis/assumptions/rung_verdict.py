@@ -10,6 +10,7 @@ from kilter.analysis.assumptions.assume import Assumed, assume, rung_of
 from kilter.analysis.check import check
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly.assumption import DRAWN
+from kilter.assembly.changed_copies import with_fields
 from kilter.assembly.question import Question
 from kilter.tell.levels import holds, level_rank
 from kilter.work import stop_after
@@ -53,7 +54,7 @@ def judged(asked: Question, found: Assumed, judge: Callable[[Question], Verdict]
     if found.closed is None or holds(verdict.level, asked.require):
         return verdict
     closed = found.closed.closed
-    listed = replace(found.assembly, contacts=closed.assembly.contacts, detect=False)
+    listed = with_fields(found.assembly, contacts=closed.assembly.contacts, detect=False)
     other = judge(asked.but(assembly=listed, contacts=closed.contacts.of(listed)))
     if level_rank(other.level) <= level_rank(verdict.level):
         return verdict
