@@ -67,7 +67,8 @@ def joined_words(bodies: Sequence[Entry], units: str, *, holds: bool | None) -> 
     loose = [body for body in bodies if not body["on_floor"]]
     if not standing:
         return "", ""
-    first = "one body of " + count(len(standing[0]["parts"]), "part")
+    parts = len(standing[0]["parts"])
+    first = f"one body of {parts} parts" if parts > 1 else plain(standing[0]["name"])
     words = first if len(standing) == 1 else f"{len(standing)} bodies on the floor"
     tilt = standing[0]["tilt_deg"]
     if tilt is not None:
@@ -99,7 +100,7 @@ def _rest_words(body: Entry) -> str:
     Examples
     --------
     >>> _rest_words({"rest_deg": 0.62, "rests_on": ["screw", "case"]})
-    ': it tips over by 0.62 deg and then rests on screw and case'
+    ': it tips over by 0.62 deg and then rests on screw, case'
     """
     if body.get("rest_deg") is None:
         return ""

@@ -168,9 +168,10 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
     rows = [row for row in answer["ladder"] if row["friction"] is None]
-    open_rows = [row for row in rows if not row["decided"]]
-    later = [r["assume"] for r in open_rows if not r["falls"] or r["assume"] == JOINED]
-    if later and answer["assume"] == DRAWN:
+    later = [r["assume"] for r in rows if not r["decided"]]
+    # joints never make an equilibrium impossible: what falls if joined falls on the other rungs
+    joined_falls = any(row["assume"] == JOINED and row["decided"] for row in rows)
+    if later and not joined_falls and answer["assume"] == DRAWN:
         asked = later[-1]  # fewer bodies are decided sooner
         return NextStep(("check", "--assume", asked), f"decides the row {asked}")
     if answer["ladder"] and answer["level"] is None:
