@@ -14,6 +14,7 @@ from kilter.analysis.assumptions.joining import joined
 from kilter.analysis.assumptions.rung_verdict import judged
 from kilter.analysis.assumptions.tipping_over import rest_after_tipping
 from kilter.analysis.check import check_level
+from kilter.analysis.settled_pose import straight_falls
 from kilter.assembly.assumption import Body
 from kilter.assembly.question import Question
 from kilter.scenes.pieces import block
@@ -337,3 +338,18 @@ def test_a_body_falls_surely_if_its_fall_exceeds_its_play(fall, falls):
     parts = [block("low", [0, 0, 0], [0.1, 0.1, 0.1])]
     parts.append(block("high", [0, 0, 0.1 + fall], [0.1, 0.1, 0.2 + fall]))
     assert falls_surely(Question(assembly=Assembly(parts).with_floor())) == (False, falls)
+
+
+def test_a_fall_onto_many_curved_faces_is_that_of_their_triangles(monkeypatch):
+    c, s = math.sqrt(0.5) * math.cos(0.02), math.sqrt(0.5) * math.sin(0.02)
+    lying = Pose([0.05, 0.05, 0.2], [c, s, c, s])  # turned about its axis: no corner is lowest
+    parts = [block("low", [0, 0, 0], [0.1, 0.1, 0.1]), Part("rod", Cylinder(0.03, 0.08), lying)]
+    assembly = Assembly(parts).with_floor()
+    falls = []
+    for most in (1, 0):  # the rod has a single curved face
+        monkeypatch.setattr(straight_falls, "MOST_CURVED", most)
+        falls.append(bodies(assembly)[1].fall)
+    assert falls[0] == pytest.approx(0.07, abs=1e-12)
+    slack = assembly.geometry.slack.max()
+    assert 0 <= falls[1] - 0.07 <= slack * (1 + 1e-9)
+    assert falls[1] != falls[0]
