@@ -8,10 +8,12 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere, contacts
-from kilter.analysis.assumptions.assume import assume, judged
-from kilter.analysis.assumptions.joined_bodies import bodies_of
+from kilter.analysis.assumptions.assume import assume, falls_surely, judged
+from kilter.analysis.assumptions.joined_bodies import beyond_feet, bodies_of
 from kilter.analysis.assumptions.joining import joined
+from kilter.analysis.assumptions.tipping_over import rest_after_tipping
 from kilter.analysis.check import check_level
+from kilter.analysis.settled_pose import straight_falls
 from kilter.assembly.assumption import Body
 from kilter.assembly.question import Question
 from kilter.scenes.pieces import block
@@ -278,3 +280,75 @@ def test_a_body_whose_centre_is_beyond_all_its_feet_tips_without_a_search(length
     assert found.ended is surely
     if surely:
         assert {"foot", "bar"} <= set(judged(asked, found, check_level).moving)
+
+
+def board_on_two_screws(far: float = 0.005) -> Assembly:
+    """A board .24 long whose two screws, with ends up to `far`, stick out .002 below it."""
+    screws = [
+        block(f"screw_{k}", [0.002, 0.02 + 0.05 * k, 0], [far, 0.03 + 0.05 * k, 0.002])
+        for k in range(2)
+    ]
+    return Assembly([block("board", [0, 0, 0.002], [0.24, 0.1, 0.02]), *screws]).with_floor()
+
+
+def test_a_board_on_two_screws_at_one_end_tips_and_rests_on_its_far_edge():
+    [body] = bodies(board_on_two_screws())
+    assert body.tilt_deg == 0.0
+    assert body.rest_deg == pytest.approx(math.degrees(math.atan(0.002 / (0.24 - 0.005))), abs=1e-9)
+    assert body.rests_on == ("board", "screw_0", "screw_1")
+
+
+def test_a_board_on_screws_below_its_middle_stands():
+    [body] = bodies(board_on_two_screws(far=0.13))
+    assert body.tilt_deg > 0
+    assert (body.rest_deg, body.rests_on) == (None, ())
+
+
+def test_a_rounded_body_rolls_over_all_its_edges_to_its_rest():
+    # a half disc as a polygon, heavy at one end of its flat top: it rolls until this end is below
+    turn = np.linspace(np.pi, 2 * np.pi, 181)
+    rim = np.column_stack([np.cos(turn), 0 * turn, np.sin(turn)])
+    points = np.concatenate([rim, rim + np.array([0, 1, 0])])
+    center = np.array([0.5 * np.cos(np.radians(-40)), 0.5, 0.5 * np.sin(np.radians(-40))])
+    angle, feet = rest_after_tipping(points, center, np.array([0, 0, -1.0]))
+    assert np.degrees(angle) == pytest.approx(50.0, abs=0.51)  # half a side of the polygon
+    assert np.isin(rim[:, 0][feet % 181], rim[[139, 140, 141], 0]).all()
+    upright = rest_after_tipping(points, np.array([0, 0.5, -0.4]), np.array([0, 0, -1.0]))
+    assert upright is not None
+    assert upright[0] == 0.0
+
+
+@pytest.mark.parametrize("reach", [0.0, 0.02])
+@pytest.mark.parametrize("more", [-1e-3, 1e-3])
+def test_parts_whose_common_centre_is_beyond_all_points_that_may_reach_the_floor_tip(reach, more):
+    # the centre of a foot of length a and a beam of length b on it is beyond c from this length on
+    a, c = 0.1, 0.1 + 2 * reach
+    b = c + math.sqrt(c**2 + 2 * a * c - a**2) + more
+    parts = [block("foot", [0, 0, 0], [a, 0.1, 0.1]), block("beam", [0, 0, 0.1], [b, 0.1, 0.2])]
+    assembly = Assembly(parts).with_floor()
+    assert beyond_feet(assembly, np.array([0, 1]), reach) is (more > 0)
+    held = replace(assembly, parts=[replace(parts[0], grounded=True), *assembly.parts[1:]])
+    assert not beyond_feet(held, np.array([1]), reach)
+
+
+@pytest.mark.parametrize(("fall", "falls"), [(0.0039, ()), (0.0041, ("high",))])
+def test_a_body_falls_surely_if_its_fall_exceeds_its_play(fall, falls):
+    # a large part has a play of .002, and this one is above two contacts
+    parts = [block("low", [0, 0, 0], [0.1, 0.1, 0.1])]
+    parts.append(block("high", [0, 0, 0.1 + fall], [0.1, 0.1, 0.2 + fall]))
+    assert falls_surely(Question(assembly=Assembly(parts).with_floor())) == (False, falls)
+
+
+def test_a_fall_onto_many_curved_faces_is_that_of_their_triangles(monkeypatch):
+    c, s = math.sqrt(0.5) * math.cos(0.02), math.sqrt(0.5) * math.sin(0.02)
+    lying = Pose([0.05, 0.05, 0.2], [c, s, c, s])  # turned about its axis: no corner is lowest
+    parts = [block("low", [0, 0, 0], [0.1, 0.1, 0.1]), Part("rod", Cylinder(0.03, 0.08), lying)]
+    assembly = Assembly(parts).with_floor()
+    falls = []
+    for most in (1, 0):  # the rod has a single curved face
+        monkeypatch.setattr(straight_falls, "MOST_CURVED", most)
+        falls.append(bodies(assembly)[1].fall)
+    assert falls[0] == pytest.approx(0.07, abs=1e-12)
+    slack = assembly.geometry.slack.max()
+    assert 0 <= falls[1] - 0.07 <= slack * (1 + 1e-9)
+    assert falls[1] != falls[0]

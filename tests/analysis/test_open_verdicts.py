@@ -353,3 +353,22 @@ def test_rounded_rows_alone_prove_the_same(seed, monkeypatch):
         lambda program, work: rounded(judging.scaled_problem(program), work),
     )  # fmt: skip
     assert judge(program).stable is known
+
+
+@pytest.mark.parametrize("seed", sampled(3, 40))
+def test_a_program_of_many_points_is_proved_from_rounded_rows(seed, monkeypatch):
+    program = random_fit(seed)
+    known = judge(program).stable
+    monkeypatch.setattr(judging, "MANY_POINTS", 0)
+    tried = []
+    once = judging._by_least_imbalance
+
+    def noted(problem, **options):
+        tried.append(options["presolve"])
+        yield from once(problem, **options)
+
+    monkeypatch.setattr(judging, "_by_least_imbalance", noted)
+    judgement = judge(program)
+    assert tried[0] is False
+    assert judgement.stable is known
+    assert proves_by_matrix(program, judgement)

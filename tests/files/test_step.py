@@ -104,6 +104,13 @@ def test_several_roots_and_names_beyond_ascii(tmp_path):
     assert load(write_step(tmp_path / "ä.step", roots)).names == ("Träger/links", "板")
 
 
+def test_products_that_an_exporter_numbered_are_named_after_the_file(tmp_path):
+    names = ("Open CASCADE STEP translator 7.7 1.1", "Open CASCADE STEP translator 7.7 1.2", "lid")
+    nodes = [(name, box(1.0, 1.0, 1.0 + k), None) for k, name in enumerate(names)]
+    file = write_step(tmp_path / "case.step", nodes)
+    assert load(file).names == ("case_1", "case_2", "lid")
+
+
 def test_placements_turn_and_move(tmp_path):
     shape = box(1.0, 2.0, 3.0)
     turned = placement((10, 20, 30), HALF_TURN_X)

@@ -28,6 +28,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import DRAWN
+from kilter.assembly.changed_copies import with_fields
 from kilter.assembly.question import Question, question
 from kilter.contact import ContactSet, detect
 from kilter.errors import InputError, SolverError, TimeLimitReached
@@ -208,7 +209,7 @@ def _final(verdict: Verdict) -> Assembly:
     assembly = verdict.assembly
     if verdict.assume == DRAWN:
         return assembly
-    return replace(assembly, reading={**(assembly.reading or {}), "assume": DRAWN})
+    return with_fields(assembly, reading={**(assembly.reading or {}), "assume": DRAWN})
 
 
 def only_given(verdict: Verdict) -> Everything:

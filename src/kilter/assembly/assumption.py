@@ -70,6 +70,11 @@ class Body(Record):
     body on a floor, without a held part, and its contacts with the floor are modelled."""
     tilt_down: Vector | None = None
     """Direction of gravity at this tilt [-]; null without a tilt."""
+    rest_deg: float | None = None
+    """Angle by which a body that tips as it stands tips over until it rests on its triangles [deg];
+    else null."""
+    rests_on: tuple[str, ...] = ()
+    """Its parts that touch the floor then."""
     nearest: str | None = None
     """Nearest part of another body; null for a body on the floor."""
     distance: float | None = None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +35,9 @@ THICK = 0.25
 """Thickness of the floor [widths of the parts together]."""
 ALIKE = ("units", "gravity", "friction", "planar", "detect", "tolerance")
 """Fields in which two assemblies must agree before they are merged."""
+
+
+Copy = TypeVar("Copy", bound="ChangedCopies")
 
 
 class ChangedCopies(Value):
@@ -413,3 +416,8 @@ def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
     )
     chords = Chords(p[keep], q[keep], rows[keep], corners[:, :, 0], normal)
     return chords, owner[sides[keep, 0]]
+
+
+def with_fields(assembly: Copy, **changes: Any) -> Copy:
+    """A copy of an assembly with other values of the given fields; it shares the geometry."""
+    return assembly._replace(**changes)

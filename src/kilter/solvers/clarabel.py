@@ -142,6 +142,8 @@ def serve() -> None:
 
 STEPS = 100
 """Maximum number of interior-point steps of a conic program."""
+MANY_ROWS, DENSE = 10, 2000
+"""Rows for each unknown above which active rows are eliminated, for at most this many unknowns."""
 GUESSES = 4
 """Maximum number of active sets that polishing tries."""
 REGULAR = 1e-9
@@ -323,23 +325,47 @@ def _solve_active_set(program: ConicProgram, rows: Index, start: Solution) -> tu
     count, row_count = active_rows.shape[1], active_rows.shape[0]
     regular = REGULAR * max(1.0, float(np.abs(program.quadratic.diagonal()).max(initial=0.0)))
     quadratic = program.quadratic + regular * eye_array(count)
-    system = block_array(
-        [[quadratic, active_rows.T], [-active_rows, regular * eye_array(row_count)]], format="csc"
-    )
+    solve = None
+    if row_count > MANY_ROWS * count and count <= DENSE:
+        solve = _condensed(quadratic, active_rows, regular)
+    if solve is None:
+        blocks = [[quadratic, active_rows.T], [-active_rows, regular * eye_array(row_count)]]
+        solve = splu(block_array(blocks, format="csc")).solve
     exact = block_array(
         [[program.quadratic, active_rows.T], [-active_rows, diags_array(np.zeros(row_count))]],
         format="csc",
     )
     right = np.concatenate([-program.cost, -program.bound[rows]])
-    factor = splu(system)
     z = np.concatenate([start.x, start.multipliers[rows]])
     # the residual is that of the exact system: the steps remove the error of the regularisation
     for _ in range(REFINED):
         residual = right - exact @ z
         if np.abs(residual).max(initial=0.0) < ROUNDING:
             break
-        z = z + factor.solve(residual)
+        z = z + solve(residual)
     return z[:count], z[count:]
+
+
+def _condensed(quadratic: Any, rows: Any, regular: float) -> Callable[[Array], Array] | None:
+    """Solver of a regularised system [[Q, A^T], [-A, r]] whose rows A far outnumber its unknowns.
+
+    Without its multipliers (g + A x) / r the system is Q + A^T A / r, small and dense; the LU
+    factors of the whole system would be large. None if Q is not positive.
+    """
+    from scipy.linalg import cho_factor, cho_solve
+
+    count = rows.shape[1]
+    try:
+        small = cho_factor((quadratic + rows.T @ rows / regular).toarray())
+    except np.linalg.LinAlgError:
+        return None
+
+    def solve(right: Array) -> Array:
+        first, second = right[:count], right[count:]
+        x = cho_solve(small, first - rows.T @ second / regular)
+        return np.concatenate([x, (second + rows @ x) / regular])
+
+    return solve
 
 
 def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multipliers | None:

@@ -67,12 +67,13 @@ def joined_words(bodies: Sequence[Entry], units: str, *, holds: bool | None) -> 
     loose = [body for body in bodies if not body["on_floor"]]
     if not standing:
         return "", ""
-    first = "one body of " + count(len(standing[0]["parts"]), "part")
+    parts = len(standing[0]["parts"])
+    first = f"one body of {parts} parts" if parts > 1 else plain(standing[0]["name"])
     words = first if len(standing) == 1 else f"{len(standing)} bodies on the floor"
     tilt = standing[0]["tilt_deg"]
     if tilt is not None:
         tips = f"tips at {number(tilt, 3)} deg" if tilt else "does not stand as drawn"
-        words += f", which {tips}"
+        words += f", which {tips}{_rest_words(standing[0])}"
     if not loose:
         return words, ""
     falls = [body["fall"] for body in loose]
@@ -91,6 +92,20 @@ def joined_words(bodies: Sequence[Entry], units: str, *, holds: bool | None) -> 
     others = {body["nearest"] for body in loose}
     other = plain(others.pop()) if len(others) == 1 else "the nearest parts"
     return words, f"{name} {'are' if many else 'is'} {_range(gaps, units)} {where} {other}"
+
+
+def _rest_words(body: Entry) -> str:
+    """Return how far a body that tips as it stands tips over, and on what it rests; else nothing.
+
+    Examples
+    --------
+    >>> _rest_words({"rest_deg": 0.62, "rests_on": ["screw", "case"]})
+    ': it tips over by 0.62 deg and then rests on screw, case'
+    """
+    if body.get("rest_deg") is None:
+        return ""
+    feet = some([plain(name) for name in body["rests_on"]], FEW)
+    return f": it tips over by {number(body['rest_deg'], 2)} deg and then rests on {feet}"
 
 
 def _range(values: Sequence[float], units: str) -> str:

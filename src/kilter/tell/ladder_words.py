@@ -151,6 +151,10 @@ lid, pin).'
         if verdict != "unstable":
             return f"{begin} as drawn; even {condition(row)}, {falls}.{then}"
         return f"{begin}, even {condition(row)}: {falls}.{then}"
+    if verdict != "unstable" and all(row["verdict"] == "unstable" for row in ladder[1:]):
+        then = f" Joined: {words}." if words else ""
+        falls = fall_words(top or drawn)
+        return f"{begin} as drawn; unstable on every other assumption: {falls}.{then}"
     if top is None or top["falls"] >= drawn["falls"]:
         return f"{begin} as drawn and on every other assumption: {fall_words(drawn)}."
     return f"{begin}: {fall_words(top)}, even {condition(top)} (as drawn {fall_words(drawn)})."

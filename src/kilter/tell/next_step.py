@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from kilter.tell.check_facts import Answer
 from kilter.tell.facts import kind_of
-from kilter.tell.ladder_words import DRAWN, ladder_step
+from kilter.tell.ladder_words import DRAWN, JOINED, ladder_step
 from kilter.tell.margin_facts import moved_by_least
 from kilter.tell.numbers import near_zero, number
 from kilter.tell.open_words import MOVABLE
@@ -168,8 +168,10 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
     rows = [row for row in answer["ladder"] if row["friction"] is None]
-    later = [row["assume"] for row in rows if not row["decided"]]
-    if later and answer["assume"] == DRAWN:
+    later = [r["assume"] for r in rows if not r["decided"]]
+    # joints never make an equilibrium impossible: what falls if joined falls on the other rungs
+    joined_falls = any(row["assume"] == JOINED and row["decided"] for row in rows)
+    if later and not joined_falls and answer["assume"] == DRAWN:
         asked = later[-1]  # fewer bodies are decided sooner
         return NextStep(("check", "--assume", asked), f"decides the row {asked}")
     if answer["ladder"] and answer["level"] is None:

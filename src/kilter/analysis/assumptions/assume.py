@@ -31,6 +31,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, Joint
 from kilter.assembly.assumption import DRAWN, JOINED, PLAY
+from kilter.assembly.changed_copies import with_fields
 from kilter.assembly.question import Question
 from kilter.contact import ContactSet, detect
 from kilter.contact.fits.fastening import with_decided_pairs
@@ -156,6 +157,24 @@ def _dropped(asked: Question, plain: Assumed, *, listed: bool) -> Assumed | None
     return _posed(asked, plain, dropped.bodies.assembly(), None)
 
 
+def falls_surely(asked: Question) -> tuple[bool, tuple[str, ...]]:
+    """Whether all parts tip over together on every rung, and the parts that fall if joined.
+
+    If they do not tip over, these parts fall on every rung: they belong to bodies that touch no
+    supported part, and whose straight fall is longer than their play. No search is needed.
+    """
+    drawn, contacts = asked.assembly, detect.touching(asked)
+    base = with_joints(drawn, contacts, JOINED)
+    bodies = rigid_bodies(base, ())
+    play = _largest(bodies, play_of(base), len(bodies.mass))
+    dropped = None if refusal(base) else drop_straight(bodies, contacts, play, on_surfaces=False)
+    if dropped is None:
+        return False, ()
+    tip = tips(dropped, LONGEST_CHAIN * float(play.max()))
+    falls = bodies.free if tip else dropped.gone
+    return tip, tuple(base.names[k] for k in np.flatnonzero(falls[bodies.of_part]).tolist())
+
+
 def with_joints(assembly: Assembly, contacts: ContactSet, rung: str) -> Assembly:
     """The assembly with the joints of a rung, which its saved options then have, too."""
     if rung in (DRAWN, PLAY):
@@ -163,7 +182,7 @@ def with_joints(assembly: Assembly, contacts: ContactSet, rung: str) -> Assembly
     named = {frozenset(joint.parts) for joint in assembly.joints}
     found = [s for s in suggest_joints(assembly, contacts) if s.kind in FASTENED and s.fixed]
     joints = [Joint(s.parts, why=s.kind) for s in found if frozenset(s.parts) not in named]
-    base = replace(assembly, joints=[*assembly.joints, *joints])
+    base = with_fields(assembly, joints=[*assembly.joints, *joints])
     if rung == JOINED:
         base = joined(base, contacts)
     added = base.joints[len(assembly.joints) :]
@@ -179,7 +198,7 @@ def with_entries(assembly: Assembly, **entries: Any) -> Assembly:
             known[key] = [*known.get(key, ()), *entries[key]]
     if entries.get("poses"):
         known["poses"] = {**known.get("poses", {}), **entries["poses"]}
-    return replace(assembly, reading={**options, "entries": known} if known else options)
+    return with_fields(assembly, reading={**options, "entries": known} if known else options)
 
 
 def judged(asked: Question, found: Assumed, judge: Callable[[Question], Verdict]) -> Verdict:
@@ -188,7 +207,7 @@ def judged(asked: Question, found: Assumed, judge: Callable[[Question], Verdict]
     if found.closed is None or holds(verdict.level, asked.require):
         return verdict
     closed = found.closed.closed
-    listed = replace(found.assembly, contacts=closed.assembly.contacts, detect=False)
+    listed = with_fields(found.assembly, contacts=closed.assembly.contacts, detect=False)
     other = judge(asked.but(assembly=listed, contacts=closed.contacts.of(listed)))
     if level_rank(other.level) <= level_rank(verdict.level):
         return verdict
@@ -197,7 +216,7 @@ def judged(asked: Question, found: Assumed, judge: Callable[[Question], Verdict]
 
 def as_drawn(assembly: Assembly) -> Assembly:
     """The assembly with the rung "drawn" in its options: its poses and joints are final."""
-    return replace(assembly, reading={**(assembly.reading or {}), "assume": DRAWN})
+    return with_fields(assembly, reading={**(assembly.reading or {}), "assume": DRAWN})
 
 
 def play_of(assembly: Assembly) -> Array:

@@ -14,9 +14,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import shapely
 
 from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.assumptions.joining import adjoining, body_labels, tables
+from kilter.analysis.assumptions.tipping_over import rest_after_tipping
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.straight_falls import StraightFall, falling_distance
 from kilter.arrays import Array, Index, Mask, across, cross, members_by_label, unit_rows
@@ -45,9 +47,7 @@ def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
     standing = [group for group in groups if carried[group].any()]
     tilt: dict[str, Any] = {}
     if len(standing) == 1:
-        limit = tipping(assembly, contacts, standing[0])
-        if limit is not None:
-            tilt = {"tilt_deg": float(np.degrees(limit[0])), "tilt_down": limit[1]}
+        tilt = _tilt_words(assembly, contacts, standing[0])
     bodies = [_body(assembly, group, on_floor=True, **tilt) for group in standing]
     hanging = groups[len(standing) :]
     falls = loose.falls(hanging[:MOST_PARTS])
@@ -55,6 +55,48 @@ def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
         found = loose.found(group, falls[number]) if number < MOST_PARTS else {}
         bodies.append(_body(assembly, group, on_floor=False, **found))
     return tuple(bodies)
+
+
+def _tilt_words(assembly: Assembly, contacts: ContactSet, group: Index) -> dict[str, Any]:
+    """The keys of the only body on a floor about its tilt, and about its rest if it tips over."""
+    limit = tipping(assembly, contacts, group)
+    if limit is None and not beyond_feet(assembly, group, 0.0):
+        return {}
+    angle, over = limit or (0.0, assembly.down)
+    found: dict[str, Any] = {"tilt_deg": float(np.degrees(angle)), "tilt_down": over}
+    if angle:
+        return found
+    geometry = assembly.geometry
+    rows = np.flatnonzero(np.isin(geometry.vertex_part, group))
+    center = geometry.mass[group] @ geometry.center[group] / geometry.mass[group].sum()
+    rest = rest_after_tipping(geometry.vertices[rows], center, assembly.down)
+    if rest is not None and rest[0] > 0.0:
+        feet = np.unique(geometry.vertex_part[rows[rest[1]]])
+        found |= {
+            "rest_deg": float(np.degrees(rest[0])),
+            "rests_on": tuple(assembly.names[k] for k in feet.tolist()),
+        }
+    return found
+
+
+def beyond_feet(assembly: Assembly, parts: Index, reach: float) -> bool:
+    """Whether parts together tip over on their floor, whatever forces act between them.
+
+    Their common centre of mass is then not above any of their points that may reach the floor.
+
+    Arguments: `parts` (n,): the free parts that do not fall; `reach`: largest way of a part [length
+    unit]. False if a part is held by name, or joined to the ground.
+    """
+    geometry, down = assembly.geometry, assembly.down
+    held = geometry.grounded & ~tables(assembly)
+    if held.any() or any(GROUND in joint.parts for joint in assembly.joints) or not len(parts):
+        return False
+    points = geometry.vertices[np.isin(geometry.vertex_part, parts)]
+    depth, plane = points @ down, np.stack(across(down), axis=1)
+    room = reach + 2 * float(geometry.slack.max())
+    hull = shapely.convex_hull(shapely.multipoints(points[depth >= depth.max() - room] @ plane))
+    center = geometry.mass[parts] @ geometry.center[parts] / geometry.mass[parts].sum()
+    return bool(shapely.distance(hull, shapely.points(center @ plane)) > 2 * room)
 
 
 def body_groups(assembly: Assembly, contacts: ContactSet) -> list[Index]:

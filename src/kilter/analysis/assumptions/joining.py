@@ -6,12 +6,11 @@ of the world (`Part.table`): parts that stand on the same floor are not one body
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from kilter.arrays import Index, Mask, connected
 from kilter.assembly import Assembly, Joint
+from kilter.assembly.changed_copies import with_fields
 from kilter.contact import ContactSet
 from kilter.tell.ladder_words import TOUCHES
 
@@ -55,4 +54,4 @@ def joined(assembly: Assembly, contacts: ContactSet) -> Assembly:
     pairs = pairs[~held[pairs].all(axis=1)]
     joints = [Joint((names[a], names[b]), why=TOUCHES) for a, b in pairs.tolist()]
     new = [joint for joint in joints if frozenset(joint.parts) not in known]
-    return replace(assembly, joints=[*assembly.joints, *new])
+    return with_fields(assembly, joints=[*assembly.joints, *new])

@@ -9,7 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from kilter.analysis.assumptions.assume import FEW_VERTICES, Assumed, assume, judged
+from kilter.analysis.assumptions.assume import (
+    FEW_VERTICES,
+    Assumed,
+    assume,
+    falls_surely,
+    judged,
+)
 from kilter.analysis.check import check_level
 from kilter.analysis.verdict.remarks import floating_groups, touching_nothing
 from kilter.analysis.verdict.verdict import Verdict
@@ -36,19 +42,24 @@ def ladder_rows(verdict: Verdict, drawn: Assembly, contacts: ContactSet) -> tupl
         assembly=drawn, contacts=contacts, require=verdict.require, effort=verdict.effort,
         time_limit=verdict.seconds_left,
     )  # fmt: skip
-    rows: list[LadderRow] = []
+    first = _row(asked, verdict, DRAWN) if verdict.assume == DRAWN else _decided(asked, DRAWN, {})
+    if first.level is not None:
+        return ()
+    rows = [first]
     known: dict[int, Assumed] = {}
-    for rung in RUNGS:
+    tips, surely = falls_surely(asked)
+    for rung in RUNGS[1:]:
         if rung == verdict.assume:
             rows.append(_row(asked, verdict, rung))
-        else:
-            rows.append(_decided(asked, rung, known))
-        if rung == DRAWN and rows[0].level is not None:
-            return ()
+            continue
+        row = LadderRow(assume=rung, decided=False) if tips else _decided(asked, rung, known)
+        open_row = not row.decided and not row.falls
+        rows.append(_surely(asked, rung, surely, tips=tips) if open_row else row)
     if not any(row.level is not None for row in rows[:-1]) and not rubs(drawn, contacts):
         searched = all(found.ended for found in known.values())
-        if len(drawn.geometry.vertices) > FEW_VERTICES:
-            rows.append(LadderRow(assume=DRAWN, friction=MU, decided=False))
+        if tips or len(drawn.geometry.vertices) > FEW_VERTICES:
+            row = _surely(asked, DRAWN, surely, tips=tips)
+            rows.append(replace(row, friction=MU))
         else:
             rows.append(_with_friction(asked, PLAY if searched else DRAWN))
     return tuple(rows)
@@ -79,6 +90,16 @@ def _falling(
         names=tuple(largest[:NAMED]),
         decided=decided,
     )
+
+
+def _surely(asked: Question, rung: str, surely: Sequence[str], *, tips: bool) -> LadderRow:
+    """The row of what is certain on every rung: the parts that fall, or all tip over together.
+
+    Which parts fall on lower rungs is not known if the joined parts tip over.
+    """
+    if not tips and not surely:
+        return LadderRow(assume=rung, decided=False)
+    return _falling(asked, rung, surely if rung == JOINED or not tips else (), decided=tips)
 
 
 def _decided(asked: Question, rung: str, known: dict[int, Assumed]) -> LadderRow:

@@ -13,6 +13,7 @@ from kilter.analysis.assumptions.rungs import is_drawing, rung_of
 from kilter.analysis.check import check
 from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly.assumption import DRAWN, PLAY, LadderRow
+from kilter.assembly.changed_copies import with_fields
 from kilter.assembly.question import Question
 from kilter.contact import detect
 from kilter.tell.ladder_words import assumed_words
@@ -70,7 +71,7 @@ def assumed(asked: Question) -> Question:
     words = assumed_words(found.joints, found.moved, found.assembly.units)
     marked = found.marked
     if words:
-        marked = replace(marked, notes=[*marked.notes, words])
+        marked = with_fields(marked, notes=[*marked.notes, words])
     return asked.but(assembly=marked, contacts=found.contacts.of(marked))
 
 

@@ -13,16 +13,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 
-from kilter.analysis.assumptions.joined_bodies import on_floor
-from kilter.analysis.assumptions.joining import tables
+from kilter.analysis.assumptions.joined_bodies import beyond_feet, on_floor
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.straight_falls import straight_falls
-from kilter.arrays import Array, Index, Mask, across
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly, GivenContact
+from kilter.assembly.changed_copies import with_fields
 from kilter.contact import ContactSet, detect
 
 
@@ -107,7 +106,7 @@ def with_listed_contacts(dropped: Dropped, contacts: ContactSet) -> Assembly | N
         if any(label[landed[o.ends[0]]] != label[landed[o.ends[1]]] for o in there.overlaps):
             return None
         found += _patches(there, np.ones(len(landed), dtype=bool), label[landed])
-    return replace(assembly, contacts=found, detect=False)
+    return with_fields(assembly, contacts=found, detect=False)
 
 
 def _patches(contacts: ContactSet, chosen: Mask, label: Index) -> list[GivenContact]:
@@ -129,19 +128,8 @@ def _patches(contacts: ContactSet, chosen: Mask, label: Index) -> list[GivenCont
 def tips(dropped: Dropped, reach: float) -> bool:
     """Whether the bodies together tip over on the floor, whatever forces act between them.
 
-    Their common centre of mass is then not above any point that may reach the floor.
-
     Arguments: `reach`: largest way of a part [length unit].
     """
     bodies = dropped.bodies
-    geometry, there = bodies.drawn.geometry, bodies.free & ~dropped.gone
-    held = geometry.grounded & ~tables(bodies.drawn)
-    if held.any() or not there.any():
-        return False
-    down = bodies.drawn.down
-    points = geometry.vertices[there[bodies.of_part[geometry.vertex_part]]]
-    depth, plane = points @ down, np.stack(across(down), axis=1)
-    room = reach + 2 * float(geometry.slack.max())
-    hull = shapely.convex_hull(shapely.multipoints(points[depth >= depth.max() - room] @ plane))
-    center = bodies.mass[there] @ bodies.drawn_center[there] / bodies.mass[there].sum()
-    return bool(shapely.distance(hull, shapely.points(center @ plane)) > 2 * room)
+    there = (bodies.free & ~dropped.gone)[bodies.of_part]
+    return beyond_feet(bodies.drawn, np.flatnonzero(there), reach)

@@ -235,7 +235,7 @@ class Verdict(InCells, SupportedAnswer):
             stands = any(r.assume == JOINED and r.level is not None for r in self.ladder)
         # as drawn it may touch the floor at fewer points than at rest
         return tuple(
-            dataclasses.replace(body, tilt_deg=None, tilt_down=None)
+            dataclasses.replace(body, tilt_deg=None, tilt_down=None, rest_deg=None, rests_on=())
             if stands and body.tilt_deg == 0.0
             else body
             for body in found

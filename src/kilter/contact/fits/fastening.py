@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from kilter.assembly import Assembly, Bond, GivenContact, Joint
+from kilter.assembly.changed_copies import with_fields
 from kilter.contact import detect
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.contact_set import ContactSet
@@ -59,7 +60,7 @@ def with_decided_pairs(
             contacts += _touching(assembly, (first, second), tolerance)
     decided = {frozenset(contact.parts) for contact in contacts}
     others = [c for c in assembly.contacts if frozenset(c.parts) not in decided]
-    return replace(assembly, joints=[*assembly.joints, *joints], contacts=[*others, *contacts])
+    return with_fields(assembly, joints=[*assembly.joints, *joints], contacts=[*others, *contacts])
 
 
 def _touching(

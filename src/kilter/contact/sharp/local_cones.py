@@ -171,8 +171,8 @@ def _corner_cones(
 ) -> tuple[_PieceRays, Index]:
     """Cones of directions into the material at corners, and the facets around them.
 
-    Convex corners are computed together, other corners in a loop. An open corner, with a facet
-    missing, gets the cone of its edges.
+    Convex corners and corners of three facets are computed together, other corners in a loop. An
+    open corner, with a facet missing, gets the cone of its edges.
     """
     rays = edges.rays(geometry, feature[which])
     beside = np.column_stack([which[rays.owner], rays.left])
@@ -180,7 +180,13 @@ def _corner_cones(
     convex |= _bends_outwards(facets, rays, len(which))
     blocks = [_convex_corner_cones(facets, rays, which, convex)]
     start = np.searchsorted(rays.owner, np.arange(len(which) + 1))
-    for k in np.flatnonzero(~convex).tolist():
+    reflex, three = _three_facet_cones(
+        facets, rays, which, start[:-1][~convex & (np.diff(start) == 3)]
+    )
+    blocks.append(reflex)
+    rest = ~convex
+    rest[three] = False
+    for k in np.flatnonzero(rest).tolist():
         stop_if_late()
         corner_rays = np.arange(start[k], start[k + 1])
         sectors = _sectors_around(facets, rays, corner_rays)
@@ -229,6 +235,53 @@ def _convex_corner_cones(facets: Facets, rays: Rays, which: Index, convex: Mask)
         flat = np.flatnonzero(convex & (lowest > FLAT))
         blocks.append(_PieceRays(which[flat], np.zeros(len(flat), np.int64), -mean[flat]))
     return _PieceRays.join(blocks)
+
+
+def _three_facet_cones(
+    facets: Facets, rays: Rays, which: Index, first: Index
+) -> tuple[_PieceRays, Index]:
+    """Cones of directions into the material at corners of three facets, of which an edge is reflex.
+
+    Each edge lies in two planes, before or behind the third. With a single edge behind, this edge
+    is reflex, and the material lies behind the third plane and behind one of the two. With two
+    edges behind, the other edge is convex, and the material lies behind both planes of this edge,
+    or behind the third. With none behind, it lies behind any of the three planes.
+
+    Arguments: `first` (m,): the first of the three rays of each corner. Returns the cones, and the
+    corners (n,) that have them, as positions in `which`: those with three independent planes whose
+    edges are reflex as stated.
+    """
+    ray = first[:, None] + np.arange(3)
+    left, right = rays.left[ray], rays.right[ray]
+    closed = (left >= 0).all(axis=1) & (np.sort(left, axis=1) == np.sort(right, axis=1)).all(axis=1)
+    closed &= (np.diff(np.sort(left, axis=1), axis=1) > 0).all(axis=1)
+    ray, left, right = ray[closed], left[closed], right[closed]
+    third = left.sum(axis=1, keepdims=True) - left - right
+    rise = np.einsum("nki,nki->nk", rays.direction[ray], facets.normal[third])
+    behind = (rise < 0).sum(axis=1)
+    into_left = cross(facets.normal[left], rays.direction[ray])
+    reflex = np.einsum("nki,nki->nk", into_left, facets.normal[right]) > 0
+    kept = (reflex == ((rise < 0) | (behind[:, None] == 0))).all(axis=1) & (behind < 3)
+    kept &= np.abs(np.linalg.det(facets.normal[left])) > CONE_ANGLE
+    ray, left, right, third, behind = (x[kept] for x in (ray, left, right, third, behind))
+    owner = which[rays.owner[ray[:, 0]]]
+    odd = np.where(behind == 1, rise[kept].argmin(axis=1), rise[kept].argmax(axis=1))
+    rows = np.arange(len(owner))
+    a, b, c = (facets.normal[side[rows, odd]] for side in (left, right, third))
+    one, two, none = (behind == count for count in (1, 2, 0))
+    blocks = [_wedges(owner[one], piece, side[one], c[one]) for piece, side in enumerate((a, b))]
+    blocks.append(_wedges(owner[two], 1, a[two], b[two]))
+    for piece, normal, some in ((0, c, two | none), (1, a, none), (2, b, none)):
+        along = across(normal[some])[0]
+        blocks.append(_half_spaces(owner[some], piece, normal[some], along))
+    return _PieceRays.join(blocks), rays.owner[ray[:, 0]]
+
+
+def _wedges(owner: Index, piece: int, first: Array, second: Array) -> _PieceRays:
+    """Directions that span the wedge behind two planes, given by their outward normals."""
+    along = unit_rows(cross(first, second))
+    sides = [cross(first, along), cross(along, second)]
+    return _piece_rays(owner, piece, [along, -along, *sides, unit_rows(-first - second)])
 
 
 def _sectors_around(facets: Facets, rays: Rays, corner_rays: Index) -> Sectors:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
+import re
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -42,6 +43,8 @@ _UNITS = {
     "millimeter": "mm",
 }
 """STEP units that kilter keeps; lengths in other units are converted to metres."""
+NUMBERED = re.compile(r"Open CASCADE STEP translator [\d.]+( [\d.]+)?")
+"""Names that an exporter gives to products without a name."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -324,13 +327,14 @@ def _components(product: Any) -> list[Any]:
 
 
 def _label_name(label: Any) -> str:
-    """The name that a label has in the document; empty if it has none."""
+    """The name that a label has in the document; empty if it has none, or that of an exporter."""
     from OCP.TDataStd import TDataStd_Name
 
     attribute = TDataStd_Name()
     if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
         return ""
-    return str(attribute.Get().ToExtString()).strip()
+    name = str(attribute.Get().ToExtString()).strip()
+    return "" if NUMBERED.fullmatch(name) else name
 
 
 def split(shape: Any) -> tuple[list[Any], str]:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from kilter.assembly import Assembly, Bond, FrictionPair, Joint, Load, Part, Strap
+from kilter.assembly.changed_copies import with_fields
 from kilter.assembly.mesh_surface import reweighed
 from kilter.assembly.part import GROUND
 from kilter.errors import InputError
@@ -120,7 +121,7 @@ def with_interactions(assembly: Assembly, entries: Entries) -> Assembly:
         "straps": [*assembly.straps, *_each(entries, "straps", lambda e: Strap(**e))],
     }
     new: dict[str, Any] = {key: value for key, value in changes.items() if entries.get(key)}
-    return dataclasses.replace(assembly, **new) if new else assembly
+    return with_fields(assembly, **new) if new else assembly
 
 
 def _each(entries: Entries, key: str, build: Callable[[Any], Any]) -> list[Any]:
