@@ -44,11 +44,11 @@ def places(model, joints):
 def false_contacts(model, data):
     """Bodies with a contact outside of the bounding sphere of the geom that it belongs to."""
     found = set()
-    for contact in data.contact[: data.ncon]:
-        for geom in (contact.geom1, contact.geom2):
-            away = np.linalg.norm(contact.pos - data.geom_xpos[geom])
-            if model.geom_rbound[geom] > 0 and away > model.geom_rbound[geom] + OUTSIDE:
-                found.add(int(model.geom_bodyid[geom]))
+    for geoms in (data.contact.geom1, data.contact.geom2):
+        away = np.linalg.norm(data.contact.pos - data.geom_xpos[geoms], axis=1)
+        radii = model.geom_rbound[geoms]
+        false = geoms[(radii > 0) & (away > radii + OUTSIDE)]
+        found.update(model.geom_bodyid[false].tolist())
     return found
 
 

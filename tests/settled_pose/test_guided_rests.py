@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Box, Joint, Part, scene, settle
+from kilter import Assembly, Box, Joint, Part, Pose, scene, settle
+from kilter.rigid import rotation_between
 
 MASS, ANGLE = 2.0, np.radians(30)
 PULL = MASS * 9.81 * np.sin(ANGLE)
@@ -140,6 +141,31 @@ def test_a_drawer_takes_its_contents_along(share, way):
     while data.time < 1:
         mujoco.mj_step(model, data)
     assert data.qpos[0] == pytest.approx(way, abs=1e-2)
+
+
+@pytest.mark.parametrize(("length", "angle", "way"), [(0.09, 50, 0), (0.09, 70, 0), (0.15, 50, 1)])
+def test_a_plank_slides_down_in_a_drawer_that_it_need_not_push(length, angle, way):
+    """It leans on the wall behind; a longer one does not fit, and pushes the drawer to its stop.
+
+    A wall that presses it would move the drawer, so it lies in the drawer, or leans at the stop.
+    """
+    turn = np.radians(angle)
+    along = np.array([np.cos(turn), 0, -np.sin(turn)])
+    leaning = Pose(length / 2 * abs(along) + [0.01, 0, 0.02], rotation_between([1, 0, 0], along))
+    parts = [
+        Part("wall", Box([0.1, 0.4, 0.3]), [-0.05, 0, 0.15], grounded=True),
+        Part("drawer", Box([0.12, 0.3, 0.01]), [0.06, 0, -0.005], mass=3),
+        Part("front", Box([0.01, 0.3, 0.03]), [0.115, 0, 0.015], mass=0.5),
+        Part("plank", Box([length, 0.1, 0.004]), leaning, mass=0.01),
+    ]
+    rail = Joint(("drawer", "ground"), "prismatic", axis=[1, 0, 0], limits=(-0.001, 0.02))
+    one = Joint(("drawer", "front"), "fixed")
+    answer = settle(Assembly(parts, joints=[rail, one], friction=0.95))
+    assert answer.at_rest
+    assert answer.movement[1, 0] == pytest.approx(0.02 * way, abs=1e-8)
+    flat = answer.movement[3, 4] == pytest.approx(-turn, abs=1e-6)
+    assert flat == (way == 0)
+    assert kilter.verify(answer.assembly, answer.proof()).holds
 
 
 def test_a_scene_counts_the_stops_as_settle_does():

@@ -10,6 +10,11 @@
    contact and Coulomb's law at all points within its length. If a body loses its support, it falls
    again.
 
+Bodies on joints that their own loads do not move, such as a drawer, stand still until all others
+are at rest. Then they move too, if something pushes them: a light bowl that falls into an open
+drawer, and leans against its front for a moment, would else push the drawer to its stop, since a
+quasi-static motion has no duration.
+
 Potential energy falls in each step, apart from the opening of overlaps. So the pose at rest is one
 that the bodies reach without gaining energy, and no claim about dynamics.
 """
@@ -17,7 +22,8 @@ that the bodies reach without gaining energy, and no claim about dynamics.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -81,6 +87,8 @@ FREELY = 0.9
 """Fall in a step from which a body falls freely [strides]."""
 SIDEWAYS = 1e-6
 """Component of a normal along gravity up to which a contact is at a side [-]."""
+GRIP = 0.1
+"""Factor of the friction of bodies that slide on beside a joint that they pushed [-]."""
 STRAIGHT = 0.999
 """Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
 SUNK = 2.0
@@ -128,6 +136,8 @@ class _State:
     loose: Array
     """Gap up to which a body does not float [length unit], shape (B,): straight falls end
     before curved surfaces meet."""
+    grip: float = 1.0
+    """Factor of the friction [-]."""
     most_rounds: int = ROUNDS
     """Largest number of steps."""
     falls_from: int = 0
@@ -138,6 +148,12 @@ class _State:
     """Parts that stay in place, since no motion opens their overlaps."""
     depth: float = 0.0
     """Depth of the deepest of these overlaps that remains after the least motion [length unit]."""
+
+    def copied(self) -> _State:
+        """A state that moves on its own."""
+        values = [(each.name, getattr(self, each.name)) for each in fields(self)]
+        arrays: dict[str, Any] = {n: v.copy() for n, v in values if isinstance(v, np.ndarray)}
+        return replace(self, ways=[list(way) for way in self.ways], **arrays)
 
     def move(self, step: Array, how: WayKind | None) -> None:
         """Move the bodies by a step (B, 6), and note the way of each; None: by its kind.
@@ -220,10 +236,8 @@ def come_to_rest(
         _close_sunk_groups(state)
     closed = state.bodies is not before
     _open_overlaps(state)
-    aside, again = state.bodies, True
-    while again:
-        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
-        again = _settle_down(state)
+    aside = state.bodies
+    state = _settle_beside_joints(state)
     _balance_springs(state)
     return replace(_result(state, reach), aside=aside, sunk=closed)
 
@@ -252,6 +266,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
 def _points(state: _State, reach: float | Array) -> NearPoints:
     """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
     points = state.candidates.near(state.bodies, reach)
+    if state.grip < 1.0:
+        points = replace(points, mu=state.grip * points.mu)
     gone, moves = (mask[state.bodies.of_part] for mask in (state.gone, state.bodies.moves))
     there = ~gone[points.part_a] & ~gone[points.part_b]
     return points.take(there & (moves[points.part_a] | moves[points.part_b]))
@@ -418,6 +434,72 @@ def _floating_groups(state: _State, points: NearPoints, gap: float | Array) -> I
 
 
 # steps -----------------------------------------------------------------------------------
+
+
+def _idle(state: _State) -> Mask:
+    """Bodies on joints that their own loads do not move, such as drawers and doors, shape (B,)."""
+    bodies = state.bodies
+    idle = np.zeros(len(bodies.mass), dtype=bool)
+    idle[state.joined[state.joined[:, 0] != state.joined[:, 1]].ravel()] = True
+    idle &= bodies.moves
+    nowhere = _points(state, 0.0).take(np.zeros(0, dtype=np.int64))
+    program = Descent.of(bodies, nowhere, idle, state.length, state.weight)
+    step = program.step(state.stride / state.length, np.zeros(0, dtype=bool))
+    if step is None:
+        return np.zeros_like(idle)
+    return idle & (bodies.travel(step) <= EXACT * state.stride)
+
+
+def _settle_beside_joints(state: _State) -> _State:
+    """Bring all bodies to rest; those of `_idle` stand still until the others rest.
+
+    If they then move, the bodies that push them are tried again: they slide on with little
+    friction first. Of both results, the one counts in which the idle bodies move less.
+    """
+    idle = _idle(state)
+    if not (state.bodies.moves & ~idle).any():
+        idle[:] = False
+    state.bodies = replace(state.bodies, moves=state.bodies.moves & ~idle)
+    _fall_and_settle(state)
+    if not idle.any():
+        return state
+    before = state.copied()
+    pushed = _released(state, idle)
+    again = before.copied()
+    moves = again.bodies.moves
+    again.bodies = replace(again.bodies, moves=moves | idle)
+    near = _islands(again, _points(again, _reach(again)), pushed > STILL * state.closed) >= 0
+    if not near.any():
+        return state
+    again.bodies, again.grip = replace(again.bodies, moves=moves), GRIP
+    again.asleep &= ~near
+    _fall_and_settle(again)
+    again.grip, again.asleep = 1.0, again.asleep & ~near
+    less = _released(again, idle) + STILL * state.closed
+
+    def fault(of: _State, way: Array) -> tuple[float, ...]:
+        moving = ~of.asleep & ~of.gone & of.bodies.moves
+        return float(of.gone.sum()), float(moving.sum()), float(way.max())
+
+    return again if fault(again, less) < fault(state, pushed) else state
+
+
+def _released(state: _State, idle: Mask) -> Array:
+    """Let idle bodies move too, until all are at rest; their ways [length unit], shape (B,)."""
+    before = state.way
+    state.bodies = replace(state.bodies, moves=state.bodies.moves | idle)
+    state.most_rounds, state.asleep = state.rounds + state.most_rounds, state.asleep & ~idle
+    _fall_and_settle(state)
+    way: Array = np.where(idle, state.way - before, 0.0)
+    return way
+
+
+def _fall_and_settle(state: _State) -> None:
+    """Let bodies fall, and move them step by step, until all are at rest or have left."""
+    again = True
+    while again:
+        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
+        again = _settle_down(state)
 
 
 @dataclass(slots=True)
