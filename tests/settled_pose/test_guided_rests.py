@@ -49,9 +49,21 @@ def test_a_drawer_stays_by_friction_or_slides_to_its_stop(share, limits, way):
         assert answer.assembly.joints[0].limits == pytest.approx(left, abs=1e-8)
 
 
-def test_a_drawer_without_a_stop_does_not_rest_at_too_little_friction():
-    answer = settle(on_rail(friction=0.999 * PULL), time_limit=60)
-    assert not answer.at_rest
+@pytest.mark.parametrize("wall", [False, True])
+def test_a_drawer_without_a_stop_leaves_unless_a_wall_ends_its_way(wall):
+    """The wall stands across the rail, .75 from the near face of the drawer."""
+    drawn = on_rail(friction=0.999 * PULL)
+    if wall:
+        turn = rotation_between([1, 0, 0], ALONG)
+        tray = replace(drawn.parts[1], pose=Pose([0, 0, 0], turn))
+        end = Part("wall", Box([0.1, 2, 2]), Pose(ALONG, turn), grounded=True)
+        drawn = replace(drawn, parts=[HELD, tray, end])
+    answer = settle(drawn)
+    assert answer.at_rest == wall
+    if wall:
+        assert way_along(answer) == pytest.approx(0.75, abs=1e-7)
+    else:
+        assert (answer.state, answer.leaves, answer.rounds) == ("falls", ("drawer",), 16)
 
 
 @pytest.mark.parametrize("start", [-0.05, 0.45])
@@ -90,6 +102,26 @@ def test_a_flap_on_a_sprung_hinge_hangs_where_the_torques_agree():
     assert answer.at_rest
     angle = float(answer.movement[1, 4])
     assert 3.0 * angle == pytest.approx(9.81 * 0.2 * np.cos(angle), abs=1e-8)
+
+
+@pytest.mark.parametrize("angle", [45, 90])
+def test_bars_on_free_hinges_hang_straight_down(angle):
+    """Two bars with hinges .1 beyond their ends, the second below the first, drawn in a line."""
+    turn = np.radians(angle)
+    along = np.array([np.sin(turn), 0, -np.cos(turn)])
+    pose = rotation_between([0, 0, -1], along)
+    bar = Box([0.1, 0.1, 0.8])
+    bars = [Part(name, bar, Pose((k + 0.5) * along, pose)) for k, name in enumerate("ab")]
+    hinges = [
+        Joint(parts, "revolute", point=k * along, axis=[0, 1, 0])
+        for k, parts in enumerate([("a", "ground"), ("b", "a")])
+    ]
+    answer = settle(Assembly([HELD, *bars], joints=hinges))
+    assert answer.at_rest
+    down = -(np.arange(2)[:, None] + 0.5) * np.array([0, 0, 1])
+    centers = [answer.assembly[name].pose.position for name in "ab"]
+    assert np.allclose(centers, down, rtol=0, atol=1e-9)
+    assert kilter.verify(answer.assembly, answer.proof()).holds
 
 
 @pytest.mark.parametrize("limit", [0.4, 1.5])

@@ -34,11 +34,11 @@ from kilter.analysis.settled_pose.descent import Descent
 from kilter.analysis.settled_pose.joint_rows import spring_energy
 from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import RestResult, RestState, WayKind, WayStep
-from kilter.analysis.settled_pose.rest_programs import RestPrograms
+from kilter.analysis.settled_pose.rest_programs import RestPrograms, loads
 from kilter.analysis.settled_pose.rest_proof import closed_gap
 from kilter.analysis.settled_pose.rest_search import pressed_parts, units_of
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
-from kilter.analysis.settled_pose.straight_falls import FEW_CURVED, straight_falls
+from kilter.analysis.settled_pose.straight_falls import FEW_CURVED, falling_distance, straight_falls
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact import ContactSet
 from kilter.errors import some_names
@@ -51,6 +51,8 @@ PUSHES = 30
 """Largest number of rounds that open overlaps."""
 ROUNDS = 400
 """Largest number of steps."""
+SLIDES = 16
+"""Number of steps after which bodies that slide on without an end are looked for."""
 PATIENCE = 5
 """Number of steps after which a fall that moved nothing is tried again."""
 FIRST, LONGEST = 0.02, 0.15
@@ -81,8 +83,9 @@ CORRECTS = 1e-2
 BALANCES, BALANCED = 40, 1e-13
 """Largest number of steps that balance the springs of joints at rest, and movement in a step that
 ends them [lengths]."""
-BALANCE_STRIDE, LIGHT = 1e-3, 1e-6
-"""Length of such a step [lengths], and factor of the inertia, which springs then outweigh [-]."""
+BALANCE_STRIDE, LONGEST_SWING, LIGHT = 1e-3, 10.0, 1e-6
+"""Length of the first such step, and of the longest of a hanging body [lengths], and factor of the
+inertia, which springs then outweigh [-]."""
 FREELY = 0.9
 """Fall in a step from which a body falls freely [strides]."""
 SIDEWAYS = 1e-6
@@ -128,7 +131,7 @@ class _State:
     quiet: Array
     """Longest stride at which a body and its island stood still since it moved, shape (B,)."""
     joined: Index
-    """Pairs of bodies with a joint between them, shape (n, 2)."""
+    """Pairs of different bodies with a joint between them, shape (n, 2)."""
     limit: Array
     """Way from the first pose from which a body leaves the scene [length unit], shape (B,)."""
     first: RigidBodies
@@ -238,7 +241,7 @@ def come_to_rest(
     _open_overlaps(state)
     aside = state.bodies
     state = _settle_beside_joints(state)
-    _balance_springs(state)
+    _balance_joints(state)
     return replace(_result(state, reach), aside=aside, sunk=closed)
 
 
@@ -257,7 +260,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
         np.zeros(count), np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.zeros(count),
-        np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
+        np.array([e for e in map(bodies.ends, bodies.drawn.joints) if len(set(e)) == 2],
                  np.int64).reshape(-1, 2),
         np.full(count, np.inf), bodies, FLOATS * length + 2 * slack,
     )  # fmt: skip
@@ -440,7 +443,7 @@ def _idle(state: _State) -> Mask:
     """Bodies on joints that their own loads do not move, such as drawers and doors, shape (B,)."""
     bodies = state.bodies
     idle = np.zeros(len(bodies.mass), dtype=bool)
-    idle[state.joined[state.joined[:, 0] != state.joined[:, 1]].ravel()] = True
+    idle[state.joined.ravel()] = True
     idle &= bodies.moves
     nowhere = _points(state, 0.0).take(np.zeros(0, dtype=np.int64))
     program = Descent.of(bodies, nowhere, idle, state.length, state.weight)
@@ -527,6 +530,8 @@ def _settle_down(state: _State) -> bool:
             return False
         state.rounds += 1
         points, island = _awake_points(state)
+        if state.rounds % SLIDES == 0:
+            _slide_away(state, points)
         if last is not None and _taken_back(state, last, points):
             points, island = _awake_points(state)
         floats = _floating_groups(state, points, _widest(state, points, _reach(state)) / 4)
@@ -557,28 +562,75 @@ def _settle_down(state: _State) -> bool:
     return False
 
 
-def _balance_springs(state: _State) -> None:
-    """Move resting bodies on springs of joints until the springs balance the loads to rounding.
+def _slide_away(state: _State, points: NearPoints) -> None:
+    """Bodies leave that slide along a rail without an end, touch nothing, and have nothing ahead.
 
-    Contacts may be open by rounding, but a force of a spring has no such tolerance.
+    Arguments: `points`: those near contact.
     """
-    sprung = np.zeros(len(state.bodies.mass), dtype=bool)
+    bodies, assembly = state.bodies, state.bodies.assembly()
+    near = points.take(points.gap <= FLOATS * state.length)
+    on = np.bincount(state.joined.ravel())
+    pull = loads(bodies, state.length, state.weight).reshape(-1, 6)[:, :3] * state.weight
+    for joint in bodies.drawn.joints:
+        if joint.kind != "prismatic" or joint.limits is not None or joint.stiffness:
+            continue
+        ends = bodies.ends(joint)
+        k = max(ends, key=lambda end: bool(bodies.moves[end]))
+        if bodies.moves[list(ends)].sum() != 1 or on[k] != 1 or state.asleep[k]:
+            continue
+        axis = bodies.rotation[ends[0]] @ joint.axis
+        parts = np.flatnonzero(bodies.of_part == k)
+        along = float(pull[k - 1] @ axis)
+        touches = np.isin(parts, np.append(near.part_a, near.part_b)).any()
+        if abs(along) <= joint.friction or touches:
+            continue
+        sweeps = Sweeps(replace(state.contacts, assembly=assembly))
+        state.gone[k] = falling_distance(assembly, sweeps, parts, np.sign(along) * axis) is None
+
+
+def _balance_joints(state: _State) -> None:
+    """Move resting bodies on joints until their loads balance to rounding.
+
+    Contacts may be open by rounding, but a spring or a hanging body has no such tolerance.
+    """
+    guided = np.zeros((2, len(state.bodies.mass)), dtype=bool)
     for joint in state.bodies.drawn.joints:
-        sprung[list(state.bodies.ends(joint))] |= joint.stiffness > 0
-    sprung &= state.asleep & state.bodies.moves & ~state.gone
-    for _ in range(BALANCES if sprung.any() else 0):
+        guided[int(joint.stiffness > 0), list(state.bodies.ends(joint))] = True
+    hanging, sprung = guided & state.asleep & state.bodies.moves & ~state.gone
+    _balance(state, sprung, LIGHT)
+    _balance(state, hanging & ~sprung & (state.way > STILL * state.closed), 1.0)
+
+
+def _balance(state: _State, chosen: Mask, inertia: float) -> None:
+    """Balance the chosen bodies (B,), with a factor of their inertia [-].
+
+    The time of each step follows from the change of the acceleration in the step before (J.
+    Barzilai, J. M. Borwein, Two-point step size gradient methods, IMA J. Numer. Anal. 8, 1988).
+    """
+    stride, last, before = BALANCE_STRIDE, np.zeros((0, 6)), np.zeros((0, 6))
+    unit = np.array([1 / state.length] * 3 + [1.0] * 3)
+    for _ in range(BALANCES if chosen.any() else 0):
         stop_if_late()
         points = _without_still_gaps(state, _points(state, CORRECTS * state.length))
-        island = _islands(state, points, sprung)
+        island = _islands(state, points, chosen)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
-        light = replace(program, inertia=LIGHT * program.inertia)
-        step = light.step(np.full(len(sprung), BALANCE_STRIDE), np.ones(len(points), dtype=bool))
+        light = replace(program, inertia=inertia * program.inertia)
+        step = light.step(np.full(len(chosen), stride), np.ones(len(points), dtype=bool))
         far = np.inf if step is None else float(state.bodies.travel(step).max())
-        if step is None or far > CORRECTS * state.length:
+        if step is None or (inertia < 1.0 and far > CORRECTS * state.length):
             return
+        if far > LONGEST * state.length and stride > BALANCE_STRIDE:
+            stride, last = stride / 8, np.zeros((0, 6))
+            continue
         state.bodies = state.bodies.screwed(step)
         if far <= BALANCED * state.length:
             return
+        pull = step * unit / stride
+        if len(last) and inertia == 1.0:
+            slower = float(np.sum(last * (before - pull)))
+            longest = float(np.sum(last * last))
+            stride = longest / slower if slower > longest / LONGEST_SWING else LONGEST_SWING
+        last, before = step * unit, pull
 
 
 def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
@@ -768,7 +820,8 @@ def _result(state: _State, reach: float | None) -> RestResult:
         verdict, why = "not-found", f"the parts still move after {state.rounds} steps"
     elif leaves:
         verdict = "falls" if state.gone[free].all() else "partly"
-        why = "nothing is below the parts"
+        slides = state.gone[state.joined].any()
+        why = "nothing stops the parts on their rails" if slides else "nothing is below the parts"
     if state.unfit:
         both, depth = some_names(state.unfit), number(state.depth, 3)
         verdict, parts = "does-not-fit", (*state.unfit, *parts)
