@@ -104,9 +104,9 @@ def test_a_flap_on_a_sprung_hinge_hangs_where_the_torques_agree():
     assert 3.0 * angle == pytest.approx(9.81 * 0.2 * np.cos(angle), abs=1e-8)
 
 
-@pytest.mark.parametrize("angle", [45, 90])
-def test_bars_on_free_hinges_hang_straight_down(angle):
-    """Two bars with hinges .1 beyond their ends, the second below the first, drawn in a line."""
+@pytest.mark.parametrize(("angle", "count"), [(45, 1), (90, 1), (170, 1), (90, 2)])
+def test_bars_on_free_hinges_hang_straight_down(angle, count):
+    """Bars with hinges .1 beyond their ends, a second one below the first, drawn in a line."""
     turn = np.radians(angle)
     along = np.array([np.sin(turn), 0, -np.cos(turn)])
     pose = rotation_between([0, 0, -1], along)
@@ -116,11 +116,11 @@ def test_bars_on_free_hinges_hang_straight_down(angle):
         Joint(parts, "revolute", point=k * along, axis=[0, 1, 0])
         for k, parts in enumerate([("a", "ground"), ("b", "a")])
     ]
-    answer = settle(Assembly([HELD, *bars], joints=hinges))
+    answer = settle(Assembly([HELD, *bars[:count]], joints=hinges[:count]))
     assert answer.at_rest
-    down = -(np.arange(2)[:, None] + 0.5) * np.array([0, 0, 1])
-    centers = [answer.assembly[name].pose.position for name in "ab"]
-    assert np.allclose(centers, down, rtol=0, atol=1e-9)
+    centers = [answer.assembly[name].pose.position for name in "ab"[:count]]
+    below = -(np.arange(count)[:, None] + 0.5) * [0, 0, 1]
+    assert np.allclose(centers, below, rtol=0, atol=1e-8)
     assert kilter.verify(answer.assembly, answer.proof()).holds
 
 
