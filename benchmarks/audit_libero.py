@@ -18,8 +18,9 @@ For each state, the audit measures
 An object is a body with a free joint. `--engine` names an interpreter with NumPy and MuJoCo; each
 runs `drift_of_states.py` in a process of its own, so that versions can be compared. Without it, the
 interpreter of the audit simulates. If an object at rest moves by more than `DRIFT`, the pose is
-simulated again with a time step `FINER` times as short, and the table states whether the engine had
-a contact outside of the object, which is a fault of its collision detection. Results are stored
+simulated again with a time step `FINER` times as short, and without the creep of soft friction. The
+table states this movement, and whether the engine had a contact outside of the object, which is a
+fault of its collision detection. Results are stored
 under FOLDER/audit as soon as they are known, and an interrupted audit continues: a state is not
 settled twice, unless `--again` is given, and a pose is not simulated twice by the same version. The
 exit code is 1 if an object that is reported at rest moves by more than `DRIFT` for none of these
@@ -255,7 +256,11 @@ class Counts:
                     if far <= DRIFT:
                         continue
                     text = f"{task.name} row {row}: {name} moves {1000 * far:.3g} mm in {version}"
-                    text += f"; {1000 * fine[name]:.3g} mm at finer steps" if name in fine else ""
+                    text += (
+                        f"; {1000 * fine[name]:.3g} mm at finer steps without creep"
+                        if name in fine
+                        else ""
+                    )
                     text += "; the engine has a contact outside of it" if name in false else ""
                     self.moving.append(text)
                     self.unexplained += name not in false and fine.get(name, np.inf) > DRIFT

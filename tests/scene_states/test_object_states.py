@@ -71,6 +71,19 @@ def test_each_gap_above_the_tolerance_is_a_fault_of_its_size(shift, side):
     assert report["b"].state == "at-rest"
 
 
+@pytest.mark.parametrize(
+    ("share", "aside", "state"),
+    [(0, 0, "floats"), (0.99, 0, "falls"), (1, 0, "at-rest"), (1, 0.02, "falls")],
+)
+def test_an_object_that_only_a_load_carries_is_judged(share, aside, state):
+    """A force upward of a share of the weight, through a point beside the middle."""
+    drawn = Assembly([TABLE, cube("box", 0, 0.25), cube("low", 2, 0)])
+    force = [0, 0, share * 9.81 * drawn.geometry.mass[1]]
+    load = Load("box", force, point=[aside, 0, 0.5])
+    report = kilter.scene(replace(drawn, loads=[load]))
+    assert (report["box"].state, report["low"].state) == (state, "at-rest")
+
+
 @pytest.mark.parametrize(("gap", "state"), [(1.9e-3, "at-rest"), (2.1e-3, "floats")])
 def test_a_gap_within_the_play_of_a_large_object_is_no_fault(gap, state):
     """The play of a cube of 1 m is 2 mm, the most."""

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 import kilter
 from kilter import Assembly, Box, Part, Pose, scene, settle
 from kilter.cli import main
+from kilter.errors import TimeLimitReached
 from kilter.rigid import rotation_between
 
 TABLE = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
@@ -181,9 +182,19 @@ def test_all_parts_leave():
         answer.proof()
 
 
-def test_a_pose_that_the_verification_rejects_is_left_out(monkeypatch):
-    """An engine that leaves a box .1 above the table, and claims that it rests."""
+@pytest.mark.parametrize("late", [False, True])
+def test_a_pose_that_the_verification_rejects_is_left_out(late, monkeypatch):
+    """An engine that leaves a box .1 above the table, and claims that it rests.
+
+    The time limit may end the search for another pose.
+    """
     from kilter.analysis.settled_pose import settle as module
+
+    def other_rests(*_):
+        raise TimeLimitReached
+
+    if late:
+        monkeypatch.setattr(module, "other_rests", other_rests)
 
     drawn = Assembly([TABLE, box("low", [0, 0, 0.5]), box("high", [2, 0, 0.6])])
 
@@ -198,6 +209,7 @@ def test_a_pose_that_the_verification_rejects_is_left_out(monkeypatch):
     answer = settle(drawn)
     assert (answer.state, answer.parts, answer.rests) == ("partly", ("high",), 1)
     assert "No pose at rest was found of 'high'" in answer.sentence
+    assert ("time limit" in answer.why) == late
     assert kilter.verify(answer.resting, answer.proof()).holds
 
 

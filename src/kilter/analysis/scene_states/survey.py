@@ -206,12 +206,16 @@ class _Survey:
     def _part_of_scene(self, members: Index) -> tuple[Assembly, ContactSet, list[int]]:
         """The members of a cluster with the parts beside them; also those that have a fault.
 
-        Parts with a fault are held. Overlaps with them have no contact.
+        Parts with a fault are held. Overlaps with them have no contact. A held part of the scene
+        joins those that only a load supports.
         """
         chosen = self._with_beside(members)
         among = set(members.tolist())
         known = [k for k in chosen.tolist() if k in self.states and k not in among]
         sub = chosen_parts(self.assembly, chosen, known)
+        if not sub.holds:
+            held = np.flatnonzero(self.assembly.geometry.grounded)[:1]
+            sub = chosen_parts(self.assembly, np.union1d(chosen, held), known)
         contacts = self.contacts
         if known:
             contacts = without_overlaps(contacts, known)

@@ -10,6 +10,11 @@
    contact and Coulomb's law at all points within its length. If a body loses its support, it falls
    again.
 
+Bodies on joints that their own loads do not move, such as a drawer, stand still until all others
+are at rest. Then they move too, if something pushes them: a light bowl that falls into an open
+drawer, and leans against its front for a moment, would else push the drawer to its stop, since a
+quasi-static motion has no duration.
+
 Potential energy falls in each step, apart from the opening of overlaps. So the pose at rest is one
 that the bodies reach without gaining energy, and no claim about dynamics.
 """
@@ -17,7 +22,8 @@ that the bodies reach without gaining energy, and no claim about dynamics.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -28,11 +34,11 @@ from kilter.analysis.settled_pose.descent import Descent
 from kilter.analysis.settled_pose.joint_rows import spring_energy
 from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import RestResult, RestState, WayKind, WayStep
-from kilter.analysis.settled_pose.rest_programs import RestPrograms
+from kilter.analysis.settled_pose.rest_programs import RestPrograms, loads
 from kilter.analysis.settled_pose.rest_proof import closed_gap
 from kilter.analysis.settled_pose.rest_search import pressed_parts, units_of
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
-from kilter.analysis.settled_pose.straight_falls import FEW_CURVED, straight_falls
+from kilter.analysis.settled_pose.straight_falls import FEW_CURVED, falling_distance, straight_falls
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact import ContactSet
 from kilter.errors import some_names
@@ -45,6 +51,8 @@ PUSHES = 30
 """Largest number of rounds that open overlaps."""
 ROUNDS = 400
 """Largest number of steps."""
+SLIDES = 16
+"""Number of steps after which bodies that slide on without an end are looked for."""
 PATIENCE = 5
 """Number of steps after which a fall that moved nothing is tried again."""
 FIRST, LONGEST = 0.02, 0.15
@@ -73,15 +81,17 @@ DEEP = 0.05
 CORRECTS = 1e-2
 """Length of a movement that corrects the step before it [sizes]."""
 BALANCES, BALANCED, ROLLED = 40, 1e-13, 1e-6
-"""Largest number of steps that balance springs of joints and round bodies at rest, and movement in
+"""Largest number of steps that balance bodies on joints and round bodies at rest, and movement in
 a step that ends them with and without springs [lengths]."""
 BALANCE_STRIDE, LIGHT, ROLLS = 1e-3, 1e-6, 1e-3
 """Length of such a step [lengths], factor of the inertia, which springs then outweigh, and first
-share of the motion of round bodies [-]."""
+share of the motion of bodies without springs [-]."""
 FREELY = 0.9
 """Fall in a step from which a body falls freely [strides]."""
 SIDEWAYS = 1e-6
 """Component of a normal along gravity up to which a contact is at a side [-]."""
+GRIP = 0.1
+"""Factor of the friction of bodies that slide on beside a joint that they pushed [-]."""
 STRAIGHT = 0.999
 """Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
 SUNK = 2.0
@@ -124,7 +134,7 @@ class _State:
     quiet: Array
     """Longest stride at which a body and its island stood still since it moved, shape (B,)."""
     joined: Index
-    """Pairs of bodies with a joint between them, shape (n, 2)."""
+    """Pairs of different bodies with a joint between them, shape (n, 2)."""
     limit: Array
     """Way from the first pose from which a body leaves the scene [length unit], shape (B,)."""
     first: RigidBodies
@@ -132,6 +142,8 @@ class _State:
     loose: Array
     """Gap up to which a body does not float [length unit], shape (B,): straight falls end
     before curved surfaces meet."""
+    grip: float = 1.0
+    """Factor of the friction [-]."""
     most_rounds: int = ROUNDS
     """Largest number of steps."""
     falls_from: int = 0
@@ -142,6 +154,12 @@ class _State:
     """Parts that stay in place, since no motion opens their overlaps."""
     depth: float = 0.0
     """Depth of the deepest of these overlaps that remains after the least motion [length unit]."""
+
+    def copied(self) -> _State:
+        """A state that moves on its own."""
+        values = [(each.name, getattr(self, each.name)) for each in fields(self)]
+        arrays: dict[str, Any] = {n: v.copy() for n, v in values if isinstance(v, np.ndarray)}
+        return replace(self, ways=[list(way) for way in self.ways], **arrays)
 
     def move(self, step: Array, how: WayKind | None) -> None:
         """Move the bodies by a step (B, 6), and note the way of each; None: by its kind.
@@ -224,10 +242,8 @@ def come_to_rest(
         _close_sunk_groups(state)
     closed = state.bodies is not before
     _open_overlaps(state)
-    aside, again = state.bodies, True
-    while again:
-        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
-        again = _settle_down(state)
+    aside = state.bodies
+    state = _settle_beside_joints(state)
     _balance(state)
     return replace(_result(state, reach), aside=aside, sunk=closed)
 
@@ -248,7 +264,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         np.zeros(count), np.zeros((count, 6)), np.zeros((count, 6)),
         np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.zeros(count),
-        np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
+        np.array([e for e in map(bodies.ends, bodies.drawn.joints) if len(set(e)) == 2],
                  np.int64).reshape(-1, 2),
         np.full(count, np.inf), bodies, FLOATS * length + 2 * slack,
     )  # fmt: skip
@@ -257,6 +273,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
 def _points(state: _State, reach: float | Array) -> NearPoints:
     """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
     points = state.candidates.near(state.bodies, reach)
+    if state.grip < 1.0:
+        points = replace(points, mu=state.grip * points.mu)
     gone, moves = (mask[state.bodies.of_part] for mask in (state.gone, state.bodies.moves))
     there = ~gone[points.part_a] & ~gone[points.part_b]
     return points.take(there & (moves[points.part_a] | moves[points.part_b]))
@@ -426,6 +444,74 @@ def _floating_groups(state: _State, points: NearPoints, gap: float | Array) -> I
 # steps -----------------------------------------------------------------------------------
 
 
+def _idle(state: _State) -> Mask:
+    """Bodies on joints that their own loads do not move, such as drawers and doors, shape (B,)."""
+    bodies = state.bodies
+    idle = np.zeros(len(bodies.mass), dtype=bool)
+    idle[state.joined.ravel()] = True
+    idle &= bodies.moves
+    if not idle.any():
+        return idle
+    nowhere = _points(state, 0.0).take(np.zeros(0, dtype=np.int64))
+    program = Descent.of(bodies, nowhere, idle, state.length, state.weight)
+    step = program.step(state.stride / state.length, np.zeros(0, dtype=bool))
+    if step is None:
+        return np.zeros_like(idle)
+    return idle & (bodies.travel(step) <= EXACT * state.stride)
+
+
+def _settle_beside_joints(state: _State) -> _State:
+    """Bring all bodies to rest; those of `_idle` stand still until the others rest.
+
+    If they then move, the bodies that push them are tried again: they slide on with little
+    friction first. Of both results, the one counts in which the idle bodies move less.
+    """
+    idle = _idle(state)
+    if not (state.bodies.moves & ~idle).any():
+        idle[:] = False
+    state.bodies = replace(state.bodies, moves=state.bodies.moves & ~idle)
+    _fall_and_settle(state)
+    if not idle.any():
+        return state
+    before = state.copied()
+    pushed = _released(state, idle)
+    again = before.copied()
+    moves = again.bodies.moves
+    again.bodies = replace(again.bodies, moves=moves | idle)
+    near = _islands(again, _points(again, _reach(again)), pushed > STILL * state.closed) >= 0
+    if not near.any():
+        return state
+    again.bodies, again.grip = replace(again.bodies, moves=moves), GRIP
+    again.asleep &= ~near
+    _fall_and_settle(again)
+    again.grip, again.asleep = 1.0, again.asleep & ~near
+    less = _released(again, idle) + STILL * state.closed
+
+    def fault(of: _State, way: Array) -> tuple[float, ...]:
+        moving = ~of.asleep & ~of.gone & of.bodies.moves
+        return float(of.gone.sum()), float(moving.sum()), float(way.max())
+
+    return again if fault(again, less) < fault(state, pushed) else state
+
+
+def _released(state: _State, idle: Mask) -> Array:
+    """Let idle bodies move too, until all are at rest; their ways [length unit], shape (B,)."""
+    before = state.way
+    state.bodies = replace(state.bodies, moves=state.bodies.moves | idle)
+    state.most_rounds, state.asleep = state.rounds + state.most_rounds, state.asleep & ~idle
+    _fall_and_settle(state)
+    way: Array = np.where(idle, state.way - before, 0.0)
+    return way
+
+
+def _fall_and_settle(state: _State) -> None:
+    """Let bodies fall, and move them step by step, until all are at rest or have left."""
+    again = True
+    while again:
+        state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
+        again = _settle_down(state)
+
+
 @dataclass(slots=True)
 class _Last:
     """The last step, which is taken back where it led into an overlap."""
@@ -451,6 +537,8 @@ def _settle_down(state: _State) -> bool:
             return False
         state.rounds += 1
         points, island = _awake_points(state)
+        if state.rounds % SLIDES == 0:
+            _slide_away(state, points)
         if last is not None and _taken_back(state, last, points):
             points, island = _awake_points(state)
         floats = _floating_groups(state, points, _widest(state, points, _reach(state)) / 4)
@@ -481,17 +569,46 @@ def _settle_down(state: _State) -> bool:
     return False
 
 
+def _slide_away(state: _State, points: NearPoints) -> None:
+    """Bodies leave that slide along a rail without an end, touch nothing, and have nothing ahead.
+
+    Arguments: `points`: those near contact.
+    """
+    bodies, assembly = state.bodies, state.bodies.assembly()
+    near = points.take(points.gap <= FLOATS * state.length)
+    on = np.bincount(state.joined.ravel())
+    pull = loads(bodies, state.length, state.weight).reshape(-1, 6)[:, :3] * state.weight
+    for joint in bodies.drawn.joints:
+        if joint.kind != "prismatic" or joint.limits is not None or joint.stiffness:
+            continue
+        ends = bodies.ends(joint)
+        k = max(ends, key=lambda end: bool(bodies.moves[end]))
+        if bodies.moves[list(ends)].sum() != 1 or on[k] != 1 or state.asleep[k]:
+            continue
+        axis = bodies.rotation[ends[0]] @ joint.axis
+        parts = np.flatnonzero(bodies.of_part == k)
+        along = float(pull[k - 1] @ axis)
+        touches = np.isin(parts, np.append(near.part_a, near.part_b)).any()
+        if abs(along) <= joint.friction or touches:
+            continue
+        sweeps = Sweeps(replace(state.contacts, assembly=assembly))
+        state.gone[k] = falling_distance(assembly, sweeps, parts, np.sign(along) * axis) is None
+
+
 def _balance(state: _State) -> None:
-    """Move resting bodies on springs of joints and round bodies until their loads are balanced.
+    """Move resting bodies on joints and round bodies until their loads are balanced.
 
     Contacts may be open by rounding, but a force of a spring and the moment of a weight about a
-    point on which a body rolls have no such tolerance.
+    hinge, or a point on which a body rolls, have no such tolerance.
     """
     bodies, asleep = state.bodies, state.asleep & state.bodies.moves & ~state.gone
     sprung = np.zeros(len(asleep), dtype=bool)
+    hangs = sprung.copy()
+    hangs[state.joined.ravel()] = True
+    hangs &= state.way > STILL * state.closed
     for joint in bodies.drawn.joints:
         sprung[list(bodies.ends(joint))] |= joint.stiffness > 0
-    chosen = asleep & (sprung | state.round_body)
+    chosen = asleep & (sprung | hangs | state.round_body)
     share, before, least = np.where(sprung, 1.0, ROLLS), None, np.full(len(asleep), np.inf)
     for _ in range(BALANCES if chosen.any() else 0):
         stop_if_late()
@@ -740,7 +857,8 @@ def _result(state: _State, reach: float | None) -> RestResult:
         verdict, why = "not-found", f"the parts still move after {state.rounds} steps"
     elif leaves:
         verdict = "falls" if state.gone[free].all() else "partly"
-        why = "nothing is below the parts"
+        slides = state.gone[state.joined].any()
+        why = "nothing stops the parts on their rails" if slides else "nothing is below the parts"
     if state.unfit:
         both, depth = some_names(state.unfit), number(state.depth, 3)
         verdict, parts = "does-not-fit", (*state.unfit, *parts)

@@ -38,7 +38,7 @@ from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
 from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet, detect
-from kilter.errors import InputError
+from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.proof import digest_of
 from kilter.tell.levels import holds, level_rank, require_level
 from kilter.tell.numbers import NO_ANGLE
@@ -326,13 +326,20 @@ def _settle(
     if rest.state == "at-rest" or not nearest:
         tell("verification")
         resting = verify_rest(rest, settled, asked)
-        for other in () if nearest else other_rests(rest, bodies, contacts, reach, tell):
-            if is_verified(rest, resting):
-                break
-            again = verify_rest(other, other.bodies.assembly(), asked)
-            if is_verified(other, again):
-                rest, settled, resting = other, other.bodies.assembly(), again
-        if isinstance(resting, RestingParts):
+        late = False
+        try:
+            for other in () if nearest else other_rests(rest, bodies, contacts, reach, tell):
+                if is_verified(rest, resting):
+                    break
+                again = verify_rest(other, other.bodies.assembly(), asked)
+                if is_verified(other, again):
+                    rest, settled, resting = other, other.bodies.assembly(), again
+        except TimeLimitReached:  # the parts that are verified remain
+            if not isinstance(resting, RestingParts):
+                raise
+            late = True
+            resting = replace(resting, why=f"{resting.why}, until the time limit was reached")
+        if isinstance(resting, RestingParts) and not late:
             tell("level of the pose")
             resting = with_level(resting, asked)
     return _answer(rest, settled, resting, asked, drawn=(assembly, before), nearest=nearest,
