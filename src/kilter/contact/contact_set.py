@@ -147,7 +147,8 @@ class ContactSet(AnswerInWords):
         read_only(self)
         left = still_open(self.open_pairs, self.assembly)
         if len(left) < len(self.open_pairs):  # the assembly has joints that the search had not
-            joined = {frozenset(pair.ends) for pair in self.open_pairs if pair not in left}
+            still = {frozenset(pair.ends) for pair in left}
+            joined = {frozenset(pair.ends) for pair in self.open_pairs} - still
             object.__setattr__(self, "possible", self.possible.without_wrenches(joined))
             object.__setattr__(self, "open_pairs", left)
 
