@@ -36,6 +36,13 @@ from kilter.arrays import TINY, Array, Mask
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
+from kilter.mechanics.clusters import (
+    PARTED,
+    clusters,
+    different_clusters,
+    first_groups,
+    upright_frames,
+)
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
 from kilter.mechanics.program import Program
@@ -189,6 +196,32 @@ def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotio
 
 def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
     """Accelerations of least constraint over g, (N, 6), and their residual; None if solvers fail.
+
+    Parts of a large program that do not touch move independently. Clusters that are equal up to a
+    shift and a turn about the vertical move equally.
+    """
+    freedoms = len(program.freedoms) * int(program.free.sum())
+    parted = clusters(program) if freedoms > PARTED and not program.has_limits else []
+    if len(parted) < 2:
+        return _motion_of_group(program)
+    frames = upright_frames(parted)
+    first = different_clusters(parted, frames)
+    motion, worst = np.zeros((len(program.names), 6)), 0.0
+    for group in first_groups(program, parted, first):
+        solution = _motion_of_group(group)
+        if solution is None:
+            return None
+        motion[group.free], worst = solution[0][group.free], max(worst, solution[1])
+    for k, (cluster, source) in enumerate(zip(parted, first.tolist(), strict=True)):
+        if source < k:
+            turn = frames[k].T @ frames[source]
+            copied = motion[parted[source].program.free].reshape(-1, 2, 3) @ turn.T
+            motion[cluster.program.free] = copied.reshape(-1, 6)
+    return motion, worst
+
+
+def _motion_of_group(program: Program) -> tuple[Array, float] | None:
+    """The motion of `_least_constraint_motion`, of all parts together.
 
     Clarabel solves a small program first. If the residual exceeds `MOTION_GOOD`, the interior
     point of `kilter.solvers.projection` follows, first on half of a symmetric assembly. The result
