@@ -38,6 +38,7 @@ from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.clusters import (
     PARTED,
+    cluster_groups,
     clusters,
     different_clusters,
     first_groups,
@@ -375,14 +376,17 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     # the bounds above compare accelerations with weights alone, so loads and bonds are left out
     if not off.any() or assembly.loads or assembly.straps or len(program.gripping):
         return ""
-    motion = find_motion(program)
-    if not motion.known:  # the solver failed: the assembly is unstable as drawn
-        return ""
-    force, lever = _net_force_and_torque(program, motion.acceleration)
     aside, width = _inaccuracy_and_width(contacts, off)
-    if (force * width > aside).any() or (lever > aside).any():
-        return ""
-    fastest = assembly.names[int(motion.relative.max(axis=1).argmax())]
+    speed = np.zeros(len(off))
+    for group in cluster_groups(program):
+        motion = find_motion(group.program)
+        if not motion.known:  # the solver failed: the assembly is unstable as drawn
+            return ""
+        force, lever = _net_force_and_torque(group.program, motion.acceleration)
+        if (force * width > aside).any() or (lever > aside).any():
+            return ""
+        speed = np.maximum(speed, motion.relative.max(axis=1))
+    fastest = assembly.names[int(speed.argmax())]
     stated = f"{number(float(off.max()), 3)} {assembly.units}"
     return (
         f"the coordinates are not accurate enough to decide: as drawn {fastest!r} starts to move, "
