@@ -188,8 +188,8 @@ def visible(text: str, keep: str = "") -> str:
     >>> print(visible("a\\x1b[31mb\\n\\u202ec \xfc"))
     a\\x1b[31mb\\n\\u202ec \xfc
     """
-    escaped = {c: repr(c)[1:-1] for c in set(text) if not (c.isprintable() or c in keep)}
-    return text.translate(str.maketrans(escaped)) if escaped else text
+    hidden = [c for c in set(text) if not (c.isprintable() or c in keep)]
+    return text.translate({ord(c): repr(c)[1:-1] for c in hidden}) if hidden else text
 
 
 def message_line(message: str) -> str:

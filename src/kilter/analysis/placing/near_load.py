@@ -157,7 +157,8 @@ def near_places(
 
     Arguments: `bound`: the same load on the program with all forces that contacts could transmit;
     `base`: forces of equilibrium of `load.program` before the load was added; `most`: largest
-    number of parts. None in place of the shifts if those that are carried and those that are excluded do not meet.
+    number of parts. None in place of the shifts if those that are carried and those that are
+    excluded do not meet.
     """
     below = NearParts.of(load.program, part, above=False, most=most)
     if below is None:

@@ -229,7 +229,8 @@ class Landings:
     def only(self, landing: Landing, top: Top) -> shapely.Geometry:
         """Places of a landing at which the part touches this top alone."""
         own = self.reach[top.part]
-        near = landing.near(*np.array(own.bounds).reshape(2, 2), 2 * self.part.size)
+        low, high = np.array(own.bounds).reshape(2, 2)
+        near = landing.near(low, high, 2 * self.part.size)
         others = [self.reach[other.part] for other in near if other is not top]
         return without(both(landing.here, own), union(others))
 

@@ -427,7 +427,7 @@ def _open_questions(
 
 
 def _none_holds(program: Program) -> bool:
-    """Whether it is proved that no direction is stable, by the motions of a cluster or of all parts.
+    """Whether motions of a cluster, or of all parts, prove that no direction is stable.
 
     A direction that does not hold a cluster does not hold the assembly.
     """
@@ -435,7 +435,8 @@ def _none_holds(program: Program) -> bool:
     chosen = np.unique(different_clusters(parted)).tolist() if len(parted) > 1 else []
     single = (parted[k].program for k in chosen)
     return any(
-        _none_is_stable(part, joint(part, every=True)) for part in itertools.chain(single, [program])
+        _none_is_stable(part, joint(part, every=True))
+        for part in itertools.chain(single, [program])
     )
 
 

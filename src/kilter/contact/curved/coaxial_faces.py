@@ -308,7 +308,7 @@ def coaxial_fits(
         return []
     both = np.array([ends for a, b in sorted(candidates) for ends in ((a, b), (b, a))])
     cylinders = _cylinders_of(geometry, np.unique(both))
-    result = []
+    result: list[Fit] = []
     for ends in cylinders.blocks(both):
         result += _fits_of(geometry, cylinders, ends, tolerance, (thickest, thinnest))
     return result
@@ -345,7 +345,8 @@ def _fits_of(
     thickest, thinnest = (share * radius[i] for share in widest)
     clearance = np.maximum(tolerance.clearance or 0.0, thinnest)
     equal = np.flatnonzero((-limit - clearance <= interference) & (interference <= thickest))
-    pair, i, j, interference, limit = (x[equal] for x in (pair, i, j, interference, limit))
+    pair, i, j = pair[equal], i[equal], j[equal]
+    interference, limit = interference[equal], limit[equal]
     axis, apart = cylinders.axis[i], cylinders.point[j] - cylinders.point[i]
     along = np.einsum("ij,ij->i", apart, axis)
     offset = lengths(apart - along[:, None] * axis)
