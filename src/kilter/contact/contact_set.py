@@ -24,6 +24,7 @@ from kilter.arrays import (
 )
 from kilter.assembly import Assembly, ListedJoint
 from kilter.assembly.assumption import Body
+from kilter.assembly.interactions import GivenContact
 from kilter.contact.common.distances import LonePart, Neighbour
 from kilter.contact.common.gaps import RejectedPair, Tolerance, joints_beyond, nearest_gap
 from kilter.contact.common.patches import (
@@ -160,6 +161,16 @@ class ContactSet(AnswerInWords):
 
     def __len__(self) -> int:
         return len(self.patch_area)
+
+    @cached_property
+    def stated_features(self) -> dict[int, GivenContact]:
+        """The given contact of each patch for which the file states features, by patch."""
+        given = [contact for contact in self.assembly.contacts if len(contact.points)]
+        patches = np.flatnonzero(self.patch_kind == "given").tolist()
+        if len(patches) != len(given):  # the contacts are those of another assembly
+            return {}
+        pairs = zip(patches, given, strict=True)
+        return {patch: contact for patch, contact in pairs if contact.feature is not None}
 
     def __iter__(self) -> Iterator[Patch]:
         return iter(self.patches)
