@@ -195,7 +195,7 @@ def test_the_found_supports_are_held(user, capsys, monkeypatch):
 
 
 def test_a_computation_is_stopped_in_the_bar_and_started_again(user):
-    page = user(wall_of(300))
+    page = user(wall_of(1000))
     page.page.click("#tab-plan")
     page.until("!document.getElementById('progress').hidden")
     page.page.click("#stop")

@@ -167,7 +167,7 @@ def test_as1_with_keys_alone(user, folder):
 
 
 def test_the_phase_is_stated_and_an_analysis_is_stopped(user):
-    page = user(wall_of(300))
+    page = user(wall_of(1000))
     # in one turn of the page: no answer of the server comes between
     level, busy = page.js(
         "(() => { const b = window.bench; b.hear({...b.answer, phase: 'equilibrium'});"

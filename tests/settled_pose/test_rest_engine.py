@@ -151,3 +151,24 @@ def test_bodies_that_do_not_touch_a_tipping_plate_change_nothing_of_its_way():
     assert beside.at_rest
     assert beside.movement[2] == pytest.approx(alone.movement[2], abs=1e-6)
     assert beside.movement[3] == pytest.approx(np.zeros(6), abs=1e-9)
+
+
+@pytest.mark.parametrize(("tilt", "yaw"), [(15, 25), (30, 3), (30, 25), (45, 10)])
+def test_a_coin_that_leans_on_a_wall_rolls_until_its_axis_is_square_to_the_wall(tilt, yaw):
+    """Its weight is balanced on two points of its rims only if its centre is above their line.
+
+    By symmetry that holds if the axis lies in the plane across the wall, and other poses roll on.
+    """
+    turn = Rotation.from_euler("xz", [90 - tilt, yaw], degrees=True)
+    axis = turn.as_matrix()[:, 2]
+    deep, high = (0.5 * np.sqrt(1 - axis[k] ** 2) + 0.05 * abs(axis[k]) + 1e-3 for k in (1, 2))
+    pose = Pose([0, -deep, high], turn.as_quat(scalar_first=True))
+    ground = Part("floor", Box(10, 10, 1), [0, 0, -0.5], grounded=True)
+    wall = Part("wall", Box(4, 1, 4), [0, 0.5, 2], grounded=True)
+    coin = Part("coin", Cylinder(0.5, 0.1), pose)
+    answer = kilter.settle(Assembly([ground, wall, coin], friction=0.7), require="equilibrium")
+    assert answer.state == "at-rest"
+    assert answer.rounds < 40
+    axis = answer.assembly["coin"].pose.matrix[:, 2]
+    assert abs(axis[0]) < 1e-6
+    assert abs(axis[2]) > 0.1

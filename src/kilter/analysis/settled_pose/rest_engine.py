@@ -72,11 +72,12 @@ DEEP = 0.05
 """Overlap after a step at which the step is taken back, over its length [-]."""
 CORRECTS = 1e-2
 """Length of a movement that corrects the step before it [sizes]."""
-BALANCES, BALANCED = 40, 1e-13
-"""Largest number of steps that balance the springs of joints at rest, and movement in a step that
-ends them [lengths]."""
-BALANCE_STRIDE, LIGHT = 1e-3, 1e-6
-"""Length of such a step [lengths], and factor of the inertia, which springs then outweigh [-]."""
+BALANCES, BALANCED, ROLLED = 40, 1e-13, 1e-6
+"""Largest number of steps that balance springs of joints and round bodies at rest, and movement in
+a step that ends them with and without springs [lengths]."""
+BALANCE_STRIDE, LIGHT, ROLLS = 1e-3, 1e-6, 1e-3
+"""Length of such a step [lengths], factor of the inertia, which springs then outweigh, and first
+share of the motion of round bodies [-]."""
 FREELY = 0.9
 """Fall in a step from which a body falls freely [strides]."""
 SIDEWAYS = 1e-6
@@ -115,6 +116,9 @@ class _State:
     """Whether a body has curved faces, shape (B,)."""
     speed: Array
     """Movement in the last step, over its stride, shape (B,)."""
+    step: Array
+    step_velocity: Array
+    """Motion of each body in the last step, and the same over its stride, shape (B, 6)."""
     still: Array
     """Movement in a step that counts as none [length unit], shape (B,)."""
     quiet: Array
@@ -224,7 +228,7 @@ def come_to_rest(
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
-    _balance_springs(state)
+    _balance(state)
     return replace(_result(state, reach), aside=aside, sunk=closed)
 
 
@@ -241,7 +245,8 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
         0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
-        np.zeros(count), np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
+        np.zeros(count), np.zeros((count, 6)), np.zeros((count, 6)),
+        np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
         np.zeros(count),
         np.array([[bodies.body_of(n) for n in joint.parts] for joint in bodies.drawn.joints],
                  np.int64).reshape(-1, 2),
@@ -475,28 +480,46 @@ def _settle_down(state: _State) -> bool:
     return False
 
 
-def _balance_springs(state: _State) -> None:
-    """Move resting bodies on springs of joints until the springs balance the loads to rounding.
+def _balance(state: _State) -> None:
+    """Move resting bodies on springs of joints and round bodies until their loads are balanced.
 
-    Contacts may be open by rounding, but a force of a spring has no such tolerance.
+    Contacts may be open by rounding, but a force of a spring and the moment of a weight about a
+    point on which a body rolls have no such tolerance.
     """
-    sprung = np.zeros(len(state.bodies.mass), dtype=bool)
-    for joint in state.bodies.drawn.joints:
-        sprung[list(state.bodies.ends(joint))] |= joint.stiffness > 0
-    sprung &= state.asleep & state.bodies.moves & ~state.gone
-    for _ in range(BALANCES if sprung.any() else 0):
+    bodies, asleep = state.bodies, state.asleep & state.bodies.moves & ~state.gone
+    sprung = np.zeros(len(asleep), dtype=bool)
+    for joint in bodies.drawn.joints:
+        sprung[list(bodies.ends(joint))] |= joint.stiffness > 0
+    chosen = asleep & (sprung | state.round_body)
+    share, before, least = np.where(sprung, 1.0, ROLLS), None, np.full(len(asleep), np.inf)
+    for _ in range(BALANCES if chosen.any() else 0):
         stop_if_late()
         points = _without_still_gaps(state, _points(state, CORRECTS * state.length))
-        island = _islands(state, points, sprung)
+        island = _islands(state, points, chosen)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
         light = replace(program, inertia=LIGHT * program.inertia)
         step = light.step(np.full(len(sprung), BALANCE_STRIDE), np.ones(len(points), dtype=bool))
-        far = np.inf if step is None else float(state.bodies.travel(step).max())
-        if step is None or far > CORRECTS * state.length:
-            return
-        state.bodies = state.bodies.screwed(step)
-        if far <= BALANCED * state.length:
-            return
+        if step is None:
+            break
+        far = _most_of_island(island, state.bodies.travel(step)) / state.length
+        bodies, least = bodies.where(far >= least, state.bodies), np.minimum(far, least)
+        springs = _most_of_island(island, sprung) > 0
+        if before is not None:
+            time = _time_to_end(state, island, share[:, None] * before, before, step)
+            share = np.where(springs | ~np.isfinite(time), share, time)
+        chosen &= (far > np.where(springs, BALANCED, ROLLED)) & (far * share <= CORRECTS)
+        goes_on, before = _most_of_island(island, chosen) > 0, step
+        if not goes_on.any():
+            break
+        state.bodies = state.bodies.screwed(np.where(goes_on, share, 0.0)[:, None] * step)
+    state.bodies = bodies
+
+
+def _most_of_island(island: Index, values: Array | Mask) -> Array:
+    """The largest value (B,) of the bodies of the island of each body; 0 without an island."""
+    most = np.zeros(len(island) + 1)
+    np.maximum.at(most, island, values)
+    return np.where(island >= 0, most[island], 0.0)
 
 
 def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
@@ -633,7 +656,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     rests = quiet[island] & long[island] & (stride <= SHORT * state.bodies.size)
     state.asleep = np.where(island >= 0, rests, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
-    next_stride = _next_stride(state, island, stride, far)
+    next_stride = _next_stride(state, island, stride, step)
     first = np.where(long[island], stride / SHORTER, np.inf)
     first = np.clip(first, SHORT * state.bodies.size, FIRST * state.bodies.size)
     next_stride = np.where(quiet[island], first, next_stride)
@@ -652,19 +675,49 @@ def _shortened(state: _State, island: Index, step: Array) -> tuple[Array, Array]
     return step * share[:, None], far * share
 
 
-def _next_stride(state: _State, island: Index, stride: Array, far: Array) -> Array:
+def _next_stride(state: _State, island: Index, stride: Array, step: Array) -> Array:
     """Stride of the next step: longer while the motion grows with it, unless a body moves too far.
 
-    A motion that shrinks although the stride stays the same is about to end.
+    A motion that shrinks although the stride stays the same is about to end. A longer step than
+    that which ends a linear motion goes beyond the end and back, as round bodies do.
     """
     size = state.bodies.size
+    far = state.bodies.travel(step)
     share, speed = np.full(len(island) + 1, np.inf), np.zeros(len(island) + 1)
     np.minimum.at(share, island, LONGEST * size / np.maximum(far, 1e-300))
     np.maximum.at(speed, island, far / np.maximum(stride, 1e-300))
     goes_on = speed[island] >= 0.5 * state.speed
     state.speed = np.where(island >= 0, speed[island], state.speed)
     grown: Array = np.minimum(np.where(goes_on, 4.0, 1.0), share[island]) * stride
-    return np.minimum(grown, SLOWEST * size)
+    velocity = step / np.maximum(stride, 1e-300)[:, None]
+    time = _time_to_end(state, island, state.step, state.step_velocity, velocity)
+    turned = _of_islands(state, island, state.step, velocity) < 0
+    time[~turned & ~(_most_of_island(island, state.round_body) > 0)] = np.inf
+    state.step = np.where(island[:, None] >= 0, step, state.step)
+    state.step_velocity = np.where(island[:, None] >= 0, velocity, state.step_velocity)
+    most: Array = np.minimum(np.maximum(time, stride / 4), SLOWEST * size)
+    return np.asarray(np.minimum(grown, most))
+
+
+def _time_to_end(state: _State, island: Index, step: Array, before: Array, after: Array) -> Array:
+    """Time in which the motion of each island ends if it is linear, shape (B,); inf without an end.
+
+    Arguments: `step` (B, 6): a step; `before`, `after` (B, 6): velocities at its begin and end.
+    """
+    square = _of_islands(state, island, step, step)
+    change = _of_islands(state, island, step, before - after)
+    time = np.full(len(square), np.inf)
+    np.divide(square, change, out=time, where=change > 0)
+    return time
+
+
+def _of_islands(state: _State, island: Index, first: Array, second: Array) -> Array:
+    """Product of two motions (B, 6) in the island of each body, shape (B,)."""
+    product: Array = first * second
+    product[:, 3:] *= (state.bodies.size[:, None] / 2) ** 2
+    total: Array = np.zeros(len(island) + 1)
+    np.add.at(total, island, product.sum(axis=1))
+    return np.asarray(total[island])
 
 
 def _ways(state: _State) -> tuple[tuple[WayStep, ...], ...]:

@@ -220,13 +220,13 @@ class OrderSearch:
     def find(self, hold: int, *, direct: bool = False) -> list[Removed] | None:
         """Find removals that form an order with at most `hold` held parts; None if not found.
 
-        A `direct` search takes the first possible removal from each set, and ends at the first set
-        without one.
+        A `direct` search takes the first possible removal from the highest parts of each set that
+        have a path, and ends at the first set without one.
         """
         dead: set[int] = set()
         order: list[Removed] = []
         self.exhausted = False
-        waiting = [(self.whole, self.removals(self.whole, 0, hold))]
+        waiting = [(self.whole, self.removals(self.whole, 0, hold, direct=direct))]
         while waiting:
             present, removals = waiting[-1]
             if present == self.base:
@@ -247,7 +247,7 @@ class OrderSearch:
             order.append(taken)
             self.note(order, hold)
             rest = present & ~taken.set
-            waiting.append((rest, self.removals(rest, taken.set, hold)))
+            waiting.append((rest, self.removals(rest, taken.set, hold, direct=direct)))
         self.exhausted = True
         return None
 
@@ -258,18 +258,23 @@ class OrderSearch:
             left = (order[-1].state.present & ~mask_of(self.base, len(self._near))).sum()
             self.work.tell(f"order: {left} parts to place, {hold} held")
 
-    def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
+    def removals(
+        self, present: int, last: int, hold: int, *, direct: bool = False
+    ) -> Iterator[Removed]:
         """Yield possible removals from a set of parts, best first; `last` was removed before.
 
-        The removals end early if the budget is exhausted: many removals of a large set may be
-        impossible.
+        The removals end early if the budget is exhausted, or after the highest layer with a path if
+        they are `direct`: many removals of a large set may be impossible.
         """
         self.visited += 1
         self.work.tell(f"order: sets of parts {self.visited}, judged states {len(self.states)}")
         stuck: list[int] = []
         candidates = self._candidates(present, last)
-        for _, layer in groupby(candidates, key=self._height.__getitem__):
+        for _, group in groupby(candidates, key=self._height.__getitem__):
+            layer, stuck_before = list(group), len(stuck)
             yield from self._of_layer(layer, present, hold, stuck)
+            if direct and len(stuck) - stuck_before < len(layer):
+                return
         for moved in self._in_budget(stuck):
             legs = self.way_out(moved, present, 2)
             if legs is not None:
