@@ -23,20 +23,53 @@ from kilter.arrays import Array
 
 REACH = 1e-3
 """Reach of the last search, over the median size of the parts [-]."""
+SHALLOW = 0.1
+"""Least sunk depth of a chain that makes a body hard to move, over the median of all [-]."""
 
 
 def least_motion(
     bodies: RigidBodies, reach: float, near: Callable[[RigidBodies, float | Array], NearPoints]
 ) -> SearchResult:
-    """Search for a pose at rest within a reach [length unit] of bodies; heavy ones move less."""
+    """Search for a pose at rest within a reach [length unit] of bodies.
+
+    Heavy bodies move less, and those move more that are sunk deeper into the bodies below them: a
+    body on the floor stays where it is although others press against its sides.
+    """
 
     def around(moved: RigidBodies, widest: float) -> NearPoints:
         """The points of these bodies, without those of the ground."""
         return near(moved, np.where(moved.free, widest, 0.0))
 
+    depth = sunk_depths(bodies, around(bodies, reach))
+    usual = float(np.median(depth[bodies.moves])) if bodies.moves.any() else 0.0
+    inertia = bodies.mass / np.maximum(depth / usual, SHALLOW) ** 2 if usual else bodies.mass
     return search_rest(
-        bodies, reach=reach, most=None, progress=lambda stage: None, near=around, by_mass=True
+        bodies, reach=reach, most=None, progress=lambda stage: None, near=around, inertia=inertia
     )
+
+
+def sunk_depths(bodies: RigidBodies, points: NearPoints) -> Array:
+    """Depths of the overlaps on the way from each body down to the ground, shape (B,).
+
+    The sum [length unit] belongs to the shortest way, by number of bodies, with the deepest
+    overlaps, and includes the deepest overlap with a body on the same level.
+    """
+    ends = bodies.of_part[np.column_stack([points.part_a, points.part_b])]
+    ends, depth = np.vstack([ends, ends[:, ::-1]]), np.tile(-points.gap, 2)
+    ends, depth = ends[depth > 0], depth[depth > 0]
+    level = np.where(bodies.moves, -1, 0)
+    total = np.zeros(len(level))
+    for number in range(1, len(level)):
+        below = ends[(level[ends[:, 0]] < 0) & (level[ends[:, 1]] == number - 1), 0]
+        if not len(below):
+            break
+        level[below] = number
+        down = (level[ends[:, 0]] == number) & (level[ends[:, 1]] == number - 1)
+        np.maximum.at(total, ends[down, 0], depth[down] + total[ends[down, 1]])
+        beside, aside = np.zeros(len(level)), (level[ends] == number).all(axis=1)
+        np.maximum.at(beside, ends[aside, 0], depth[aside])
+        total += beside
+    return total
 
 
 def closed_up(rest: RestResult) -> RestResult | None:

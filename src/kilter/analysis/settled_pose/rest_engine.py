@@ -300,7 +300,8 @@ def _open_overlaps(state: _State, *, upright: bool = False) -> None:
     while pushes < PUSHES:
         stop_if_late()
         points = _points(state, reach)
-        programs = RestPrograms.of(state.bodies, points, state.length, state.weight, by_mass=True)
+        bodies = state.bodies
+        programs = RestPrograms.of(bodies, points, state.length, state.weight, inertia=bodies.mass)
         deep = -float(programs.gap.min(initial=0.0)) * state.length
         if deep <= 5 * state.closed:  # half of what counts as closed
             return

@@ -83,12 +83,17 @@ class RestPrograms:
 
     @staticmethod
     def of(
-        bodies: RigidBodies, points: NearPoints, length: float, weight: float, *, by_mass: bool
+        bodies: RigidBodies,
+        points: NearPoints,
+        length: float,
+        weight: float,
+        *,
+        inertia: Array | None = None,
     ) -> RestPrograms:
         """Build the programs of bodies with the given points near contact.
 
-        `length` and `weight` are the units of length [length unit] and force [N]; `by_mass`: M
-        weighs the masses of the bodies.
+        `length` and `weight` are the units of length [length unit] and force [N]; `inertia` (B,):
+        weight of the motion of each body in M, in any unit; None: all are equal.
         """
         free = np.flatnonzero(bodies.free)
         n, (u, v) = points.normal, across(points.normal)
@@ -108,9 +113,9 @@ class RestPrograms:
         weights = np.concatenate(
             [np.ones((len(free), 3)), np.repeat(arm[:, None] ** 2, 3, axis=1)], axis=1
         ).ravel()[columns]
-        if by_mass and len(columns):
-            mass = bodies.mass[free[columns // 6]]
-            weights *= np.clip(mass / np.median(mass), 1 / HEAVIER, HEAVIER)
+        if inertia is not None and len(columns):
+            heavy = inertia[free[columns // 6]]
+            weights *= np.clip(heavy / np.median(heavy), 1 / HEAVIER, HEAVIER)
         return RestPrograms(
             _stacked([normal, guides.stop]), _stacked(slips), np.vstack([parts, guides.stop_parts]),
             joint, drift, guides, loads(bodies, length, weight) + guides.load,

@@ -109,13 +109,14 @@ def search_rest(
     most: float | None,
     progress: Callable[[str], None],
     near: Callable[[RigidBodies, float], NearPoints] | None = None,
-    by_mass: bool = False,
+    inertia: Array | None = None,
 ) -> SearchResult:
     """Search for a pose at rest near the current pose.
 
     Arguments: `reach`: largest gap of the points that are considered [length unit]; `most`: largest
     permitted movement of a part [length unit]; None: no limit; `near`: function that finds the
-    points within a reach; by default `find_near_points`; `by_mass`: heavy bodies move less.
+    points within a reach; by default `find_near_points`; `inertia`: as of
+    `RestPrograms.of`.
     """
     length, weight = units_of(bodies)
     closed_at = max(SEARCH_CLOSED, SEARCH_SHARE * closed_gap(bodies.drawn) / length)
@@ -129,7 +130,7 @@ def search_rest(
             else near(bodies, reach)
         )
         points = _between_bodies(bodies, every)
-        programs = RestPrograms.of(bodies, points, length, weight, by_mass=by_mass)
+        programs = RestPrograms.of(bodies, points, length, weight, inertia=inertia)
         if not len(programs.gap):
             why = "no two parts come within reach"
             return SearchResult("not-found", bodies, rounds, why=why)
