@@ -26,8 +26,10 @@ def towers(angles: Array, last: float = 1.0) -> Assembly:
         aside = 0.9 * np.array([np.cos(angle), np.sin(angle), 0])
         at = np.array([4.0 * k, 0, 0])
         mass = last if k == len(angles) - 1 else 1.0
-        parts.append(Part(f"low-{k}", Box([1.5, 1, 1]), Pose(at + [0, 0, 0.5], half), mass=1.0))
-        top = Pose(at + aside + [0, 0, 1.5], half)
+        parts.append(
+            Part(f"low-{k}", Box([1.5, 1, 1]), Pose(at + np.array([0, 0, 0.5]), half), mass=1.0)
+        )
+        top = Pose(at + aside + np.array([0, 0, 1.5]), half)
         parts.append(Part(f"top-{k}", Box([1.5, 1, 1]), top, mass=mass))
     return Assembly(parts)
 
