@@ -188,9 +188,8 @@ def visible(text: str, keep: str = "") -> str:
     >>> print(visible("a\\x1b[31mb\\n\\u202ec \xfc"))
     a\\x1b[31mb\\n\\u202ec \xfc
     """
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() or c in keep else repr(c)[1:-1] for c in text)
+    hidden = [c for c in set(text) if not (c.isprintable() or c in keep)]
+    return text.translate({ord(c): repr(c)[1:-1] for c in hidden}) if hidden else text
 
 
 def message_line(message: str) -> str:

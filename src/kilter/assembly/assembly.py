@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
 import numpy as np
 
@@ -164,10 +164,11 @@ class Assembly(ChangedCopies):
     def _validate_parts(self) -> None:
         """Verify that there are parts, with distinct names, and that the units are known."""
         metres_per_unit(self.units)
-        if any(part.units != self.units for part in self.parts):
-            parts = tuple(dataclasses.replace(part, units=self.units) for part in self.parts)
-            object.__setattr__(self, "parts", parts)
-        object.__setattr__(self, "parts", _NamedParts(self.parts))
+        parts: Sequence[Part] = self.parts
+        if any(part.units != self.units for part in parts):
+            parts = [dataclasses.replace(part, units=self.units) for part in parts]
+        if not isinstance(parts, _NamedParts):
+            object.__setattr__(self, "parts", _NamedParts(parts))
         if not self.parts:
             raise InputError("the assembly has no parts", hint="give at least one part")
         if len(self.index) < len(self.parts):
@@ -330,7 +331,7 @@ class Assembly(ChangedCopies):
     def geometry(self) -> Geometry:
         """Vertices, masses, centres and inertia of all parts, as arrays."""
         try:
-            return build_geometry(self.parts, self.units)
+            return cast("_NamedParts", self.parts).geometry
         except InputError as error:
             raise error.located(file=self.source or None) from None
 
@@ -514,9 +515,15 @@ class Assembly(ChangedCopies):
 
 
 class _NamedParts(tuple[Part, ...]):
-    """The parts of an assembly; a name as an index is answered with the right call."""
+    """The parts of an assembly, which its copies share, and with them the geometry.
 
-    __slots__ = ()
+    A name as an index is answered with the right call.
+    """
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """Vertices, masses, centres and inertia of the parts, as arrays."""
+        return build_geometry(self, self[0].units)
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str):
@@ -526,6 +533,8 @@ class _NamedParts(tuple[Part, ...]):
 
 def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
     """Convert a sequence of entries to a tuple; raises `InputError` unless all are of `kind`."""
+    if isinstance(given, _NamedParts):
+        return given
     try:
         entries = None if isinstance(given, str | bytes | kind) else tuple(given)
     except TypeError:

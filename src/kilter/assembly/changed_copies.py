@@ -70,14 +70,8 @@ class ChangedCopies(Value):
         def matching(self, patterns: str | Iterable[str]) -> set[str]: ...  # noqa: D102
 
     def _replace(self, **changes: Any) -> Self:
-        """A copy of the assembly with other values of the given fields.
-
-        A copy with the same parts and units shares the geometry, if it is already computed.
-        """
-        copy = cast("Self", dataclasses.replace(cast("Any", self), **changes))
-        if "geometry" in vars(self) and not {"parts", "units"} & set(changes):
-            vars(copy)["geometry"] = self.geometry
-        return copy
+        """A copy of the assembly with other values of the given fields."""
+        return cast("Self", dataclasses.replace(cast("Any", self), **changes))
 
     # parts ---------------------------------------------------------------------------
 
@@ -400,7 +394,9 @@ def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
     """Chords of curved edges that may reach below the heights (N,), and their parts."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
-    on_curved = np.flatnonzero((np.diff(s.start) > 0)[owner])  # triangles of parts with surfaces
+    # triangles of parts with surfaces that come near the heights: no edge is longer than its part
+    lowest = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
+    on_curved = np.flatnonzero(((np.diff(s.start) > 0) & (lowest - geometry.size <= low))[owner])
     triangles = geometry.triangles[on_curved]
     first, second = shared_edges(triangles)
     sides = np.column_stack([on_curved[first // 3], on_curved[second // 3]])

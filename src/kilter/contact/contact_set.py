@@ -24,6 +24,7 @@ from kilter.arrays import (
 )
 from kilter.assembly import Assembly, ListedJoint
 from kilter.assembly.assumption import Body
+from kilter.assembly.interactions import GivenContact
 from kilter.contact.common.distances import LonePart, Neighbour
 from kilter.contact.common.gaps import RejectedPair, Tolerance, joints_beyond, nearest_gap
 from kilter.contact.common.patches import (
@@ -147,7 +148,8 @@ class ContactSet(AnswerInWords):
         read_only(self)
         left = still_open(self.open_pairs, self.assembly)
         if len(left) < len(self.open_pairs):  # the assembly has joints that the search had not
-            joined = {frozenset(pair.ends) for pair in self.open_pairs if pair not in left}
+            still = {frozenset(pair.ends) for pair in left}
+            joined = {frozenset(pair.ends) for pair in self.open_pairs} - still
             object.__setattr__(self, "possible", self.possible.without_wrenches(joined))
             object.__setattr__(self, "open_pairs", left)
 
@@ -159,6 +161,16 @@ class ContactSet(AnswerInWords):
 
     def __len__(self) -> int:
         return len(self.patch_area)
+
+    @cached_property
+    def stated_features(self) -> dict[int, GivenContact]:
+        """The given contact of each patch for which the file states features, by patch."""
+        given = [contact for contact in self.assembly.contacts if len(contact.points)]
+        patches = np.flatnonzero(self.patch_kind == "given").tolist()
+        if len(patches) != len(given):  # the contacts are those of another assembly
+            return {}
+        pairs = zip(patches, given, strict=True)
+        return {patch: contact for patch, contact in pairs if contact.feature is not None}
 
     def __iter__(self) -> Iterator[Patch]:
         return iter(self.patches)

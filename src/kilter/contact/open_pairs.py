@@ -118,8 +118,8 @@ def rigid_groups(assembly: Assembly) -> Index:
     All parts of a group move as a single body.
     """
     count = len(assembly.parts)
-    held = np.flatnonzero(assembly.geometry.grounded)
-    first, second = [count] * len(held), held.tolist()
+    second = [k for k, part in enumerate(assembly.parts) if part.grounded]
+    first = [count] * len(second)
     for joint in assembly.joints:
         if joint.kind == "fixed":
             ends = [assembly.index.get(name, count) for name in joint.parts]

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, starts
+from kilter.arrays import TINY, Array, Index, Mask, cross, starts
 from kilter.mechanics.mechanics_tolerances import (
+    ASIDE,
     COARSE_EXCESS,
     COARSE_EXCUSED,
     EXCESS,
@@ -24,6 +25,7 @@ from kilter.mechanics.mechanics_tolerances import (
     UNITS_IN_LAST_PLACE,
 )
 from kilter.mechanics.program import ROW_FIELDS, Program
+from kilter.rigid import unit
 
 PARTED = 1500
 """Programs with more freedoms than this are solved cluster by cluster."""
@@ -74,42 +76,83 @@ def cluster_groups(program: Program) -> list[Cluster]:
     return _divided(program, np.where(label >= 0, group_of[label], -1))
 
 
-def different_clusters(parted: list[Cluster]) -> Index:
+def different_clusters(parted: list[Cluster], frames: Array | None = None) -> Index:
     """Position of the first cluster that is equal to each cluster up to a shift, shape (n,).
 
     Equal clusters have the same masses, loads and rows in the same order, so they have the same
-    limits.
+    limits. With `frames`, shape (n, 3, 3), clusters are compared in these frames, whatever the
+    order of their rows.
     """
     first: dict[bytes, int] = {}
-    return np.array([first.setdefault(_shifted(c.program), k) for k, c in enumerate(parted)])
+    each = [None] * len(parted) if frames is None else frames
+    keys = (_shifted(c.program, frame) for c, frame in zip(parted, each, strict=True))
+    return np.array([first.setdefault(key, k) for k, key in enumerate(keys)])
 
 
-def limit_groups(program: Program) -> list[Program]:
-    """Programs whose limits together are those of a program: the least limit is that of all.
+def upright_frames(parted: list[Cluster]) -> Array:
+    """The frame of each cluster, shape (n, 3, 3), from its form: the last row is down.
 
-    Of clusters that are equal up to a shift, the groups contain the first.
+    Clusters that are equal up to a shift and a turn about the vertical are equal in these frames.
     """
-    parted = [] if program.has_limits else clusters(program)
+    return np.array([_upright_frame(cluster.program) for cluster in parted])
+
+
+def _upright_frame(program: Program) -> Array:
+    """Rotation matrix: its last row is down, its first row is towards the first point aside."""
+    free, down = np.flatnonzero(program.free), program.down
+    arm = np.concatenate([program.center[free], program.point]) - program.center[free[0]]
+    aside = arm - np.outer(arm @ down, down)
+    far = np.flatnonzero(np.linalg.norm(aside, axis=1) > ASIDE * program.radius[free].max())
+    if program.planar or not len(far):
+        return np.eye(3)
+    along = unit(aside[far[0]])
+    return np.array([along, cross(down, along), down])
+
+
+def first_groups(program: Program, parted: list[Cluster], first: Index) -> list[Program]:
+    """Programs of groups (`cluster_groups`) of the clusters that come first among equal ones."""
     if len(parted) > 1:
-        used = [parted[k] for k in np.unique(different_clusters(parted)).tolist()]
+        used = [parted[k] for k in np.unique(first).tolist()]
         free = np.any([cluster.program.free for cluster in used], axis=0)
         rows = np.sort(np.concatenate([cluster.rows for cluster in used]))
         program = replace(program, free=free).taking(rows)
     return [group.program for group in cluster_groups(program)]
 
 
-def _shifted(program: Program) -> bytes:
-    """Rows, masses and loads of the free parts, relative to the first of them, as a key."""
+def limit_groups(program: Program) -> list[Program]:
+    """Programs whose limits together are those of a program: the least limit is that of all.
+
+    Of clusters that are equal up to a shift and a turn about the vertical, the groups contain the
+    first.
+    """
+    parted = [] if program.has_limits else clusters(program)
+    return first_groups(program, parted, different_clusters(parted, upright_frames(parted)))
+
+
+def _shifted(program: Program, frame: Array | None) -> bytes:
+    """Rows, masses and loads of the free parts, relative to the first of them, as a key.
+
+    With a `frame`, shape (3, 3), vectors are turned into it, and the rows are sorted.
+    """
     free = np.flatnonzero(program.free)
     number = np.full(len(program.names) + 1, -1)
     number[free] = np.arange(len(free))
     origin, size = program.center[free[0]], float(program.radius[free].max())
+    turn = np.eye(3) if frame is None else frame.T
     rows = {name: getattr(program, name) for name in ROW_FIELDS}
     rows |= {name: number[rows[name]] for name in ("part_a", "part_b")}
-    rows["point"] = (program.point - origin) / size
-    rows["source"] = np.unique(program.source, return_inverse=True)[1]
-    parts = [getattr(program, name)[free] for name in PART_FIELDS]
-    data = [*rows.values(), *parts, (program.center[free] - origin) / size]
+    rows |= {"point": (program.point - origin) @ turn / size, "normal": program.normal @ turn}
+    if frame is not None:
+        places = np.round(np.hstack([rows["point"], rows["normal"]]), SHIFT_DIGITS) + 0.0
+        order = np.lexsort([*places.T, rows["kind"], rows["part_b"], rows["part_a"]])
+        rows = {name: values[order] for name, values in rows.items()}
+    _, seen, source = np.unique(rows["source"], return_index=True, return_inverse=True)
+    rows["source"] = seen[source]
+    parts = {name: getattr(program, name)[free] for name in PART_FIELDS}
+    parts["inertia"] = turn.T @ parts["inertia"] @ turn
+    for name in ("applied", "clamp"):
+        parts[name] = (parts[name].reshape(-1, 2, 3) @ turn).reshape(-1, 6)
+    data = [*rows.values(), *parts.values(), (program.center[free] - origin) @ turn / size]
     return b"".join(_rounded_bytes(values) for values in data)
 
 

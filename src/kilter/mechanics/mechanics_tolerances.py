@@ -50,6 +50,8 @@ RULED_OUT = 1e6
 """Largest sum of contact forces, over the weight of a cluster, that a proof by forces may have and
 that a motion must exclude. A larger value demands more exact motions, since contacts that a motion
 closes by rounding then count more."""
+ASIDE = 1e-2
+"""Least distance of a point from the vertical that gives a cluster its frame [largest radius]."""
 SHIFT_DIGITS = 10
 """Decimal digits to which two clusters that are equal up to a shift must agree, relative to the
 largest value of each kind [-]."""

@@ -87,4 +87,6 @@ def readable(name: str) -> str:
     >>> readable("a\\u202eb") == "a\\ufffdb"
     True
     """
+    if name.isprintable():
+        return name
     return "".join(c if c.isprintable() else "\ufffd" for c in name)

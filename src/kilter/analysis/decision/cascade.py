@@ -129,6 +129,8 @@ def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) ->
     Arguments: `certain`: program of the certain contacts, by `build_program`, with or without
     friction. Returns the warning, or an empty list if no contact is left out.
     """
+    if not contacts.patch_doubt.any():
+        return []
     every = build_program(assembly, contacts, fitted=True)
     out = np.setdiff1d(_fitted_patches(every, assembly), _fitted_patches(certain, assembly))
     if not len(out):

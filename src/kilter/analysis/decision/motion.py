@@ -36,6 +36,14 @@ from kilter.arrays import TINY, Array, Mask
 from kilter.assembly import Assembly, Part
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
+from kilter.mechanics.clusters import (
+    PARTED,
+    cluster_groups,
+    clusters,
+    different_clusters,
+    first_groups,
+    upright_frames,
+)
 from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
 from kilter.mechanics.program import Program
@@ -190,6 +198,32 @@ def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotio
 def _least_constraint_motion(program: Program) -> tuple[Array, float] | None:
     """Accelerations of least constraint over g, (N, 6), and their residual; None if solvers fail.
 
+    Parts of a large program that do not touch move independently. Clusters that are equal up to a
+    shift and a turn about the vertical move equally.
+    """
+    freedoms = len(program.freedoms) * int(program.free.sum())
+    parted = clusters(program) if freedoms > PARTED and not program.has_limits else []
+    if len(parted) < 2:
+        return _motion_of_group(program)
+    frames = upright_frames(parted)
+    first = different_clusters(parted, frames)
+    motion, worst = np.zeros((len(program.names), 6)), 0.0
+    for group in first_groups(program, parted, first):
+        solution = _motion_of_group(group)
+        if solution is None:
+            return None
+        motion[group.free], worst = solution[0][group.free], max(worst, solution[1])
+    for k, (cluster, source) in enumerate(zip(parted, first.tolist(), strict=True)):
+        if source < k:
+            turn = frames[k].T @ frames[source]
+            copied = motion[parted[source].program.free].reshape(-1, 2, 3) @ turn.T
+            motion[cluster.program.free] = copied.reshape(-1, 6)
+    return motion, worst
+
+
+def _motion_of_group(program: Program) -> tuple[Array, float] | None:
+    """The motion of `_least_constraint_motion`, of all parts together.
+
     Clarabel solves a small program first. If the residual exceeds `MOTION_GOOD`, the interior
     point of `kilter.solvers.projection` follows, first on half of a symmetric assembly. The result
     is the solution with the least residual, which is recomputed from the rows.
@@ -342,14 +376,17 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     # the bounds above compare accelerations with weights alone, so loads and bonds are left out
     if not off.any() or assembly.loads or assembly.straps or len(program.gripping):
         return ""
-    motion = find_motion(program)
-    if not motion.known:  # the solver failed: the assembly is unstable as drawn
-        return ""
-    force, lever = _net_force_and_torque(program, motion.acceleration)
     aside, width = _inaccuracy_and_width(contacts, off)
-    if (force * width > aside).any() or (lever > aside).any():
-        return ""
-    fastest = assembly.names[int(motion.relative.max(axis=1).argmax())]
+    speed = np.zeros(len(off))
+    for group in cluster_groups(program):
+        motion = find_motion(group.program)
+        if not motion.known:  # the solver failed: the assembly is unstable as drawn
+            return ""
+        force, lever = _net_force_and_torque(group.program, motion.acceleration)
+        if (force * width > aside).any() or (lever > aside).any():
+            return ""
+        speed = np.maximum(speed, motion.relative.max(axis=1))
+    fastest = assembly.names[int(speed.argmax())]
     stated = f"{number(float(off.max()), 3)} {assembly.units}"
     return (
         f"the coordinates are not accurate enough to decide: as drawn {fastest!r} starts to move, "

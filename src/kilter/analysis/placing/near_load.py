@@ -7,9 +7,9 @@ Let S be some of the free parts. From known forces f of equilibrium of the whole
     places that fall    a motion of S that no contact prevents while all other parts are held: it
                         is a motion of the whole assembly
 
-For the forces S has the parts below the load, for the motions also all parts that rest on these. If
-both sets of places meet, they are the answer, and the size of the assembly does not count.
-Otherwise the whole is searched.
+For the forces S has the parts below the load, for the motions also all parts that rest on these, at
+first only the nearest. If both sets of places meet, they are the answer, and the size of the
+assembly does not count. Otherwise the whole is searched.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ Points = tuple[tuple[Array, ForceProof], ...]
 """Carried shifts and their forces."""
 LARGE = 0.5
 """Share of the free parts above which the parts near a load are no smaller problem [-]."""
+NEAREST = (64, 192)
+"""Numbers of parts that are tried first if there are more near a load."""
 RESTS = 0.1
 """Least cosine between a normal and the vertical if a part rests on the other at a row [-]."""
 
@@ -47,10 +49,13 @@ class NearParts:
     """Mask of the rows without an end at another free part."""
 
     @classmethod
-    def of(cls, program: Program, part: int, *, above: bool) -> NearParts | None:
+    def of(
+        cls, program: Program, part: int, *, above: bool, most: float = np.inf
+    ) -> NearParts | None:
         """The parts below a part that carries a load; None if they are too many.
 
-        Arguments: `above`: whether all parts that rest on these are included.
+        Arguments: `above`: whether all parts that rest on these are included; `most`: number of
+        them that count, the nearest to a vertical line through the part.
         """
         free = np.append(program.free, False)  # the ground is the last
         rises = -program.normal @ program.down
@@ -58,14 +63,18 @@ class NearParts:
         upper = np.where(rises > 0, program.part_b, program.part_a)
         rests = (np.abs(rises) > RESTS) & free[lower] & free[upper]
         lower, upper = lower[rests], upper[rests]
-        near = np.zeros(len(free), dtype=bool)
-        near[part] = free[part]
-        ways = [(upper, lower), (lower, upper)]
-        for start, end in ways if above else ways[:1]:
-            count = 0
-            while count < near.sum():
-                count = int(near.sum())
-                near[end[near[start]]] = True
+        near = _reached(free, part, lower, upper, above)
+        if near.sum() > most:
+            arm = program.center - program.center[part]
+            aside = np.linalg.norm(arm - np.outer(arm @ program.down, program.down), axis=1)
+            aside[[part, *lower[upper == part].tolist()]] = -1.0  # the load touches these
+            if (aside < 0).sum() > most:
+                return None
+            chosen = np.flatnonzero(near)
+            few = np.zeros(len(free), dtype=bool)
+            few[chosen[np.argsort(aside[chosen], kind="stable")[: int(most)]]] = True
+            both = few[lower] & few[upper]
+            near = _reached(few, part, lower[both], upper[both], above)
         if not 0 < near.sum() <= LARGE * free.sum():
             return None
         ends = np.stack([program.part_a, program.part_b])
@@ -117,16 +126,41 @@ class NearParts:
         )
 
 
+def _reached(free: Mask, part: int, lower: Index, upper: Index, above: bool) -> Mask:
+    """The free parts on which a part rests, with `above` also all that rest on these."""
+    near = np.zeros(len(free), dtype=bool)
+    near[part] = free[part]
+    ways = [(upper, lower), (lower, upper)]
+    for start, end in ways if above else ways[:1]:
+        count = 0
+        while count < near.sum():
+            count = int(near.sum())
+            near[end[near[start]]] = True
+    return near
+
+
+def most_parts(program: Program) -> list[float]:
+    """Numbers of parts near a load that are tried in a program, the smallest first."""
+    free = int(program.free.sum())
+    return [*(most for most in NEAREST if 2 * most < free), np.inf]
+
+
 def near_places(
-    load: ShiftedLoad, bound: ShiftedLoad, part: int, base: ForceProof, accuracy: float
+    load: ShiftedLoad,
+    bound: ShiftedLoad,
+    part: int,
+    base: ForceProof,
+    accuracy: float,
+    most: float,
 ) -> tuple[CarriedPlaces | None, int]:
     """The carried shifts of a load on a part, by the parts near it; and the number of programs.
 
     Arguments: `bound`: the same load on the program with all forces that contacts could transmit;
-    `base`: forces of equilibrium of `load.program` before the load was added. None in place of the
-    shifts if those that are carried and those that are excluded do not meet.
+    `base`: forces of equilibrium of `load.program` before the load was added; `most`: largest
+    number of parts. None in place of the shifts if those that are carried and those that are
+    excluded do not meet.
     """
-    below = NearParts.of(load.program, part, above=False)
+    below = NearParts.of(load.program, part, above=False, most=most)
     if below is None:
         return None, 0
     program = below.loaded(load.program, base)
@@ -140,7 +174,7 @@ def near_places(
     whole = shapely.box(*load.low, *load.high)
     if points and hull.area >= whole.area * (1 - SAME):
         return CarriedPlaces(hull, whole, programs, points), programs
-    around = NearParts.of(bound.program, part, above=True)
+    around = NearParts.of(bound.program, part, above=True, most=most)
     if around is None:
         return None, programs
     outer = ShiftedLoad(
@@ -154,17 +188,25 @@ def near_places(
 
 
 def near_moving(
-    load: MovingLoad, bound: MovingLoad, base: ForceProof, accuracy: float, cell: shapely.Geometry
+    load: MovingLoad,
+    bound: MovingLoad,
+    base: ForceProof,
+    accuracy: float,
+    cell: shapely.Geometry,
+    most: float,
+    *,
+    partly: bool,
 ) -> tuple[CarriedPlaces | None, Array, int]:
     """The places of a cell at which a part stands, by the parts near it, as `MovingLoad.places_of`.
 
     Also the shares of its weight on the areas, and the number of programs. Arguments: `bound`: the
     same load on the program with all forces that contacts could transmit; `base`: forces of
-    equilibrium of the assembly without the part. None in place of the places if those that stand
-    and those that fall do not meet.
+    equilibrium of the assembly without the part; `most`: largest number of parts; `partly`: whether
+    places may stay open. None in place of the places if those that stand and those that fall do not
+    meet.
     """
     part, known = len(load.program.names) - 1, len(load.loads.program.part_a)
-    below = NearParts.of(load.program, part, above=False)
+    below = NearParts.of(load.program, part, above=False, most=most)
     if below is None:
         return None, load.shares, 0
     inside = load.on(below.without_last(known).loaded(load.loads.program, base), "forces")
@@ -181,13 +223,14 @@ def near_moving(
     if without(cell, hull).buffer(-accuracy / 2).is_empty:
         whole = shapely.box(*load.contact.low, *load.contact.high)
         return CarriedPlaces(hull, whole, programs, points), inside.shares, programs
-    around = NearParts.of(bound.program, part, above=True)
+    around = NearParts.of(bound.program, part, above=True, most=most)
     if around is None:
         return None, inside.shares, programs
     others = around.without_last(len(bound.loads.program.part_a))
     found = bound.on(others.alone(bound.loads.program), "motions").places_of(accuracy, cell)
     programs += found.programs
-    if not without(both(cell, found.outer), hull).buffer(-accuracy / 2).is_empty:
+    unsure = without(both(cell, found.outer), hull)
+    if not (partly or unsure.buffer(-accuracy / 2).is_empty):
         return None, inside.shares, programs
     places = CarriedPlaces(hull, found.outer, programs, points, found.motions)
     return places, inside.shares, programs

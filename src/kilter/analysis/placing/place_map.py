@@ -27,7 +27,7 @@ import numpy as np
 import shapely
 
 from kilter.analysis.placing.moving_load import MovingLoad
-from kilter.analysis.placing.near_load import near_moving, near_places
+from kilter.analysis.placing.near_load import most_parts, near_moving, near_places
 from kilter.analysis.placing.polygon_sets import (
     GRID,
     NOTHING,
@@ -48,6 +48,11 @@ from kilter.mechanics.program import Program
 
 MOST_PROGRAMS = 20_000
 """Largest number of programs of a map; places that are not decided then stay open."""
+FEW_TOPS = 8
+"""Number of tops up to which a rectangle of places is searched as a whole."""
+WIDE = 0.1
+"""Extent above which a cell of a large assembly is searched with the parts near it only [sizes of
+the part]."""
 SAME_CUT = 1e-9
 """Share of the width of a polygon below which two cuts are equal [-]."""
 COARSE = 0.05
@@ -160,9 +165,13 @@ class PlaceMap:
         """Carried shifts of a load on a part, if the parts near it decide them."""
         if not self._alone.points:
             return None
-        found, programs = near_places(load, bound, part, self._alone.points[0][1], self.strip)
-        self.programs += programs
-        return found
+        base = self._alone.points[0][1]
+        for most in most_parts(load.program):
+            found, programs = near_places(load, bound, part, base, self.strip, most)
+            self.programs += programs
+            if found is not None:
+                return found
+        return None
 
     @cached_property
     def _alone(self) -> CarriedPlaces:
@@ -194,7 +203,7 @@ class PlaceMap:
         falls: list[shapely.Geometry] = []
         moving = self._smooth and all(top.upright for top in landing.tops)
         decided = self._decided_moving if moving else self._decided
-        rest, again = [piece] if moving else self._cells(landing, piece), JOINED
+        rest, again = self._few(landing, piece) if moving else self._cells(landing, piece), JOINED
         while rest and self.programs < MOST_PROGRAMS:
             cell = rest.pop()
             low, high = np.array(cell.bounds[:2]), np.array(cell.bounds[2:])
@@ -209,6 +218,21 @@ class PlaceMap:
                 left = polygons_of(without(piece, union([*stands, *falls])))
                 rest = [strip for strip in left if not strip.buffer(-self.strip / 2).is_empty]
         return stands, falls
+
+    def _few(self, landing: Landing, piece: shapely.Geometry) -> list[shapely.Geometry]:
+        """A polygon, halved until its rectangle has few tops: many have no shares in common."""
+        low, high = np.array(piece.bounds).reshape(2, 2)
+        side = self.landings.part.size
+        few = len(landing.near(low, high, side / 2)) <= FEW_TOPS
+        if few or float((high - low).max()) <= side:
+            return [piece]
+        axis = int((high - low).argmax())
+        middle = (low[axis] + high[axis]) / 2
+        ends = [(low, np.where(np.arange(2) == axis, middle, high))]
+        ends.append((np.where(np.arange(2) == axis, middle, low), high))
+        halves = [both(piece, shapely.box(*least, *most)) for least, most in ends]
+        parts = [part for half in halves for part in polygons_of(half)]
+        return [cell for part in parts for cell in self._few(landing, part)]
 
     @property
     def _smooth(self) -> bool:
@@ -253,11 +277,18 @@ class PlaceMap:
         if not self._alone.points:
             return None
         base = self._alone.points[0][1]
-        found, shares, programs = near_moving(load, bound, base, accuracy, cell)
-        self.programs += programs
-        if found is not None:
-            load.shares = shares
-        return found
+        span = max(cell.bounds[2] - cell.bounds[0], cell.bounds[3] - cell.bounds[1])
+        for most in most_parts(load.program):
+            # the places of a wide cell that stay open are searched again in smaller cells
+            partly = bool(np.isfinite(most)) and span > WIDE * self.landings.part.size
+            found, shares, programs = near_moving(
+                load, bound, base, accuracy, cell, most, partly=partly
+            )
+            self.programs += programs
+            if found is not None:
+                load.shares = shares
+                return found
+        return None
 
     def _decided(
         self, landing: Landing, cell: shapely.Geometry, low: Array, high: Array

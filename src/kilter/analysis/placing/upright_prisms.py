@@ -85,7 +85,7 @@ def find_tops(assembly: Assembly) -> list[Top]:
 
 
 def _top(geometry: Geometry, k: int) -> Top:
-    vertices = geometry.vertices[geometry.vertex_part == k]
+    vertices = geometry.vertices[geometry.vertex_start[k] : geometry.vertex_start[k + 1]]
     low, high = float(vertices[:, 2].min()), float(vertices[:, 2].max())
     hull = shapely.convex_hull(shapely.multipoints(vertices[:, :2]))
     upright = _is_upright(vertices, hull.area, float(geometry.volume[k]))
@@ -172,7 +172,7 @@ EDGE = 1e-6
 """Perimeter above which an area of contact of almost no width counts [sizes of the part]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Landing:
     """Places at which the part rests at one height."""
 
@@ -182,6 +182,17 @@ class Landing:
     """Tops of this height."""
     here: shapely.Geometry
     """Centres of mass at which it rests on some of these tops."""
+
+    @cached_property
+    def _bounds(self) -> Array:
+        """Bounds of the tops, shape (n, 4): least x and y, largest x and y."""
+        return np.asarray(shapely.bounds([top.polygon for top in self.tops]))
+
+    def near(self, low: Array, high: Array, margin: float) -> list[Top]:
+        """The tops whose bounds are within a margin of a rectangle [length unit]."""
+        least, most = self._bounds[:, :2], self._bounds[:, 2:]
+        meets = (least <= high + margin) & (most >= low - margin)
+        return [self.tops[k] for k in np.flatnonzero(meets.all(axis=1)).tolist()]
 
 
 @dataclass(eq=False)
@@ -217,8 +228,11 @@ class Landings:
 
     def only(self, landing: Landing, top: Top) -> shapely.Geometry:
         """Places of a landing at which the part touches this top alone."""
-        others = [self.reach[other.part] for other in landing.tops if other is not top]
-        return without(both(landing.here, self.reach[top.part]), union(others))
+        own = self.reach[top.part]
+        low, high = np.array(own.bounds).reshape(2, 2)
+        near = landing.near(low, high, 2 * self.part.size)
+        others = [self.reach[other.part] for other in near if other is not top]
+        return without(both(landing.here, own), union(others))
 
     def areas(
         self, tops: list[Top], low: Array, high: Array, *, any_place: bool
@@ -230,9 +244,12 @@ class Landings:
         common, as an area of almost no width.
         """
         under = swept(self.part.footprint, low, high, union=any_place)
-        size = float(np.ptp(self.part.footprint, axis=0).max())
-        areas = {}
-        for top in tops:
+        size, areas = self.part.size, {}
+        bounds, around = shapely.bounds([top.polygon for top in tops]), under.buffer(size).bounds
+        apart = (bounds[:, :2] > around[2:]) | (bounds[:, 2:] < around[:2])
+        for top, far in zip(tops, apart.any(axis=1).tolist(), strict=True):
+            if far:
+                continue
             area = both(top.polygon, under)
             if not any_place and area.area <= NOTHING * top.polygon.area and not under.is_empty:
                 area = both(top.polygon, under.buffer(BORDER * size, join_style="mitre"))

@@ -33,6 +33,7 @@ from kilter.analysis.turning.walk import walk
 from kilter.analysis.verdict.displacement import find_displacement
 from kilter.arrays import Array
 from kilter.errors import SolverError
+from kilter.mechanics.clusters import clusters
 from kilter.mechanics.program import Program
 from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import LinearProgram
@@ -52,7 +53,8 @@ class FacetOptimum:
     gravity: Array
     """On the diamond, shape (3,)."""
     z: float
-    """[kg x length unit]"""
+    """[kg x length unit]. If the motion of a cluster proves that another facet has a greater z, it
+    is an upper bound."""
     motion: Array
     """In A, shape (N, 6); -(sum_i m_i dr_i) . v <= z at every corner v of the facet."""
 
@@ -98,22 +100,53 @@ def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
     >>> np.round(best.gravity, 9) + 0.0, round(best.z, 9) + 0.0
     (array([-0.5,  0. , -0.5]), 0.0)
     """
-    unit = unit_program(program)
-    signs = facets_of_diamond(program)
-    model = KeptProgram(_program(unit), warm="dual", goal="point")
+    whole = _Facets(program)
+    part = _heaviest_cluster(program) if every else None
+    equal = OPTIMAL * whole.unit.mass
     optima: list[FacetOptimum] = []
-    for facet in signs:
-        first = len(unit.lp.row_lower)
+    for facet in facets_of_diamond(program):
+        best = max((optimum.z for optimum in optima), default=-np.inf)
+        bound = part.solve(facet) if part is not None and optima else None
+        worse = bound is not None and bound.z < best - equal
+        optima.append(bound if bound is not None and worse else whole.solve(facet))
+        if not every and optima[-1].z >= -equal:
+            break
+    first = max(optima, key=lambda optimum: optimum.z)
+    solved = whole.model.solves + (0 if part is None else part.model.solves)
+    return DiamondOptimum(first.gravity, first.z, tuple(optima), solved)
+
+
+class _Facets:
+    """The linear program over a facet of the diamond, kept for all facets."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.unit = unit_program(program)
+        self.model = KeptProgram(_program(self.unit), warm="dual", goal="point")
+
+    def solve(self, facet: Array) -> FacetOptimum:
+        """The most nearly stable direction of a facet, given by its signs, shape (3,)."""
+        unit = self.unit
         lower = np.concatenate([np.where(facet[unit.axes] > 0, 0.0, -np.inf)] * 2)
         lower[len(unit.axes) :] = np.where(facet[unit.axes] < 0, 0.0, -np.inf)
-        rows = first + np.arange(len(lower))
-        model.change_sides(rows, lower, np.full(len(lower), np.inf))
-        answer = model.solve().required("the orientation of a facet")
-        optima.append(_facet(program, unit, facet, answer.x, answer.multipliers[rows]))
-        if not every and optima[-1].z >= -OPTIMAL * unit.mass:
-            break
-    best = max(optima, key=lambda optimum: optimum.z)
-    return DiamondOptimum(best.gravity, best.z, tuple(optima), model.solves)
+        rows = len(unit.lp.row_lower) + np.arange(len(lower))
+        self.model.change_sides(rows, lower, np.full(len(lower), np.inf))
+        answer = self.model.solve().required("the orientation of a facet")
+        return _facet(self.program, unit, facet, answer.x, answer.multipliers[rows])
+
+
+def _heaviest_cluster(program: Program) -> _Facets | None:
+    """Programs over the facets for the heaviest cluster; None if all parts are a single cluster.
+
+    z of the assembly is the sum of z of its clusters, none of which is positive: z of a cluster
+    bounds it from above.
+    """
+    parted = [] if program.has_limits else clusters(program)
+    if len(parted) < 2:
+        return None
+    return _Facets(
+        max((c.program for c in parted), key=lambda part: float(part.mass[part.free].sum()))
+    )
 
 
 def _program(unit: UnitProgram) -> LinearProgram:

@@ -18,6 +18,7 @@ Mattikalli, Khosla, Repetto and Baraff (1993), sections 2.3 and 3.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -44,6 +45,7 @@ from kilter.contact import ContactSet, detect
 from kilter.contact.common.patches import UnsupportedContact
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
+from kilter.mechanics.clusters import clusters, different_clusters
 from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.rigid import rotation_between
 from kilter.tell.numbers import vector
@@ -410,7 +412,7 @@ def _open_questions(
     outer = bounding_program(assembly, contacts)
     if len(outer.part_a) == len(program.part_a):
         return []
-    if _none_is_stable(outer, joint(outer, every=True)):
+    if _none_holds(outer):
         return []
     why = []
     if every.friction:
@@ -422,6 +424,20 @@ def _open_questions(
     return why or [
         "a polygon replaces a round face: the polygon could hold it, but the circle might not"
     ]
+
+
+def _none_holds(program: Program) -> bool:
+    """Whether motions of a cluster, or of all parts, prove that no direction is stable.
+
+    A direction that does not hold a cluster does not hold the assembly.
+    """
+    parted = [] if program.has_limits else clusters(program)
+    chosen = np.unique(different_clusters(parted)).tolist() if len(parted) > 1 else []
+    single = (parted[k].program for k in chosen)
+    return any(
+        _none_is_stable(part, joint(part, every=True))
+        for part in itertools.chain(single, [program])
+    )
 
 
 def _none_is_stable(program: Program, best: DiamondOptimum) -> bool:

@@ -37,6 +37,8 @@ from kilter.contact.contact_tolerances import (
 from kilter.contact.curved.contact_points import TURN, Bands, bands_of, unrolled, unrolled_overlap
 from kilter.tell.record import InPython, Vector, key
 
+BLOCK = 1_000_000
+"""Number of pairs of a shaft and a hole that are compared at once."""
 SHARES = (0.19, 0.5, 0.83)
 """Fractions of arcs and heights at which a region is sampled [-]; chosen off the usual borders of
 triangles."""
@@ -253,9 +255,10 @@ class Fit(PairRecord, kw_only=False):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cylinders(Rows):
-    """Cylindrical faces, solid or hollow, each from `low` to `high` along its axis."""
+    """Cylindrical faces, solid or hollow, each from `low` to `high` along its axis; by part."""
 
     row: Index
+    part: Index
     point: Array = columns(3)
     axis: Array = columns(3)
     radius: Array = columns()
@@ -263,6 +266,26 @@ class _Cylinders(Rows):
     doubt: Array = columns()
     low: Array = columns()
     high: Array = columns()
+
+    def beside(self, ends: Index) -> tuple[Index, Index, Index]:
+        """Every solid face of the first beside every hollow face of the second of two parts.
+
+        `ends`, shape (n, 2). Returns the row of `ends`, and the two rows of faces.
+        """
+        of_solid, of_hollow = (np.flatnonzero(self.hollow == hollow) for hollow in (False, True))
+        parts = np.arange(ends.max() + 2)
+        pair, i = ragged(np.searchsorted(self.part[of_solid], parts), ends[:, 0])
+        face, j = ragged(np.searchsorted(self.part[of_hollow], parts), ends[pair, 1])
+        return pair[face], of_solid[i[face]], of_hollow[j]
+
+    def blocks(self, ends: Index) -> list[Index]:
+        """Divide pairs of parts, shape (n, 2), into blocks of at most about `BLOCK` rows."""
+        solid, hollow = (
+            np.bincount(self.part[self.hollow == side], minlength=ends.max() + 1)
+            for side in (False, True)
+        )
+        block = np.cumsum(solid[ends[:, 0]] * hollow[ends[:, 1]]) // BLOCK
+        return np.split(ends, np.flatnonzero(np.diff(block)) + 1)
 
 
 def coaxial_fits(
@@ -278,36 +301,22 @@ def coaxial_fits(
     `tolerance`: tolerance of the gap, the clearance and the angle. `thickest`: largest
     interference, as a fraction of the radius of the shaft [-].
     """
-    cylinders: dict[int, _Cylinders] = {}
-    result = []
-    surfaces = assembly.geometry.surfaces
+    geometry, surfaces = assembly.geometry, assembly.geometry.surfaces
     rounds = set(surfaces.part[surfaces.kind == CYLINDER].tolist())
     candidates = {(int(min(pair)), int(max(pair))) for pair in pairs if rounds.issuperset(pair)}
-    for a, b in sorted(candidates):
-        for part in (a, b):
-            if part not in cylinders:
-                cylinders[part] = _cylinders_of(assembly, part)
-        gap = float(tolerance.gap_of(assembly.geometry.size[[a, b]]).min())
-        for shaft, hole in ((a, b), (b, a)):
-            solid, hollow = cylinders[shaft], cylinders[hole]
-            solid = solid.take(np.flatnonzero(~solid.hollow))
-            hollow = hollow.take(np.flatnonzero(hollow.hollow))
-            fits = [
-                fit
-                for fit, rows in _fits_of(
-                    (shaft, hole), solid, hollow, gap, tolerance, (thickest, thinnest)
-                )
-                if _over_each_other(assembly.geometry, rows)
-            ]
-            # a stepped shaft has several fits: keep the tightest, and of these the longest
-            fits.sort(key=lambda fit: (not fit.tight, -fit.length))
-            result += fits[:1]
+    if not candidates:
+        return []
+    both = np.array([ends for a, b in sorted(candidates) for ends in ((a, b), (b, a))])
+    cylinders = _cylinders_of(geometry, np.unique(both))
+    result: list[Fit] = []
+    for ends in cylinders.blocks(both):
+        result += _fits_of(geometry, cylinders, ends, tolerance, (thickest, thinnest))
     return result
 
 
 def is_tube(assembly: Assembly, fit: Fit) -> bool:
     """Whether the shaft of a fit is hollow: it has a thinner bore about the same axis."""
-    bores = _cylinders_of(assembly, fit.ends[0])
+    bores = _cylinders_of(assembly.geometry, np.array([fit.ends[0]]))
     apart = bores.point - fit.point
     offset = lengths(apart - np.outer(apart @ fit.axis, fit.axis))
     sine = lengths(cross(bores.axis, fit.axis[None]))
@@ -316,58 +325,65 @@ def is_tube(assembly: Assembly, fit: Fit) -> bool:
 
 
 def _fits_of(
-    parts: tuple[int, int],
-    shafts: _Cylinders,
-    holes: _Cylinders,
-    gap: float,
+    geometry: Geometry,
+    cylinders: _Cylinders,
+    ends: Index,
     tolerance: Tolerance,
     widest: tuple[float, float],
-) -> Iterator[tuple[Fit, Index]]:
-    """Yield the fits of shafts in holes, with the rows of both surfaces.
+) -> Iterator[Fit]:
+    """Yield the fit of each pair of a shaft and a hole, if they have one.
 
-    `gap` is the gap tolerance [length unit]; `widest` holds the largest interference and clearance
-    as fractions of the radius [-].
+    A stepped shaft has several fits: the tightest counts, and of these the longest.
+
+    `ends`, shape (n, 2): parts of shaft and hole. `widest` holds the largest interference and
+    clearance as fractions of the radius [-].
     """
-    i, j = (grid.ravel() for grid in np.indices((len(shafts.row), len(holes.row))))
-    interference = shafts.radius[i] - holes.radius[j]
-    limit = gap + shafts.doubt[i] + holes.doubt[j]
-    thickest, thinnest = (share * shafts.radius[i] for share in widest)
+    pair, i, j = cylinders.beside(ends)
+    gap = tolerance.gap_of(geometry.size[ends].min(axis=1))
+    radius, doubt = cylinders.radius, cylinders.doubt
+    interference, limit = radius[i] - radius[j], gap[pair] + doubt[i] + doubt[j]
+    thickest, thinnest = (share * radius[i] for share in widest)
     clearance = np.maximum(tolerance.clearance or 0.0, thinnest)
-    equal = (-limit - clearance <= interference) & (interference <= thickest)
-    i, j, interference, limit = i[equal], j[equal], interference[equal], limit[equal]
-    axis, apart = shafts.axis[i], holes.point[j] - shafts.point[i]
+    equal = np.flatnonzero((-limit - clearance <= interference) & (interference <= thickest))
+    pair, i, j = pair[equal], i[equal], j[equal]
+    interference, limit = interference[equal], limit[equal]
+    axis, apart = cylinders.axis[i], cylinders.point[j] - cylinders.point[i]
     along = np.einsum("ij,ij->i", apart, axis)
     offset = lengths(apart - along[:, None] * axis)
-    sine = lengths(cross(axis, holes.axis[j]))
+    sine = lengths(cross(axis, cylinders.axis[j]))
     # the axes must coincide up to the play of the fit
     coaxial = (sine <= tolerance.angle) & (offset <= limit + np.abs(interference))
     # ends of the hole along the axis of the shaft, which may point the other way
-    sense = np.einsum("ij,ij->i", axis, holes.axis[j])
-    ends = along + sense * holes.low[j], along + sense * holes.high[j]
-    low = np.maximum(shafts.low[i], np.minimum(*ends))
-    high = np.minimum(shafts.high[i], np.maximum(*ends))
-    coaxial &= high - low > FIT_LENGTH * shafts.radius[i]
-    middle = shafts.point[i] + axis * ((low + high) / 2)[:, None]
-    for k in np.flatnonzero(coaxial).tolist():
+    sense = np.einsum("ij,ij->i", axis, cylinders.axis[j])
+    hole = along + sense * cylinders.low[j], along + sense * cylinders.high[j]
+    low = np.maximum(cylinders.low[i], np.minimum(*hole))
+    high = np.minimum(cylinders.high[i], np.maximum(*hole))
+    coaxial &= high - low > FIT_LENGTH * radius[i]
+    middle = cylinders.point[i] + axis * ((low + high) / 2)[:, None]
+    rows = np.flatnonzero(coaxial)
+    if not len(rows):
+        return
+    used, at = np.unique(cylinders.row[[i[rows], j[rows]]], return_inverse=True)
+    bands, at = bands_of(geometry, used), at.reshape(2, -1)
+    done = -1
+    for n in np.lexsort((low[rows] - high[rows], interference[rows] <= limit[rows], pair[rows])):
+        k = rows[n]
+        names = (int(used[at[0, n]]), int(used[at[1, n]])), (int(at[0, n]), int(at[1, n]))
+        if pair[k] == done or shared_region(geometry, bands, *names) is None:
+            continue
+        done = pair[k]
         shaft, length = i[k], float(high[k] - low[k])
-        radius, tight = float(shafts.radius[shaft]), float(interference[k])
-        fit = Fit(parts, middle[k], shafts.axis[shaft], radius, tight, length, float(limit[k]))
-        yield fit, np.array([shafts.row[shaft], holes.row[j[k]]])
+        size, tight, parts = float(radius[shaft]), float(interference[k]), ends[done].tolist()
+        yield Fit(tuple(parts), middle[k], axis[k], size, tight, length, float(limit[k]))
 
 
-def _over_each_other(geometry: Geometry, rows: Index) -> bool:
-    """Whether the faces of shaft and hole cover a common range of angles about the axis.
+def _cylinders_of(geometry: Geometry, parts: Index) -> _Cylinders:
+    """Cylindrical faces of parts, exact or recognised in their meshes, with their extents.
 
-    `rows`: the surfaces of shaft and hole.
+    `parts`, shape (n,): ascending.
     """
-    names = int(rows[0]), int(rows[1])
-    return shared_region(geometry, bands_of(geometry, rows), names, (0, 1)) is not None
-
-
-def _cylinders_of(assembly: Assembly, part: int) -> _Cylinders:
-    """Cylindrical faces of a part, exact or recognised in its mesh, with their extents."""
-    geometry, s = assembly.geometry, assembly.geometry.surfaces
-    rows = np.arange(s.start[part], s.start[part + 1])
+    s = geometry.surfaces
+    _, rows = ragged(s.start, parts)
     rows = rows[s.kind[rows] == CYLINDER]
     owner, place = ragged(s.triangle_start, rows)
     corners = geometry.vertices[geometry.triangles[s.triangle[place]]] - s.point[rows[owner], None]
@@ -375,7 +391,7 @@ def _cylinders_of(assembly: Assembly, part: int) -> _Cylinders:
     low, high = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
     np.minimum.at(low, owner, height.min(axis=1))
     np.maximum.at(high, owner, height.max(axis=1))
-    point, axis, radius, hollow, doubt = (
-        values[rows] for values in (s.point, s.axis, s.radius, s.hollow, s.doubt)
+    part, point, axis, radius, hollow, doubt = (
+        values[rows] for values in (s.part, s.point, s.axis, s.radius, s.hollow, s.doubt)
     )
-    return _Cylinders(rows, point, axis, radius, hollow, doubt, low, high)
+    return _Cylinders(rows, part, point, axis, radius, hollow, doubt, low, high)

@@ -39,6 +39,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any, Literal, get_args
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -314,6 +315,19 @@ def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]
     radius within the tolerance; but no pair of held parts, not the table of `with_floor`, and no
     parts that are merely sunk into each other.
     """
+    if assembly is not contacts.assembly:
+        return _suggested(assembly, contacts)
+    if contacts not in _KNOWN:
+        _KNOWN[contacts] = _suggested(assembly, contacts)
+    return list(_KNOWN[contacts])
+
+
+_KNOWN: WeakKeyDictionary[ContactSet, list[Suggestion]] = WeakKeyDictionary()
+"""Suggestions for the assemblies of contacts: each rung of the ladder asks for them."""
+
+
+def _suggested(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]:
+    """The suggestions of `suggest_joints`."""
     near_pairs = [*touching_pairs(contacts), *(r.ends for r in contacts.near)]
     overlaps = {_key(overlap.ends): overlap for overlap in contacts.overlaps}
     joinable = [pair for pair in near_pairs if _may_join(assembly, pair)]

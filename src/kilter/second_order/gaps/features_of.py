@@ -58,15 +58,12 @@ def _nothing_known(program: Program) -> dict[str, Any]:
 
 def _set_given(columns: dict[str, Any], program: Program, contacts: ContactSet) -> None:
     """Fill in the features that the assembly states for its given contacts."""
-    given = [contact for contact in contacts.assembly.contacts if len(contact.points)]
-    patches = np.flatnonzero(contacts.patch_kind == "given")
-    if len(patches) != len(given):  # the contacts are those of another assembly
-        return
-    for patch, contact in zip(patches, given, strict=True):
-        rows = np.flatnonzero(columns["group"] == patch)
-        if contact.feature is None or not len(rows):
+    stated = contacts.stated_features
+    for patch in np.unique(columns["group"]).tolist() if stated else []:
+        if patch not in stated:
             continue
-        for side, feature in zip("ab", contact.feature, strict=True):
+        contact, rows = stated[patch], np.flatnonzero(columns["group"] == patch)
+        for side, feature in zip("ab", contact.feature or (), strict=True):
             _set_side(columns, side, rows, feature, contact.normal)
 
 
