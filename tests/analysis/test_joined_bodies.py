@@ -339,6 +339,18 @@ def test_a_body_falls_surely_if_its_fall_exceeds_its_play(fall, falls):
     assert falls_surely(Question(assembly=Assembly(parts).with_floor())) == (False, falls)
 
 
+def test_a_ball_falls_surely_only_if_its_triangles_could_not_end_the_fall():
+    """The triangles of a ball lie inside of it, so their fall is longer than its own."""
+    parts = [block("low", [0, 0, 0], [0.1, 0.1, 0.1])]
+    found = []
+    for fall in (0.00399, 0.01):
+        ball = Part("ball", Sphere(0.05), [0.05, 0.05, 0.15 + fall])
+        assembly = Assembly([*parts, ball]).with_floor()
+        found.append(falls_surely(Question(assembly=assembly))[1])
+    assert 0.00399 + assembly.geometry.slack.max() > 0.004
+    assert found == [(), ("ball",)]
+
+
 def test_a_fall_onto_many_curved_faces_is_that_of_their_triangles(monkeypatch):
     c, s = math.sqrt(0.5) * math.cos(0.02), math.sqrt(0.5) * math.sin(0.02)
     lying = Pose([0.05, 0.05, 0.2], [c, s, c, s])  # turned about its axis: no corner is lowest

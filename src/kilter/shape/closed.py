@@ -80,7 +80,7 @@ def shared_edges(triangles: Index) -> tuple[Index, Index]:
     """
     following = triangles[:, [1, 2, 0]]
     low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
-    key = low * (int(high.max()) + 1) + high
+    key = low * (int(high.max(initial=0)) + 1) + high
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(np.diff(key[order]) == 0)
     return order[same], order[same + 1]
@@ -150,7 +150,7 @@ def _sides(triangles: Index) -> Index | None:
     count = len(triangles)
     following = triangles[:, [1, 2, 0]]
     low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
-    key = low * (int(high.max()) + 1) + high
+    key = low * (int(high.max(initial=0)) + 1) + high
     order = np.argsort(key, kind="stable")
     runs = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0]))
     pairs = runs[np.diff(np.append(runs, len(order))) == 2]

@@ -52,12 +52,15 @@ def drop_straight(
 
     Arguments: `contacts`: those of the drawn pose; `play` (B,): play of each body [length unit]; a
     body above k contacts may move k times as far; `on_surfaces`: whether falls end on the exact
-    curved surfaces, not on their triangles.
+    curved surfaces. On their triangles a fall may be too long by the slack of both parts: only a
+    longer one is certain.
     """
     assembly, count = bodies.drawn, len(bodies.mass)
     guided = any(joint.kind != "fixed" for joint in assembly.joints)
     if guided or assembly.loads or assembly.bonds or contacts.unexamined:
         return None
+    if not on_surfaces:
+        play = play + 2 * float(assembly.geometry.slack.max(initial=0.0))
     supported = ~bodies.moves
     supported[bodies.of_part[on_floor(assembly, contacts)]] = True
     group = np.where(supported, 0, np.cumsum(~supported))
