@@ -18,9 +18,8 @@ def written(answer: kilter.Order | kilter.Fixture) -> Proof:
 
 
 def proof_of(answer: kilter.Order | kilter.Fixture) -> Proof:
-    """Its proof, through JSON, with all rows of each state as objects of their own."""
-    proof: Proof = json.loads(json.dumps(restored(written(answer))))
-    return proof
+    """Its proof, through JSON, with all rows of each state as objects of their own, signed."""
+    return signed(json.loads(json.dumps(restored(written(answer)))))
 
 
 def signed(proof: Proof) -> Proof:
