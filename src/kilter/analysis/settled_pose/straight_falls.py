@@ -91,9 +91,9 @@ def _height(sweeps: Sweeps, part: int, other: int, direction: Direction, slack: 
 
 ROUNDS = 6
 """Largest number of Newton steps to the first contact of round faces."""
-MOST_CURVED = 100
+MOST_CURVED = 24
 """Largest number of curved faces of two parts whose distance in a fall is exact: each step is a
-search for contacts of both parts, which takes about .4 s for a case with its screws."""
+search for contacts of both parts, which takes about .4 s for a case of 100 faces."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
 MOST_GROUPS = 200
