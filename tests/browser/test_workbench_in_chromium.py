@@ -177,8 +177,12 @@ def test_the_phase_is_stated_and_an_analysis_is_stopped(user):
     assert level == "equilibrium; the complete answer is being computed"
     assert busy == "true"
     page.page.click("#tab-plan")
-    page.until("!document.getElementById('progress').hidden")
-    page.page.click("#sheet-controls button:has-text('Stop')")
+    page.until("window.bench.tabs.asked.size && !document.getElementById('progress').hidden")
+    # at once: a click of the mouse waits until the page of 1,000 bricks is still
+    page.js(
+        "[...document.querySelectorAll('#sheet-controls button')]"
+        ".find((each) => each.textContent.includes('Stop')).click()"
+    )
     page.until("!window.bench.tabs.asked.size")
     assert "stopped" in page.text("sheet-error")
     page.js("window.kilter.select(5)")
