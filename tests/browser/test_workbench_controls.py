@@ -200,7 +200,7 @@ def test_a_computation_is_stopped_in_the_bar_and_started_again(user):
     page.until("window.bench.tabs.asked.size && !document.getElementById('progress').hidden")
     page.js("document.getElementById('stop').click()")  # at once, however busy the page is
     page.until("!window.bench.tabs.asked.size")
-    assert "stopped" in page.text("sheet-error")
+    assert page.plan_was_stopped()
     page.page.click("#tab-contacts")
     page.until("window.bench.tabs.results.has('contacts')", 60)
     page.js("window.bench.tabs.results.clear()")

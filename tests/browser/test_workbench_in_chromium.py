@@ -184,7 +184,7 @@ def test_the_phase_is_stated_and_an_analysis_is_stopped(user):
         ".find((each) => each.textContent.includes('Stop')).click()"
     )
     page.until("!window.bench.tabs.asked.size")
-    assert "stopped" in page.text("sheet-error")
+    assert page.plan_was_stopped()
     page.js("window.kilter.select(5)")
     page.click("#do-hold")
 

@@ -36,6 +36,11 @@ class WorkbenchPage(Opened):
         self.until("Boolean(window.bench && window.bench.session)")
         return self
 
+    def plan_was_stopped(self) -> bool:
+        """Whether the page says that the plan was stopped, or has the part of it that was found."""
+        found = str(self.js("JSON.stringify(window.bench.tabs.results.get('plan') ?? null)"))
+        return "stopped" in self.text("sheet-error") or '"interrupted":true' in found
+
     def answered(self) -> WorkbenchPage:
         """Wait for the complete answer of the present state."""
         self.until(ANSWERED, 60)

@@ -111,8 +111,11 @@ class JobQueue:
         return await waiter
 
     def stop(self) -> None:
-        """End the running job, and drop the waiting jobs."""
+        """End the running job, and drop the waiting jobs; the pages hear of each job of a tab."""
+        tabs = [job for job in self._waiting if job.tab]
         self._drop(lambda waiting: True)
+        for job in tabs:
+            self._failed(job, _stopped())
         self.worker.interrupt()
 
     def _drop(self, unwanted: Callable[[QueuedJob], bool]) -> None:
@@ -180,9 +183,12 @@ def _failure(kind: str, data: Any) -> InputError | None:
         return InputError(
             "the computing process ended unexpectedly; it was started again", hint="try again"
         )
-    if kind in ("stopped", "killed"):
-        return InputError(STOPPED, hint="change something, or start it again")
-    return None
+    return _stopped() if kind in ("stopped", "killed") else None
+
+
+def _stopped() -> InputError:
+    """The error of a job that was stopped."""
+    return InputError(STOPPED, hint="change something, or start it again")
 
 
 ELSEWHERE = "if you trust the file, start 'kilter view' with --folder {folder}"
