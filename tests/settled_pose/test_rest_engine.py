@@ -143,8 +143,8 @@ def test_the_engine_searches_again_if_the_verification_refuses_the_least_motion(
 
     run = module.least_motion
 
-    def lifts(bodies, reach, near):
-        found = run(bodies, reach, near)
+    def lifts(bodies, reach, near, depth):
+        found = run(bodies, reach, near, depth)
         return replace(
             found, bodies=found.bodies.moved(np.array([[0.0] * 6, [0, 0, 0.1, 0, 0, 0]]))
         )

@@ -168,9 +168,9 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
         options, when = step
         return NextStep(("check", *options), f"decides it {when}")
     rows = [row for row in answer["ladder"] if row["friction"] is None]
-    later = [r["assume"] for r in rows if not r["decided"]]
-    # joints never make an equilibrium impossible: what falls if joined falls on the other rungs
-    joined_falls = any(row["assume"] == JOINED and row["decided"] for row in rows)
+    later = [row["assume"] for row in rows if not row["decided"]]
+    # a lower rung has fewer joints, so an assembly that falls with all joints falls there, too
+    joined_falls = any(row["assume"] == JOINED and row["verdict"] == "unstable" for row in rows)
     if later and not joined_falls and answer["assume"] == DRAWN:
         asked = later[-1]  # fewer bodies are decided sooner
         return NextStep(("check", "--assume", asked), f"decides the row {asked}")

@@ -24,6 +24,7 @@ from kilter.analysis.settled_pose.straight_falls import StraightFall, falling_di
 from kilter.arrays import Array, Index, Mask, across, cross, members_by_label, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import Body
+from kilter.assembly.geometry import Geometry
 from kilter.assembly.part import GROUND
 from kilter.contact import ContactSet
 from kilter.contact.common.distances import MOST_PARTS, PartSolids, nearest_to_group
@@ -47,7 +48,7 @@ def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
     standing = [group for group in groups if carried[group].any()]
     tilt: dict[str, Any] = {}
     if len(standing) == 1:
-        tilt = _tilt_words(assembly, contacts, standing[0])
+        tilt = _tilt_keys(assembly, contacts, standing[0])
     bodies = [_body(assembly, group, on_floor=True, **tilt) for group in standing]
     hanging = groups[len(standing) :]
     falls = loose.falls(hanging[:MOST_PARTS])
@@ -57,7 +58,7 @@ def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
     return tuple(bodies)
 
 
-def _tilt_words(assembly: Assembly, contacts: ContactSet, group: Index) -> dict[str, Any]:
+def _tilt_keys(assembly: Assembly, contacts: ContactSet, group: Index) -> dict[str, Any]:
     """The keys of the only body on a floor about its tilt, and about its rest if it tips over."""
     limit = tipping(assembly, contacts, group)
     if limit is None and not beyond_feet(assembly, group, 0.0):
@@ -68,7 +69,7 @@ def _tilt_words(assembly: Assembly, contacts: ContactSet, group: Index) -> dict[
         return found
     geometry = assembly.geometry
     rows = np.flatnonzero(np.isin(geometry.vertex_part, group))
-    center = geometry.mass[group] @ geometry.center[group] / geometry.mass[group].sum()
+    center = _common_center(geometry, group)
     rest = rest_after_tipping(geometry.vertices[rows], center, assembly.down)
     if rest is not None and rest[0] > 0.0:
         feet = np.unique(geometry.vertex_part[rows[rest[1]]])
@@ -77,6 +78,12 @@ def _tilt_words(assembly: Assembly, contacts: ContactSet, group: Index) -> dict[
             "rests_on": tuple(assembly.names[k] for k in feet.tolist()),
         }
     return found
+
+
+def _common_center(geometry: Geometry, parts: Index) -> Array:
+    """Common centre of mass of parts (n,), shape (3,) [length unit]."""
+    center: Array = geometry.mass[parts] @ geometry.center[parts] / geometry.mass[parts].sum()
+    return center
 
 
 def beyond_feet(assembly: Assembly, parts: Index, reach: float) -> bool:
@@ -95,7 +102,7 @@ def beyond_feet(assembly: Assembly, parts: Index, reach: float) -> bool:
     depth, plane = points @ down, np.stack(across(down), axis=1)
     room = reach + 2 * float(geometry.slack.max())
     hull = shapely.convex_hull(shapely.multipoints(points[depth >= depth.max() - room] @ plane))
-    center = geometry.mass[parts] @ geometry.center[parts] / geometry.mass[parts].sum()
+    center = _common_center(geometry, parts)
     return bool(shapely.distance(hull, shapely.points(center @ plane)) > 2 * room)
 
 
@@ -141,7 +148,7 @@ def tipping(assembly: Assembly, contacts: ContactSet, group: Index) -> tuple[flo
     if not chosen.any() or (np.linalg.norm(normals - normals[0], axis=1) > ALONG).any():
         return None
     geometry = assembly.geometry
-    center = geometry.mass[group] @ geometry.center[group] / geometry.mass[group].sum()
+    center = _common_center(geometry, group)
     feet = contacts.points[chosen[contacts.point_patch]] - center
     return _tilt_of_polygon(feet, normals[0], down) if normals[0] @ down < 0 else None
 

@@ -93,9 +93,10 @@ def _falling(
 
 
 def _surely(asked: Question, rung: str, surely: Sequence[str], *, tips: bool) -> LadderRow:
-    """The row of what is certain on every rung: the parts that fall, or all tip over together.
+    """The row of a rung from proofs that need no search: certain falls, or a common tipping over.
 
-    Which parts fall on lower rungs is not known if the joined parts tip over.
+    Arguments: `surely`: parts that fall on every rung; `tips`: whether all parts tip over together.
+    Then the row of a lower rung names no parts: it is not known which of them fall there.
     """
     if not tips and not surely:
         return LadderRow(assume=rung, decided=False)

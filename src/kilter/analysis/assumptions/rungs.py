@@ -1,4 +1,4 @@
-"""Rung of the ladder of assumptions on which a question is asked, and the files that have one."""
+"""The rung of assumptions that a question names, and the kinds of files that have a ladder."""
 
 from __future__ import annotations
 

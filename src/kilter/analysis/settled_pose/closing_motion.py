@@ -28,11 +28,14 @@ SHALLOW = 0.1
 
 
 def least_motion(
-    bodies: RigidBodies, reach: float, near: Callable[[RigidBodies, float | Array], NearPoints]
+    bodies: RigidBodies,
+    reach: float,
+    near: Callable[[RigidBodies, float | Array], NearPoints],
+    depth: Array | None = None,
 ) -> SearchResult:
-    """Search for a pose at rest within a reach [length unit] of bodies.
+    """Search for a pose at rest within a reach [length unit] of bodies; heavy ones move less.
 
-    Heavy bodies move less, and those move more that are sunk deeper into the bodies below them: a
+    Arguments: `depth` (B,): sunk depths of the bodies [length unit]. The deeper bodies move more: a
     body on the floor stays where it is although others press against its sides.
     """
 
@@ -40,9 +43,10 @@ def least_motion(
         """The points of these bodies, without those of the ground."""
         return near(moved, np.where(moved.free, widest, 0.0))
 
-    depth = sunk_depths(bodies, around(bodies, reach))
-    usual = float(np.median(depth[bodies.moves])) if bodies.moves.any() else 0.0
-    inertia = bodies.mass / np.maximum(depth / usual, SHALLOW) ** 2 if usual else bodies.mass
+    inertia = bodies.mass
+    usual = 0.0 if depth is None else float(np.median(depth[bodies.moves]))
+    if depth is not None and usual:
+        inertia = inertia / np.maximum(depth / usual, SHALLOW) ** 2
     return search_rest(
         bodies, reach=reach, most=None, progress=lambda stage: None, near=around, inertia=inertia
     )

@@ -29,7 +29,7 @@ import numpy as np
 
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
-from kilter.analysis.settled_pose.closing_motion import least_motion
+from kilter.analysis.settled_pose.closing_motion import least_motion, sunk_depths
 from kilter.analysis.settled_pose.descent import Descent
 from kilter.analysis.settled_pose.joint_rows import spring_energy
 from kilter.analysis.settled_pose.near_points import NearPoints
@@ -293,13 +293,15 @@ def _close_sunk_groups(state: _State) -> None:
     deep[(deep <= 5 * state.closed) | np.isfinite(state.limit)] = 0.0
     points = _points(state, np.maximum(SUNK * deep, state.closed))
     island = _islands(state, points, (deep > 0) & bodies.moves)
+    depth = sunk_depths(bodies, points)
     for each in np.unique(island[island >= 0]).tolist():
         group = island == each
         deepest = float(deep[group].max())
         if deepest > SOFT * np.median(bodies.size[group]):
             continue
         state.tell(f"sunk group: {number(deepest)}")
-        found = least_motion(bodies.only(group), SUNK * deepest, state.candidates.near)
+        own = np.append(0.0, depth[group])
+        found = least_motion(bodies.only(group), SUNK * deepest, state.candidates.near, own)
         if found.state == "at-rest":
             state.put(group, found.bodies)
 
