@@ -19,7 +19,7 @@ from kilter.scenes import scene
 from kilter.scenes.walls import wall
 
 ROOT = Path(__file__).resolve().parents[2]
-OTHERS = ("compas", "compas_assembly")
+OTHERS = ("compas", "compas_assembly", "compas_dem")
 """Libraries that a page may be about and the tests do without."""
 SIMULATED = """<mujoco><worldbody>
   <geom type="plane" size="1 1 1"/>

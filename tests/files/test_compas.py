@@ -9,7 +9,7 @@ import pytest
 
 from kilter import Assembly, Box, Part, Sphere
 from kilter.errors import InputError
-from kilter.files.compas import from_compas, to_compas
+from kilter.files.compas_files import from_compas, to_compas
 from kilter.loading import load
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 

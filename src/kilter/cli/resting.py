@@ -238,7 +238,7 @@ def write_pose(
         source = asked.source or Path(asked.file)
         write_usd_poses(source, output, _drawn(answer), answer.assembly)
     else:
-        from kilter.files.compas import to_compas
+        from kilter.files.compas_files import to_compas
 
         write_whole(output, to_compas(answer.assembly))
     return ""

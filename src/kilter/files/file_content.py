@@ -18,7 +18,7 @@ from kilter.files.bricks.brick_lists import (
     load_brick_text,
 )
 from kilter.files.bricks.ldraw import LDRAW_FILES, load_ldraw
-from kilter.files.compas import from_compas, is_compas
+from kilter.files.compas_files import from_compas, is_compas
 from kilter.files.complaints import parse_json
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import FORMATS, load_bodies, read_bodies
@@ -285,7 +285,7 @@ def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -
         )
     other = None
     if not (isinstance(content, dict) and "parts" in content):
-        other = _from_other_json(content, data, source, options)
+        other = _from_other_json(content, data, folder, source, options)
     if other is not None:
         return other
     assembly = from_dict(content, folder=folder, source=source)
@@ -294,12 +294,12 @@ def _from_json(data: bytes, folder: Path, source: str, options: FormatOptions) -
 
 
 def _from_other_json(
-    content: Any, data: bytes, source: str, options: FormatOptions
+    content: Any, data: bytes, folder: Path, source: str, options: FormatOptions
 ) -> FileContent | None:
     """The assembly in JSON data of another program; None if no such format is recognised."""
     if is_compas(content):
         units, contacts = options.units, options.contacts
-        blocks = from_compas(content, units=units, source=source, contacts=contacts)
+        blocks = from_compas(content, units=units, source=source, contacts=contacts, folder=folder)
         return FileContent(blocks).without_held_parts()
     if is_stable_lego(content):
         bricks = from_stable_lego(content, data, rules=options.studs, source=source)

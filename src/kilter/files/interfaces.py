@@ -1,6 +1,7 @@
 """Convert the interfaces of a COMPAS file to given contacts between its blocks.
 
     edges[u][v]:  "interfaces": [{"points", "frame": {"xaxis", "yaxis"}}],
+                  "contacts": the same in a model of compas_model,
                   "interface": a single interface,
                   "interface_points", "interface_uvw" in files of 2020
 
@@ -26,13 +27,30 @@ from kilter.shape.primitives import Mesh
 _HINT = "export the assembly with its interfaces again, or use --contacts geometry"
 
 
+def as_dict(value: Any) -> dict[str, Any]:
+    """The value if it is a dict, else an empty dict."""
+    return value if isinstance(value, dict) else {}
+
+
+def kind(data: dict[str, Any]) -> Any:
+    """The type name of a serialised COMPAS object; an empty text for other dicts."""
+    return data.get("dtype", data.get("datatype", ""))
+
+
+def inner(value: Any) -> Any:
+    """The content under the key "data" of a serialised object, or the value itself."""
+    while isinstance(value, dict) and kind(value):
+        value = value.get("data", value.get("value"))
+    return value
+
+
 def interfaces_of(graph: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
     """All contact interfaces of a COMPAS graph as (u, v, interface), each once."""
     result: list[tuple[str, str, dict[str, Any]]] = []
     seen: set[frozenset[str]] = set()
-    for u, row in _dict(graph.get("edge")).items():
-        for v, edge in _dict(row).items():
-            interfaces = _edge_interfaces(_dict(edge))
+    for u, row in as_dict(graph.get("edge")).items():
+        for v, edge in as_dict(row).items():
+            interfaces = _edge_interfaces(as_dict(edge))
             if interfaces and frozenset((u, v)) not in seen:
                 seen.add(frozenset((u, v)))
                 result += [(u, v, interface) for interface in interfaces]
@@ -41,26 +59,14 @@ def interfaces_of(graph: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]
 
 def _edge_interfaces(edge: dict[str, Any]) -> list[dict[str, Any]]:
     """Contact interfaces of a graph edge, from any of the three forms in which files store them."""
-    several = edge.get("interfaces")
+    several = edge.get("interfaces") or edge.get("contacts")
     single = edge.get("interface")
     stored = several if isinstance(several, list) and several else [single]
     if isinstance(edge.get("interface_points"), list):
         axes = edge.get("interface_uvw")
         u, v = (*(axes if isinstance(axes, list) else ()), None, None)[:2]
         stored = [{"points": edge["interface_points"], "frame": {"xaxis": u, "yaxis": v}}]
-    return [_inner(interface) for interface in stored if isinstance(interface, dict)]
-
-
-def _dict(value: Any) -> dict[str, Any]:
-    """The value if it is a dict, else an empty dict."""
-    return value if isinstance(value, dict) else {}
-
-
-def _inner(value: Any) -> Any:
-    """The content under the key "data" of a serialised object, or the value itself."""
-    while isinstance(value, dict) and ("dtype" in value or "datatype" in value):
-        value = value.get("data", value.get("value"))
-    return value
+    return [inner(interface) for interface in stored if isinstance(interface, dict)]
 
 
 def contacts_of(
@@ -103,13 +109,13 @@ def _polygon(interface: Any) -> tuple[Array, Array]:
 
     Without valid corners: no corners, and a zero normal.
     """
-    data = _dict(interface)
-    frame = _dict(_inner(data.get("frame")))
+    data = as_dict(interface)
+    frame = as_dict(inner(data.get("frame")))
     try:
-        points = np.array([_inner(p) for p in data.get("points") or ()], dtype=np.float64)
+        points = np.array([inner(p) for p in data.get("points") or ()], dtype=np.float64)
         points = points.reshape(-1, 3)
         if frame.get("xaxis") and frame.get("yaxis"):
-            axes = np.array([_inner(frame[key]) for key in ("xaxis", "yaxis")], dtype=np.float64)
+            axes = np.array([inner(frame[key]) for key in ("xaxis", "yaxis")], dtype=np.float64)
             normal = np.cross(*axes.reshape(2, 3))
         else:
             around = points - points.mean(axis=0) if len(points) else points

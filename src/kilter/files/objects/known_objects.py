@@ -28,6 +28,7 @@ READERS: dict[str, Reader] = {
     "trimesh": trimesh_objects.read,
     "compas": compas_objects.read,
     "compas_assembly": compas_objects.read,
+    "compas_dem": compas_objects.read,
     "build123d": occt_objects.read,
     "cadquery": occt_objects.read,
     "OCP": occt_objects.read,

@@ -4,7 +4,7 @@ A block without a name, or with the name of another block, is named by the key o
 marked as supports are held. A block may state its density. The files have no units. With
 ``contacts="file"`` the interfaces of the file are the contacts (`kilter.files.interfaces`). A list
 of meshes, or a single mesh, is an assembly too: parts without a name are named by their position
-in the list.
+in the list. Models and problems of compas_dem are converted by `kilter.files.compas_models`.
 
 References
 ----------
@@ -17,13 +17,16 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
-from kilter.files.interfaces import contacts_of, interfaces_of
+from kilter.files.compas_models import graph_of_model, is_model, split_problem, with_problem
+from kilter.files.interfaces import as_dict, contacts_of, inner, interfaces_of, kind
 from kilter.files.meshes.placed import natural_key, text_accuracy
 from kilter.files.reader_guard import reader_guard
 from kilter.shape.primitives import Mesh
@@ -46,39 +49,47 @@ def is_compas(data: Any) -> bool:
     """
     if isinstance(data, list):
         return bool(data) and all(isinstance(entry, dict) and is_compas(entry) for entry in data)
-    return isinstance(data, dict) and str(_kind(data)).startswith("compas")
+    return isinstance(data, dict) and str(kind(data)).startswith("compas")
 
 
 def from_compas(
-    data: Any, *, units: str | None = None, source: str = "", contacts: str | None = None
+    data: Any,
+    *,
+    units: str | None = None,
+    source: str = "",
+    contacts: str | None = None,
+    folder: Path | None = None,
 ) -> Assembly:
     """Build the assembly of a COMPAS file.
 
     Arguments: `contacts`: "file": the interfaces of the file are the contacts, and contacts are not
-    detected. Raises `InputError` if the value is not an assembly of blocks, or a block is damaged;
-    the error names it.
+    detected. `folder`: folder in which the model of a problem is looked for. Raises `InputError` if
+    the value is not an assembly of blocks, or a block is damaged; the error names it.
     """
     with reader_guard(source):
+        data, problem = split_problem(data, folder)
         nodes, graph = _graph(data)
-        defaults = _dict(graph.get("default_node_attributes") or graph.get("node_attributes"))
+        defaults = as_dict(graph.get("default_node_attributes") or graph.get("node_attributes"))
         keys = sorted(nodes, key=natural_key)
         blocks = {key: _block(key, nodes[key]) for key in keys}
         names = _names(blocks, {key: _name_beside_data(nodes[key]) for key in keys})
         corners = {key: _vertices(names[key], blocks[key]) for key in keys}
         accuracy = text_accuracy(np.concatenate([_rows(corners[key]) for key in keys]))
+        for key in keys:
+            corners[key] = _in_place(corners[key], nodes[key].get("placement"))
         parts = {
             key: Part(
                 names[key],
                 _mesh(names[key], blocks[key], corners[key], accuracy),
                 grounded=_is_support(nodes[key], defaults, blocks[key]),
-                density=_dict(blocks[key].get("attributes")).get("density"),
+                density=as_dict(blocks[key].get("attributes")).get("density"),
             )
             for key in keys
         }
         interfaces = interfaces_of(graph)
         used = contacts_of(interfaces, parts) if contacts == "file" else []
         notes = [_interfaces_note(len(interfaces))] if interfaces and contacts is None else []
-        return Assembly(
+        assembly = Assembly(
             list(parts.values()),
             units=units or "m",
             source=source,
@@ -86,6 +97,23 @@ def from_compas(
             contacts=used,
             detect=contacts != "file",
         )
+        if problem is None:
+            return assembly
+        faces = {key: _polygons(blocks[key], corners[key]) for key in keys}
+        return with_problem(assembly, {key: (parts[key], faces[key]) for key in keys}, problem)
+
+
+def _in_place(corners: dict[str, list[float]], placement: Array | None) -> dict[str, list[float]]:
+    """Vertices of a block in its pose, shape (4, 4), by vertex key; None leaves them."""
+    if placement is None or np.array_equal(placement, np.eye(4)):
+        return corners
+    rows = _rows(corners) @ placement[:3, :3].T + placement[:3, 3]
+    return dict(zip(corners, rows.tolist(), strict=True))
+
+
+def _polygons(block: dict[str, Any], corners: dict[str, list[float]]) -> dict[str, Array]:
+    """Corners of each face of a block, shape (n, 3), by face key."""
+    return {key: np.array([corners[str(c)] for c in face]) for key, face in block["face"].items()}
 
 
 def _interfaces_note(count: int) -> str:
@@ -96,41 +124,27 @@ def _interfaces_note(count: int) -> str:
     )
 
 
-def _kind(data: dict[str, Any]) -> Any:
-    """The type name of a serialised COMPAS object; an empty text for other dicts."""
-    return data.get("dtype", data.get("datatype", ""))
-
-
-def _inner(data: Any) -> dict[str, Any]:
-    """The content under the key "data" of a serialised object, or the dict itself."""
-    while isinstance(data, dict) and _kind(data):
-        data = data.get("data", data.get("value"))
-    return data if isinstance(data, dict) else {}
-
-
 def _graph(data: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     """The graph of an assembly: its nodes by key, and the whole graph as a dict."""
     meshes = data if isinstance(data, list) else [data]
-    if all("vertex" in _inner(mesh) for mesh in meshes):
+    if all("vertex" in as_dict(inner(mesh)) for mesh in meshes):
         return {str(k): {"block": mesh} for k, mesh in enumerate(meshes)}, {}
     if isinstance(data, list):
         raise InputError("the list has COMPAS objects that are not meshes", hint=_HINT)
-    content = _inner(data)
-    graph = _inner(content["graph"]) if "graph" in content else content
+    content = as_dict(inner(data))
+    if is_model(content):
+        graph = graph_of_model(content)
+        return graph["node"], graph
+    graph = as_dict(inner(content["graph"])) if "graph" in content else content
     nodes = graph.get("node")
     if not isinstance(nodes, dict) or not nodes:
-        raise InputError(f"the COMPAS {_kind(data)!r} has no blocks", hint=_HINT)
+        raise InputError(f"the COMPAS {kind(data)!r} has no blocks", hint=_HINT)
     return nodes, graph
-
-
-def _dict(value: Any) -> dict[str, Any]:
-    """The value if it is a dict, else an empty dict."""
-    return value if isinstance(value, dict) else {}
 
 
 def _block(key: str, node: Any) -> dict[str, Any]:
     """The data of the block that a node holds; raises `InputError` if it has no mesh."""
-    block = _inner(node.get("block")) if isinstance(node, dict) else {}
+    block = as_dict(inner(node.get("block"))) if isinstance(node, dict) else {}
     if not isinstance(block.get("vertex"), dict) or not isinstance(block.get("face"), dict):
         raise InputError("the node has no block with vertices and faces", part=key, hint=_HINT)
     return block
@@ -138,7 +152,7 @@ def _block(key: str, node: Any) -> dict[str, Any]:
 
 def _name_beside_data(node: dict[str, Any]) -> Any:
     """Name of a block that COMPAS 2 stores beside the block's data; None without a name."""
-    return _dict(node.get("block")).get("name")
+    return as_dict(node.get("block")).get("name")
 
 
 def _names(blocks: dict[str, dict[str, Any]], beside: dict[str, Any]) -> dict[str, str]:
@@ -149,7 +163,7 @@ def _names(blocks: dict[str, dict[str, Any]], beside: dict[str, Any]) -> dict[st
     """
     given = {}
     for key, block in blocks.items():
-        name = _dict(block.get("attributes")).get("name") or beside[key]
+        name = as_dict(block.get("attributes")).get("name") or beside[key]
         given[key] = name.strip() if isinstance(name, str) and name.strip() else key
     count = Counter(given.values())
     return {key: name if count[name] == 1 else key for key, name in given.items()}
@@ -157,7 +171,7 @@ def _names(blocks: dict[str, dict[str, Any]], beside: dict[str, Any]) -> dict[st
 
 def _vertices(name: str, block: dict[str, Any]) -> dict[str, list[float]]:
     """Coordinates of the vertices of a block, by vertex key."""
-    start = {"x": 0.0, "y": 0.0, "z": 0.0, **_dict(block.get("default_vertex_attributes"))}
+    start = {"x": 0.0, "y": 0.0, "z": 0.0, **as_dict(block.get("default_vertex_attributes"))}
     corners = {}
     for key, vertex in block["vertex"].items():
         values = {**start, **vertex} if isinstance(vertex, dict) else {}
@@ -197,7 +211,7 @@ def _mesh(name: str, block: dict[str, Any], corners: dict[str, list[float]], acc
 
 def _is_support(node: dict[str, Any], defaults: dict[str, Any], block: dict[str, Any]) -> bool:
     """Whether the file marks a block as a support: in its node, the node defaults or the block."""
-    of_block = _dict(block.get("attributes")).get("is_support")
+    of_block = as_dict(block.get("attributes")).get("is_support")
     return (node.get("is_support", defaults.get("is_support")) or of_block) is True
 
 
@@ -214,7 +228,7 @@ def to_compas(assembly: Assembly) -> str:
     Examples
     --------
     >>> from kilter import Box, Part
-    >>> from kilter.files.compas import from_compas
+    >>> from kilter.files.compas_files import from_compas
     >>> cube = Assembly([Part("cube", Box(1, 1, 1), grounded=True)])
     >>> from_compas(json.loads(to_compas(cube))).geometry.mass.tolist()
     [1000.0]
