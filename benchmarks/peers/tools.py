@@ -91,6 +91,10 @@ TOOLS = {
             "compas_cra CRA, tuned", "compas_cra", "ask_compas_cra.cra_tuned",
             "the same in its fastest units",
         ),
+        Tool(
+            "LMGC90", "compas_lmgc90", "ask_lmgc90.settle",
+            "simulation by contact dynamics: did a block move?",
+        ),
         Tool("MuJoCo", "mujoco", "ask_mujoco.settle", "simulation: did it move?"),
         Tool(
             "factorisation", "scipy", "ask_programs.factorisation",
