@@ -230,6 +230,25 @@ def test_what_the_format_has_not_is_told(tmp_path, elements, words):
         kilter.load(robot(tmp_path, *elements))
 
 
+@pytest.mark.parametrize("name", ["robot.urdf", "robot.urdf.xacro"])
+@pytest.mark.parametrize(
+    "element",
+    [
+        link("base", '<box size="${w} 1 1"/>'),
+        BASE + '<x:property xmlns:x="http://www.ros.org/wiki/xacro" name="w" value="1"/>',
+        link("base", '<mesh filename="$(find robot)/base.stl"/>'),
+    ],
+)
+def test_a_template_of_xacro_says_how_it_is_expanded(tmp_path, element, name):
+    with pytest.raises(InputError, match=r"a template of xacro.* \(xacro robot\.xacro > robot"):
+        kilter.load(robot(tmp_path, element, name=name))
+
+
+def test_an_expanded_template_with_elements_of_a_simulator_is_read(tmp_path):
+    others = '<gazebo reference="base"><material>Blue</material></gazebo><unknown/>'
+    assert kilter.load(robot(tmp_path, BASE, others)).names == ("base",)
+
+
 def test_a_base_is_fixed_or_floating_and_xml_is_of_one_of_two_kinds(tmp_path):
     with pytest.raises(InputError, match="the base is 'loose'; use fixed or floating"):
         kilter.load(robot(tmp_path, BASE), base="loose")

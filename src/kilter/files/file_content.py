@@ -208,7 +208,7 @@ def read_path(
         content = FileContent(assembly, left_out=left_out, from_cad=True)
         content = content.without_held_parts()
         return content if options.keep_copies else content.without_copies()
-    if suffix in XML:
+    if suffix in XML or suffix == ".xacro":  # the reader of URDF says how to expand a template
         # imported late: other files do not need these modules
         from kilter.files.robots.xml_scenes import load_xml
 

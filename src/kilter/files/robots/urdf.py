@@ -171,10 +171,22 @@ def read_urdf(root: Element, path: Path, choices: FormatOptions) -> Assembly:
         raise InputError(
             f"URDF is in m, but the units given are {choices.units}", hint="leave the units out"
         )
+    _require_expanded(root)
     robot = _Robot(root, path)
     return robot.assembly(
         held=choices.base != "floating", loose=choices.loose_robots, source=str(path)
     )
+
+
+def _require_expanded(root: Element) -> None:
+    """Raise `InputError` if a robot is a template of xacro: its macros are not expanded."""
+    for element in root.iter():
+        values = element.attrib.values()
+        if "xacro" in str(element.tag) or any(value.startswith(("${", "$(")) for value in values):
+            raise InputError(
+                "the robot is a template of xacro, whose macros are not expanded",
+                hint="expand it first (xacro robot.xacro > robot.urdf), and give the result",
+            )
 
 
 class _Robot:
