@@ -184,6 +184,13 @@ def test_what_is_not_read_of_a_problem_is_noted(write):
             [tower(), problem(("body_forces", {"acceleration": [1, 2]}))],
             "not three numbers",
         ),
+        (
+            model(
+                {"a": element(shift(1e308, 1e308, 0)), "b": element(shift(-2, 0, 0))},
+                transformation=shift(1e308, 0, 0),
+            ),
+            "finite|large",
+        ),
         (model({}), "has no blocks"),
         (model({"a": element({"dtype": "x.y/T", "data": {"matrix": [[1]]}})}), "4 x 4 numbers"),
         ([tower(), problem(), problem()], "has 2 problems"),

@@ -38,6 +38,7 @@ def corpus() -> dict[str, bytes]:
     found |= {f"pile.{ending}": _meshes(ending) for ending in MESHES}
     found["ascii.stl"] = _ascii_stl()
     found["blocks.json"] = _compas()
+    found["model.json"] = _compas_model()
     found |= _step()
     return found
 
@@ -145,6 +146,41 @@ def _compas() -> bytes:
     graph = {"dtype": "compas.datastructures/Graph", "data": {"node": nodes, "edge": {}}}
     assembly = {"dtype": "compas_assembly.datastructures/Assembly", "data": {"graph": graph}}
     return json.dumps(assembly).encode()
+
+
+def _compas_model() -> bytes:
+    """A model of compas_dem with two blocks, and a problem with loads about it."""
+    graph = json.loads(_compas())["data"]["graph"]
+    turn = [[0, -1, 0, 1], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    elements = {}
+    for key, node in graph["data"]["node"].items():
+        place = {"dtype": "compas.geometry/Transformation", "data": {"matrix": turn}}
+        data = {"geometry": node["block"], "transformation": place, "material": "m"}
+        data["is_support"] = node["is_support"]
+        elements[f"e{key}"] = {"dtype": "compas_dem.elements/Block", "data": data}
+    graph["data"]["node"] = {key: {"element": f"e{key}"} for key in graph["data"]["node"]}
+    stone = {"dtype": "compas_dem.material/Stone", "data": {"density": 2000.0}}
+    children = [{"element": key, "children": []} for key in elements]
+    content = {"elements": elements, "graph": graph["data"], "materials": {"m": stone}}
+    content |= {"tree": {"root": {"children": children}}, "transformation": None}
+    model = {"dtype": "compas_dem.models/BlockModel", "data": content, "guid": "model"}
+    loads = {
+        "body_forces": [{"data": {"acceleration": [0.1, 0, 0]}, "dtype": "compas_dem.x/B"}],
+        "point_loads": [{"data": {"block_index": 1, "force": [0, 0, -1.0]}, "dtype": "compas.x/P"}],
+        "surface_loads": [
+            {"data": {"block_index": 1, "face_index": 0, "load": [0, 1, 0]}, "dtype": "compas.x/S"}
+        ],
+    }
+    law = {"dtype": "compas_dem.interactions/MohrCoulomb", "data": {"mu": 0.5, "c": None}}
+    problem = {
+        "dtype": "compas_dem.problem/Problem",
+        "data": {
+            "model_id": "model",
+            "boundary_conditions": [{"dtype": "compas_dem.problem/Group", "data": loads}],
+            "contact_properties": {"dtype": "compas.x/C", "data": {"contact_model": law}},
+        },
+    }
+    return json.dumps([model, problem]).encode()
 
 
 def _step() -> dict[str, bytes]:

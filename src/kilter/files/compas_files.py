@@ -107,7 +107,8 @@ def _in_place(corners: dict[str, list[float]], placement: Array | None) -> dict[
     """Vertices of a block in its pose, shape (4, 4), by vertex key; None leaves them."""
     if placement is None or np.array_equal(placement, np.eye(4)):
         return corners
-    rows = _rows(corners) @ placement[:3, :3].T + placement[:3, 3]
+    with np.errstate(over="ignore", invalid="ignore"):  # the mesh refuses such vertices
+        rows = _rows(corners) @ placement[:3, :3].T + placement[:3, 3]
     return dict(zip(corners, rows.tolist(), strict=True))
 
 

@@ -129,7 +129,8 @@ def _placements(content: dict[str, Any], elements: dict[str, Any]) -> dict[str, 
         node, around = open_nodes.pop()
         guid = str(node.get("element"))
         if guid in elements:
-            around = around @ _matrix(elements[guid].get("transformation"))
+            with np.errstate(over="ignore", invalid="ignore"):  # the mesh refuses such vertices
+                around = around @ _matrix(elements[guid].get("transformation"))
             found[guid] = around
         open_nodes += [(as_dict(child), around) for child in node.get("children") or ()]
     return found
@@ -208,6 +209,10 @@ def _surface_load(part: Part, faces: dict[str, Array], entry: dict[str, Any]) ->
     corners, after = faces[key], np.roll(faces[key], -1, axis=0)
     middle = corners.mean(axis=0)
     area = np.linalg.norm(cross(corners - middle, after - middle), axis=1) / 2
+    if not 0 < area.sum() < np.inf:
+        raise InputError(
+            f"the loaded face {key:.40} of block {part.name!r} has no area", hint=_HINT
+        )
     point = area @ (corners + after + middle) / (3 * area.sum())
     return Load(part.name, _vector(entry.get("load")) * area.sum(), point=point)
 

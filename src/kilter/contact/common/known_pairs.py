@@ -223,7 +223,7 @@ def pair_keys(
         np.round(np.einsum("nij,nj->ni", back, places[b] - places[a]) / step),
         np.round((back @ turns[b]).reshape(-1, 9) * (size / step)),
     ]
-    table = np.column_stack(numbers).astype(np.int64)
+    table = np.column_stack(numbers) + 0.0  # no negative zeros; integers would overflow
     return [(tolerance, row.tobytes()) for row in table]
 
 
