@@ -126,6 +126,8 @@ CONIC_SHARP = 1e-12
 """Tolerance of the conic solver if its motion must prove a boundary at close distance [-]."""
 SHARE_AGREES = 1e-5
 """Largest difference of the bounds of a boundary direction along an arc, over max(share, 1) [-]."""
+RANGE_AGREES = 1e-8
+"""Largest gap between both sides of an end of a range of forces [weight of the parts]."""
 LIMIT_AGREES = 2e-7
 """Largest gap between the proved bounds of a share of a load, over max(share, 1) [-]."""
 PROVED_APART = 1e-5

@@ -1,0 +1,273 @@
+"""Ranges of contact forces: the least and the greatest force between two parts in equilibrium.
+
+    min and max of  c.f  over  { f in Coulomb's cones,  J^T f + w = 0 }
+
+A statically indeterminate assembly has many equilibria, so the forces of one of them say little.
+Each end has two sides: forces in the cones that attain the value, checked as a proof of
+equilibrium, and a bound that no forces pass. The bound is that of the multipliers of a linear
+program with outer pyramids (`kilter.solvers.problem`), for forces up to `MOST` weights of the free
+parts at each point. The set of equilibria is convex: where both sides agree, larger forces could
+pass the bound at most by the same gap over `MOST`, times their size. Pyramids get the directions of
+the friction at the last optimum, until both sides agree. An end is unbounded if forces in the cones
+exist that balance each other alone and push: a squeeze.
+
+References
+----------
+J. Heyman, *The Stone Skeleton*, International Journal of Solids and Structures 2, 1966: least and
+greatest thrust of an arch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.analysis.analysis_tolerances import RANGE_AGREES
+from kilter.arrays import Array, Index, Mask
+from kilter.errors import InputError
+from kilter.mechanics.certificate import check_forces
+from kilter.mechanics.clusters import clusters
+from kilter.mechanics.coulomb_cones import angles_across, pyramid, pyramid_forces
+from kilter.mechanics.forms import equilibrium, scaled_problem
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
+from kilter.solvers.highs import KeptProgram
+from kilter.tell.record import InPython, OrNull, Record, Vector
+
+EVEN = 8
+"""Number of rays, and of sides, of each pyramid at even angles."""
+ROUNDS = 6
+"""Maximum number of rounds; each solves an inner and an outer program for each end."""
+MOST = 100.0
+"""Largest force at a contact point for which the bounds hold [weight of the free parts]."""
+ROUNDED = 1e-12
+"""Smaller values count as 0 [weight of the free parts]."""
+SQUEEZED = 1e-6
+"""Least gain of a squeeze, whose largest force is 1 [-]."""
+
+
+class ForceEnd(Record):
+    """An end of a range: the value that checked forces attain, and a bound that none passes."""
+
+    value: float | None
+    """Force of an equilibrium [N]; null if the end is unbounded: the parts can squeeze each other.
+    """
+    bound: float | None
+    """No equilibrium has a force beyond this [N]; null if no bound is known."""
+    proved: bool
+    """Whether value and bound agree, or a squeeze is proved."""
+
+
+class ForceRange(Record):
+    """The least and the greatest force between two parts, or on a held part."""
+
+    parts: tuple[str, ...]
+    """Names of the two parts, or of the held part."""
+    along: OrNull[Vector]
+    """Axis of the force, shape (3,); null for the sum of the normal forces."""
+    least: ForceEnd
+    """The least force [N]; along an axis, the force on the second part."""
+    greatest: ForceEnd
+    """The greatest force [N]."""
+    weight: InPython[float]
+    """Weight of the free parts that touch each other there [N]: smaller numbers are rounding."""
+
+    @property
+    def sentence(self) -> str:
+        """The range in words."""
+        names = " - ".join(self.parts)
+        low, high = self.least.value, self.greatest.value
+        if low is None and high is None:
+            return f"{names}: any force: a squeeze of any size is in balance"
+        if high is None:
+            return f"{names}: at least {low:.5g} N, without an upper limit: the parts can squeeze"
+        if low is None:
+            return f"{names}: at most {high:.5g} N, without a lower limit: the parts can squeeze"
+        if high - low <= RANGE_AGREES * self.weight:
+            return f"{names}: {(low + high) / 2:.5g} N"
+        return f"{names}: {low:.5g} to {high:.5g} N"
+
+
+def pressed_pairs(program: Program) -> list[tuple[int, int]]:
+    """Pairs of parts with contact rows, by index, in order."""
+    rows = program.kind == CONTACT
+    pairs = np.unique(np.column_stack([program.part_a[rows], program.part_b[rows]]), axis=0)
+    return [(int(a), int(b)) for a, b in pairs]
+
+
+def force_ranges(
+    program: Program, about: Sequence[tuple[int, ...]], along: Array | None = None
+) -> list[ForceRange]:
+    """Compute ranges of the forces between pairs of parts, or on held parts.
+
+    Arguments: `about`: two parts, or a single held part, by index; `along`: axis of the force,
+    shape (3,); without it the normal forces are added. Raises `InputError` if an entry has no
+    contact, or contacts are bonded.
+    """
+    if program.cohesion.any() or program.pull.any():
+        raise InputError("ranges of forces are not computed for bonds", hint="leave the bonds out")
+    parted = clusters(program)
+    searches = [_EndSearch(cluster.program) for cluster in parted]
+    found = []
+    for parts in about:
+        of_parts = _rows_of(program, parts)
+        if not of_parts.any():
+            names = " and ".join(repr(program.names[part]) for part in parts)
+            raise InputError(f"{names} have no contact", hint="name two parts that touch")
+        ends, weight = [ForceEnd(value=0.0, bound=0.0, proved=True)] * 2, 0.0
+        for cluster, search in zip(parted, searches, strict=True):
+            rows = of_parts[cluster.rows]
+            if rows.any():
+                gain = _gain(cluster.program, rows, parts, along)
+                ends = [_added(end, search.end(gain, s)) for end, s in zip(ends, (-1, 1), strict=True)]
+                weight += search.weight
+        names = tuple(program.names[part] for part in parts)
+        found.append(
+            ForceRange(parts=names, along=along, least=ends[0], greatest=ends[1], weight=weight)
+        )
+    return found
+
+
+def _rows_of(program: Program, parts: tuple[int, ...]) -> Mask:
+    """Mask of the contact rows between two parts, or of all contact rows of a single part."""
+    a, b = program.part_a, program.part_b
+    if len(parts) == 1:
+        chosen = (a == parts[0]) | (b == parts[0])
+    else:
+        chosen = ((a == parts[0]) & (b == parts[1])) | ((a == parts[1]) & (b == parts[0]))
+    mask: Mask = chosen & (program.kind == CONTACT)
+    return mask
+
+
+def _gain(program: Program, rows: Mask, parts: tuple[int, ...], along: Array | None) -> Array:
+    """Vector of each row whose product with the force on part b of the row is counted, (K, 3)."""
+    if along is None:
+        return np.where(rows[:, None], program.normal, 0.0)
+    sign = np.where(program.part_b == parts[-1], 1.0, -1.0)
+    return np.where(rows[:, None], sign[:, None] * along, 0.0)
+
+
+def _added(first: ForceEnd, second: ForceEnd) -> ForceEnd:
+    """The end of the sum of two independent forces."""
+    values = [first.value, second.value]
+    bounds = [first.bound, second.bound]
+    return ForceEnd(
+        value=None if None in values else sum(values),  # type: ignore[arg-type]
+        bound=None if None in bounds else sum(bounds),  # type: ignore[arg-type]
+        proved=first.proved and second.proved,
+    )
+
+
+class _EndSearch:
+    """The search for ends of ranges in a cluster; programs at even angles are kept."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.weight = float(program.weight[program.free].sum())
+        self._kept: dict[bool, _Pyramids] = {}
+
+    def end(self, gain: Array, sense: int) -> ForceEnd:
+        """The greatest value of `sense` times gain.f over all equilibria, as an end of a range.
+
+        Arguments: `gain` (K, 3): vector of each row whose product with its force counts.
+        """
+        value, bound, guesses = -np.inf, np.inf, []
+        for _ in range(1 if self.program.planar else ROUNDS):
+            for outer in (True, False):
+                found = self._pyramids(outer, guesses).best(sense * gain)
+                value = max(value, found.value)
+                bound = min(bound, found.bound) if outer else bound
+                if found.large and self._pyramids(False, guesses).can_squeeze(sense * gain):
+                    return ForceEnd(value=None, bound=None, proved=True)
+                if bound - value <= RANGE_AGREES * self.weight:
+                    break
+                if found.across is not None and not self.program.planar:
+                    guesses.append(angles_across(self.program, found.across))
+            if bound - value <= RANGE_AGREES * self.weight:
+                break
+        if not np.isfinite(value):
+            return ForceEnd(value=None, bound=None, proved=False)
+        value = 0.0 if abs(value) <= ROUNDED * self.weight else value
+        return ForceEnd(
+            value=sense * value,
+            bound=sense * bound if np.isfinite(bound) else None,
+            proved=bool(bound - value <= RANGE_AGREES * self.weight),
+        )
+
+    def _pyramids(self, outer: bool, guesses: list[Array]) -> _Pyramids:
+        """Programs with pyramids at even angles and at guesses; those without guesses are kept."""
+        if outer in self._kept and not guesses:
+            return self._kept[outer]
+        even = np.tile(2 * np.pi * np.arange(EVEN) / EVEN, (len(self.program.rough), 1))
+        angles = None if self.program.planar else np.column_stack([even, *guesses])
+        made = _Pyramids(self.program, pyramid(self.program, outer=outer, angles=angles), MOST)
+        if not guesses:
+            self._kept[outer] = made
+        return made
+
+
+@dataclass(frozen=True, slots=True)
+class _Best:
+    """The optimum of a program: checked value, upper bound, forces across the contacts (K, 3).
+
+    `large`: whether a force reaches half of the largest one of the program.
+    """
+
+    value: float
+    bound: float
+    across: Array | None
+    large: bool
+
+
+class _Pyramids:
+    """A linear program for forces in pyramids, whose gain changes."""
+
+    def __init__(self, program: Program, rays: Program, most: float) -> None:
+        self.program, self.rays = program, rays
+        self.problem = scaled_problem(rays)
+        self.unit = self.problem.forces(np.ones(len(rays.part_a)))
+        linear = equilibrium(self.problem)
+        limit = most * float(program.weight[program.free].sum()) / self.unit
+        lower, upper = np.maximum(linear.lower, -limit), np.minimum(linear.upper, limit)
+        self.limited = np.isfinite(linear.upper)
+        self.kept = KeptProgram(replace(linear, lower=lower, upper=upper))
+
+    def _cost(self, gain: Array) -> Array:
+        """Cost of each ray: minus its gain per scaled unit of force."""
+        of_rays = gain[_source_rows(self.program, self.rays)]
+        return -np.einsum("ki,ki->k", of_rays, self.rays.normal) * self.unit
+
+    def best(self, gain: Array) -> _Best:
+        """The greatest gain; its value is -inf if the forces leave the cones or do not balance."""
+        answer = self.kept.solve(self._cost(gain))
+        if not answer.found:
+            return _Best(-np.inf, np.inf, None, large=False)
+        along, across = pyramid_forces(self.program, self.rays, self.problem.forces(answer.x))
+        proof = check_forces(self.program, along, across)
+        total = proof.forces[:, None] * self.program.normal + proof.friction
+        value = float(np.einsum("ki,ki->", gain, total)) if proof.holds else -np.inf
+        linear = self.kept.program
+        large = (np.abs(answer.x) > linear.upper / 2)[~self.limited].any()
+        return _Best(value, -linear.safe_bound(answer.multipliers), across, large=bool(large))
+
+    def can_squeeze(self, gain: Array) -> bool:
+        """Whether forces that balance each other alone have a gain; none exceeds 1 unit."""
+        linear, zero = self.kept.program, np.zeros(len(self.problem.right))
+        one = np.where(self.limited, 0.0, 1.0)
+        squeeze = replace(
+            linear, cost=self._cost(gain) / self.problem.unit, row_lower=zero, row_upper=zero,
+            lower=np.where(linear.lower < 0, -one, 0.0), upper=one,
+        )  # fmt: skip
+        answer = KeptProgram(squeeze).solve()
+        return answer.found and -squeeze.objective(answer.x) > SQUEEZED
+
+
+def _source_rows(program: Program, rays: Program) -> Index:
+    """Row of the program for each row of its pyramids, as `pyramid` orders them."""
+    rough = program.rough
+    if not len(rough):
+        return np.arange(len(program.part_a))
+    smooth = np.flatnonzero(program.mu <= 0)
+    return np.concatenate([smooth, np.repeat(rough, (len(rays.part_a) - len(smooth)) // len(rough))])
