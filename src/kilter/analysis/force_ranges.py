@@ -33,8 +33,7 @@ from kilter.mechanics.coulomb_cones import angles_across, pyramid, pyramid_force
 from kilter.mechanics.forms import equilibrium, scaled_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-from kilter.solvers.highs import KeptProgram
-from kilter.tell.record import InPython, OrNull, Record, Vector
+from kilter.tell.record import InPython, Record, Vector, key
 
 EVEN = 8
 """Number of rays, and of sides, of each pyramid at even angles."""
@@ -65,8 +64,8 @@ class ForceRange(Record):
 
     parts: tuple[str, ...]
     """Names of the two parts, or of the held part."""
-    along: OrNull[Vector]
-    """Axis of the force, shape (3,); null for the sum of the normal forces."""
+    along: Vector | None
+    """Axis of the force; null for the sum of the normal forces."""
     least: ForceEnd
     """The least force [N]; along an axis, the force on the second part."""
     greatest: ForceEnd
@@ -75,6 +74,7 @@ class ForceRange(Record):
     """Weight of the free parts that touch each other there [N]: smaller numbers are rounding."""
 
     @property
+    @key
     def sentence(self) -> str:
         """The range in words."""
         names = " - ".join(self.parts)
@@ -90,7 +90,7 @@ class ForceRange(Record):
         return f"{names}: {low:.5g} to {high:.5g} N"
 
 
-def pressed_pairs(program: Program) -> list[tuple[int, int]]:
+def pressed_pairs(program: Program) -> list[tuple[int, ...]]:
     """Pairs of parts with contact rows, by index, in order."""
     rows = program.kind == CONTACT
     pairs = np.unique(np.column_stack([program.part_a[rows], program.part_b[rows]]), axis=0)
@@ -121,11 +121,13 @@ def force_ranges(
             rows = of_parts[cluster.rows]
             if rows.any():
                 gain = _gain(cluster.program, rows, parts, along)
-                ends = [_added(end, search.end(gain, s)) for end, s in zip(ends, (-1, 1), strict=True)]
+                ends = [
+                    _added(end, search.end(gain, s)) for end, s in zip(ends, (-1, 1), strict=True)
+                ]
                 weight += search.weight
-        names = tuple(program.names[part] for part in parts)
+        named = tuple(program.names[part] for part in parts)
         found.append(
-            ForceRange(parts=names, along=along, least=ends[0], greatest=ends[1], weight=weight)
+            ForceRange(parts=named, along=along, least=ends[0], greatest=ends[1], weight=weight)
         )
     return found
 
@@ -173,7 +175,8 @@ class _EndSearch:
 
         Arguments: `gain` (K, 3): vector of each row whose product with its force counts.
         """
-        value, bound, guesses = -np.inf, np.inf, []
+        value, bound = -np.inf, np.inf
+        guesses: list[Array] = []
         for _ in range(1 if self.program.planar else ROUNDS):
             for outer in (True, False):
                 found = self._pyramids(outer, guesses).best(sense * gain)
@@ -225,6 +228,8 @@ class _Pyramids:
     """A linear program for forces in pyramids, whose gain changes."""
 
     def __init__(self, program: Program, rays: Program, most: float) -> None:
+        from kilter.solvers.highs import KeptProgram
+
         self.program, self.rays = program, rays
         self.problem = scaled_problem(rays)
         self.unit = self.problem.forces(np.ones(len(rays.part_a)))
@@ -237,7 +242,8 @@ class _Pyramids:
     def _cost(self, gain: Array) -> Array:
         """Cost of each ray: minus its gain per scaled unit of force."""
         of_rays = gain[_source_rows(self.program, self.rays)]
-        return -np.einsum("ki,ki->k", of_rays, self.rays.normal) * self.unit
+        cost: Array = -np.einsum("ki,ki->k", of_rays, self.rays.normal) * self.unit
+        return cost
 
     def best(self, gain: Array) -> _Best:
         """The greatest gain; its value is -inf if the forces leave the cones or do not balance."""
@@ -254,6 +260,8 @@ class _Pyramids:
 
     def can_squeeze(self, gain: Array) -> bool:
         """Whether forces that balance each other alone have a gain; none exceeds 1 unit."""
+        from kilter.solvers.highs import KeptProgram
+
         linear, zero = self.kept.program, np.zeros(len(self.problem.right))
         one = np.where(self.limited, 0.0, 1.0)
         squeeze = replace(
@@ -270,4 +278,6 @@ def _source_rows(program: Program, rays: Program) -> Index:
     if not len(rough):
         return np.arange(len(program.part_a))
     smooth = np.flatnonzero(program.mu <= 0)
-    return np.concatenate([smooth, np.repeat(rough, (len(rays.part_a) - len(smooth)) // len(rough))])
+    return np.concatenate(
+        [smooth, np.repeat(rough, (len(rays.part_a) - len(smooth)) // len(rough))]
+    )

@@ -21,13 +21,17 @@ from kilter.cli.output import (
     write_whole,
     writes_json,
 )
+from kilter.cli.quantities import number_of
 from kilter.errors import InputError, visible
 from kilter.values.declaration import argument, option
 
 if TYPE_CHECKING:
+    from kilter.analysis.force_ranges import ForceRange
     from kilter.analysis.verdict.verdict import Verdict
 
 
+RANGED = 200
+"""Largest number of contact patches for which --forces lists the range of every pair."""
 SMALL = 400
 """Largest number of parts of an example whose verdict is printed when it is written."""
 
@@ -45,7 +49,22 @@ class CheckOptions:
         FORM,
     )
     forces: bool = option(
-        "--forces", "List the contact forces of an equilibrium, the greatest first.", FORM
+        "--forces",
+        "List the least and the greatest force of each pair that touches, and one possible set of "
+        "contact forces.",
+        FORM,
+    )
+    between: list[tuple[str, str]] | None = option(
+        "--between A B",
+        "Least and greatest force between two parts. Repeatable; NAME all for the whole force on a "
+        "held part.",
+        FORM,
+    )
+    along: str | None = option(
+        "--along x|y|z|X,Y,Z",
+        "With --forces or --between: the force on the second part along this axis, in place of the "
+        "normal force.",
+        FORM,
     )
     suggest: bool = option(
         "--suggest-joints", "List the pairs that look fastened, each with the joint to add.", FORM
@@ -70,12 +89,14 @@ def check(asked: Asked, options: CheckOptions) -> int:
     order for up to 20.
     """
     from kilter.contact.fits.suggestions import suggest_joints
-    from kilter.tell.tables import forces_table
+    from kilter.tell.tables import forces_table, ranges_table
     from kilter.tell.text import suggestions_text
 
     if len(options.files) > 1:
-        if asked.proof is not None or options.forces or options.suggest:
-            alone = "--proof" if asked.proof is not None else "--forces and --suggest-joints"
+        if asked.proof is not None or options.forces or options.between or options.suggest:
+            alone = (
+                "--proof" if asked.proof is not None else "--forces, --between, --suggest-joints"
+            )
             raise InputError(
                 f"{len(options.files)} files are given", hint=f"give a single file with {alone}"
             )
@@ -87,10 +108,41 @@ def check(asked: Asked, options: CheckOptions) -> int:
         joints = suggest_joints(verdict.assembly, verdict.contact_set)
         answer["suggested_joints"] = [joint.to_dict() for joint in joints]
         after = "\n\n" + suggestions_text(answer["suggested_joints"]) + after
+    ranges = _ranges(verdict, options)
+    if ranges is not None:
+        answer["ranges"] = [one.to_dict() for one in ranges]
     bricks = any(part.brick is not None for part in verdict.assembly.parts)
-    tables = [forces_table(answer)] if options.forces else []
+    tables = [] if ranges is None else [ranges_table(answer)]
+    tables += [forces_table(answer)] if options.forces else []
     asked.tell(answer, *tables, after=after, bricks=bricks)
     return code_of(answer)
+
+
+def _ranges(verdict: Verdict, options: CheckOptions) -> tuple[ForceRange, ...] | None:
+    """The ranges of forces that the options ask for; None if they ask for none.
+
+    Without --between, all pairs are meant, up to `RANGED`.
+    """
+    if options.along is not None and not (options.forces or options.between):
+        raise InputError("--along needs forces", hint="add --forces, or --between A B")
+    along = None if options.along is None else _axis(options.along)
+    if options.between:
+        pairs = [(a,) if b == "all" else (a, b) for a, b in options.between]
+        return verdict.force_ranges(pairs, along)
+    bonded = bool(verdict.assembly.bonds)
+    if not options.forces or bonded or len(verdict.contact_set) > RANGED:
+        return None
+    return verdict.force_ranges(along=along)
+
+
+def _axis(text: str) -> list[float]:
+    """The axis of --along; its words are x, y, z or three numbers."""
+    if text in ("x", "y", "z"):
+        return [float(text == name) for name in "xyz"]
+    numbers = [number_of(word) for word in text.split(",")]
+    if len(numbers) != 3 or None in numbers or not any(numbers):
+        raise InputError(f"--along is {text!r:.40}", hint="give x, y, z, or X,Y,Z")
+    return [float(number) for number in numbers if number is not None]
 
 
 def _check_file(asked: Asked, options: CheckOptions) -> tuple[Verdict, dict[str, Any]]:

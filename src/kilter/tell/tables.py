@@ -248,6 +248,33 @@ def fastened_table(answer: Answer) -> Table:
     return Table(title, (), joined, lambda joint: (*_names(joint), joint["why"]))
 
 
+def ranges_table(answer: Answer) -> Table:
+    """Return the table of the least and the greatest forces of pairs of parts."""
+    if not answer["ranges"]:
+        return Table("No ranges of forces: no equilibrium exists.", (), (), tuple)
+
+    def end(entry: Answer, value: Answer) -> str:
+        if entry["value"] is not None:
+            return force(entry["value"]) + ("" if entry["proved"] else " (not proved)")
+        return "no limit" if entry["proved"] else "unknown"
+
+    def row(one: Answer) -> Sequence[str]:
+        names = [Name(name) for name in one["parts"]]
+        return (
+            names[0],
+            names[1] if len(names) > 1 else "all",
+            end(one["least"], one),
+            end(one["greatest"], one),
+        )
+
+    along = answer["ranges"][0]["along"]
+    what = (
+        "Normal forces" if along is None else f"Forces on the second part along {vector(along, 3)}"
+    )
+    title = f"{what}, least and greatest of all equilibria:"
+    return Table(title, ["part", "and part", "least", "greatest"], answer["ranges"], row, True)
+
+
 def forces_table(answer: Answer) -> Table:
     """Return the table of contact forces of one equilibrium, the largest first."""
     forces = answer["forces"]
@@ -275,9 +302,7 @@ def forces_table(answer: Answer) -> Table:
         )
 
     which = "with the least sum of squares" if forces["least"] else "from the proof of the verdict"
-    return Table(
-        f"Contact forces of an equilibrium, which is not unique ({which}):", head, patches, row
-    )
+    return Table(f"One possible set of contact forces ({which}):", head, patches, row)
 
 
 def _step_table(answer: Answer) -> Table:

@@ -7,7 +7,7 @@ first access and kept.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -33,6 +33,7 @@ from kilter.analysis.decision.motion import (
     without_opening,
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
+from kilter.analysis.force_ranges import ForceRange, force_ranges, pressed_pairs
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -59,6 +60,7 @@ from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE
+from kilter.rigid import unit
 from kilter.tell.body_words import joined_words
 from kilter.tell.html import InCells
 from kilter.tell.ladder_words import ladder_sentence, rung_sentence
@@ -110,6 +112,8 @@ class Verdict(InCells, SupportedAnswer):
     """Duration of each stage [s]; read-only."""
     suggested_joints: OrAbsent[tuple[Suggestion, ...]] = None
     """Pairs that look fastened; of the option --suggest-joints."""
+    ranges: OrAbsent[tuple[ForceRange, ...]] = None
+    """Least and greatest forces; of the options --forces and --between."""
     own_sentence: InPython[str]
     """The verdict in words, without the assumptions and the ladder."""
     drawn: InPython[Assembly | None] = None
@@ -559,6 +563,41 @@ class Verdict(InCells, SupportedAnswer):
         if not isinstance(proof, ForceProof):
             return None
         return sealed(find_contact_forces(self.program, proof, self.contact_set))
+
+    @on_one_thread
+    def force_ranges(
+        self, between: Sequence[str | Sequence[str]] | None = None, along: Any = None
+    ) -> tuple[ForceRange, ...]:
+        """Least and greatest contact forces over all equilibria, each end with its evidence.
+
+        Parameters
+        ----------
+        between : sequence, optional
+            Pairs of names of parts that touch, or names of held parts for the whole force on them;
+            all pairs that touch by default.
+        along : array_like, shape (3,), optional
+            Axis of the force, world frame: the range is that of the force on the second part along
+            it. By default the normal forces of a pair are added.
+
+        Returns
+        -------
+        tuple of ForceRange
+            Empty if no contact forces balance the assembly.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown, two parts have no contact, or contacts are bonded.
+        """
+        if self.level is None:
+            return ()
+        axis = None if along is None else unit(along)
+        program = build_program(self.assembly, self.contact_set)  # `program` may lack friction
+        pairs = pressed_pairs(program)
+        if between is not None:
+            named = [(one,) if isinstance(one, str) else tuple(one) for one in between]
+            pairs = [tuple(self.assembly.index_of(name) for name in names) for names in named]
+        return sealed(tuple(force_ranges(program, pairs, axis)))
 
     @cached_property
     @key
