@@ -102,6 +102,22 @@ def test_a_light_bin_on_the_floor_stays_where_a_heavy_cube_is_sunk_into_its_side
     assert answer.movement[[1, 3], 0] == pytest.approx([0.0, 1e-3], abs=1e-4)
 
 
+def test_a_light_plate_moves_at_most_three_times_its_sunk_depth():
+    """A block of 150 times its mass is sunk into its rib ten times deeper than it is itself.
+
+    By mass alone the plate would move five times its depth.
+    """
+    low, deep = 1e-5, 1e-4
+    plate = [Part("plate", Box([0.2, 0.2, 0.02]), [0, 0, 0.01 - low], mass=1.0),
+             Part("rib", Box([0.02, 0.2, 0.1]), [-0.09, 0, 0.07 - low], mass=0.1)]  # fmt: skip
+    block = Part("block", Box([0.1, 0.1, 0.1]), [-0.03 - deep, 0, 0.07 - 2 * low], mass=150.0)
+    joint = Joint(("plate", "rib"), "fixed")
+    answer = settle(Assembly([FLOOR, *plate, block], joints=[joint], friction=0.3))
+    assert answer.at_rest
+    assert answer.distance[1] <= 3 * low
+    assert answer.movement[[1, 3], 0] @ [-1, 1] == pytest.approx(deep, abs=1e-8)
+
+
 def test_sunk_depths_are_summed_down_to_the_ground():
     """Two boxes on the floor are sunk into each other; a third lies on one of them."""
     box = Box([0.1, 0.1, 0.1])

@@ -332,7 +332,7 @@ def _settle(
                 if is_verified(rest, resting):
                     break
                 again = verify_rest(other, other.bodies.assembly(), asked)
-                if is_verified(other, again):
+                if _open_parts(other, again) < _open_parts(rest, resting):
                     rest, settled, resting = other, other.bodies.assembly(), again
         except TimeLimitReached:  # the parts that are verified remain
             if not isinstance(resting, RestingParts):
@@ -351,6 +351,13 @@ def is_verified(rest: RestResult, resting: RestingParts | str) -> bool:
     if isinstance(resting, RestingParts):
         return not resting.unproved
     return rest.state not in ("at-rest", "partly")
+
+
+def _open_parts(rest: RestResult, resting: RestingParts | str) -> int:
+    """Number of free parts that neither rest by verification nor leave the scene."""
+    if isinstance(resting, str):
+        return 0 if rest.state == "falls" else len(rest.bodies.drawn)
+    return len(set(rest.parts) | set(resting.unproved))
 
 
 def other_rests(
