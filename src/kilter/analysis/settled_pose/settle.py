@@ -327,13 +327,14 @@ def _settle(
         tell("verification")
         resting = verify_rest(rest, settled, asked)
         late = False
+        sure = nearest or is_verified(rest, resting)
         try:
-            for other in () if nearest else other_rests(rest, bodies, contacts, reach, tell):
-                if is_verified(rest, resting):
-                    break
+            for other in () if sure else other_rests(rest, bodies, contacts, reach, tell):
                 again = verify_rest(other, other.bodies.assembly(), asked)
                 if _open_parts(other, again) < _open_parts(rest, resting):
                     rest, settled, resting = other, other.bodies.assembly(), again
+                if is_verified(rest, resting):
+                    break
         except TimeLimitReached:  # the parts that are verified remain
             if not isinstance(resting, RestingParts):
                 raise
