@@ -40,6 +40,8 @@ REPEATS = 5
 """Largest number of repetitions that find the opening of sliding contacts."""
 SAME = 1e-3
 """Change of the motion that ends the repetitions, over the motion [-]."""
+STANDS = 1e-6
+"""Motion that comes from the solver, over the fall in a step [-]: it is not repeated."""
 SEVERAL = 10
 """Number of points of a pair of parts that enter the program together [-]."""
 MISSED = 1e-9
@@ -149,7 +151,7 @@ class Descent:
             # an opening beyond that of the slip would let the bodies penetrate
             if motion is None or settled or change.min(initial=0.0) >= -SAME * largest:
                 motion = found
-            if settled or largest <= 1e-9 or not rough.any():
+            if settled or largest <= STANDS or not rough.any():
                 break
             opening = np.maximum(opening + (1 + self.mu**2) * change, 0.0)
         if motion is None:
