@@ -14,6 +14,7 @@ from play_scenes import (
     tray,
     turned,
 )
+from scipy.spatial.transform import Rotation
 from translations import sink
 
 import kilter
@@ -21,12 +22,12 @@ from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.clear_segments import _crosses, are_clear
 from kilter.analysis.settled_pose.near_points import NearPoints, find_near_points
-from kilter.analysis.settled_pose.rest_proof import closed_points
+from kilter.analysis.settled_pose.rest_proof import closed_gap, closed_points
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.contact.common.contact_search import begin_search
 from kilter.contact.common.gaps import Tolerance
 from kilter.scenes.pieces import block, cells, floor, tube, turn
-from kilter.shape.primitives import surface
+from kilter.shape.primitives import hull_surface, surface
 
 
 def sinks_as_known(scene: KnownRest) -> None:
@@ -324,6 +325,26 @@ def test_the_normal_of_a_warped_face_is_uncertain_by_its_tilt(share, sound):
     pair, point = np.array([[0, 1]]), np.array([[0, 0, 0.5]])
     _, found = closed_points(Assembly([table, ball]), pair, point, tilted, drop)
     assert found.tolist() == [sound]
+
+
+@pytest.mark.parametrize("tilt", [0.0, 3e-9, -1e-8])
+@pytest.mark.parametrize("yaw", [0.05, 0.2, 0.5])
+def test_all_points_of_faces_that_are_parallel_to_rounding_have_a_normal_that_fits(yaw, tilt):
+    """The normal across two edges of such faces deviates by their tilt over the sine of the yaw."""
+    beam = Part("beam", Box([0.2, 0.02, 0.02]), [0, 0, -0.01], grounded=True)
+    low = np.array([[-1, -0.3, 0], [1, -0.3, 0], [1, 0.3, 0], [-1, 0.3, 0]]) * 0.05
+    corners = np.vstack([low, 0.7 * low + [0, 0, 0.03]])
+    leans = Rotation.from_rotvec([tilt, -tilt, 0]) * Rotation.from_rotvec([0, 0, yaw])
+    pose = Pose([0, 0, 0], leans.as_quat(scalar_first=True))
+    assembly = Assembly([beam, Part("frustum", Mesh(*hull_surface(corners)), pose)])
+    bodies = rigid_bodies(assembly, ())
+    points = CandidatePoints.of(bodies).near(bodies, 1e-5)
+    pairs = np.column_stack([points.part_a, points.part_b])
+    gap = closed_gap(assembly)
+    apart, sound = closed_points(assembly, pairs, points.point, points.normal, gap)
+    assert len(points) >= 4
+    assert (apart <= gap).all()
+    assert sound.all()
 
 
 @pytest.mark.parametrize(("x", "crosses"), [(0.2, True), (-0.1, False)])

@@ -46,6 +46,25 @@ def test_a_step_leads_into_no_overlap_also_if_its_sliding_is_not_found(friction,
     assert room.min() >= -1.01 * sunk
 
 
+@pytest.mark.parametrize("tilt", [0.2, 0.3, 0.4, 0.5])
+@pytest.mark.parametrize("change", [-1e-6, 0.0, 1e-6])
+def test_overlaps_that_friction_all_but_wedges_open_without_friction(tilt, change):
+    """A rod is sunk into both sides of a slot, at the angle of friction; it turned by 4 rad."""
+    sunk, stride = 1e-3, 1e-2
+    half = np.cos(tilt) / 2 - sunk
+    walls = [Part(f"wall {s}", Box([0.2, 1, 2]), [s * (half + 0.1), 0, 0], grounded=True)
+             for s in (-1, 1)]  # fmt: skip
+    turn = Rotation.from_rotvec([0, tilt, 0]).as_quat(scalar_first=True)
+    rod = Part("rod", Box([1, 0.2, 1e-4]), Pose([0, 0, 0], turn))
+    bodies = rigid_bodies(Assembly([*walls, rod], friction=np.tan(tilt) * (1 + change)), ())
+    points = CandidatePoints.of(bodies).near(bodies, 3 * stride)
+    program = Descent.of(bodies, points, np.array([False, True]), 1.0, 1.0)
+    step = program.step(np.array([0, stride]), points.gap <= 1.5 * stride)
+    assert step is not None
+    assert np.abs(step).max() <= 3 * stride
+    assert (points.gap + program.normal @ step[1]).min() >= -0.01 * sunk
+
+
 # sunk groups ------------------------------------------------------------------------------------
 
 
@@ -100,6 +119,22 @@ def test_a_light_bin_on_the_floor_stays_where_a_heavy_cube_is_sunk_into_its_side
     answer = settle(replace(drawn, joints=[Joint(("base", "side"), "fixed")]))
     assert answer.at_rest
     assert answer.movement[[1, 3], 0] == pytest.approx([0.0, 1e-3], abs=1e-4)
+
+
+def test_a_light_plate_moves_at_most_three_times_its_sunk_depth():
+    """A block of 150 times its mass is sunk into its rib ten times deeper than it is itself.
+
+    By mass alone the plate would move five times its depth.
+    """
+    low, deep = 1e-5, 1e-4
+    plate = [Part("plate", Box([0.2, 0.2, 0.02]), [0, 0, 0.01 - low], mass=1.0),
+             Part("rib", Box([0.02, 0.2, 0.1]), [-0.09, 0, 0.07 - low], mass=0.1)]  # fmt: skip
+    block = Part("block", Box([0.1, 0.1, 0.1]), [-0.03 - deep, 0, 0.07 - 2 * low], mass=150.0)
+    joint = Joint(("plate", "rib"), "fixed")
+    answer = settle(Assembly([FLOOR, *plate, block], joints=[joint], friction=0.3))
+    assert answer.at_rest
+    assert answer.distance[1] <= 3 * low
+    assert answer.movement[[1, 3], 0] @ [-1, 1] == pytest.approx(deep, abs=1e-8)
 
 
 def test_sunk_depths_are_summed_down_to_the_ground():

@@ -25,7 +25,7 @@ from kilter.assembly.assembly_tolerances import BESIDE_SEAM, COPLANAR, CREASE, S
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
 from kilter.shape.primitives import surface as triangulated
-from kilter.shape.solid import Solid, Surface, same_surface
+from kilter.shape.solid import Solid, Surface, height, move_surface, same_surface
 
 KINDS = ("sphere", "cylinder", "cone", "torus", "free")
 """Kinds of curved surfaces; a "free" surface has no formula here."""
@@ -37,6 +37,9 @@ edges must be smooth."""
 MEMBER = 1e-6
 """Largest difference between the radii of a surface recognised in a compound and of that of its
 member, relative [-]: the mesh of the compound may be in single precision."""
+BESIDE_MEMBER = 1e-4
+"""Largest distance of a corner of a compound from a surface of a member on which its triangles may
+lie, over the radius [-]; the recognition itself is stricter."""
 RECENT_MESHES = 256
 """Largest number of meshes whose curved surfaces are kept; more need more memory."""
 
@@ -173,25 +176,33 @@ def surfaces_of(
     if isinstance(shape, Solid):
         return _curved_only(shape.surfaces, shape.triangle_surface, shape.sagitta, exact=True)
     if isinstance(shape, Mesh) and _may_be_curved(vertices, triangles):
-        own = [s for each in _round_members(shape, accuracy) for s in each.surfaces]
-        if shape.members and not own:  # recognition would take most of the time of a scene
-            return None
-        found = _recognise_curved(vertices, triangles, accuracy)
-        return _of_members(found, own) if found and shape.members else found
+        if shape.members:
+            return _recognise_in_compound(shape, vertices, triangles, accuracy)
+        return _recognise_curved(vertices, triangles, accuracy)
     return None
 
 
-def _round_members(shape: Mesh, accuracy: float) -> list[PartSurfaces]:
-    """The curved surfaces of the members of a compound that have some."""
-    found = (surfaces_of(each, *triangulated(each), accuracy) for each, _ in shape.members)
-    return [surfaces for surfaces in found if surfaces]
-
-
-def _of_members(found: PartSurfaces, own: Sequence[Surface]) -> PartSurfaces | None:
+def _recognise_in_compound(
+    shape: Mesh, vertices: Array, triangles: Index, accuracy: float
+) -> PartSurfaces | None:
     """The surfaces recognised in a compound that one of its members has; None without such ones.
 
-    Flat pieces around a bowl approximate no surface: the members are the exact shape.
+    Flat pieces around a bowl approximate no surface: the members are the exact shape. Only
+    triangles on the surfaces of members are examined, since the recognition would else take most of
+    the time of a scene.
     """
+    own, on_own = [], np.zeros(len(triangles), dtype=bool)
+    for member, pose in shape.members:
+        of_member = surfaces_of(member, *triangulated(member), accuracy)
+        for surface in of_member.surfaces if of_member else ():
+            own.append(move_surface(surface, pose))
+            on = np.abs(height(own[-1], vertices)) <= BESIDE_MEMBER * surface.radius
+            on_own |= on[triangles].all(axis=1)
+    found = _recognise_curved(vertices, triangles[on_own], accuracy) if own else None
+    if found is None:
+        return None
+    label = np.full(len(triangles), -1)
+    label[on_own] = found.triangle_surface
     kept = [
         any(s.kind == o.kind and abs(s.radius - o.radius) <= MEMBER * o.radius for o in own)
         for s in found.surfaces
@@ -200,7 +211,7 @@ def _of_members(found: PartSurfaces, own: Sequence[Surface]) -> PartSurfaces | N
         return None
     number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)
     surfaces = tuple(s for s, keep in zip(found.surfaces, kept, strict=True) if keep)
-    return replace(found, surfaces=surfaces, triangle_surface=number[found.triangle_surface])
+    return replace(found, surfaces=surfaces, triangle_surface=number[label])
 
 
 def _curved_only(

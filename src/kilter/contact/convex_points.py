@@ -33,6 +33,7 @@ from kilter.contact.convex_tolerances import (
     SLOPE,
     STEP_BACK,
     SUNK,
+    TILT,
 )
 
 BEYOND = 0.15
@@ -499,8 +500,12 @@ def _facing_edges(core: Cores, cos: Array, n: Array, sign: float, room: Array) -
 
 def _crossings(
     a: Cores, b: Cores, cos: tuple[Array, Array], n: Array, room: Array, slack: Array
-) -> tuple[Index, Array, Array]:
-    """Crossings of edges of both surfaces seen along n: row, middle of the gap, gap."""
+) -> tuple[Index, Array, Array, Array]:
+    """Crossings of edges of both surfaces seen along n: row, middle of the gap, gap, normal.
+
+    Nearly parallel faces have the normal of a face: corners that are off their plane by rounding
+    turn a normal across two edges by far more than the face.
+    """
     u, v = across(n)
     frame = np.stack([u, v, n], axis=1)
     rows: list[Index] = []
@@ -523,7 +528,13 @@ def _crossings(
         middle = np.einsum("kai,ka->ki", frame[row], (on_a + on_b) / 2)
         blocks.append((row, middle, on_b[:, 2] - on_a[:, 2]))
     row, middle, gap = (np.concatenate([block[k] for block in blocks]) for k in range(3))
-    return row, middle, gap
+    normal = n.copy()
+    for core, c, sign in ((a, cos[0], 1.0), (b, cos[1], -1.0)):
+        nearest = (sign * c).argmax(axis=1)
+        face = sign * core.normal[np.arange(len(n)), nearest]
+        level = np.linalg.norm(face - n, axis=1) <= TILT
+        normal[level] = face[level]
+    return row, middle, gap, normal[row]
 
 
 def _crossing_shares(w: Array, d: Array, e: Array, slack: Array) -> tuple[Index, Array, Array]:

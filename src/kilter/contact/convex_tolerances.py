@@ -17,6 +17,8 @@ BESIDE = 1e-9
 """Distance beside a face at which a corner still lies over it, over the size of a pair [-]."""
 SLOPE = 1e-6
 """A face counts as parallel to a direction if the cosine of their angle is below this [-]."""
+TILT = 1e-5
+"""Angle to the normal of a face up to which crossings of edges have this normal [rad]."""
 INWARDS = 1e-3
 """Way from a corner towards the middle of its face to the place that is examined [-]."""
 SUNK = 1e-6

@@ -186,7 +186,7 @@ def same_surface(a: Surface, b: Surface, *, length: float, angle: float) -> bool
     return sine <= angle and abs(a.half_angle - b.half_angle) <= angle and not opposite
 
 
-def _move_surface(surface: Surface, pose: Pose) -> Surface:
+def move_surface(surface: Surface, pose: Pose) -> Surface:
     """An exact surface after a rotation and translation by a pose."""
     return replace(
         surface, point=pose.apply(surface.point[None])[0], axis=pose.matrix @ surface.axis
@@ -200,7 +200,7 @@ def move_solid(solid: Solid, pose: Pose) -> Solid:
     return replace(
         solid,
         vertices=pose.apply(solid.vertices),
-        surfaces=tuple(_move_surface(surface, pose) for surface in solid.surfaces),
+        surfaces=tuple(move_surface(surface, pose) for surface in solid.surfaces),
         centroid=pose.apply(solid.centroid[None])[0],
         second_moment=turn @ solid.second_moment @ turn.T,
         accuracy=max(solid.accuracy, largest * 2.0**-52),

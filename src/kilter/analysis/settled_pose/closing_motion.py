@@ -25,6 +25,10 @@ REACH = 1e-3
 """Reach of the last search, over the median size of the parts [-]."""
 SHALLOW = 0.1
 """Least sunk depth of a chain that makes a body hard to move, over the median of all [-]."""
+FAR = 3.0
+"""Movement of a body over its sunk depth up to which the least motion is not repeated [-]."""
+REPEATS, EASIER = 3, 0.3
+"""Largest number of repetitions, and least share of `FAR` by which the inertia changes [-]."""
 
 
 def least_motion(
@@ -36,20 +40,38 @@ def least_motion(
     """Search for a pose at rest within a reach [length unit] of bodies; heavy ones move less.
 
     Arguments: `depth` (B,): sunk depths of the bodies [length unit]. The deeper bodies move more: a
-    body on the floor stays where it is although others press against its sides.
+    body on the floor stays where it is although others press against its sides. If a body moves by
+    more than `FAR` times its depth, the search is repeated with a larger inertia of this body.
     """
 
     def around(moved: RigidBodies, widest: float) -> NearPoints:
         """The points of these bodies, without those of the ground."""
         return near(moved, np.where(moved.free, widest, 0.0))
 
-    inertia = bodies.mass
+    def search(inertia: Array) -> SearchResult:
+        return search_rest(
+            bodies, reach=reach, most=None, progress=lambda stage: None, near=around,
+            inertia=inertia,
+        )  # fmt: skip
+
     usual = 0.0 if depth is None else float(np.median(depth[bodies.moves]))
-    if depth is not None and usual:
-        inertia = inertia / np.maximum(depth / usual, SHALLOW) ** 2
-    return search_rest(
-        bodies, reach=reach, most=None, progress=lambda stage: None, near=around, inertia=inertia
-    )
+    if depth is None or not usual:
+        return search(bodies.mass)
+    depth = np.maximum(depth / usual, SHALLOW) * usual
+    inertia = bodies.mass * (usual / depth) ** 2
+    best, least = search(inertia), np.inf
+    result = best
+    for _ in range(REPEATS):
+        shift = np.linalg.norm(result.bodies.center - bodies.center, axis=1)
+        share = np.where(bodies.moves, shift / (FAR * depth), 0.0)
+        if result.state != "at-rest" or share.max() >= least:
+            break
+        best, least = result, float(share.max())
+        if least <= 1.0:
+            break
+        inertia = inertia * np.maximum(share, EASIER) ** 2
+        result = search(inertia)
+    return best
 
 
 def sunk_depths(bodies: RigidBodies, points: NearPoints) -> Array:

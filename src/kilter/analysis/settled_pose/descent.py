@@ -40,12 +40,17 @@ REPEATS = 5
 """Largest number of repetitions that find the opening of sliding contacts."""
 SAME = 1e-3
 """Change of the motion that ends the repetitions, over the motion [-]."""
+STANDS = 1e-6
+"""Motion that comes from the solver, over the fall in a step [-]: it is not repeated."""
 SEVERAL = 10
 """Number of points of a pair of parts that enter the program together [-]."""
 MISSED = 1e-9
 """Overlap after a step from which a point must be in its program, over the fall in the step [-]."""
 WEDGED = 1e-3
 """Overlap that opens without friction, if it cannot open with it, over the fall in a step [-]."""
+WILD = 30.0
+"""Motion beyond which overlaps all but wedge a body, over the fall in the step and the deepest
+overlap [-]."""
 PRESSES = 1e-6
 """Force from which a point presses, over the largest load [-]."""
 HEAVIEST = 1e4
@@ -149,7 +154,7 @@ class Descent:
             # an opening beyond that of the slip would let the bodies penetrate
             if motion is None or settled or change.min(initial=0.0) >= -SAME * largest:
                 motion = found
-            if settled or largest <= 1e-9 or not rough.any():
+            if settled or largest <= STANDS or not rough.any():
                 break
             opening = np.maximum(opening + (1 + self.mu**2) * change, 0.0)
         if motion is None:
@@ -221,9 +226,10 @@ class Descent:
         gap = self.gap / self._units(self.normal, scale)
         while True:
             answer = solve_conic(self._program(scale, gap, rough, opening, chosen))
-            if not answer.found:
+            wedged = rough & (gap < -WEDGED)
+            sunk = (gap[chosen] < -MISSED).any()
+            if not answer.found or (sunk and self._is_wild(answer.x, scale)):
                 # friction may wedge a body that overlaps: it opens without friction, or stays
-                wedged = rough & (gap < -WEDGED)
                 if not wedged.any():
                     if (gap[chosen] >= 0.0).all():
                         return None
@@ -237,6 +243,12 @@ class Descent:
             if not missed.any():
                 return answer
             chosen |= missed & self._most(np.where(missed, -room, -np.inf))
+
+    def _is_wild(self, motion: Array, scale: Array) -> bool:
+        """Whether a motion, over `scale`, is far longer than the fall and the deepest overlap."""
+        step = self._expanded(motion[: len(self.columns)] * scale)
+        most = WILD * self.length * float(scale.max() + np.maximum(-self.gap, 0.0).max())
+        return bool(self.bodies.travel(step).max() > most)
 
     def _program(
         self, scale: Array, gap: Array, rough: Mask, opening: Array, chosen: Mask

@@ -74,6 +74,8 @@ EXACT = 2e-5
 SHORT, SHORTER = 2e-6, 100.0
 """Length of the last step of a body at rest [sizes], and factor between the steps that confirm it.
 """
+ROUNDING = 1e-9
+"""Rounding of the length of a step, relative [-]."""
 WILD = 1e6
 """Movement in a step from which the solver has failed [strides]."""
 DEEP = 0.05
@@ -406,21 +408,23 @@ def _falling_freely(
     down = state.bodies.drawn.down
     closed = np.abs(points.gap) <= FLOATS * state.length
     side = np.abs(points.normal @ down) < SIDEWAYS
-    asked = (side & closed).any()
-    found = program.without_friction(stride / state.length, rough, side) if asked else None
+    a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
+    # what rests on a body that does not fall does not fall
+    rests = closed & ~side
+    label = connected(len(stride), a[rests], b[rests])
+    held = (stride <= 0) | ~state.bodies.moves
+    held[state.joined.ravel()] = True
+    free = ~np.isin(label, label[held])
+    if not (free[a] | free[b])[side & closed].any():
+        return none
+    found = program.without_friction(stride / state.length, rough, side)
     if found is None:
         return none
     step, pressed = found
-    a, b = state.bodies.of_part[points.part_a], state.bodies.of_part[points.part_b]
-    free = (step[:, :3] @ down >= FREELY * stride) & (stride > 0)
-    free[np.concatenate([a[pressed], b[pressed], state.joined.ravel()])] = False
-    held = np.flatnonzero(closed & ~side)
-    ends = np.column_stack([a[held], b[held]])
-    for _ in range(len(free)):  # what rests on a body that does not fall does not fall
-        mixed = free[ends[:, 0]] != free[ends[:, 1]]
-        if not mixed.any():
-            break
-        free[ends[mixed]] = False
+    held = step[:, :3] @ down < FREELY * stride
+    held[np.concatenate([a[pressed], b[pressed]])] = True
+    free &= ~np.isin(label, label[held])
+    ends = np.column_stack([a, b])[rests]
     label = connected(len(free), *ends[free[ends].all(axis=1)].T) + 1
     return np.unique(np.append(np.where(free, label, 0), 0), return_inverse=True)[1][:-1]
 
@@ -773,7 +777,7 @@ def _advance(state: _State, island: Index, stride: Array, step: Array) -> None:
     state.quiet = np.where(moving, 0.0, np.where(quiet[island] & (island >= 0), stood, state.quiet))
     long = np.ones(len(island) + 1, dtype=bool)
     np.logical_and.at(long, island, state.quiet >= FIRST / 2 * size[island])
-    rests = quiet[island] & long[island] & (stride <= SHORT * state.bodies.size)
+    rests = quiet[island] & long[island] & (stride <= (1 + ROUNDING) * SHORT * state.bodies.size)
     state.asleep = np.where(island >= 0, rests, state.asleep)
     state.tell(f"step {state.rounds}: {number(float(far.max(initial=0.0)))}")
     next_stride = _next_stride(state, island, stride, step)

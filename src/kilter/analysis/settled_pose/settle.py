@@ -327,13 +327,14 @@ def _settle(
         tell("verification")
         resting = verify_rest(rest, settled, asked)
         late = False
+        sure = nearest or is_verified(rest, resting)
         try:
-            for other in () if nearest else other_rests(rest, bodies, contacts, reach, tell):
+            for other in () if sure else other_rests(rest, bodies, contacts, reach, tell):
+                again = verify_rest(other, other.bodies.assembly(), asked)
+                if _open_parts(other, again) < _open_parts(rest, resting):
+                    rest, settled, resting = other, other.bodies.assembly(), again
                 if is_verified(rest, resting):
                     break
-                again = verify_rest(other, other.bodies.assembly(), asked)
-                if is_verified(other, again):
-                    rest, settled, resting = other, other.bodies.assembly(), again
         except TimeLimitReached:  # the parts that are verified remain
             if not isinstance(resting, RestingParts):
                 raise
@@ -351,6 +352,13 @@ def is_verified(rest: RestResult, resting: RestingParts | str) -> bool:
     if isinstance(resting, RestingParts):
         return not resting.unproved
     return rest.state not in ("at-rest", "partly")
+
+
+def _open_parts(rest: RestResult, resting: RestingParts | str) -> int:
+    """Number of free parts that neither rest by verification nor leave the scene."""
+    if isinstance(resting, str):
+        return 0 if rest.state == "falls" else len(rest.bodies.drawn)
+    return len(set(rest.parts) | set(resting.unproved))
 
 
 def other_rests(
