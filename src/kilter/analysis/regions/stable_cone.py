@@ -36,7 +36,7 @@ from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.cone_oracle import ConeOracle
 from kilter.analysis.regions.growth import Grown, Reach, grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
-from kilter.arrays import Array
+from kilter.arrays import Array, Index, across
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
@@ -44,7 +44,9 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 
 FEW_PARTS = 30
-"""Number of free parts up to which the cone of a single part is not tried first."""
+"""Number of free parts up to which the cone of the outer parts is not tried first."""
+ABOVE = 0.1
+"""Downward component above which the unit force of a row presses a part down [-]."""
 PRICES = (1e2, 1e3, 1e4, 1e5)
 """Prices of an imbalance of one weight, for rounded data; a higher price gives less imbalance."""
 
@@ -120,12 +122,12 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
             " are not a cone",
             hint="leave the loads out, or check a single direction",
         )
-    across = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
+    beside = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
     blur = BLUR_OVER_TOLERANCE * float(program.tolerance[program.free].max(initial=TOLERANCE))
     if not program.free.any():
-        cone = make_cone(across, np.empty((0, 3)), np.empty((0, 3)), blur)
+        cone = make_cone(beside, np.empty((0, 3)), np.empty((0, 3)), blur)
         return StableCone(cone, cone.facets, (), 0)
-    known = _by_one_part(program, blur) if int(program.free.sum()) > FEW_PARTS else None
+    known = _by_outer_parts(program, blur) if int(program.free.sum()) > FEW_PARTS else None
     if known is not None:
         return known
     problem = scaled_problem(program)
@@ -143,19 +145,20 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     return replace(best, programs=programs)
 
 
-def _by_one_part(program: Program, blur: float) -> StableCone | None:
-    """The cone of the highest part while all others are held, if the whole program has the same.
+def _by_outer_parts(program: Program, blur: float) -> StableCone | None:
+    """The cone of the outer parts while all others are held, if the whole program has the same.
 
-    A motion of one part is a motion of the whole, so the cone of the part contains that of the
-    whole. Both are equal if forces of the whole hold the rays and lines of the part. The result is
-    None if they do not.
+    A motion of some parts is a motion of the whole, so the cone of these parts contains that of the
+    whole. Both are equal if forces of the whole hold its rays and lines. The result is None if they
+    do not.
     """
-    free = np.flatnonzero(program.free)
-    top = int(free[np.argmin(program.center[free] @ program.down)])
+    outer = _outer_parts(program)
+    if not 0 < len(outer) <= FEW_PARTS:
+        return None
     ends = np.stack([program.part_a, program.part_b])
-    rows = np.flatnonzero((ends == top).any(axis=0))
-    parts = np.unique(np.append(ends[:, rows][ends[:, rows] >= 0], top))
-    alone = stable_cone(program.excerpt(parts, rows).with_rows(free=parts == top))
+    rows = np.flatnonzero(np.isin(ends, outer).any(axis=0))
+    parts = np.unique(np.append(ends[:, rows][ends[:, rows] >= 0], outer))
+    alone = stable_cone(program.excerpt(parts, rows).with_rows(free=np.isin(parts, outer)))
     cone = alone.cone
     if not alone.proved or cone.blur != blur:
         return None
@@ -178,6 +181,20 @@ def _by_one_part(program: Program, blur: float) -> StableCone | None:
     programs = alone.programs + len(points)
     found = StableCone(cone, alone.facets, tuple(proofs), programs)
     return found if found.proved else None
+
+
+def _outer_parts(program: Program) -> Index:
+    """The highest free part, and of those that nothing presses down the farthest on four sides."""
+    presses = program.normal @ program.down
+    covered = np.zeros(len(program.names) + 1, dtype=bool)  # the ground is the last
+    covered[program.part_b[presses > ABOVE]] = True
+    covered[program.part_a[presses < -ABOVE]] = True
+    bare = np.flatnonzero(program.free & ~covered[:-1])
+    if not len(bare):
+        return bare
+    aside = program.center[bare] @ np.transpose(across(program.down))
+    highest = bare[np.argmin(program.center[bare] @ program.down)]
+    return np.unique([highest, *bare[aside.argmax(axis=0)], *bare[aside.argmin(axis=0)]])
 
 
 def _generators(cone: Cone) -> list[tuple[str, Array, Array]]:
@@ -210,9 +227,9 @@ def _at_price(
 
     first = axes @ program.gravity
     grown = grow(oracle, first / np.linalg.norm(first), blur, tell)
-    across = [np.array([0.0, 1.0, 0.0])] if program.planar else []
+    beside = [np.array([0.0, 1.0, 0.0])] if program.planar else []
     cone = make_cone(
-        np.array([*across, *(e @ axes for e, _, _ in grown.equations)]).reshape(-1, 3),
+        np.array([*beside, *(e @ axes for e, _, _ in grown.equations)]).reshape(-1, 3),
         np.array([q @ axes for q, _ in grown.facets]).reshape(-1, 3),
         np.array([reach.point @ axes for reach in grown.points]).reshape(-1, 3),
         blur,
