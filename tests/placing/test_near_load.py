@@ -5,7 +5,7 @@ import pytest
 
 import kilter
 from kilter.analysis.placing import near_load
-from kilter.analysis.placing.near_load import NearParts
+from kilter.analysis.placing.near_load import NearParts, RestGraph
 from kilter.analysis.placing.place import Places, box_to_place
 from kilter.contact import contacts
 from kilter.mechanics.program import build_program
@@ -48,13 +48,29 @@ def test_near_parts_are_those_below_and_those_that_rest_on_them():
     """In a running bond the bricks below one brick form a triangle, which is a small part."""
     wall = walls.wall_of(100)
     program = build_program(wall, contacts(wall))
+    graph = RestGraph(program)
     top = int(np.argmax(program.center[:, 2]))
-    below = NearParts.of(program, top, above=False)
+    below = NearParts.of(graph, [top], program.center[top], above=False, most=np.inf)
     assert below is not None
     courses = np.unique(program.center[program.free, 2].round(6))
-    assert len(np.unique(program.center[below.near, 2].round(6))) == len(courses)
+    near = below.parts[below.near]
+    assert len(np.unique(program.center[near, 2].round(6))) == len(courses)
     lowest = int(np.argmin(np.where(program.free, program.center[:, 2], np.inf)))
-    alone = NearParts.of(program, lowest, above=False)
+    alone = NearParts.of(graph, [lowest], program.center[lowest], above=False, most=np.inf)
     assert alone is not None
-    assert np.flatnonzero(alone.near).tolist() == [lowest]
+    assert alone.parts[alone.near].tolist() == [lowest]
     assert alone.inside.sum() < len(alone.rows)
+
+
+def test_findings_keep_only_the_forces_of_near_parts():
+    """The memory of a map does not grow with the parts that stand elsewhere."""
+    base = kilter.Part("base", kilter.Box([99, 9, 1]), kilter.Pose([0, 0, -0.5]), True)
+    boxes = [
+        kilter.Part(f"b{k}", kilter.Box([1, 1, 1]), kilter.Pose([2 * k, 0, 0.5])) for k in range(9)
+    ]
+    answer = kilter.place(kilter.Assembly([base, *boxes]), box_to_place([1, 1, 1], 1000.0))
+    findings = [each for level in answer.question.maps[0].levels for each in level.findings]
+    proofs = [proof for each in findings for _, proof in each.carried.points]
+    assert len(proofs) == 4 * len(boxes)
+    assert {len(proof.forces) for proof in proofs} == {4}
+    assert kilter.verify(answer.assembly, answer.proof()).holds

@@ -370,6 +370,23 @@ def test_forces_under_several_loads_are_checked_as_one_by_one():
     assert [proof.holds for proof in together] == [True, False, False]
 
 
+def test_friction_under_several_loads_is_checked_as_one_by_one():
+    """Friction at random, in part beyond its cones and with numbers that are not finite."""
+    program, wrenches = loads_on_bridge().on_areas(AREAS, 0.1, np.array([0.0, 0.05]))
+    rng, count = np.random.default_rng(5), len(program.part_a)
+    program = program.with_rows(mu=np.where(np.arange(count) % 3, 0.6, 0.0))
+    forces, friction = rng.normal(size=(4, count)), rng.normal(size=(4, count, 3))
+    friction[1, 2, 0], forces[2, 3] = np.nan, np.inf
+    more = np.tensordot(rng.normal(size=(4, 2)), wrenches, axes=1)
+    together = check_load_forces(program, more, forces, friction)
+    for load, along, across, proof in zip(more, forces, friction, together, strict=True):
+        loaded = program.with_rows(applied=program.applied + load)
+        alone = check_forces(loaded, along, across)
+        assert proof.residual == pytest.approx(alone.residual, rel=1e-12)
+        assert np.allclose(proof.forces, alone.forces, rtol=1e-12)
+        assert np.allclose(proof.friction, alone.friction, rtol=1e-12, atol=1e-15)
+
+
 def test_places_of_a_first_touch_have_an_edge_of_the_top_in_common():
     """A part of length 1 begins to touch the top [0, 2] with its centre at -0.5."""
     base = Part("base", Box([2, 2, 1]), Pose([1, 0, -0.5]), grounded=True)

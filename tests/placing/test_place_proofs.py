@@ -13,7 +13,7 @@ from planks import bridge
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Pose, Prism, box_to_place, place
-from kilter.analysis.placing.moving_load import MovingLoad
+from kilter.analysis.placing.moving_load import Footing, MovingLoad
 from kilter.analysis.placing.place_proofs import case_prism
 from kilter.analysis.placing.polygon_sets import both, cleaned, without
 from kilter.analysis.placing.upright_prisms import (
@@ -262,7 +262,7 @@ def load_on_bridge(low: np.ndarray = LOW, high: np.ndarray = HIGH) -> MovingLoad
     tops = [top for top in find_tops(assembly) if "plank" in assembly.names[top.part]]
     loads = PlacedLoads(build_program(assembly, detect.contacts(assembly)), prism, 0.0)
     areas = Landings(tops, prism, 1e-6).areas(tops, low, high, any_place=True)
-    return MovingLoad.of_areas(loads, tops, areas, 0.1, low, high)
+    return MovingLoad.of_areas(loads, Footing(tops, areas, 0.1, low, high))
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -325,7 +325,7 @@ def test_a_motion_excludes_no_place_that_stands(low, high):
     assert motions
     rng = np.random.default_rng(2)
     for motion in motions:
-        left = places_left(load.loads, load.tops, 0.1, least, most, motion)
+        left = places_left(load.loads, load.footing.tops, 0.1, least, most, motion)
         beyond = without(whole, left.buffer(1e-6))
         points = rng.uniform(least, most, (200, 2))
         outside = points[shapely.contains_xy(beyond, points[:, 0], points[:, 1])][:5]

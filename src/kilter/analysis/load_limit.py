@@ -473,16 +473,19 @@ def _best_sides(shared: SharedCones, wrench: Array, most: float) -> LimitSides:
     limited = program.has_limits  # only the conic program models limits of single forces
     conic = _in_cones(shared, wrench, most)
     large = len(program.part_a) > EXACT
-    enough = conic.sides.gap <= SIDES_NEAR and large
-    whole = conic.sides.held >= most * (1 - NEARLY)
     sides = conic.sides
+    enough = sides.gap <= SIDES_NEAR and large
+    whole = sides.held >= most * (1 - NEARLY)
     if sides.closed or sides.none or enough or whole:
         return sides
+    if large:  # the linear programs take several times as long
+        sides = sides.better(_in_cones(shared, wrench, most, CONIC_SHARP).sides)
+        if sides.closed or sides.none:
+            return sides
     if not limited:
         sides = sides.better(limit_sides(program, wrench, most, conic.across))
-    if not sides.none and sides.gap > SIDES_APART:
-        sharp = _in_cones(shared, wrench, most, CONIC_SHARP).sides
-        sides = sides.better(sharp)
+    if not sides.none and sides.gap > SIDES_APART and not large:
+        sides = sides.better(_in_cones(shared, wrench, most, CONIC_SHARP).sides)
     return sides
 
 

@@ -317,6 +317,13 @@ class Program(RowArrays):
             **{name: getattr(self, name)[parts] for name in names},
         )
 
+    def excerpt(self, parts: Index, rows: Index) -> Program:
+        """Copy of the program with only some parts and rows; every row ends at these parts."""
+        number = np.full(len(self.names) + 1, -1)  # the ground is the last
+        number[parts] = np.arange(len(parts))
+        few = self.of_parts(parts).taking(rows)
+        return few.with_rows(part_a=number[few.part_a], part_b=number[few.part_b])
+
     def velocities(self, motion: Array) -> Array:
         """Speed at which a motion, shape (N, 6), opens the gap of each row, shape (K,)."""
         result = np.zeros(len(self.part_a))

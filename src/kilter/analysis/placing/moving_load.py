@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -32,7 +32,6 @@ from kilter.analysis.placing.shifted_load import CarriedPlaces, CarriedPoint, Sh
 from kilter.analysis.placing.upright_prisms import PlacedLoads, PlacedPrism, Top, places_left
 from kilter.arrays import Array, Index
 from kilter.mechanics.certificate import ForceProof
-from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
@@ -115,6 +114,31 @@ class ContactRoom:
         return bool((room >= -ROUNDING * weight).all())
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Footing:
+    """Tops that a part may touch at one height, if its centre is in a rectangle."""
+
+    tops: Sequence[Top]
+    areas: dict[int, shapely.Geometry]
+    """Area that it may touch on each top, by the number of the part with this top."""
+    height: float
+    low: Array
+    high: Array
+    """The rectangle of centres [length unit], shape (2,)."""
+
+    @property
+    def middle(self) -> Array:
+        """Middle of the rectangle [length unit], shape (2,)."""
+        middle: Array = (self.low + self.high) / 2
+        return middle
+
+    def renumbered(self, numbers: Mapping[int, int]) -> Footing:
+        """The same with other numbers of the parts."""
+        tops = [replace(top, part=numbers[top.part]) for top in self.tops]
+        areas = {numbers[part]: area for part, area in self.areas.items()}
+        return replace(self, tops=tops, areas=areas)
+
+
 @dataclass(eq=False)
 class MovingLoad(ShiftedLoad):
     """A part without friction on several tops, whose place varies in a rectangle (`moving_load`).
@@ -124,24 +148,15 @@ class MovingLoad(ShiftedLoad):
     """
 
     loads: PlacedLoads = field(kw_only=True)
-    tops: Sequence[Top] = field(kw_only=True)
+    footing: Footing = field(kw_only=True)
     contact: ContactRoom = field(kw_only=True)
-    height: float = field(kw_only=True)
     shares: Array = field(kw_only=True, default_factory=lambda: np.empty(0))
 
     @classmethod
-    def of_areas(
-        cls,
-        loads: PlacedLoads,
-        tops: Sequence[Top],
-        areas: Mapping[int, shapely.Geometry],
-        height: float,
-        low: Array,
-        high: Array,
-    ) -> MovingLoad:
+    def of_areas(cls, loads: PlacedLoads, footing: Footing) -> MovingLoad:
         """The load in a rectangle of centres, on areas that the part may touch."""
-        middle, half = (low + high) / 2, (high - low) / 2
-        program, wrenches = loads.on_areas(dict(areas), height, middle)
+        half = (footing.high - footing.low) / 2
+        program, wrenches = loads.on_areas(footing.areas, footing.height, footing.middle)
         return cls(
             program,
             wrenches,
@@ -149,26 +164,16 @@ class MovingLoad(ShiftedLoad):
             half,
             known=loads.alone,
             loads=loads,
-            tops=[top for top in tops if top.part in areas],
-            contact=ContactRoom(loads.part, dict(areas), low, high),
-            height=height,
+            footing=footing,
+            contact=ContactRoom(loads.part, footing.areas, footing.low, footing.high),
         )
-
-    def on(self, program: Program, proofs: Literal["forces", "motions"]) -> MovingLoad:
-        """The same load on another program of the same parts, for proofs of one kind."""
-        loads = PlacedLoads(program, self.loads.part, self.loads.friction)
-        contact = self.contact
-        areas = contact.areas, self.height, contact.low, contact.high
-        load = MovingLoad.of_areas(loads, self.tops, *areas)
-        load.proofs = proofs
-        return load
 
     def places_of(self, accuracy: float, within: shapely.Geometry) -> CarriedPlaces:
         """Places that stand and places that are not excluded, of an area in the rectangle.
 
         Both in the coordinates of the map. The middle decides first, and gives the shares.
         """
-        middle = (self.contact.low + self.contact.high) / 2
+        middle = self.footing.middle
         area = moved(within, -middle)
         shares, motion = self._at_middle()
         motion = None if self.proofs == "forces" else motion
@@ -273,9 +278,9 @@ class MovingLoad(ShiftedLoad):
         self, outer: shapely.Geometry, motion: Array, whole: shapely.Geometry
     ) -> shapely.Geometry:
         """The places of an area, as shifts, that a motion does not exclude."""
-        low, high = self.contact.low, self.contact.high
-        left = places_left(self.loads, self.tops, self.height, low, high, motion)
-        return both(outer, moved(left, -(low + high) / 2))
+        on = self.footing
+        left = places_left(self.loads, on.tops, on.height, on.low, on.high, motion)
+        return both(outer, moved(left, -on.middle))
 
     def _proved(self, points: list[CarriedPoint]) -> tuple[tuple[Array, ForceProof], ...]:
         """Points that hold, of which all places between stand."""

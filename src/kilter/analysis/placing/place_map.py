@@ -19,15 +19,21 @@ it states nothing about them beyond the places that stand.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import shapely
 
-from kilter.analysis.placing.moving_load import MovingLoad
-from kilter.analysis.placing.near_load import most_parts, near_moving, near_places
+from kilter.analysis.placing.moving_load import Footing, MovingLoad
+from kilter.analysis.placing.near_load import (
+    NearAnswer,
+    NearProof,
+    NearQuestion,
+    near_moving,
+    near_places,
+)
 from kilter.analysis.placing.polygon_sets import (
     GRID,
     NOTHING,
@@ -74,6 +80,8 @@ class Finding:
     shares: dict[int, float] | None = None
     """Forces and motions move with the part: shares of its weight on each top; empty without
     forces. None if they do not."""
+    near: NearProof | None = None
+    """Forces and motions are those of the parts near the load; None if they are those of all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,30 +156,43 @@ class PlaceMap:
             )
         low, high = np.array(top.polygon.bounds[:2]), np.array(top.polygon.bounds[2:])
         middle, half = (low + high) / 2, (high - low) / 2
-        load, bound = (
-            ShiftedLoad(*loads.on_top(top, middle)[:2], -half, half)
-            for loads in (self.loads, self.bound)
+        inner, near = self._near(
+            lambda question, most: near_places(question, top, low, high, self.strip, most)
         )
-        inner = self._near(load, bound, top.part)
         if inner is None:
+            load, bound = (
+                ShiftedLoad(*loads.on_top(top, middle), -half, half)
+                for loads in (self.loads, self.bound)
+            )
             inner = self._counted(load.places(self.strip))
             if self.bound is not self.loads:
                 inner = inner.with_outside_of(self._counted(bound.places(self.strip)))
         carried = inner.shifted(middle)
-        self._findings.append(Finding(low, high, top.part, carried))
+        self._findings.append(Finding(low, high, top.part, carried, near=near))
         return CarriedPlaces(both(carried.inner, top.polygon), both(carried.outer, top.polygon))
 
-    def _near(self, load: ShiftedLoad, bound: ShiftedLoad, part: int) -> CarriedPlaces | None:
-        """Carried shifts of a load on a part, if the parts near it decide them."""
-        if not self._alone.points:
-            return None
-        base = self._alone.points[0][1]
-        for most in most_parts(load.program):
-            found, programs = near_places(load, bound, part, base, self.strip, most)
+    def _near(
+        self, places: Callable[[NearQuestion, float], NearAnswer]
+    ) -> tuple[CarriedPlaces | None, NearProof | None]:
+        """Carried places of a load, if the parts near it decide them.
+
+        `places` decides them with at most a number of parts.
+        """
+        question = self._near_question
+        if question is None:
+            return None, None
+        for most in question.most_parts:
+            found, proof, programs = places(question, most)
             self.programs += programs
             if found is not None:
-                return found
-        return None
+                return found, proof
+        return None, None
+
+    @cached_property
+    def _near_question(self) -> NearQuestion | None:
+        """The assembly with known forces; None if it does not stand without the part."""
+        points = self._alone.points
+        return NearQuestion(self.loads, self.bound, points[0][1]) if points else None
 
     @cached_property
     def _alone(self) -> CarriedPlaces:
@@ -252,43 +273,39 @@ class PlaceMap:
             self._findings.append(Finding(low, high, -1, CarriedPlaces(nowhere, nowhere), {}))
             return nowhere, out, True
         accuracy = max(self.strip / 2, COARSE * float((high - low).max()))
-        question = (landing.tops, possible, landing.height, low, high)
-        load = bound = MovingLoad.of_areas(self.loads, *question)
+        tops = [top for top in landing.tops if top.part in possible]
+        footing = Footing(tops, possible, landing.height, low, high)
+        span = float((np.array(cell.bounds[2:]) - cell.bounds[:2]).max())
+        wide = span > WIDE * self.landings.part.size
+
+        # the places of a wide cell that stay open are searched again in smaller cells
+        found, near = self._near(
+            lambda question, most: near_moving(
+                question, footing, accuracy, cell, most, partly=wide and bool(np.isfinite(most))
+            )
+        )
+        settled, shares = False, None if near is None else near.shares
+        if found is None:
+            found, shares, settled = self._moving(footing, accuracy, cell)
+        named = dict(zip(possible, np.asarray(shares).tolist(), strict=False))
+        self._findings.append(Finding(low, high, -1, found, named, near))
+        stands = both(cell, found.inner)
+        return stands, union([out, without(without(cell, stands), found.outer)]), settled
+
+    def _moving(
+        self, footing: Footing, accuracy: float, cell: shapely.Geometry
+    ) -> tuple[CarriedPlaces, Array, bool]:
+        """As `_decided_moving`, with all parts; also the shares of the load."""
+        load = MovingLoad.of_areas(self.loads, footing)
+        found, settled = self._counted(load.places_of(accuracy, cell)), False
         if self.bound is not self.loads:
-            bound = MovingLoad.of_areas(self.bound, *question)
-        near = self._near_moving(load, bound, accuracy, cell)
-        found = near or self._counted(load.places_of(accuracy, cell))
-        settled = False
-        if near is None and self.bound is not self.loads:
+            bound = MovingLoad.of_areas(self.bound, footing)
             outside = self._counted(bound.places_of(accuracy, cell))
             # places that no motion excludes may stand; places that all contacts hold cannot fall
             unsure = [without(each.outer, each.inner) for each in (found, outside)]
             settled = both(cell, union(unsure)).area <= NOTHING * cell.area
             found = found.with_outside_of(outside)
-        shares = dict(zip(possible, load.shares.tolist(), strict=False))
-        self._findings.append(Finding(low, high, -1, found, shares))
-        stands = both(cell, found.inner)
-        return stands, union([out, without(without(cell, stands), found.outer)]), settled
-
-    def _near_moving(
-        self, load: MovingLoad, bound: MovingLoad, accuracy: float, cell: shapely.Geometry
-    ) -> CarriedPlaces | None:
-        """Places of a cell that the parts near it decide; sets the shares of the load."""
-        if not self._alone.points:
-            return None
-        base = self._alone.points[0][1]
-        span = max(cell.bounds[2] - cell.bounds[0], cell.bounds[3] - cell.bounds[1])
-        for most in most_parts(load.program):
-            # the places of a wide cell that stay open are searched again in smaller cells
-            partly = bool(np.isfinite(most)) and span > WIDE * self.landings.part.size
-            found, shares, programs = near_moving(
-                load, bound, base, accuracy, cell, most, partly=partly
-            )
-            self.programs += programs
-            if found is not None:
-                load.shares = shares
-                return found
-        return None
+        return found, load.shares, settled
 
     def _decided(
         self, landing: Landing, cell: shapely.Geometry, low: Array, high: Array

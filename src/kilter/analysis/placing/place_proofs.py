@@ -259,16 +259,19 @@ def part_data(part: Part, units: str) -> dict[str, Any]:
 
 
 def _finding_data(finding: Finding, assembly: Assembly) -> dict[str, Any]:
-    carried = finding.carried
-    moving = {}
+    carried, near, moving = finding.carried, finding.near, {}
+    points, motions = carried.points, carried.motions
+    if near is not None:
+        points = tuple((place, near.forces(proof)) for place, proof in points)
+        motions = tuple(near.motion(motion, len(assembly.parts)) for motion in motions)
     if finding.shares is not None:
         moving["shares"] = {assembly.names[k]: share for k, share in finding.shares.items()}
     return {
         "top": None if finding.top < 0 else assembly.names[finding.top],
         "low": finding.low.tolist(),
         "high": finding.high.tolist(),
-        "places": [_place_data(place, proof) for place, proof in carried.points],
-        "motions": [_over_largest(motion).tolist() for motion in carried.motions],
+        "places": [_place_data(place, proof) for place, proof in points],
+        "motions": [_over_largest(motion).tolist() for motion in motions],
         **moving,
     }
 

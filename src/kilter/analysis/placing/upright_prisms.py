@@ -184,15 +184,13 @@ class Landing:
     """Centres of mass at which it rests on some of these tops."""
 
     @cached_property
-    def _bounds(self) -> Array:
-        """Bounds of the tops, shape (n, 4): least x and y, largest x and y."""
-        return np.asarray(shapely.bounds([top.polygon for top in self.tops]))
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree([top.polygon for top in self.tops])
 
     def near(self, low: Array, high: Array, margin: float) -> list[Top]:
         """The tops whose bounds are within a margin of a rectangle [length unit]."""
-        least, most = self._bounds[:, :2], self._bounds[:, 2:]
-        meets = (least <= high + margin) & (most >= low - margin)
-        return [self.tops[k] for k in np.flatnonzero(meets.all(axis=1)).tolist()]
+        around = shapely.box(*(low - margin), *(high + margin))
+        return [self.tops[k] for k in np.sort(self._tree.query(around)).tolist()]
 
 
 @dataclass(eq=False)
@@ -210,16 +208,18 @@ class Landings:
 
     def at(self, domain: shapely.Geometry) -> list[Landing]:
         """The landings in a domain of centres of mass, the lowest first."""
-        above: shapely.Geometry = shapely.Polygon()
+        areas = [self.reach[top.part] for top in self.tops]
+        tree, high = shapely.STRtree(areas), np.array([top.high for top in self.tops])
         found = []
-        for height, tops in reversed(self._heights()):
+        for height, tops in self._heights():
             touched = union([self.reach[top.part] for top in tops])
-            here = both(without(touched, above), domain)
-            above = union([above, touched])
+            near = tree.query(touched)
+            above = near[high[near] > max(top.high for top in tops)]
+            here = both(without(touched, union([areas[k] for k in above.tolist()])), domain)
             here = cleaned(without(here, self._blocked(height)))
             if here.area > 0:
                 found.append(Landing(height, tops, here))
-        return found[::-1]
+        return found
 
     @cached_property
     def reach(self) -> dict[int, shapely.Geometry]:

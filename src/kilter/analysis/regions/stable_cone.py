@@ -36,13 +36,17 @@ from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.cone_oracle import ConeOracle
 from kilter.analysis.regions.growth import Grown, Reach, grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
-from kilter.arrays import Array
+from kilter.arrays import Array, Index, across
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 
+FEW_PARTS = 30
+"""Number of free parts up to which the cone of the outer parts is not tried first."""
+ABOVE = 0.1
+"""Downward component above which the unit force of a row presses a part down [-]."""
 PRICES = (1e2, 1e3, 1e4, 1e5)
 """Prices of an imbalance of one weight, for rounded data; a higher price gives less imbalance."""
 
@@ -118,11 +122,14 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
             " are not a cone",
             hint="leave the loads out, or check a single direction",
         )
-    across = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
+    beside = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
     blur = BLUR_OVER_TOLERANCE * float(program.tolerance[program.free].max(initial=TOLERANCE))
     if not program.free.any():
-        cone = make_cone(across, np.empty((0, 3)), np.empty((0, 3)), blur)
+        cone = make_cone(beside, np.empty((0, 3)), np.empty((0, 3)), blur)
         return StableCone(cone, cone.facets, (), 0)
+    known = _by_outer_parts(program, blur) if int(program.free.sum()) > FEW_PARTS else None
+    if known is not None:
+        return known
     problem = scaled_problem(program)
     coarse = blur > BLUR_OVER_TOLERANCE * TOLERANCE
     best: StableCone | None = None
@@ -136,6 +143,64 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
             break
     assert best is not None
     return replace(best, programs=programs)
+
+
+def _by_outer_parts(program: Program, blur: float) -> StableCone | None:
+    """The cone of the outer parts while all others are held, if the whole program has the same.
+
+    A motion of some parts is a motion of the whole, so the cone of these parts contains that of the
+    whole. Both are equal if forces of the whole hold its rays and lines. The result is None if they
+    do not.
+    """
+    outer = _outer_parts(program)
+    if not 0 < len(outer) <= FEW_PARTS:
+        return None
+    ends = np.stack([program.part_a, program.part_b])
+    rows = np.flatnonzero(np.isin(ends, outer).any(axis=0))
+    parts = np.unique(np.append(ends[:, rows][ends[:, rows] >= 0], outer))
+    alone = stable_cone(program.excerpt(parts, rows).with_rows(free=np.isin(parts, outer)))
+    cone = alone.cone
+    if not alone.proved or cone.blur != blur:
+        return None
+    proofs = []
+    for about, vector, down in _generators(cone):
+        forces = judge(program.turned(down)).forces
+        if forces is None or not forces.holds:
+            return None
+        proofs.append(DirectionProof(about, vector, down, forces))
+    points = np.array([down for _, _, down in _generators(cone)]).reshape(-1, 3)
+    for proof in alone.proofs:
+        if isinstance(proof.certificate, MotionProof):
+            motion = np.zeros((len(program.names), 6))
+            motion[parts] = proof.certificate.motion
+            side = float(np.sign(proof.down @ proof.vector)) or 1.0
+            is_facet = proof.about == "facet"
+            on = points[np.abs(points @ proof.vector) <= blur] if is_facet else points
+            outward = -proof.vector if is_facet else side * proof.vector
+            proofs.append(_motion(program, proof.about, proof.vector, outward, on, motion))
+    programs = alone.programs + len(points)
+    found = StableCone(cone, alone.facets, tuple(proofs), programs)
+    return found if found.proved else None
+
+
+def _outer_parts(program: Program) -> Index:
+    """The highest free part, and of those that nothing presses down the farthest on four sides."""
+    presses = program.normal @ program.down
+    covered = np.zeros(len(program.names) + 1, dtype=bool)  # the ground is the last
+    covered[program.part_b[presses > ABOVE]] = True
+    covered[program.part_a[presses < -ABOVE]] = True
+    bare = np.flatnonzero(program.free & ~covered[:-1])
+    if not len(bare):
+        return bare
+    aside = program.center[bare] @ np.transpose(across(program.down))
+    highest = bare[np.argmin(program.center[bare] @ program.down)]
+    return np.unique([highest, *bare[aside.argmax(axis=0)], *bare[aside.argmin(axis=0)]])
+
+
+def _generators(cone: Cone) -> list[tuple[str, Array, Array]]:
+    """Each ray, and both directions of each line, of a cone: kind, vector and direction."""
+    rays = [("ray", ray, ray) for ray in cone.rays]
+    return rays + [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]
 
 
 def _proved_fraction(cone: StableCone) -> float:
@@ -162,9 +227,9 @@ def _at_price(
 
     first = axes @ program.gravity
     grown = grow(oracle, first / np.linalg.norm(first), blur, tell)
-    across = [np.array([0.0, 1.0, 0.0])] if program.planar else []
+    beside = [np.array([0.0, 1.0, 0.0])] if program.planar else []
     cone = make_cone(
-        np.array([*across, *(e @ axes for e, _, _ in grown.equations)]).reshape(-1, 3),
+        np.array([*beside, *(e @ axes for e, _, _ in grown.equations)]).reshape(-1, 3),
         np.array([q @ axes for q, _ in grown.facets]).reshape(-1, 3),
         np.array([reach.point @ axes for reach in grown.points]).reshape(-1, 3),
         blur,
@@ -194,11 +259,9 @@ def _stable(
 ) -> list[DirectionProof]:
     """Proofs by forces for every ray and for both directions of every line of the cone."""
     _, axes = _loads(problem)
-    asked = [("ray", ray, ray) for ray in cone.rays]
-    asked += [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]
     return [
         DirectionProof(about, vector, down, _forces(problem, axes, down, grown, oracle))
-        for about, vector, down in asked
+        for about, vector, down in _generators(cone)
     ]
 
 
@@ -226,25 +289,32 @@ def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Directio
     for normal, reach in grown.facets:
         q = normal @ axes
         on = [p.point @ axes for p in grown.points if abs(p.point @ normal) <= cone.blur]
-        proofs.append(_motion(problem, "facet", q, -q, np.array(on), reach))
+        motion = _witness(problem, reach)
+        proofs.append(_motion(problem.program, "facet", q, -q, np.array(on), motion))
     points = [p.point @ axes for p in grown.points]
     for normal, *sides in grown.equations:
         e = normal @ axes
         for sign, reach in zip((1.0, -1.0), sides, strict=True):
-            proofs.append(_motion(problem, "equation", e, sign * e, np.array(points), reach))
+            motion = _witness(problem, reach)
+            outward, on_all = sign * e, np.array(points)
+            proofs.append(_motion(problem.program, "equation", e, outward, on_all, motion))
     return proofs
 
 
+def _witness(problem: ScaledProblem, reach: Reach) -> Array:
+    """The motion that shows that the cone reaches no farther, shape (N, 6)."""
+    motion: Array = problem.motion(problem.over_weight(reach.witness))
+    return motion
+
+
 def _motion(
-    problem: ScaledProblem, about: str, vector: Array, outward: Array, on: Array, reach: Reach
+    program: Program, about: str, vector: Array, outward: Array, on: Array, motion: Array
 ) -> DirectionProof:
     """The direction nearest beyond a facet for which a motion proves that the assembly falls.
 
     The power of gravity along a direction grows with its angle to the boundary; the proof
     needs a power above the tolerance and above 1e6 times the violation.
     """
-    program = problem.program
-    motion = problem.motion(problem.over_weight(reach.witness))
     base = on.mean(axis=0) if len(on) else np.zeros(3)
     if np.linalg.norm(base) < NO_DIRECTION:
         base = on[0] if len(on) else np.zeros(3)
