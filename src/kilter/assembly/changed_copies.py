@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array, Index, Mask, across, cross, unit_rows
+from kilter.arrays import Array, Index, Mask, across, cross, lengths, unit_rows
 from kilter.assembly.assembly_tolerances import BESIDE_SEAM, UPRIGHT
 from kilter.assembly.bonds import Bond
 from kilter.assembly.geometry import Geometry
@@ -394,9 +394,12 @@ def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
     """Chords of curved edges that may reach below the heights (N,), and their parts."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
-    # triangles of parts with surfaces that come near the heights: no edge is longer than its part
-    lowest = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
-    on_curved = np.flatnonzero(((np.diff(s.start) > 0) & (lowest - geometry.size <= low))[owner])
+    # both triangles of an edge that may reach the heights reach them by their longest side
+    own = np.flatnonzero((np.diff(s.start) > 0)[owner])
+    x, y, z = geometry.vertices[geometry.triangles[own]].transpose(1, 0, 2)
+    side = np.maximum.reduce([lengths(y - x), lengths(z - y), lengths(x - z)])
+    lowest = np.minimum.reduce([x @ up, y @ up, z @ up])
+    on_curved = own[lowest - side <= low[owner[own]] + BESIDE_SEAM * side]
     triangles = geometry.triangles[on_curved]
     first, second = shared_edges(triangles)
     sides = np.column_stack([on_curved[first // 3], on_curved[second // 3]])
