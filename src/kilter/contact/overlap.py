@@ -267,6 +267,8 @@ FINER = range(1, 5)
 SETTLED = 0.01
 """Relative change of the volume in a round below which the volume is extrapolated [-]. A smaller
 change takes more rounds, each of which takes about three times longer."""
+MOST_FINER = 100_000
+"""Largest number of triangles of two parts that are refined; each round makes up to four of one."""
 
 
 def _with_interference(
@@ -320,11 +322,13 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
     box = corners.min(axis=0) - slack, corners.max(axis=0) + slack
     volume = body.volume
     for rounds in FINER:
-        finer = shared_body(PartSolids(geometry, (rounds, box)), *parts)
+        solids = PartSolids(geometry, (rounds, box))
+        finer = shared_body(solids, *parts)
         if finer is None:
             break
         step, volume = finer.volume - volume, finer.volume
-        if rounds > FINER[0] and abs(step) <= SETTLED * volume:
+        settled = rounds > FINER[0] and abs(step) <= SETTLED * volume
+        if settled or sum(solids.of(part).num_tri() for part in parts) > MOST_FINER:
             return volume + step / 3
     return volume
 
