@@ -122,7 +122,8 @@ class FaceCover:
         square = squares(x)[:, None] + squares(c) - 2 * x @ c.T
         along = normals @ c.T - np.einsum("ij,ij->i", x, normals)[:, None]
         size = max(float(squares(x).max()), float(squares(c).max()))
-        point, number = np.nonzero(square - along**2 <= radius**2 + CANCELLED * size)
+        off = np.sqrt(np.maximum(square - along**2, 0.0))
+        point, number = np.nonzero(off <= radius + np.sqrt(CANCELLED * size))
         return point, number
 
 
