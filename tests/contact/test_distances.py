@@ -16,7 +16,12 @@ from kilter.contact import ContactSet, Tolerance, contacts, detect, pair_finding
 from kilter.contact.common import broad
 from kilter.contact.common import facets as planar_facets
 from kilter.contact.common.broad import make_boxes, part_pairs
-from kilter.contact.common.distances import TriangleTrees, near_triangles, surface_distance
+from kilter.contact.common.distances import (
+    TriangleTrees,
+    below,
+    near_triangles,
+    surface_distance,
+)
 from kilter.contact.common.facets import find_facets
 from kilter.contact.common.patches import SAME_BODY
 from kilter.contact.contact_tolerances import SAME_PLACE
@@ -414,3 +419,45 @@ def test_a_copy_under_a_time_limit_and_in_kept_contacts(monkeypatch):
     in_time = contacts(more, time_limit=1000.0)
     assert in_time.to_dict()["overlaps"] == contacts(more).to_dict()["overlaps"]
     assert len(in_time.overlaps) == 3
+
+
+def test_points_above_long_narrow_triangles_have_a_bound_at_their_exact_distance():
+    ends = np.linspace(0.0, 1.0, 60)
+    tips = np.column_stack([ends, np.full(60, 30.0), 0 * ends])
+    fan = np.stack([np.zeros((59, 3)), tips[1:], tips[:-1]], axis=1)
+    rng = np.random.default_rng(2)
+    points = rng.uniform([-1, -1, -1], [2, 31, 1], (400, 3))
+    bound, exact = below(points, fan, 1e-9), surface_distance(points, fan)
+    assert (bound >= exact).all()
+    x, y, z = points.T
+    above = (x > 0) & (x < y / 30) & (y < 30)
+    assert above.any()
+    assert np.allclose(bound[above], np.abs(z[above]), rtol=0, atol=1e-12)
+
+
+def test_boxes_of_a_large_part_are_compared_as_those_of_small_parts(monkeypatch):
+    rng = np.random.default_rng(3)
+    least, start = rng.random((90, 3)), np.array([0, 20, 20, 90])
+    boxes = least, least + rng.random((90, 3)) / 4
+    low, part = rng.random((30, 3)), rng.integers(0, 3, 30)
+    both = [broad.boxes_in(start, part, (low, low + 0.2), boxes)]
+    monkeypatch.setattr(broad, "LARGE", 25)
+    both.append(broad.boxes_in(start, part, (low, low + 0.2), boxes))
+    assert len(both[0][0])
+    assert np.array_equal(*both)
+
+
+def test_endless_lines_meet_the_triangles_that_a_search_of_all_finds():
+    rng = np.random.default_rng(4)
+    triangles = rng.random((200, 3, 3)) / 4 + rng.random((200, 1, 3))
+    triangles[7, 2] = triangles[7, 1]  # without an area: its tips are infinitely pointed
+    points, normals = rng.random((80, 3)) * 4, rng.normal(size=(80, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    cover, every = FaceCover.of(triangles), np.arange(200)
+    met = [
+        cover._hits(every, np.tile(x, (200, 1)), np.tile(n, (200, 1)), 1e300, 1e-6).any()
+        for x, n in zip(points, normals, strict=True)
+    ]
+    assert any(met)
+    assert not all(met)
+    assert cover.covers(points, normals, 1e300, 1e-6).tolist() == met

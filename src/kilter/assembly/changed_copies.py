@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array, Index, Mask, across, cross, unit_rows
+from kilter.arrays import Array, Index, Mask, across, cross, lengths, unit_rows
 from kilter.assembly.assembly_tolerances import BESIDE_SEAM, UPRIGHT
 from kilter.assembly.bonds import Bond
 from kilter.assembly.geometry import Geometry
@@ -292,6 +292,11 @@ SECTIONS = 36
 rounding."""
 GOLDEN = (np.sqrt(5.0) - 1) / 2
 """Ratio of successive intervals of a golden-section search [-]."""
+PRUNED = 0, 3, 6, 9
+"""Golden-section steps after which edges that cannot reach the lowest known point are left out."""
+INTERVAL = 10.0
+"""Descent that is possible in an interval of a golden-section search, over the distance of its two
+inner points, which is .24 of the interval [-]."""
 
 
 def lowest_heights(geometry: Geometry, up: Array) -> Array:
@@ -378,14 +383,20 @@ def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
     chords, part = _chords(geometry, up, low)
     if not len(part):
         return part, np.empty(0)
-    s, left, right = geometry.surfaces, np.zeros(len(part)), np.ones(len(part))
-    for _ in range(SECTIONS):
+    s, left, right, best = geometry.surfaces, np.zeros(len(part)), np.ones(len(part)), low.copy()
+    for step in range(SECTIONS):
         first, second = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
-        lower = (
-            chords.on_edge(first, geometry.surfaces)[0] @ up
-            < chords.on_edge(second, geometry.surfaces)[0] @ up
-        )
+        found, known = Chords.join([chords, chords]).on_edge(np.append(first, second), s)
+        p, q = np.split(found, 2)
+        lower = p @ up < q @ up
         left, right = np.where(lower, left, first), np.where(lower, second, right)
+        if step in PRUNED:
+            heights = np.minimum(p @ up, q @ up)
+            known = np.logical_and(*np.split(known, 2))
+            np.minimum.at(best, part[known], heights[known])
+            deep = heights - INTERVAL * lengths(q - p) <= best[part]
+            rows = np.flatnonzero(deep | ~known)
+            chords, part, left, right = chords.take(rows), part[rows], left[rows], right[rows]
     points, converged = chords.on_edge((left + right) / 2, s)
     return part[converged], (points @ up)[converged]
 
@@ -394,9 +405,12 @@ def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
     """Chords of curved edges that may reach below the heights (N,), and their parts."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
-    # triangles of parts with surfaces that come near the heights: no edge is longer than its part
-    lowest = np.minimum.reduceat(geometry.vertices @ up, geometry.vertex_start[:-1])
-    on_curved = np.flatnonzero(((np.diff(s.start) > 0) & (lowest - geometry.size <= low))[owner])
+    # both triangles of an edge that may reach the heights reach them by their longest side
+    own = np.flatnonzero((np.diff(s.start) > 0)[owner])
+    x, y, z = geometry.vertices[geometry.triangles[own]].transpose(1, 0, 2)
+    side = np.maximum.reduce([lengths(y - x), lengths(z - y), lengths(x - z)])
+    lowest = np.minimum.reduce([x @ up, y @ up, z @ up])
+    on_curved = own[lowest - side <= low[owner[own]] + BESIDE_SEAM * side]
     triangles = geometry.triangles[on_curved]
     first, second = shared_edges(triangles)
     sides = np.column_stack([on_curved[first // 3], on_curved[second // 3]])

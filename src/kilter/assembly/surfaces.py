@@ -20,7 +20,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, read_only, unit_rows
+from kilter.arrays import (
+    Array,
+    Index,
+    Mask,
+    Rows,
+    columns,
+    cross,
+    lengths,
+    ratio,
+    read_only,
+    unit_rows,
+)
 from kilter.assembly.assembly_tolerances import BESIDE_SEAM, COPLANAR, CREASE, SAME_SURFACE, SMOOTH
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
@@ -390,16 +401,16 @@ STEPS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chords:
+class Chords(Rows):
     """Straight edges of a mesh that stand for n curved edges, each between two exact faces."""
 
-    p: Array
-    q: Array
+    p: Array = columns(3)
+    q: Array = columns(3)
     """Ends of the chords, on both faces, shape (n, 3)."""
-    surface: Index
+    surface: Index = columns(2)
     """Exact surface of each face, or -1 for the plane of a triangle, shape (n, 2)."""
-    origin: Array
-    normal: Array
+    origin: Array = columns(2, 3)
+    normal: Array = columns(2, 3)
     """A point and the unit normal of that plane, shape (n, 2, 3)."""
 
     def rising(self, side: int, points: Array, s: Surfaces) -> tuple[Array, Array]:

@@ -36,7 +36,12 @@ from kilter.arrays import TINY, Array, Mask, cross, distinct_rows
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.common.contact_search import coincide, deep_boxes
-from kilter.contact.common.distances import PartSolids, at_most, surface_distance
+from kilter.contact.common.distances import (
+    PartSolids,
+    at_most,
+    below,
+    surface_distance,
+)
 from kilter.contact.common.findings import FacePatches, in_patch, is_settled
 from kilter.contact.common.gaps import Tolerance
 from kilter.contact.common.patches import INTERFERE, SAME_BODY, Overlap
@@ -126,6 +131,10 @@ FIRST = 200
 """Points in the first batch of distances; each further batch is twice as large."""
 
 
+MOST_ABOVE = 50_000_000
+"""Largest number of pairs (point, triangle) whose heights bound the distances."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedBody:
     """The intersection of two overlapping parts, as a mesh in the world frame."""
@@ -197,6 +206,13 @@ def _farthest(points: Array, patch: Array, surface: Array, least: float) -> floa
     if not len(points):
         return least
     bound = at_most(points, patch if len(patch) else surface)
+    left = np.flatnonzero(bound > least)
+    if 0 < len(left) * len(patch) <= MOST_ABOVE:
+        bound[left] = np.minimum(bound[left], below(points[left], patch, least))
+        left = left[bound[left] > least]
+        bound[left] = surface_distance(points[left], patch, bound[left])
+    if bound.max() <= least:
+        return least
     # the nearest point of the surface is no farther than the bound
     low, high = points.min(axis=0) - bound.max(), points.max(axis=0) + bound.max()
     near = (surface.min(axis=1) <= high).all(axis=1) & (surface.max(axis=1) >= low).all(axis=1)
@@ -251,6 +267,8 @@ FINER = range(1, 5)
 SETTLED = 0.01
 """Relative change of the volume in a round below which the volume is extrapolated [-]. A smaller
 change takes more rounds, each of which takes about three times longer."""
+MOST_FINER = 100_000
+"""Largest number of triangles of two parts that are refined; each round makes up to four of one."""
 
 
 def _with_interference(
@@ -304,11 +322,13 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
     box = corners.min(axis=0) - slack, corners.max(axis=0) + slack
     volume = body.volume
     for rounds in FINER:
-        finer = shared_body(PartSolids(geometry, (rounds, box)), *parts)
+        solids = PartSolids(geometry, (rounds, box))
+        finer = shared_body(solids, *parts)
         if finer is None:
             break
         step, volume = finer.volume - volume, finer.volume
-        if rounds > FINER[0] and abs(step) <= SETTLED * volume:
+        settled = rounds > FINER[0] and abs(step) <= SETTLED * volume
+        if settled or sum(solids.of(part).num_tri() for part in parts) > MOST_FINER:
             return volume + step / 3
     return volume
 

@@ -10,11 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, unit_rows
+from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, squares, unit_rows
 from kilter.shape.shape_tolerances import GRAZING
 
 BATCH = 500_000
 """Number of pairs of point and triangle that are compared at once; more need more memory."""
+
+CANCELLED = 1e-9
+"""Rounding of the squared distances of lines from points, which cancel, over the square of the
+size [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +62,11 @@ class FaceCover:
         near = self._boxes_near(points, reach + grow)
         step = max(1, BATCH // max(len(near), 1))
         for begin in range(0, len(points), step):
-            point, number = self._near_pairs(points[begin : begin + step], near, reach, grow)
+            rows = slice(begin, begin + step)
+            if reach > np.ptp(points, axis=0).max() + np.ptp(self.corners, axis=(0, 1)).max():
+                point, number = self._near_lines(points[rows], normals[rows], near, grow)
+            else:
+                point, number = self._near_pairs(points[rows], near, reach, grow)
             point += begin
             hit = self._hits(near[number], points[point], normals[point], reach, grow)
             inside[point[hit]] = True
@@ -96,6 +104,26 @@ class FaceCover:
             meets &= self.low[near, axis] - margin <= x
             meets &= self.high[near, axis] + margin >= x
         point, number = np.nonzero(meets)
+        return point, number
+
+    def _near_lines(
+        self, points: Array, normals: Array, near: Index, grow: float
+    ) -> tuple[Index, Index]:
+        """Pairs of a point and a triangle of `near` whose ball its endless line may meet.
+
+        The distance of the line x + t n from the middle c of a triangle has the square |c - x|^2 -
+        ((c - x) . n)^2.
+        """
+        middle = (self.low[near] + self.high[near]) / 2
+        ball = lengths(self.high[near] - self.low[near]) / 2
+        radius = ball + grow * (1 + self.pointed[near])
+        origin = middle.mean(axis=0)
+        c, x = middle - origin, points - origin
+        square = squares(x)[:, None] + squares(c) - 2 * x @ c.T
+        along = normals @ c.T - np.einsum("ij,ij->i", x, normals)[:, None]
+        size = max(float(squares(x).max()), float(squares(c).max()))
+        off = np.sqrt(np.maximum(square - along**2, 0.0))
+        point, number = np.nonzero(off <= radius + np.sqrt(CANCELLED * size))
         return point, number
 
 

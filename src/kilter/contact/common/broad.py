@@ -30,6 +30,8 @@ MANY = 10_000
 """Number of facet combinations of two parts above which a search tree is used."""
 TREE = 500_000
 """Approximate number of boxes in each search tree; a larger value needs more memory."""
+LARGE = 2_000
+"""Number of rows of a part above which boxes are compared with them one by one."""
 BATCH = 2_000_000
 """Number of row combinations that are compared at once; a larger value needs more memory."""
 MOST_PAIRS, MOST_NEAR = 500_000, 20
@@ -223,12 +225,41 @@ def facets_in(
     facets: Facets, boxes: Boxes, part: Index, low: Array, high: Array
 ) -> tuple[Index, Index]:
     """Facets of part ``part[k]`` whose box meets box k, as pairs (k, facet), ordered by k."""
-    owner, facet = ragged(facets.start, part)
-    keep = np.ones(len(owner), dtype=bool)
+    return boxes_in(facets.start, part, (low, high), (boxes.facet_low, boxes.facet_high))
+
+
+def boxes_in(
+    start: Index, part: Index, box: tuple[Array, Array], boxes: tuple[Array, Array]
+) -> tuple[Index, Index]:
+    """Rows of part ``part[k]`` whose box meets box k, as pairs (k, row), ordered by k.
+
+    `start`: first row of each part, and the end of the last; `boxes`: lower and upper corners of
+    the boxes of all rows. A part with many rows is compared with each box in turn: a comparison
+    along an axis leaves few rows for the next.
+    """
+    (low, high), (least, most) = box, boxes
+    large = np.diff(start)[part] > LARGE
+    few = np.flatnonzero(~large)
+    owner, row = ragged(start, part[few])
+    owner = few[owner]
     for axis in range(3):
-        keep &= boxes.facet_low[facet, axis] <= high[owner, axis]
-        keep &= boxes.facet_high[facet, axis] >= low[owner, axis]
-    return owner[keep], facet[keep]
+        meets = least[row, axis] <= high[owner, axis]
+        meets &= most[row, axis] >= low[owner, axis]
+        owner, row = owner[meets], row[meets]
+    owners, rows = [owner], [row]
+    columns = [(least[:, k].copy(), most[:, k].copy()) for k in range(3)] if large.any() else []
+    for k in np.flatnonzero(large).tolist():
+        begin, end = start[part[k]], start[part[k] + 1]
+        first, last = columns[0][0][begin:end], columns[0][1][begin:end]
+        row = begin + np.flatnonzero((first <= high[k, 0]) & (last >= low[k, 0]))
+        for axis, (lower, upper) in enumerate(columns[1:], start=1):
+            row = row[lower[row] <= high[k, axis]]
+            row = row[upper[row] >= low[k, axis]]
+        owners.append(np.full(len(row), k))
+        rows.append(row)
+    owner, row = np.concatenate(owners), np.concatenate(rows)
+    order = np.argsort(owner, kind="stable") if large.any() else slice(None)
+    return owner[order], row[order]
 
 
 def joins(
@@ -326,10 +357,10 @@ def _tree_join(first: _OwnedBoxes, second: _OwnedBoxes) -> tuple[Index, Index]:
         # fractions of the total extent: their rounding is far below BOX_ROUNDING
         x0, x1 = ((corner[:, u] - low[u]) / spread[u] + 2 * place for corner in (least, most))
         y0, y1 = ((corner[:, v] - low[v]) / spread[v] for corner in (least, most))
-        rectangles: NDArray[np.object_] = shapely.box(
-            x0 - BOX_ROUNDING, y0 - BOX_ROUNDING, x1 + BOX_ROUNDING, y1 + BOX_ROUNDING
-        )
-        return rectangles
+        corners = [[x0 - BOX_ROUNDING, y0 - BOX_ROUNDING], [x1 + BOX_ROUNDING, y1 + BOX_ROUNDING]]
+        # the tree compares the boxes of the diagonals, which cost less than polygons
+        diagonals: NDArray[np.object_] = shapely.linestrings(np.array(corners).transpose(2, 0, 1))
+        return diagonals
 
     place_a, place_b = np.split(place, [len(owner_a)])
     a, b = shapely.STRtree(rectangles_of(low_b, high_b, place_b)).query(

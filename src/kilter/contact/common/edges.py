@@ -31,7 +31,7 @@ from kilter.arrays import (
 )
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
-from kilter.contact.common.broad import Boxes
+from kilter.contact.common.broad import Boxes, boxes_in
 from kilter.contact.common.contact_search import ContactSearch
 from kilter.contact.common.facets import Facets
 from kilter.contact.contact_tolerances import (
@@ -73,13 +73,7 @@ class Edges:
 
     def inside(self, boxes: Boxes, part: Index, box: tuple[Array, Array]) -> tuple[Index, Index]:
         """Edges of part ``part[k]`` whose box meets box k, as pairs (k, edge), ordered by k."""
-        owner, edge = ragged(self.start, part)
-        for axis in range(3):
-            p, q = boxes.turned[:, axis][self.ends_of[edge]].T
-            meets = np.minimum(p, q) <= box[1][owner, axis]
-            meets &= np.maximum(p, q) >= box[0][owner, axis]
-            owner, edge = owner[meets], edge[meets]
-        return owner, edge
+        return boxes_in(self.start, part, box, self.boxes(boxes, np.arange(len(self.ends_of))))
 
     def boxes(self, boxes: Boxes, which: Index) -> tuple[Array, Array]:
         """Bounding boxes of the edges `which`: lower and upper corners, shape (n, 3) each."""
