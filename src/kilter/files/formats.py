@@ -24,7 +24,7 @@ from kilter.files.meshes.obj import read_obj
 from kilter.files.meshes.placed import FileBodies, fill_names, join_meshes
 from kilter.files.meshes.stl import read_stl
 from kilter.files.meshes.threemf import read_3mf
-from kilter.files.reader_guard import reader_guard
+from kilter.files.reader_guard import ZIP_DAMAGE, reader_guard
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, move_solid, scale_solid
 from kilter.units import metres_per_unit
@@ -79,14 +79,15 @@ FORMATS: dict[str, Callable[[Path], FileBodies]] = {
     ".glb": _glb,
     ".step": _step,
     ".stp": _step,
+    ".fcstd": _step,
 }
 """Reader of each file ending (lower case)."""
-EXACT = (".step", ".stp")
+EXACT = (".step", ".stp", ".fcstd")
 """Endings of files with exact faces; the key `step` of a part accepts these."""
 ZIPPED = (".3mf",)
 """Endings of zip files."""
-ZIP_DAMAGE = frozenset({"builtins.RuntimeError", "xml.etree.ElementTree.ParseError"})
-"""Further exceptions of a damaged zip of XML files: an encrypted member, invalid XML."""
+IN_FOLDERS = tuple(ending for ending in FORMATS if ending != ".fcstd")
+"""Endings of the files of a folder that is read; a FreeCAD document names the files of its parts."""
 MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
 """Endings of mesh files; the key `mesh` of a part accepts these."""
 
@@ -157,7 +158,10 @@ def assembly_of(
     names = fill_names(bodies.names, stem)
     rows = zip(names, bodies.shapes, bodies.places, bodies.stated, strict=True)
     parts = [Part(name, shape, pose, **stated) for name, shape, pose, stated in rows]
-    return Assembly(parts, units=agreed, source=source, notes=notes, assumed=assumed)
+    joints = bodies.joints
+    return Assembly(
+        parts, joints=joints, units=agreed, source=source, notes=notes, assumed=assumed
+    )
 
 
 def agreed_units(
