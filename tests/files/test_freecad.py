@@ -1,5 +1,7 @@
 """FreeCAD documents: parts, placements, links, held parts, joints, notes and rejected files."""
 
+import json
+import re
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -9,15 +11,14 @@ import pytest
 
 pytest.importorskip("OCP")
 
-from freecad_maker import Maker, at, flag, link, links, numbers_of, place, prop, rigid, text, xlink
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from freecad_maker import Maker, at, flag, link, links, numbers_of, place, prop, rigid, xlink
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
 from step_maker import compound, moved, placement, write_step
 
 from kilter.analysis.check import check
 from kilter.assembly import Assembly
 from kilter.errors import InputError
+from kilter.files.cad import step_process
 from kilter.loading import load
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "freecad"
@@ -43,7 +44,9 @@ def body(maker: Maker, name: str, matrix: Any = EYE, *more: str, solid: Any = No
 
 def centres(assembly: Assembly) -> dict[str, list[float]]:
     rows = assembly.geometry.center
-    return {part.name: np.round(row, 9).tolist() for part, row in zip(assembly.parts, rows, strict=True)}
+    return {
+        part.name: np.round(row, 9).tolist() for part, row in zip(assembly.parts, rows, strict=True)
+    }
 
 
 def joined(assembly: Assembly) -> list[tuple[str, tuple[str, str]]]:
@@ -134,7 +137,9 @@ class Scene:
             matrix = np.linalg.inv(container) @ goal
             shape = self.maker.shape(box(*size), matrix, located=self.located())
             self.members.append(
-                self.maker.add("Part::FeaturePython", f"b{k}", PYTHON, shape, flag("fixedPosition", held))
+                self.maker.add(
+                    "Part::FeaturePython", f"b{k}", PYTHON, shape, flag("fixedPosition", held)
+                )
             )
             self.solid(size, goal, held=held)
         self.maker.add("App::Part", "Part", links("Group", self.members), place(container))
@@ -143,14 +148,19 @@ class Scene:
         whole = rigid(self.rng)
         for k in range(count):
             held = k == 0
-            way = self.rng.choice(["link", "outside", "array", "elements", "container", "scale", "body"])
+            way = self.rng.choice(
+                ["link", "outside", "array", "elements", "container", "scale", "body"]
+            )
             name = getattr(self, f"_{way}")(k, np.linalg.inv(whole), held)
             self.members.append(name)
             if held:
                 self.grounded.append(self.maker.held(f"held{k}", name))
         group = self.maker.add("Assembly::JointGroup", "Joints", links("Group", self.grounded))
         self.maker.add(
-            "Assembly::AssemblyObject", "Assembly", links("Group", [group, *self.members]), place(whole)
+            "Assembly::AssemblyObject",
+            "Assembly",
+            links("Group", [group, *self.members]),
+            place(whole),
         )
 
     def _body(self, k: int, up: Any, held: bool) -> str:
@@ -205,10 +215,16 @@ class Scene:
         for i, matrix in enumerate(places):
             self.solid(size, matrix, held=held)
             step = place(np.linalg.inv(own) @ up @ matrix)
-            element = self.maker.add("App::LinkElement", f"e{k}_{i}", xlink("LinkedObject", target), step)
+            element = self.maker.add(
+                "App::LinkElement", f"e{k}_{i}", xlink("LinkedObject", target), step
+            )
             names.append(element)
         return self.maker.add(
-            "App::Link", f"array{k}", xlink("LinkedObject", target), place(own), links("ElementList", names)
+            "App::Link",
+            f"array{k}",
+            xlink("LinkedObject", target),
+            place(own),
+            links("ElementList", names),
         )
 
     def _container(self, k: int, up: Any, held: bool) -> str:
@@ -216,14 +232,20 @@ class Scene:
         size, goal = self.goal()
         self.solid(size, goal, held=held)
         own, inner = rigid(self.rng), rigid(self.rng)
-        tools = [self.maker.add("Part::Box", f"tool{k}{i}", self.maker.shape(box(), EYE)) for i in "ab"]
+        tools = [
+            self.maker.add("Part::Box", f"tool{k}{i}", self.maker.shape(box(), EYE)) for i in "ab"
+        ]
         matrix = np.linalg.inv(own @ inner) @ up @ goal
         cut = self.maker.add(
             "Part::Cut", f"cut{k}", self.maker.shape(box(*size), matrix, located=self.located()),
             link("Base", tools[0]), link("Tool", tools[1]),
         )  # fmt: skip
-        sketch = self.maker.add("Sketcher::SketchObject", f"sketch{k}", self.maker.shape(box(), EYE))
-        group = self.maker.add("App::DocumentObjectGroup", f"group{k}", links("Group", [cut, sketch, *tools]))
+        sketch = self.maker.add(
+            "Sketcher::SketchObject", f"sketch{k}", self.maker.shape(box(), EYE)
+        )
+        group = self.maker.add(
+            "App::DocumentObjectGroup", f"group{k}", links("Group", [cut, sketch, *tools])
+        )
         deep = self.maker.add("App::Part", f"deep{k}", links("Group", [group]), place(inner))
         return self.maker.add("App::Part", f"part{k}", links("Group", [deep]), place(own))
 
@@ -390,14 +412,18 @@ def test_joints_and_held_parts_of_a_linked_assembly(tmp_path):
 def test_labels_are_names_and_hidden_parts_have_a_note(tmp_path):
     maker = Maker()
     for name, x, shown in [("a", 0, True), ("b", 20, False), ("c", 40, True)]:
-        maker.add("Part::Box", name, maker.shape(box(), at(x)), flag("Visibility", shown), label=f"<{name}>")
+        maker.add(
+            "Part::Box",
+            name,
+            maker.shape(box(), at(x)),
+            flag("Visibility", shown),
+            label=f"<{name}>",
+        )
     inner = maker.add("Part::Box", "d", maker.shape(box(), at(60)))
     maker.add("App::Part", "group", links("Group", [inner]), label="hidden in view")
     assembly = load(maker.write(tmp_path / "a.FCStd", hidden_in_view=["group", "c"]))
     assert assembly.names == ("<a>", "<b>", "<c>", "d")
-    assert "hidden in the file: '<b>', '<c>', 'd'" in notes(assembly) or (
-        "hidden in the file: '<b>', 'd'" in notes(assembly)
-    )
+    assert "hidden in the file: '<b>', 'd'" in notes(assembly)
     left = load(tmp_path / "a.FCStd", without=["<b>"])
     assert left.names == ("<a>", "<c>", "d")
 
@@ -408,9 +434,13 @@ def test_inputs_of_shapes_are_no_parts(tmp_path):
         maker.add("Part::Box", f"box{k}", maker.shape(box(), at(20 * k)), flag("Visibility", k > 1))
     whole = maker.shape(box(), EYE)
     maker.add("Part::MultiFuse", "fuse", whole, links("Shapes", ["box0", "box1"]))
-    attached = prop("AttachmentSupport", "PropertyLinkSubList", "<LinkSubList><Link obj='box3'/></LinkSubList>")
+    attached = prop(
+        "AttachmentSupport", "PropertyLinkSubList", "<LinkSubList><Link obj='box3'/></LinkSubList>"
+    )
     maker.add("Part::Box", "attached", maker.shape(box(), at(0, 40)), attached)
-    maker.add("Part::FeaturePython", "clone", maker.shape(box(), at(0, 80)), links("Objects", ["box2"]))
+    maker.add(
+        "Part::FeaturePython", "clone", maker.shape(box(), at(0, 80)), links("Objects", ["box2"])
+    )
     maker.add("Part::Mirroring", "copy", maker.shape(box(), at(0, 60)), link("Source", "box3"))
     names = load(maker.write(tmp_path / "a.FCStd")).names
     assert names == ("box2", "box3", "fuse", "attached", "clone", "copy")
@@ -425,7 +455,9 @@ def test_the_visible_source_of_a_link_is_a_part_without_an_assembly(tmp_path):
             maker.add("Assembly::AssemblyObject", "Assembly", links("Group", ["copy"]))
         assembly = load(maker.write(tmp_path / "a.FCStd"))
         assert assembly.names == (("copy",) if assembled else ("source", "copy"))
-        assert ("shown only by links, so no parts themselves: 'source'" in notes(assembly)) == assembled
+        assert (
+            "shown only by links, so no parts themselves: 'source'" in notes(assembly)
+        ) == assembled
 
 
 def test_a_body_without_a_shape_has_that_of_its_tip(tmp_path):
@@ -433,7 +465,9 @@ def test_a_body_without_a_shape_has_that_of_its_tip(tmp_path):
     pad = maker.add("PartDesign::Pad", "pad", maker.shape(box(), at(1)))
     maker.files["empty.brp"] = b""
     empty = prop("Shape", "PropertyPartShape", "<Part file='empty.brp'/>")
-    maker.add("PartDesign::Body", "body", links("Group", [pad]), link("Tip", pad), empty, place(at(0, 2)))
+    maker.add(
+        "PartDesign::Body", "body", links("Group", [pad]), link("Tip", pad), empty, place(at(0, 2))
+    )
     assert centres(load(maker.write(tmp_path / "a.FCStd"))) == {"body": [6, 7, 5]}
 
 
@@ -459,8 +493,9 @@ def test_a_link_may_name_an_object_inside_its_target(tmp_path):
 )
 def test_material_and_density_of_a_container(words, density, tmp_path):
     maker = Maker()
-    card = f"<Map count='2'><Item key='Name' value='Alloy'/><Item key='Density' value='{words}'/></Map>"
-    maker.add("App::MaterialObject", "card", prop("Material", "PropertyMap", card))
+    rows = f"<Item key='Name' value='Alloy'/><Item key='Density' value='{words}'/>"
+    card = prop("Material", "PropertyMap", f"<Map count='2'>{rows}</Map>")
+    maker.add("App::MaterialObject", "card", card)
     inner = maker.add("Part::Box", "b", maker.shape(box(), EYE))
     maker.add("App::Part", "whole", links("Group", [inner]), link("Material", "card"))
     part = load(maker.write(tmp_path / "a.FCStd")).parts[0]
@@ -485,11 +520,22 @@ def test_a_body_of_a_document_is_a_part_of_a_kilter_file(tmp_path):
     body(maker, "one", at(1))
     body(maker, "two", at(2), solid=box(1, 1, 1))
     maker.write(tmp_path / "a.FCStd")
-    part = '{"name": "A", "step": {"path": "a.FCStd", "name": "two"}, "grounded": true}'
-    (tmp_path / "a.kilter.json").write_text('{"kilter": 1, "units": "mm", "parts": [%s]}' % part)
+    part = {"name": "A", "step": {"path": "a.FCStd", "name": "two"}, "grounded": True}
+    content = {"kilter": 1, "units": "mm", "parts": [part]}
+    (tmp_path / "a.kilter.json").write_text(json.dumps(content))
     assembly = load(tmp_path / "a.kilter.json")
     assert centres(assembly) == {"A": [2.5, 0.5, 0.5]}
     assert assembly.geometry.volume == pytest.approx([1.0])
+
+
+def test_a_held_body_is_never_the_copy_that_is_left_out(tmp_path):
+    maker = Maker()
+    maker.add("Part::FeaturePython", "loose", PYTHON, maker.shape(box(), EYE))
+    fixed = flag("fixedPosition", True)
+    maker.add("Part::FeaturePython", "held", PYTHON, maker.shape(box(), EYE), fixed)
+    assembly = load(maker.write(tmp_path / "a.FCStd"))
+    assert assembly.names == ("held",)
+    assert "left out: 'loose' (as 'held')" in notes(assembly)
 
 
 # rejected files ---------------------------------------------------------------------------------
@@ -507,7 +553,9 @@ def test_documents_without_parts_say_why(tmp_path):
     maker.add("Sketcher::SketchObject", "sketch", maker.shape(box(), EYE))
     assert "no solid" in refused(maker.write(path))
     maker.add("App::Link", "gone", xlink("LinkedObject", "Body", "C:\\parts\\none.FCStd"))
-    assert "'C:\\\\parts\\\\none.FCStd' is absent: 'gone' cannot be read" in refused(maker.write(path))
+    assert "'C:\\\\parts\\\\none.FCStd' is absent: 'gone' cannot be read" in refused(
+        maker.write(path)
+    )
     path.write_bytes(b"PK")
     assert "damaged" in refused(path)
     with zipfile.ZipFile(path, "w") as archive:
@@ -522,10 +570,13 @@ def test_a_linked_document_that_was_moved_is_found_beside_the_document(tmp_path)
     other, maker = Maker(), Maker()
     body(other, "Body")
     other.write(tmp_path / "stone.FCStd")
-    maker.add("App::Link", "stone", xlink("LinkedObject", "Body", "../../old/stone.FCStd"), place(EYE))
+    maker.add(
+        "App::Link", "stone", xlink("LinkedObject", "Body", "../../old/stone.FCStd"), place(EYE)
+    )
     assert load(maker.write(tmp_path / "a.FCStd")).names == ("stone",)
 
 
+@pytest.mark.slow
 def test_small_documents_make_no_endless_tree(tmp_path):
     maker, path = Maker(), tmp_path / "a.FCStd"
     maker.add("App::Link", "a", xlink("LinkedObject", "b"))
@@ -536,7 +587,9 @@ def test_small_documents_make_no_endless_tree(tmp_path):
     body(maker, "level0")
     for k in range(1, 9):
         names = [
-            maker.add("App::Link", f"link{k}{i}", xlink("LinkedObject", f"level{k - 1}"), place(EYE))
+            maker.add(
+                "App::Link", f"link{k}{i}", xlink("LinkedObject", f"level{k - 1}"), place(EYE)
+            )
             for i in range(8)
         ]
         maker.add("App::Part", f"level{k}", links("Group", names))
@@ -554,14 +607,16 @@ def whole_document(folder: Path) -> bytes:
     return maker.write(folder / "whole.FCStd").read_bytes()
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_damaged_documents_are_rejected_or_read_in_part(seed, tmp_path):
-    """Damage in the zip, in its XML and in its shapes."""
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("seed", range(20))
+def test_damaged_documents_are_rejected_or_read_in_part(seed, tmp_path, monkeypatch):
+    """Damage in the zip, in its XML and in its shapes: 200 documents."""
+    monkeypatch.setattr(step_process, "STALLS", 1.0)
     rng = np.random.default_rng(seed)
     data = whole_document(tmp_path)
     with zipfile.ZipFile(tmp_path / "whole.FCStd") as archive:
         files = {name: archive.read(name) for name in archive.namelist()}
-    for k in range(70):
+    for k in range(10):
         path = tmp_path / f"{k}.FCStd"
         name = str(rng.choice(list(files))) if k % 4 else ""
         content = bytearray(files[name] if name else data)
@@ -570,11 +625,27 @@ def test_damaged_documents_are_rejected_or_read_in_part(seed, tmp_path):
             content[start : start + int(rng.integers(1, 9))] = rng.bytes(int(rng.integers(5)))
         if name:
             with zipfile.ZipFile(path, "w") as archive:
-                for each, text_of in files.items():
-                    archive.writestr(each, bytes(content) if each == name else text_of)
+                for each, whole in files.items():
+                    archive.writestr(each, bytes(content) if each == name else whole)
         else:
             path.write_bytes(bytes(content))
         try:
             load(path)
         except InputError as error:
-            assert str(error).startswith(str(path))
+            message = str(error)
+        else:
+            message = f"{path}: "
+        assert message.startswith(f"{path}: ")
+
+
+def test_a_shape_that_stalls_occt_is_left_out(tmp_path, monkeypatch):
+    """A count of a billion curves keeps OCCT busy."""
+    monkeypatch.setattr(step_process, "STALLS", 1.0)
+    maker = Maker()
+    maker.add("Part::Box", "good", maker.shape(box(), EYE))
+    maker.add("Part::Box", "bad", maker.shape(box(), at(20)))
+    whole = maker.files["PartShape1.brp"]
+    maker.files["PartShape1.brp"] = re.sub(rb"Curves \d+", b"Curves 1000000000", whole)
+    assembly = load(maker.write(tmp_path / "a.FCStd"))
+    assert assembly.names == ("good",)
+    assert "damaged shapes are left out: 'bad'" in notes(assembly)

@@ -5,7 +5,8 @@
 Objects keep their names. An object without a name is named after the file, and instances of the
 same object are numbered (``bolt``, ``bolt_2``). A mesh file without names is split into its
 separate bodies. STL and OBJ state no unit: a file by itself is read in mm (STL), as slicers and CAD
-do, or in m (OBJ). GLB is in metres by its standard (y stays up); 3MF and STEP state their unit.
+do, or in m (OBJ). GLB is in metres by its standard (y stays up); 3MF and STEP state their unit, and
+FreeCAD has millimetres.
 """
 
 from __future__ import annotations
@@ -87,7 +88,7 @@ EXACT = (".step", ".stp", ".fcstd")
 ZIPPED = (".3mf",)
 """Endings of zip files."""
 IN_FOLDERS = tuple(ending for ending in FORMATS if ending != ".fcstd")
-"""Endings of the files of a folder that is read; a FreeCAD document names the files of its parts."""
+"""Endings of the files of a folder that is read; a FreeCAD document names those of its parts."""
 MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
 """Endings of mesh files; the key `mesh` of a part accepts these."""
 
@@ -159,9 +160,7 @@ def assembly_of(
     rows = zip(names, bodies.shapes, bodies.places, bodies.stated, strict=True)
     parts = [Part(name, shape, pose, **stated) for name, shape, pose, stated in rows]
     joints = bodies.joints
-    return Assembly(
-        parts, joints=joints, units=agreed, source=source, notes=notes, assumed=assumed
-    )
+    return Assembly(parts, joints=joints, units=agreed, source=source, notes=notes, assumed=assumed)
 
 
 def agreed_units(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,8 @@ from kilter.files.reader_guard import ZIP_DAMAGE, reader_guard
 
 _BREP = (b"DBRep_DrawableShape", b"CASCADE Topology")
 """Begins of the text of a shape."""
+STORED = 1_000_000_000
+"""Number of the first stored shape; a shape that crashes OCCT is left out. Solids have less."""
 
 
 def freecad_bodies(
@@ -52,7 +55,7 @@ def freecad_bodies(
     try:
         with quiet(), reader_guard(path, ZIP_DAMAGE):
             tree = FreeCadTree(FreeCadDocument(path))
-            return _Bodies(tree).read(stated_joints(tree), without, tell, broken)
+            return _Bodies(tree, tell, broken).read(stated_joints(tree), without)
     except failures():
         raise InputError(
             "damaged FreeCAD document: OCCT rejects a shape", hint="save it again in FreeCAD"
@@ -62,20 +65,18 @@ def freecad_bodies(
 class _Bodies:
     """The solids of the shapes that a document shows."""
 
-    def __init__(self, tree: FreeCadTree) -> None:
+    def __init__(
+        self, tree: FreeCadTree, tell: Callable[[str, int], None], broken: Collection[int]
+    ) -> None:
         self.tree = tree
+        self.tell = tell
+        self.broken = broken
         self.stored: dict[int, Any] = {}
         """Shape of each object in the frame of the object, by the identity of the object."""
         self.passed: list[str] = []
         self.damaged: list[str] = []
 
-    def read(
-        self,
-        stated: StatedJoints,
-        without: Sequence[str],
-        tell: Callable[[str, int], None],
-        broken: Collection[int],
-    ) -> FileBodies:
+    def read(self, stated: StatedJoints, without: Sequence[str]) -> FileBodies:
         """Convert the shapes to bodies with held parts, joints and notes."""
         leaves: list[TreeSolid] = []
         rows: list[tuple[int, ...]] = []
@@ -87,7 +88,7 @@ class _Bodies:
             raise self._no_part()
         placed_solids = occurrences(leaves, shape_map())
         document = StepDocument(tuple(placed_solids), "mm", tuple(self.passed), ())
-        bodies = bodies_of(document, without, tell, broken)
+        bodies = bodies_of(document, without, self.tell, self.broken)
         names = [row.name for row in placed_solids]
         of_shape = {
             id(placed): [names[k] for k in row]
@@ -140,12 +141,16 @@ class _Bodies:
 
         key = id(item)
         if key not in self.stored:
+            number = STORED + len(self.stored)
+            self.tell(f"reading the shape of {item.label}", number)
             data, shape = item.document.content(item.shape_file), TopoDS_Shape()
-            is_text = any(begin in data[:200] for begin in _BREP)
-            if is_text:
-                BRepTools.Read_s(shape, io.BytesIO(data), BRep_Builder())
-            elif item.shape_file.endswith(".bin"):
-                BinTools.Read_s(shape, io.BytesIO(data))
+            with suppress(*failures()):
+                if number in self.broken:
+                    pass
+                elif any(begin in data[:200] for begin in _BREP):
+                    BRepTools.Read_s(shape, io.BytesIO(data), BRep_Builder())
+                elif item.shape_file.endswith(".bin"):
+                    BinTools.Read_s(shape, io.BytesIO(data))
             if shape.IsNull():
                 self.damaged.append(item.label)
             self.stored[key] = None if shape.IsNull() else shape.Located(TopLoc_Location())

@@ -111,9 +111,7 @@ def stated_joints(tree: FreeCadTree) -> StatedJoints:
     return found
 
 
-def _inside(
-    shapes: Sequence[PlacedShape], trail: tuple[FreeCadObject, ...]
-) -> list[PlacedShape]:
+def _inside(shapes: Sequence[PlacedShape], trail: tuple[FreeCadObject, ...]) -> list[PlacedShape]:
     """The placed shapes whose trail begins with that of an assembly."""
     count = len(trail)
     return [
@@ -153,9 +151,7 @@ def _add_joint(
     found.joints.append(FreeCadJoint(item.label, JOINTS[kind], (ends[0], ends[1])))
 
 
-def _end(
-    item: FreeCadObject, side: str, inside: list[PlacedShape], above: int
-) -> JointEnd | None:
+def _end(item: FreeCadObject, side: str, inside: list[PlacedShape], above: int) -> JointEnd | None:
     """One side of a joint; None if it names no shape, or several."""
     content = item.properties.get(f"Reference{side}")
     if content is None or not len(content):
@@ -185,7 +181,7 @@ def _named(
     Arguments: `above`: number of objects of the trail above the assembly and itself; `owner`: an
     object of the document to which the first name of the path belongs.
     """
-    best, chosen = 0, []
+    best, chosen = 0, list[PlacedShape]()
     for shape in shapes:
         position = count = 0
         for item in shape.place.trail[above:]:

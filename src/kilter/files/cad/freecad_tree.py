@@ -163,7 +163,7 @@ class FreeCadTree:
         return self._roles[document.path]
 
     def _children(self, items: Sequence[FreeCadObject], place: Place) -> None:
-        """Visit objects that are siblings in the tree, except inputs and hidden sources of links."""
+        """Visit siblings in the tree, except inputs of shapes and hidden sources of links."""
         shown = []
         for item in dict.fromkeys(items):
             roles = self._roles_in(item.document)
@@ -362,7 +362,7 @@ def density_of(text: str) -> float | None:
 
 
 def relations(document: FreeCadDocument) -> int:
-    """Number of the constraints of A2plus in a document; each has a mirror, which is not counted."""
+    """Number of the constraints of A2plus in a document, without their mirrors."""
     return sum(
         module.startswith(A2PLUS) and name == "ConstraintObjectProxy"
         for module, name in map(python_class, document.objects.values())

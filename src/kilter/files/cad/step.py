@@ -31,8 +31,8 @@ def read_step(
     """Read the solids of a STEP file or a FreeCAD document.
 
     Arguments: `without`: names of solids, or globs, that are left out before they are triangulated.
-    Raises `InputError` if OCCT is not installed, or the file is missing, of another format, damaged,
-    or has no solid.
+    Raises `InputError` if OCCT is not installed, or the file is missing or damaged, or no solid is
+    in it.
     """
     try:
         data = read_bytes(path)

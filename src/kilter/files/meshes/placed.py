@@ -210,7 +210,7 @@ class FileBodies:
 
     @property
     def stated(self) -> list[dict[str, Any]]:
-        """Density, colour, material, layer and hold of each body, as keyword arguments of `Part`."""
+        """Density, colour, material, layer and hold of each body: keyword arguments of `Part`."""
         none, free = (None,) * len(self.shapes), (False,) * len(self.shapes)
         columns = (self.densities, self.colors, self.materials, self.layers)
         keys = ("density", "color", "material", "layer", "grounded")
