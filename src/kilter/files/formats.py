@@ -80,10 +80,12 @@ FORMATS: dict[str, Callable[[Path], FileBodies]] = {
     ".glb": _glb,
     ".step": _step,
     ".stp": _step,
+    ".igs": _step,
+    ".iges": _step,
     ".fcstd": _step,
 }
 """Reader of each file ending (lower case)."""
-EXACT = (".step", ".stp", ".fcstd")
+EXACT = (".step", ".stp", ".igs", ".iges", ".fcstd")
 """Endings of files with exact faces; the key `step` of a part accepts these."""
 ZIPPED = (".3mf",)
 """Endings of zip files."""

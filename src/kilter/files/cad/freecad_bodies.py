@@ -20,14 +20,16 @@ from kilter.errors import InputError, some, some_names
 from kilter.files.cad.freecad_document import FreeCadDocument, FreeCadObject
 from kilter.files.cad.freecad_joints import JointEnd, StatedJoints, stated_joints
 from kilter.files.cad.freecad_tree import FreeCadTree, PlacedShape, relations
-from kilter.files.cad.step_document import (
+from kilter.files.cad.product_tree import (
     StepDocument,
     TreeSolid,
-    bodies_of,
     number_repeats,
     occurrences,
+    sewn_note,
     split,
 )
+from kilter.files.cad.sewn_solids import sewn_solids
+from kilter.files.cad.step_document import bodies_of
 from kilter.files.cad.step_statements import Stated
 from kilter.files.cad.step_surfaces import failures, inside, quiet, shape_map
 from kilter.files.file_tolerances import STRAIGHT_AXES
@@ -75,6 +77,8 @@ class _Bodies:
         """Shape of each object in the frame of the object, by the identity of the object."""
         self.passed: list[str] = []
         self.damaged: list[str] = []
+        self.sewn: list[str] = []
+        """Sentences about faces that are sewn to solids."""
 
     def read(self, stated: StatedJoints, without: Sequence[str]) -> FileBodies:
         """Convert the shapes to bodies with held parts, joints and notes."""
@@ -87,7 +91,7 @@ class _Bodies:
         if not leaves:
             raise self._no_part()
         placed_solids = occurrences(leaves, shape_map())
-        document = StepDocument(tuple(placed_solids), "mm", tuple(self.passed), ())
+        document = StepDocument(tuple(placed_solids), "mm", tuple(self.passed))
         bodies = bodies_of(document, without, self.tell, self.broken)
         names = [row.name for row in placed_solids]
         of_shape = {
@@ -106,6 +110,7 @@ class _Bodies:
 
     def _solids(self, placed: PlacedShape) -> list[TreeSolid]:
         """The solids of a placed shape."""
+        from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
 
         path, place = placed.place.path, placed.place
@@ -113,7 +118,11 @@ class _Bodies:
         if shape is None:
             return []
         solids, rest = split(shape)
-        if rest:
+        if not solids and (sewn := sewn_solids([shape])):
+            faces = len(list(inside(shape, TopAbs_ShapeEnum.TopAbs_FACE)))
+            self.sewn.append(sewn_note("/".join(path), faces, len(sewn)))
+            solids = sewn
+        elif rest:
             self.passed.append(f"{'/'.join(path)!r} ({rest})")
         stated = Stated(density=place.density, material=place.material, hidden=place.hidden)
         names = number_repeats([path[-1]] * len(solids))
@@ -191,7 +200,7 @@ class _Bodies:
     def _notes(self, stated: StatedJoints) -> list[str]:
         """Notes on what the document states and what does not count."""
         tree = self.tree
-        notes = [
+        notes = self.sewn + [
             f"the linked document {file!r:.120} is absent: {some_names(labels, 8)} cannot be read"
             for file, labels in tree.missing.items()
         ]

@@ -27,7 +27,7 @@ from kilter.files.cad.freecad_document import (
     python_class,
     stated_map,
 )
-from kilter.files.cad.step_document import number_repeats
+from kilter.files.cad.product_tree import number_repeats
 from kilter.files.limits import DEEPEST, MOST_PARTS, Tally
 
 ASSEMBLY = "Assembly::AssemblyObject"

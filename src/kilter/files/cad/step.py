@@ -1,4 +1,4 @@
-"""Read files of solids with exact faces: STEP (.step, .stp) and FreeCAD (.FCStd).
+"""Read files of solids with exact faces: STEP, IGES (.igs, .iges) and FreeCAD (.FCStd).
 
 The readers need OCCT (the extra ``kilter[step]``), which runs in a separate process. A file that
 crashes OCCT is rejected, and a solid that crashes it is replaced by a stand-in
@@ -21,6 +21,9 @@ from kilter.files.meshes.placed import FileBodies
 _TEXTS = re.compile(rb"'[^']*(?:'|\Z)|/\*(?:.*?\*/|.*)", re.DOTALL)
 """Texts and comments; without a closing mark they extend to the end of the file."""
 
+_IGES = re.compile(rb"(?:.{72}C[ \d]{7}\s+)?.{72}S[ \d]{7}\s")
+"""Begin of an IGES file: the mark of its compressed form, if any, and the first line."""
+
 
 def read_step(
     path: Path,
@@ -28,7 +31,7 @@ def read_step(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> FileBodies:
-    """Read the solids of a STEP file or a FreeCAD document.
+    """Read the solids of a STEP or IGES file, or of a FreeCAD document.
 
     Arguments: `without`: names of solids, or globs, that are left out before they are triangulated.
     Raises `InputError` if OCCT is not installed, or the file is missing or damaged, or no solid is
@@ -38,6 +41,11 @@ def read_step(
         data = read_bytes(path)
         if format_of(path) == "STEP":
             _check_text(data)
+        if format_of(path) == "IGES" and not _IGES.match(data):
+            raise InputError(
+                "not an IGES file: its first line has no S in column 73",
+                hint="export it as STEP, or as IGES in its text form",
+            )
         if importlib.util.find_spec("OCP") is None:
             raise InputError(
                 f"{path.suffix} files need OCCT, which is not installed",

@@ -31,6 +31,8 @@ STALLS_PER_MEGABYTE = 12.0
 """CPU time allowed in addition for each megabyte [s/MB]; valid files need at most a fifth."""
 
 
+_NAMES = {".fcstd": "FreeCAD document", ".igs": "IGES", ".iges": "IGES"}
+"""Names of the formats other than STEP."""
 _kept: list[ReaderProcess] = []
 
 
@@ -62,7 +64,7 @@ def _end() -> None:
 
 def format_of(path: Path) -> str:
     """Name of the format of a file that OCCT reads."""
-    return {".fcstd": "FreeCAD document"}.get(path.suffix.lower(), "STEP")
+    return _NAMES.get(path.suffix.lower(), "STEP")
 
 
 def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], None]) -> FileBodies:
