@@ -408,7 +408,7 @@ def test_damage_anywhere_gives_no_other_exception(suffix, at, put, cut, tmp_path
 def test_an_unknown_ending_lists_what_is_read(name, kind, write):
     message = str(refused(write(name, "x")))
     assert f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb," in message
-    endings = ".step, .stp, .fcstd, .xml, .mjcf, .urdf, .sdf, .world, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
+    endings = ".step, .stp, .igs, .iges, .fcstd, .xml, .mjcf, .urdf, .sdf, .world, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
     assert f"{endings}, or a folder" in message
 
 

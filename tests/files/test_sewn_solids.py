@@ -102,7 +102,8 @@ def test_faces_of_a_freecad_document_are_sewn(tmp_path):
 
 @pytest.mark.parametrize("mode", [0, 1], ids=["faces", "solids"])
 @pytest.mark.parametrize(
-    ("unit", "units", "size"), [("MM", "mm", 1), ("IN", "in", 1 / 25.4), ("FT", "mm", 1), ("M", "mm", 1)]
+    ("unit", "units", "size"),
+    [("MM", "mm", 1), ("IN", "in", 1 / 25.4), ("FT", "mm", 1), ("M", "mm", 1)],
 )
 def test_iges_has_the_parts_of_step(mode, unit, units, size, tmp_path):
     found = load(write_iges(tmp_path / "pile.igs", STACK, unit, mode))
@@ -132,6 +133,17 @@ def test_iges_of_open_faces_and_other_files_are_refused(tmp_path):
     path.write_bytes(b"ISO-10303-21;\n")
     with pytest.raises(InputError, match="not an IGES file"):
         load(path)
+
+
+def test_a_solid_of_iges_without_a_shape_is_counted(tmp_path):
+    """The entity of the first solid names a solid in place of its shell, which remains."""
+    path = write_iges(tmp_path / "a.igs", STACK[:2], mode=1)
+    lines = path.read_bytes().split(b"\n")
+    (row,) = [k for k, line in enumerate(lines) if line.startswith(b"186,")][:1]
+    lines[row] = b"186,1,".ljust(64) + lines[row][64:]
+    path.write_bytes(b"\n".join(lines))
+    assembly = load(path)
+    assert "damaged: 1 solids or faces of the file give no shape" in assembly.notes
 
 
 @pytest.mark.quick(1)

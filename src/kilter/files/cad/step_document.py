@@ -32,6 +32,8 @@ _UNITS = {
 
 IGES = (".igs", ".iges")
 """Endings of IGES files (lower case)."""
+BODIES = (143, 144, 186, 514)
+"""Numbers of the entities of IGES that are faces, solids and shells."""
 UNNAMED = frozenset({"COMPOUND", "COMPSOLID", "SOLID", "SHELL", "FACE"})
 """Names that OCCT gives to the entities of an IGES file without a name."""
 
@@ -46,16 +48,18 @@ def read_document(path: Path) -> StepDocument:
             reader, units = _open_iges(path)
             document, files = _transfer(reader, units), []
             session, in_text, nameless = reader.WS(), {}, UNNAMED
+            lost = _lost(reader)
         else:
             reader, units = _open_reader(path)
             document = _transfer(reader, units)
             files = [path, *(path.parent / name for name in _external(reader))]
             session, in_text = reader.ChangeReader().WS(), text_statements(path)
-            nameless = frozenset()
+            nameless, lost = frozenset(), []
         stated = StepStatements(document, session, in_text)
         tree = ProductTree(session.TransferReader(), stated, nameless)
         solids = tree.solids(document, path.stem)
-    return StepDocument(tuple(solids), units, tuple(tree.passed), tuple(files), tuple(tree.notes))
+    notes = (*lost, *tree.notes)
+    return StepDocument(tuple(solids), units, tuple(tree.passed), tuple(files), notes)
 
 
 def _open_iges(path: Path) -> tuple[Any, str]:
@@ -73,6 +77,13 @@ def _open_iges(path: Path) -> tuple[Any, str]:
     kept = ("in", "cm")  # OCCT sews faces with the accuracy of millimetres
     same = [unit for unit in kept if abs(metres / METRES[unit] - 1) <= SAME_UNIT]
     return reader, same[0] if same else "mm"
+
+
+def _lost(reader: Any) -> list[str]:
+    """A note on the solids and faces of an IGES file from which OCCT makes no shape."""
+    roots = [reader.RootForTransfer(k + 1) for k in range(reader.NbRootsForTransfer())]
+    count = sum(root.TypeNumber() in BODIES for root in roots) - reader.NbShapes()
+    return [f"damaged: {count} solids or faces of the file give no shape"] if count > 0 else []
 
 
 def _open_reader(path: Path) -> tuple[Any, str]:
