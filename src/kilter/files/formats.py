@@ -4,8 +4,8 @@
 
 Objects keep their names. An object without a name is named after the file, and instances of the
 same object are numbered (``bolt``, ``bolt_2``). A mesh file without names is split into its
-separate bodies. STL and OBJ state no unit: a file by itself is read in mm (STL), as slicers and CAD
-do, or in m (OBJ). GLB is in metres by its standard (y stays up); 3MF and STEP state their unit, and
+separate bodies. STL, OBJ, PLY and OFF state no unit: a file by itself is read in mm (STL), as slicers and CAD
+do, or in m. GLB is in metres by its standard (y stays up); 3MF and STEP state their unit, and
 FreeCAD has millimetres.
 """
 
@@ -20,8 +20,9 @@ from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.cad.step import read_step
 from kilter.files.limits import named_path, read_bytes, require_below
 from kilter.files.meshes.bodies import split_bodies
-from kilter.files.meshes.glb import read_glb
+from kilter.files.meshes.glb import read_glb, read_gltf
 from kilter.files.meshes.obj import read_obj
+from kilter.files.meshes.off import read_off
 from kilter.files.meshes.placed import FileBodies, fill_names, join_meshes
 from kilter.files.meshes.stl import read_stl
 from kilter.files.meshes.threemf import read_3mf
@@ -44,14 +45,20 @@ def _obj(path: Path) -> FileBodies:
     return _bodies(read_obj(read_bytes(path)), [])
 
 
+def _off(path: Path) -> FileBodies:
+    """Read the mesh of an OFF file."""
+    return _bodies(read_off(read_bytes(path)), [])
+
+
 def _stl(path: Path) -> FileBodies:
     """Read the meshes of an STL file."""
     return replace(_bodies(*read_stl(read_bytes(path))), usual="mm")
 
 
 def _glb(path: Path) -> FileBodies:
-    """Read the meshes of a GLB file, in metres as the standard states."""
-    objects, notes = read_glb(read_bytes(path))
+    """Read the meshes of a glTF file, in metres as the standard states."""
+    is_text = path.suffix.lower() == ".gltf"
+    objects, notes = read_gltf(path) if is_text else read_glb(read_bytes(path))
     names, meshes = tuple(name for name, _ in objects), tuple(mesh for _, mesh in objects)
     return FileBodies(names, meshes, units="m", by_standard=True, notes=tuple(notes))
 
@@ -60,6 +67,15 @@ def _3mf(path: Path) -> FileBodies:
     """Read the meshes of a 3MF file."""
     objects, units, notes = read_3mf(read_bytes(path))
     return _bodies(objects, notes, units)
+
+
+def _trimesh(path: Path) -> FileBodies:
+    """Read the meshes of a file that trimesh reads."""
+    # imported late: other files do not need this module
+    from kilter.files.meshes.trimesh_files import read_with_trimesh
+
+    with reader_guard(path, ZIP_DAMAGE):
+        return read_with_trimesh(path)
 
 
 def _step(
@@ -78,6 +94,10 @@ FORMATS: dict[str, Callable[[Path], FileBodies]] = {
     ".stl": _stl,
     ".3mf": _3mf,
     ".glb": _glb,
+    ".gltf": _glb,
+    ".ply": _trimesh,
+    ".off": _off,
+    ".dae": _trimesh,
     ".step": _step,
     ".stp": _step,
     ".igs": _step,
