@@ -4,9 +4,9 @@
 
 Objects keep their names. An object without a name is named after the file, and instances of the
 same object are numbered (``bolt``, ``bolt_2``). A mesh file without names is split into its
-separate bodies. STL, OBJ, PLY and OFF state no unit: a file by itself is read in mm (STL), as slicers and CAD
-do, or in m. GLB is in metres by its standard (y stays up); 3MF and STEP state their unit, and
-FreeCAD has millimetres.
+separate bodies. STL, OBJ, PLY and OFF state no unit: a file by itself is read in mm (STL), as
+slicers and CAD do, or in m. GLB is in metres by its standard (y stays up); 3MF and STEP state their
+unit, and FreeCAD has millimetres.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from kilter.files.meshes.off import read_off
 from kilter.files.meshes.placed import FileBodies, fill_names, join_meshes
 from kilter.files.meshes.stl import read_stl
 from kilter.files.meshes.threemf import read_3mf
+from kilter.files.meshes.trimesh_files import read_with_trimesh
 from kilter.files.reader_guard import ZIP_DAMAGE, reader_guard
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, move_solid, scale_solid
@@ -71,9 +72,6 @@ def _3mf(path: Path) -> FileBodies:
 
 def _trimesh(path: Path) -> FileBodies:
     """Read the meshes of a file that trimesh reads."""
-    # imported late: other files do not need this module
-    from kilter.files.meshes.trimesh_files import read_with_trimesh
-
     with reader_guard(path, ZIP_DAMAGE):
         return read_with_trimesh(path)
 
