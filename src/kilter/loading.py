@@ -84,10 +84,11 @@ def load(source: Any, reading: Reading) -> Assembly:
     Parameters
     ----------
     source : path or object
-        A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb), a
-        STEP file (.step, .stp), an MJCF or URDF scene (.xml, .mjcf, .urdf), a model of toy
-        bricks (LDraw .ldr and .mpd, StableLego .json, BrickGPT .txt), a folder of meshes, or
-        ``-`` for JSON on standard input.
+        A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb,
+        .gltf, .ply, .off, .dae), a STEP or IGES file (.step, .stp, .igs, .iges), a FreeCAD
+        document (.FCStd), a scene of a simulator (.xml, .mjcf, .urdf, .sdf, .usd), a model of
+        toy bricks (LDraw .ldr and .mpd, StableLego .json, BrickGPT .txt), a folder of meshes,
+        or ``-`` for JSON on standard input.
         Or `kilter.Choices`, or the path of their file: the file that they name, with the saved
         options. The options given here win over them; a note of the assembly names what they
         replace.

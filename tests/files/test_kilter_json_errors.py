@@ -34,7 +34,7 @@ PART = [
     ({"pose": {"rotaton": [1, 0, 0, 0]}}, "unknown key 'pose.rotaton'; did you mean 'rotation'?"),
     ({"box": None, "cylinder": {"radius": 1, "hight": 1}}, "did you mean 'height'?"),
     ({"box": None, "mesh": {"vertices": [], "facs": []}}, "unknown key 'mesh.facs' (and 1 more faults); did you mean 'faces'"),
-    ({"box": None, "step": "a.stl"}, "step 'a.stl': this file type cannot be read; give one of .step, .stp"),
+    ({"box": None, "step": "a.stl"}, "step 'a.stl': this file type cannot be read; give one of .step, .stp, .igs, .iges, .fcstd"),
     ({"box": None, "step": {"path": 1}}, "step.path is 1; give a text"),
     ({"box": None, "step": {"path": "a.stp", "nam": "b"}}, "unknown key 'step.nam'; did you mean 'name'?"),
     ({"mass": True}, "mass is true; give a number"),

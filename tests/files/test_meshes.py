@@ -1,5 +1,6 @@
 """Mesh files: STL, OBJ, GLB and 3MF, their names, units and faults."""
 
+import base64
 import io
 import json
 import re
@@ -215,6 +216,49 @@ def test_a_nameless_glb_takes_the_name_of_the_file(write):
     assert load(write("box.glb", gltf(edit))).names == ("box",)
 
 
+def text_gltf(folder: Path, inside: bool) -> Path:
+    """The scene as .gltf, its buffers beside it or inside it."""
+    for name, content in scene(node_names=True).export(file_type="gltf").items():
+        (folder / name).write_bytes(content)
+    path = folder / "model.gltf"
+    header = json.loads(path.read_bytes())
+    for buffer in header["buffers"] if inside else ():
+        data = base64.b64encode((folder / buffer["uri"]).read_bytes()).decode()
+        buffer["uri"] = f"data:application/octet-stream;base64,{data}"
+    path.write_text(json.dumps(header))
+    return path
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_a_text_gltf_is_the_same_as_its_glb(inside, write):
+    glb = load(write("a.glb", scene(node_names=True).export(file_type="glb")))
+    found = load(text_gltf(write("x", b"").parent, inside))
+    assert found.names == glb.names
+    assert found.units == "m"
+    for a, b in zip(found.parts, glb.parts, strict=True):
+        assert np.array_equal(a.shape.vertices, b.shape.vertices)
+        assert np.array_equal(a.shape.triangles, b.shape.triangles)
+
+
+@pytest.mark.parametrize(
+    ("uri", "message"),
+    [
+        ("../secret.bin", "leads out of the folder"),
+        ("none.bin", "no such file"),
+        (None, "buffer 0 of the glTF has no content"),
+        ("data:;base64,AAAA", "numbers end at byte"),
+        ("data:;base64,A", "damaged"),
+    ],
+)
+def test_a_text_gltf_with_faulty_buffers(uri, message, write):
+    path = text_gltf(write("x", b"").parent, False)
+    header = json.loads(path.read_bytes())
+    for buffer in header["buffers"]:
+        buffer["uri"] = uri
+    path.write_text(json.dumps(header))
+    assert message in str(refused(path))
+
+
 def test_units_asked_for_a_glb_win_over_the_standard(write):
     assembly = load(write("a.glb", gltf()), units="mm")
     assert assembly.units == "mm"
@@ -376,6 +420,8 @@ def test_a_zip_without_a_model(write):
 GOOD = {
     ".stl": trimesh.creation.box().export(file_type="stl"),
     ".glb": gltf(),
+    ".ply": trimesh.creation.box().export(file_type="ply", encoding="ascii"),
+    ".off": trimesh.creation.box().export(file_type="off").encode(),
     ".3mf": model(built(item("1"), objects=xml_object("1", "lid"))),
     ".obj": trimesh.creation.box().export(file_type="obj").encode(),
     ".json": b'{"kilter": 1, "parts": [{"name": "C1", "box": [1, 1, 1]}]}',
@@ -383,7 +429,7 @@ GOOD = {
 
 
 @pytest.mark.slow
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=500, deadline=None)
 @given(
     suffix=st.sampled_from(sorted(GOOD)),
     at=st.integers(0),
@@ -407,8 +453,11 @@ def test_damage_anywhere_gives_no_other_exception(suffix, at, put, cut, tmp_path
 @pytest.mark.parametrize(("name", "kind"), [("a.dxf", ".dxf"), ("noending", "(no ending)")])
 def test_an_unknown_ending_lists_what_is_read(name, kind, write):
     message = str(refused(write(name, "x")))
-    assert f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb," in message
-    endings = ".step, .stp, .xml, .mjcf, .urdf, .sdf, .world, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
+    assert (
+        f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb, .gltf, .ply, .off, .dae,"
+        in message
+    )
+    endings = ".step, .stp, .igs, .iges, .fcstd, .xml, .mjcf, .urdf, .sdf, .world, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"
     assert f"{endings}, or a folder" in message
 
 

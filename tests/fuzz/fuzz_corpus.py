@@ -1,7 +1,9 @@
 """Whole small files of every format that kilter reads: what mutations start from."""
 
+import io
 import json
 import re
+import zipfile
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -22,7 +24,7 @@ SCENES = {
     "three-cylinders": "three-cylinders",
 }
 MESHES = ("stl", "obj", "glb", "3mf")
-PRINTED = ("box.step",)
+PRINTED = ("box.step", "boxes.FCStd")
 """Files whose reader is a process of its own: too slow for options by the thousand."""
 
 
@@ -184,22 +186,63 @@ def _compas_model() -> bytes:
 
 
 def _step() -> dict[str, bytes]:
-    """A STEP file of one box, where OCCT is installed."""
+    """A STEP file of one box, and a FreeCAD document of two, where OCCT is installed."""
     try:
         from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+        from OCP.BRepTools import BRepTools
         from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
     except ImportError:
         return {}
     from kilter.files.cad.step_surfaces import quiet
 
+    box, shape, document = BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape(), io.BytesIO(), io.BytesIO()
+    BRepTools.Write_s(box, shape)
+    with zipfile.ZipFile(document, "w") as archive:
+        archive.writestr(zipfile.ZipInfo("Document.xml"), FREECAD)
+        archive.writestr(zipfile.ZipInfo("box.brp"), shape.getvalue())
     with TemporaryDirectory() as folder, quiet():
         path = Path(folder) / "box.step"
         writer = STEPControl_Writer()
         whole = STEPControl_StepModelType.STEPControl_AsIs
-        writer.Transfer(BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape(), whole)
+        writer.Transfer(box, whole)
         writer.Write(str(path))
         # without the time at which it was written: a case is the same at any other
-        return {"box.step": re.sub(rb"\d{4}-\d\d-\d\dT[\d:]+", b"", path.read_bytes())}
+        step = re.sub(rb"\d{4}-\d\d-\d\dT[\d:]+", b"", path.read_bytes())
+    return {"box.step": step, "boxes.FCStd": document.getvalue()}
+
+
+FREECAD = b"""<?xml version='1.0' encoding='utf-8'?>
+<Document FileVersion="1">
+  <Objects>
+    <Object type="Assembly::AssemblyObject" name="Assembly"/>
+    <Object type="Part::Box" name="Box"/>
+    <Object type="App::Link" name="Copy"/>
+    <Object type="App::FeaturePython" name="Held"/>
+    <Object type="App::FeaturePython" name="Joint"/>
+  </Objects>
+  <ObjectData>
+    <Object name="Assembly"><Properties><Property name="Group"><LinkList count="4">
+      <Link value="Box"/><Link value="Copy"/><Link value="Held"/><Link value="Joint"/>
+    </LinkList></Property></Properties></Object>
+    <Object name="Box"><Properties>
+      <Property name="Shape"><Part file="box.brp"/></Property>
+      <Property name="Placement"><PropertyPlacement Px="1" Q3="1"/></Property>
+    </Properties></Object>
+    <Object name="Copy"><Properties>
+      <Property name="LinkedObject"><XLink file="" name="Box"/></Property>
+      <Property name="Placement"><PropertyPlacement Pz="30" Q2="0.6" Q3="0.8"/></Property>
+    </Properties></Object>
+    <Object name="Held"><Properties>
+      <Property name="ObjectToGround"><Link value="Box"/></Property>
+    </Properties></Object>
+    <Object name="Joint"><Properties>
+      <Property name="JointType"><Integer value="3"/></Property>
+      <Property name="Reference1"><XLink name="Copy"><Sub value="Face1"/></XLink></Property>
+      <Property name="Reference2"><XLink name="Box"><Sub value="Face2"/></XLink></Property>
+      <Property name="Placement1"><PropertyPlacement Px="1" Q3="1"/></Property>
+    </Properties></Object>
+  </ObjectData>
+</Document>"""
 
 
 def numbers(rng: np.random.Generator) -> str:

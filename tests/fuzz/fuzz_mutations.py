@@ -25,7 +25,7 @@ def damaged(name: str, content: bytes, rng: Random) -> bytes:
     ways = [flipped, cut, doubled, swapped, renumbered, *[nudged] * 4]
     if name.endswith("json"):
         ways += [*[reshaped] * 4, enlarged]
-    if name.endswith("3mf"):
+    if name.endswith(("3mf", "FCStd")):
         ways += [rezipped] * 6
     if name.endswith("glb"):
         ways += [rechunked] * 6

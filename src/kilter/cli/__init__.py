@@ -38,7 +38,7 @@ __all__ = ["main"]
 HELP: tuple[list[str], ...] = ([], ["--help"], ["-h"])
 """Command lines that print the overview of the commands."""
 READ_APART = {
-    **dict.fromkeys(("step", "stp"), "step"),
+    **dict.fromkeys(("step", "stp", "igs", "iges", "fcstd"), "step"),
     **dict.fromkeys(("xml", "mjcf"), "mjcf"),
     **dict.fromkeys(("usd", "usda", "usdc", "usdz"), "usd"),
 }

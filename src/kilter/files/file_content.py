@@ -21,7 +21,7 @@ from kilter.files.bricks.ldraw import LDRAW_FILES, load_ldraw
 from kilter.files.compas_files import from_compas, is_compas
 from kilter.files.complaints import parse_json
 from kilter.files.format_options import FormatOptions
-from kilter.files.formats import FORMATS, load_bodies, read_bodies
+from kilter.files.formats import FORMATS, IN_FOLDERS, load_bodies, read_bodies
 from kilter.files.limits import is_folder, read_bounded, read_bytes, require_below, require_regular
 from kilter.files.meshes.bodies import split_bodies
 from kilter.files.meshes.placed import FileBodies, distinct, fill_names, natural_key
@@ -51,7 +51,7 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
             hint="check the path and the permissions",
         ) from None
     entries = [entry for entry in entries if not entry.name.startswith(".")]
-    chosen = [e for e in entries if e.suffix.lower() in FORMATS and not e.is_dir()]
+    chosen = [e for e in entries if e.suffix.lower() in IN_FOLDERS and not e.is_dir()]
     if not chosen:
         raise InputError(
             "no mesh or STEP file in the folder", file=str(path), hint=_remedy(entries)
@@ -72,14 +72,14 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
 
 
 def _remedy(entries: Sequence[Path]) -> str:
-    """Advice to the user about a folder without mesh files: give its JSON file, or add meshes."""
-    files = [e.name for e in entries if e.name.lower().endswith(".json")]
+    """Advice to the user about a folder without mesh files: give its assembly, or add meshes."""
+    files = [e.name for e in entries if e.name.lower().endswith((".json", ".fcstd"))]
     if files:
         return f"give the file itself: {files[0]!r}"
     exports = [export for entry in entries if (export := export_hint(entry))]
     if exports:
         return f"export the parts from {exports[0]}"
-    return f"put files of {', '.join(FORMATS)} into it"
+    return f"put files of {', '.join(IN_FOLDERS)} into it"
 
 
 def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str) -> list[Part]:

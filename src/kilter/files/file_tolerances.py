@@ -25,6 +25,11 @@ difference of their lengths that count as equal [-]. A smaller value replaces ex
 meshes."""
 FLAT_POLYGON = 1e-6
 """Largest distance of the corners of a flat polygon from its plane [largest coordinate]."""
+JOINT_FRAMES = 1e-3
+"""Largest distance of the two frames of a joint that count as one point [mm]; FreeCAD solves
+assemblies to about 1e-7 mm."""
+FOLDED = 1e-9
+"""Largest 1 + cosine between the normals of two triangles that lie on each other [-]."""
 SAME_UNIT = 1e-6
 """Largest relative difference of a stated length unit from a unit of kilter [-]."""
 SAME_FACE = 1e-7

@@ -4,8 +4,9 @@
 
 Objects keep their names. An object without a name is named after the file, and instances of the
 same object are numbered (``bolt``, ``bolt_2``). A mesh file without names is split into its
-separate bodies. STL and OBJ state no unit: a file by itself is read in mm (STL), as slicers and CAD
-do, or in m (OBJ). GLB is in metres by its standard (y stays up); 3MF and STEP state their unit.
+separate bodies. STL, OBJ, PLY and OFF state no unit: a file by itself is read in mm (STL), as
+slicers and CAD do, or in m. GLB is in metres by its standard (y stays up); 3MF and STEP state their
+unit, and FreeCAD has millimetres.
 """
 
 from __future__ import annotations
@@ -19,12 +20,14 @@ from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.cad.step import read_step
 from kilter.files.limits import named_path, read_bytes, require_below
 from kilter.files.meshes.bodies import split_bodies
-from kilter.files.meshes.glb import read_glb
+from kilter.files.meshes.glb import read_glb, read_gltf
 from kilter.files.meshes.obj import read_obj
+from kilter.files.meshes.off import read_off
 from kilter.files.meshes.placed import FileBodies, fill_names, join_meshes
 from kilter.files.meshes.stl import read_stl
 from kilter.files.meshes.threemf import read_3mf
-from kilter.files.reader_guard import reader_guard
+from kilter.files.meshes.trimesh_files import read_with_trimesh
+from kilter.files.reader_guard import ZIP_DAMAGE, reader_guard
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, move_solid, scale_solid
 from kilter.units import metres_per_unit
@@ -43,14 +46,20 @@ def _obj(path: Path) -> FileBodies:
     return _bodies(read_obj(read_bytes(path)), [])
 
 
+def _off(path: Path) -> FileBodies:
+    """Read the mesh of an OFF file."""
+    return _bodies(read_off(read_bytes(path)), [])
+
+
 def _stl(path: Path) -> FileBodies:
     """Read the meshes of an STL file."""
     return replace(_bodies(*read_stl(read_bytes(path))), usual="mm")
 
 
 def _glb(path: Path) -> FileBodies:
-    """Read the meshes of a GLB file, in metres as the standard states."""
-    objects, notes = read_glb(read_bytes(path))
+    """Read the meshes of a glTF file, in metres as the standard states."""
+    is_text = path.suffix.lower() == ".gltf"
+    objects, notes = read_gltf(path) if is_text else read_glb(read_bytes(path))
     names, meshes = tuple(name for name, _ in objects), tuple(mesh for _, mesh in objects)
     return FileBodies(names, meshes, units="m", by_standard=True, notes=tuple(notes))
 
@@ -59,6 +68,12 @@ def _3mf(path: Path) -> FileBodies:
     """Read the meshes of a 3MF file."""
     objects, units, notes = read_3mf(read_bytes(path))
     return _bodies(objects, notes, units)
+
+
+def _trimesh(path: Path) -> FileBodies:
+    """Read the meshes of a file that trimesh reads."""
+    with reader_guard(path, ZIP_DAMAGE):
+        return read_with_trimesh(path)
 
 
 def _step(
@@ -77,16 +92,23 @@ FORMATS: dict[str, Callable[[Path], FileBodies]] = {
     ".stl": _stl,
     ".3mf": _3mf,
     ".glb": _glb,
+    ".gltf": _glb,
+    ".ply": _trimesh,
+    ".off": _off,
+    ".dae": _trimesh,
     ".step": _step,
     ".stp": _step,
+    ".igs": _step,
+    ".iges": _step,
+    ".fcstd": _step,
 }
 """Reader of each file ending (lower case)."""
-EXACT = (".step", ".stp")
+EXACT = (".step", ".stp", ".igs", ".iges", ".fcstd")
 """Endings of files with exact faces; the key `step` of a part accepts these."""
 ZIPPED = (".3mf",)
 """Endings of zip files."""
-ZIP_DAMAGE = frozenset({"builtins.RuntimeError", "xml.etree.ElementTree.ParseError"})
-"""Further exceptions of a damaged zip of XML files: an encrypted member, invalid XML."""
+IN_FOLDERS = tuple(ending for ending in FORMATS if ending != ".fcstd")
+"""Endings of the files of a folder that is read; a FreeCAD document names those of its parts."""
 MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
 """Endings of mesh files; the key `mesh` of a part accepts these."""
 
@@ -157,7 +179,8 @@ def assembly_of(
     names = fill_names(bodies.names, stem)
     rows = zip(names, bodies.shapes, bodies.places, bodies.stated, strict=True)
     parts = [Part(name, shape, pose, **stated) for name, shape, pose, stated in rows]
-    return Assembly(parts, units=agreed, source=source, notes=notes, assumed=assumed)
+    joints = bodies.joints
+    return Assembly(parts, joints=joints, units=agreed, source=source, notes=notes, assumed=assumed)
 
 
 def agreed_units(

@@ -45,6 +45,8 @@ LIBRARY_DAMAGE = frozenset(
     }
 )
 """Exceptions of libraries for damaged data, by name, since most readers do not load the library."""
+ZIP_DAMAGE = frozenset({"builtins.RuntimeError", "xml.etree.ElementTree.ParseError"})
+"""Further exceptions of a damaged zip of XML files: an encrypted member, invalid XML."""
 LONGEST = 160
 """Largest length of a library's reason [characters]."""
 

@@ -30,7 +30,7 @@ def copies(assembly: Assembly) -> dict[str, str]:
     """Names of the bodies that repeat another body of the drawing, each with that body.
 
     Of a pair the body with fewer triangles is the copy, since each feature adds faces; of equal
-    bodies the later one is.
+    bodies the later one is. A body that the file holds or joins is never a copy.
 
     Examples
     --------
@@ -46,10 +46,13 @@ def copies(assembly: Assembly) -> dict[str, str]:
     solids = PartSolids(geometry)
     found: dict[str, str] = {}
     faces = np.diff(geometry.triangle_start)
+    named = {name for joint in assembly.joints for name in joint.parts}
+    stated = [part.grounded or part.name in named for part in assembly.parts]
     for inner, outer in _candidates(geometry):
-        kept, copy = sorted((inner, outer), key=lambda part: (-faces[part], part))
+        rank = {part: (not stated[part], -faces[part], part) for part in (inner, outer)}
+        kept, copy = sorted(rank, key=lambda part: rank[part])
         names = assembly.names[copy], assembly.names[kept]
-        if names[0] not in found and _repeats(geometry, solids, inner, outer):
+        if names[0] not in found and not stated[copy] and _repeats(geometry, solids, inner, outer):
             found[names[0]] = names[1]
     return found
 

@@ -1,6 +1,6 @@
-"""Read STEP files (.step, .stp): assemblies of solids with exact faces.
+"""Read files of solids with exact faces: STEP, IGES (.igs, .iges) and FreeCAD (.FCStd).
 
-The reader needs OCCT (the extra ``kilter[step]``), which runs in a separate process. A file that
+The readers need OCCT (the extra ``kilter[step]``), which runs in a separate process. A file that
 crashes OCCT is rejected, and a solid that crashes it is replaced by a stand-in
 (`kilter.files.cad.step_process`). The unit and the accuracy that the file states are kept. A solid
 that is used in several places is read once and shared.
@@ -14,12 +14,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from kilter.errors import InputError
-from kilter.files.cad.step_process import read_apart
+from kilter.files.cad.step_process import format_of, read_apart
 from kilter.files.limits import read_bytes
 from kilter.files.meshes.placed import FileBodies
 
 _TEXTS = re.compile(rb"'[^']*(?:'|\Z)|/\*(?:.*?\*/|.*)", re.DOTALL)
 """Texts and comments; without a closing mark they extend to the end of the file."""
+
+_IGES = re.compile(rb"(?:.{72}C[ \d]{7}\s+)?.{72}S[ \d]{7}\s")
+"""Begin of an IGES file: the mark of its compressed form, if any, and the first line."""
 
 
 def read_step(
@@ -28,17 +31,24 @@ def read_step(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> FileBodies:
-    """Read the solids of a STEP file.
+    """Read the solids of a STEP or IGES file, or of a FreeCAD document.
 
     Arguments: `without`: names of solids, or globs, that are left out before they are triangulated.
-    Raises `InputError` if OCCT is not installed, or the file is missing, not STEP, damaged, or has
-    no solid.
+    Raises `InputError` if OCCT is not installed, or the file is missing or damaged, or no solid is
+    in it.
     """
     try:
-        _check_text(read_bytes(path))
+        data = read_bytes(path)
+        if format_of(path) == "STEP":
+            _check_text(data)
+        if format_of(path) == "IGES" and not _IGES.match(data):
+            raise InputError(
+                "not an IGES file: its first line has no S in column 73",
+                hint="export it as STEP, or as IGES in its text form",
+            )
         if importlib.util.find_spec("OCP") is None:
             raise InputError(
-                "STEP files need OCCT, which is not installed",
+                f"{path.suffix} files need OCCT, which is not installed",
                 hint="pip install 'kilter[step]', or export 3MF, or an STL file for each part",
             )
         return read_apart(path, tuple(without), progress or (lambda stage: None))

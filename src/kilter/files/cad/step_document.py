@@ -1,35 +1,20 @@
-"""Read the product tree of a STEP file: its solids with their names and poses.
-
-A product that is used in several places is a shape with several placements. Neighbours with the
-same name are numbered. The name of a part has as many products above it as needed to make it
-unique: ``rod``, ``l-bracket-assembly_2/l-bracket``. Shapes that are not solids are ignored and
-listed in a note.
-"""
+"""Read a STEP or IGES file with OCCT: its product tree, and its solids as bodies."""
 
 from __future__ import annotations
 
 import dataclasses
 import fnmatch
-import re
-from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from kilter.errors import InputError, some, some_names
+from kilter.files.cad.product_tree import Occurrence, ProductTree, StepDocument
 from kilter.files.cad.step_solids import ReadSolid, read_solid, stand_in
-from kilter.files.cad.step_statements import (
-    UNSTATED,
-    Stated,
-    StepStatements,
-    stated_accuracy,
-    text_statements,
-)
-from kilter.files.cad.step_surfaces import asciis, failures, inside, labels, quiet, shape_map
-from kilter.files.file_tolerances import RIGID
-from kilter.files.meshes.placed import FileBodies, distinct, tails
-from kilter.rigid import Pose
+from kilter.files.cad.step_statements import StepStatements, stated_accuracy, text_statements
+from kilter.files.cad.step_surfaces import asciis, failures, quiet
+from kilter.files.file_tolerances import SAME_UNIT
+from kilter.files.meshes.placed import FileBodies
 from kilter.units import METRES
 
 _DAMAGED = "export it again as STEP (AP214 or AP242)"
@@ -43,75 +28,62 @@ _UNITS = {
     "millimeter": "mm",
 }
 """STEP units that kilter keeps; lengths in other units are converted to metres."""
-NUMBERED = re.compile(r"Open CASCADE STEP translator [\d.]+( [\d.]+)?")
-"""Names that an exporter gives to products without a name."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Occurrence:
-    """A placed copy of a solid in the product tree of a STEP file."""
-
-    name: str
-    shape: Any
-    """Shape in its own frame."""
-    key: int
-    """Number of the solid, equal for all its occurrences."""
-    pose: Pose
-    """Transform from the frame of the solid to that of the file."""
-    skin: bool = False
-    """Whether the file has a shell instead of a solid; it counts only if it closes."""
-    stated: Stated = UNSTATED
-    """Statements of the file about the solid."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class StepDocument:
-    """The contents of a STEP file: placed solids, length unit, and other shapes."""
-
-    solids: tuple[Occurrence, ...]
-    units: str
-    """Length unit of the solids."""
-    passed: tuple[str, ...]
-    """Description of each shape that is not a solid."""
-    files: tuple[Path, ...]
-    """The file, and the files that it names."""
-
-
-def number_repeats(names: Sequence[str]) -> list[str]:
-    """The names of siblings in a tree, with a number appended to each repeated name.
-
-    Examples
-    --------
-    >>> number_repeats(["nut", "rod", "nut"])
-    ['nut_1', 'rod', 'nut_2']
-    >>> number_repeats(["nut", "nut_1", "nut"])  # a number that is in use is skipped
-    ['nut_2', 'nut_1', 'nut_3']
-    """
-    taken, count, last = set(names), Counter(names), Counter[str]()
-    result = []
-    for name in names:
-        label = name
-        while count[name] > 1 and label in taken:
-            last[name] += 1
-            label = f"{name}_{last[name]}"
-        taken.add(label)
-        result.append(label)
-    return result
+IGES = (".igs", ".iges")
+"""Endings of IGES files (lower case)."""
+BODIES = (143, 144, 186, 514)
+"""Numbers of the entities of IGES that are faces, solids and shells."""
+UNNAMED = frozenset({"COMPOUND", "COMPSOLID", "SOLID", "SHELL", "FACE"})
+"""Names that OCCT gives to the entities of an IGES file without a name."""
 
 
 def read_document(path: Path) -> StepDocument:
-    """Read the product tree of a STEP file.
+    """Read the product tree of a STEP or IGES file.
 
     Raises `InputError` if the file is damaged, or names files that are missing.
     """
     with quiet():
-        reader, units = _open_reader(path)
-        document = _transfer(reader, units)
-        files = [path, *(path.parent / name for name in _external(reader))]
-        session = reader.ChangeReader().WS()
-        stated = StepStatements(document, session, text_statements(path))
-        solids, passed = _solids(document, session.TransferReader(), path.stem, stated)
-    return StepDocument(tuple(solids), units, tuple(passed), tuple(files))
+        if path.suffix.lower() in IGES:
+            reader, units = _open_iges(path)
+            document, files = _transfer(reader, units), []
+            session, in_text, nameless = reader.WS(), {}, UNNAMED
+            lost = _lost(reader)
+        else:
+            reader, units = _open_reader(path)
+            document = _transfer(reader, units)
+            files = [path, *(path.parent / name for name in _external(reader))]
+            session, in_text = reader.ChangeReader().WS(), text_statements(path)
+            nameless, lost = frozenset(), []
+        stated = StepStatements(document, session, in_text)
+        tree = ProductTree(session.TransferReader(), stated, nameless)
+        solids = tree.solids(document, path.stem)
+    notes = (*lost, *tree.notes)
+    return StepDocument(tuple(solids), units, tuple(tree.passed), tuple(files), notes)
+
+
+def _open_iges(path: Path) -> tuple[Any, str]:
+    """An OCCT reader after it has read an IGES file, and the length unit for the shapes."""
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.IGESCAFControl import IGESCAFControl_Reader
+
+    reader = IGESCAFControl_Reader()
+    reader.SetNameMode(True)
+    reader.SetColorMode(True)
+    reader.SetLayerMode(False)
+    if reader.ReadFile(str(path.absolute())) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        raise InputError("damaged IGES: its text violates the format", hint=_DAMAGED)
+    metres = reader.IGESModel().GlobalSection().UnitValue() / 1000.0
+    kept = ("in", "cm")  # OCCT sews faces with the accuracy of millimetres
+    same = [unit for unit in kept if abs(metres / METRES[unit] - 1) <= SAME_UNIT]
+    return reader, same[0] if same else "mm"
+
+
+def _lost(reader: Any) -> list[str]:
+    """A note on the solids and faces of an IGES file from which OCCT makes no shape."""
+    roots = [reader.RootForTransfer(k + 1) for k in range(reader.NbRootsForTransfer())]
+    count = sum(root.TypeNumber() in BODIES for root in roots) - reader.NbShapes()
+    return [f"damaged: {count} solids or faces of the file give no shape"] if count > 0 else []
 
 
 def _open_reader(path: Path) -> tuple[Any, str]:
@@ -165,194 +137,6 @@ def _external(reader: Any) -> list[str]:
     return names
 
 
-# the tree ------------------------------------------------------------------------------
-
-
-def _solids(
-    document: Any, transfer: Any, stem: str, stated: StepStatements
-) -> tuple[list[Occurrence], list[str]]:
-    """Placed solids in the order of the file, and descriptions of shapes that are no solids."""
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.XCAFDoc import XCAFDoc_DocumentTool
-
-    roots = labels()
-    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
-    walk = _TreeWalk(transfer, stated)
-    leaves = walk.below(list(roots), (), TopLoc_Location(), stem)
-    return occurrences(leaves, walk.shapes), walk.passed
-
-
-def occurrences(leaves: Sequence[TreeSolid], shapes: Any) -> list[Occurrence]:
-    """Convert solids of the product tree to placed solids with distinct names."""
-    names = distinct(tails([leaf.path for leaf in leaves]))
-    return [_occurrence(name, leaf, shapes) for name, leaf in zip(names, leaves, strict=True)]
-
-
-class TreeSolid(NamedTuple):
-    """A solid in the product tree: names, shape, place, stated properties.
-
-    `skin`: whether its shells are open.
-    """
-
-    path: tuple[str, ...]
-    shape: Any
-    location: Any
-    skin: bool
-    stated: Stated = UNSTATED
-
-
-class _TreeWalk:
-    """A traversal of a STEP product tree that collects solids and describes other shapes.
-
-    - `shapes`: numbers of the shapes met.
-    - `skins`: the solid made of each shell, by number.
-    - `passed`: descriptions of shapes that are not solids.
-    """
-
-    def __init__(self, transfer: Any, stated: StepStatements) -> None:
-        self.transfer = transfer
-        self.stated = stated
-        self.shapes = shape_map()
-        self.skins: dict[int, Any] = {}
-        self.passed: list[str] = []
-
-    def below(
-        self, neighbours: list[Any], above: tuple[str, ...], place: Any, stem: str
-    ) -> list[TreeSolid]:
-        """Collect the solids below labels that are siblings in the product tree."""
-        from OCP.TDF import TDF_Label
-        from OCP.XCAFDoc import XCAFDoc_ShapeTool
-
-        products = []
-        for label in neighbours:
-            product = TDF_Label()
-            is_reference = XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
-            products.append(product if is_reference else label)
-        names = number_repeats([_label_name(product) or stem for product in products])
-        solids: list[TreeSolid] = []
-        for name, label, product in zip(names, neighbours, products, strict=True):
-            location = place.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label))
-            whole = (*above, name)
-            if XCAFDoc_ShapeTool.IsAssembly_s(product):
-                inner = () if not above and len(neighbours) == 1 else whole
-                solids += self.below(_components(product), inner, location, stem)
-            else:
-                solids += self._leaf(product, whole, location)
-        return solids
-
-    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[TreeSolid]:
-        """Collect the solids of a product without components, and those inside its shells."""
-        from OCP.TopAbs import TopAbs_ShapeEnum
-        from OCP.TopLoc import TopLoc_Location
-        from OCP.XCAFDoc import XCAFDoc_ShapeTool
-
-        shape = XCAFDoc_ShapeTool.GetShape_s(product)
-        if shape is None or shape.IsNull():
-            return []
-        solids, rest = split(shape)
-        shells = [] if solids else list(inside(shape, TopAbs_ShapeEnum.TopAbs_SHELL))
-        closed = [shell for shell in shells if self._is_closed(shell)]
-        if rest and not shells:
-            self.passed.append(f"{'/'.join(path)!r} ({rest})")
-        pairs = [(solid.Located(TopLoc_Location()), solid.Location()) for solid in solids]
-        pairs += [(self._solid_of([shell], True), shell.Location()) for shell in closed]
-        skin = bool(shells) and not closed
-        if skin:
-            pairs.append((self._solid_of(shells, False), TopLoc_Location()))
-        names = number_repeats([path[-1]] * len(pairs))
-        return [
-            TreeSolid(
-                (*path[:-1], name),
-                solid,
-                place.Multiplied(location),
-                skin,
-                self.stated.about(solid, product),
-            )
-            for name, (solid, location) in zip(names, pairs, strict=True)
-        ]
-
-    def _is_closed(self, shell: Any) -> bool:
-        """Whether the file states that a shell (connected faces) is closed."""
-        from OCP.TopLoc import TopLoc_Location
-
-        bare = shell.Located(TopLoc_Location())
-        entity = self.transfer.EntityFromShapeResult(bare, -1)
-        return entity is not None and entity.DynamicType().Name() == "StepShape_ClosedShell"
-
-    def _solid_of(self, shells: list[Any], bare: bool) -> Any:
-        """Build a solid, perhaps an open one, from the faces of shells; the result is cached.
-
-        `bare`: whether to remove the locations of the shells first.
-        """
-        from OCP.BRep import BRep_Builder
-        from OCP.TopAbs import TopAbs_ShapeEnum
-        from OCP.TopLoc import TopLoc_Location
-        from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
-
-        if bare:
-            shells = [shell.Located(TopLoc_Location()) for shell in shells]
-        key = self.shapes.Add(shells[0])
-        if key not in self.skins:
-            solid, whole, builder = TopoDS_Solid(), TopoDS_Shell(), BRep_Builder()
-            builder.MakeShell(whole)
-            for face in (f for s in shells for f in inside(s, TopAbs_ShapeEnum.TopAbs_FACE)):
-                builder.Add(whole, face)
-            builder.MakeSolid(solid)
-            builder.Add(solid, whole)
-            self.skins[key] = solid
-        return self.skins[key]
-
-
-def _occurrence(name: str, leaf: TreeSolid, shapes: Any) -> Occurrence:
-    """Convert a solid of the product tree to a placed solid; mirrored solids become new shapes."""
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
-
-    move, shape = leaf.location.Transformation(), leaf.shape
-    pose = Pose()
-    if move.IsNegative() or abs(abs(move.ScaleFactor()) - 1) > RIGID:
-        shape = BRepBuilderAPI_Transform(shape, move, True).Shape()
-    else:
-        turn, step = move.GetRotation(), move.TranslationPart()
-        pose = Pose([step.X(), step.Y(), step.Z()], [turn.W(), turn.X(), turn.Y(), turn.Z()])
-    return Occurrence(name, shape, shapes.Add(shape), pose, leaf.skin, leaf.stated)
-
-
-def _components(product: Any) -> list[Any]:
-    """Labels of the components directly below a product."""
-    from OCP.XCAFDoc import XCAFDoc_ShapeTool
-
-    components = labels()
-    XCAFDoc_ShapeTool.GetComponents_s(product, components)
-    return list(components)
-
-
-def _label_name(label: Any) -> str:
-    """The name that a label has in the document; empty if it has none, or that of an exporter."""
-    from OCP.TDataStd import TDataStd_Name
-
-    attribute = TDataStd_Name()
-    if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
-        return ""
-    name = str(attribute.Get().ToExtString()).strip()
-    return "" if NUMBERED.fullmatch(name) else name
-
-
-def split(shape: Any) -> tuple[list[Any], str]:
-    """Separate a shape into its solids, and a description of the rest ("2 shells, 1 wire")."""
-    from OCP.TopAbs import TopAbs_ShapeEnum as Kind
-    from OCP.TopoDS import TopoDS
-
-    solids = [TopoDS.Solid(s) for s in inside(shape, Kind.TopAbs_SOLID)]
-    chain = [Kind.TopAbs_SOLID, Kind.TopAbs_SHELL, Kind.TopAbs_FACE, Kind.TopAbs_WIRE]
-    chain += [Kind.TopAbs_EDGE, Kind.TopAbs_VERTEX]
-    words = ("", "shell", "face", "wire", "edge", "point")
-    rest = []
-    for word, kind, avoid in zip(words[1:], chain[1:], chain, strict=False):
-        count = len(list(inside(shape, kind, avoid)))
-        rest += [f"{count} {word}{'s' if count > 1 else ''}"] if count else []
-    return solids, ", ".join(rest)
-
-
 # Read the solids of a STEP document as bodies; a shared solid is read once.
 
 
@@ -402,7 +186,8 @@ def bodies_of(
         raise _no_solid(passed, empty)
     accuracy = stated_accuracy(document.files, document.units)
     solids = {row.key: dataclasses.replace(solid, uncertainty=accuracy) for row, solid in bodies}
-    notes = [f"ignored, not solids: {some(passed, 8)}"] if passed else []
+    notes = list(document.notes)
+    notes += [f"ignored, not solids: {some(passed, 8)}"] if passed else []
     notes += [f"left out, without volume: {some_names(empty, 8)}"] if empty else []
     hidden = [row.name for row, _ in bodies if row.stated.hidden]
     if hidden:

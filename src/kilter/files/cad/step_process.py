@@ -7,7 +7,7 @@ working on a solid, a stand-in replaces that solid; otherwise a second failure r
 from __future__ import annotations
 
 import atexit
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,8 @@ STALLS_PER_MEGABYTE = 12.0
 """CPU time allowed in addition for each megabyte [s/MB]; valid files need at most a fifth."""
 
 
+_NAMES = {".fcstd": "FreeCAD document", ".igs": "IGES", ".iges": "IGES"}
+"""Names of the formats other than STEP."""
 _kept: list[ReaderProcess] = []
 
 
@@ -44,7 +46,7 @@ def begin_early(ahead: Path | None = None) -> None:
 
 
 def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
-    """Request to the child process: read a STEP file, except the solids `without` and `broken`.
+    """Request to the child process: read a file, except the solids `without` and `broken`.
 
     It contains the time of change and the size of the file, since another state is another request.
     """
@@ -60,15 +62,18 @@ def _end() -> None:
         _kept.pop().end()
 
 
+def format_of(path: Path) -> str:
+    """Name of the format of a file that OCCT reads."""
+    return _NAMES.get(path.suffix.lower(), "STEP")
+
+
 def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], None]) -> FileBodies:
-    """Read the solids of a STEP file in a child process, which a crash of OCCT may end.
+    """Read the solids of a file in a child process, which a crash of OCCT may end.
 
     Raises `InputError` if the file is damaged.
     """
     if not can_start():
-        from kilter.files.cad.step_document import step_bodies
-
-        return step_bodies(path, without, lambda stage, solid: progress(stage))
+        return _read_here(path, without, lambda stage, solid: progress(stage))
     from kilter.arrays import sealed
 
     broken: set[int] = set()
@@ -90,8 +95,8 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
             _end()
             if (at_work < 0 and again) or at_work in broken or len(broken) >= BREAKDOWNS:
                 raise InputError(
-                    "damaged STEP: OCCT crashes on it, or does not finish",
-                    hint="export it again as STEP",
+                    f"damaged {format_of(path)}: OCCT crashes on it, or does not finish",
+                    hint="export it again",
                 ) from None
             if at_work >= 0:
                 broken.add(at_work)
@@ -105,6 +110,22 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
             return sealed(bodies)
 
 
+def _read_here(
+    path: Path,
+    without: tuple[str, ...],
+    tell: Callable[[str, int], None],
+    broken: Collection[int] = (),
+) -> FileBodies:
+    """Read the solids of a file in this process."""
+    if path.suffix.lower() == ".fcstd":
+        from kilter.files.cad.freecad_bodies import freecad_bodies
+
+        return freecad_bodies(path, without, tell, broken)
+    from kilter.files.cad.step_document import step_bodies
+
+    return step_bodies(path, without, tell, broken)
+
+
 def serve() -> None:
     """Main function of the child process."""
     serve_requests(_load)
@@ -115,7 +136,7 @@ def _load() -> Answer:
     bound_memory(MEMORY)
     import OCP.STEPCAFControl  # noqa: F401
 
-    from kilter.files.cad.step_document import step_bodies
+    import kilter.files.cad.step_document  # noqa: F401
 
     def read(
         tell: Callable[..., None],
@@ -124,6 +145,6 @@ def _load() -> Answer:
         without: tuple[str, ...],
         broken: set[int],
     ) -> Any:
-        return step_bodies(Path(path), without, tell, broken)
+        return _read_here(Path(path), without, tell, broken)
 
     return read

@@ -1,4 +1,6 @@
-"""Read GLB (binary glTF 2.0): the meshes of its scene, placed by its nodes.
+"""Read glTF 2.0: the meshes of its scene, placed by its nodes.
+
+GLB is its binary form; a .gltf file has its numbers in files beside it, or as text in itself.
 
 The primitives of a mesh form a single solid (they differ in material only). A solid is named after
 its node, else after its mesh, with as many parent nodes as needed to make names distinct. The
@@ -12,8 +14,11 @@ Khronos, glTF 2.0 specification, sections 3.5 (nodes), 3.6 (buffers), 4.4 (GLB).
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +26,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.complaints import parse_json
-from kilter.files.limits import DEEPEST, Tally
+from kilter.files.limits import DEEPEST, MOST_BYTES, Tally, named_path, read_bytes
 from kilter.files.meshes.placed import SINGLE, join_meshes, tails, transform_mesh
 from kilter.rigid import quaternion_to_matrix
 from kilter.shape.primitives import Mesh
@@ -54,6 +59,45 @@ def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
     _require_readable(header)
     with np.errstate(all="ignore"):  # numbers that are not finite raise an InputError later
         return _solids(header, binary)
+
+
+def read_gltf(path: Path) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
+    """Read the meshes of a .gltf file, with their names.
+
+    Its buffers are joined to one, as in a GLB file. Raises `InputError` if the file is damaged,
+    compressed, or names files that cannot be read or lie outside of its folder.
+    """
+    content = parse_json(read_bytes(path))
+    if not isinstance(content, dict):
+        raise InputError("the glTF has no header", hint=_DAMAGED)
+    header = _validate(content)
+    size, pieces = Tally("bytes", MOST_BYTES), list[bytes]()
+    start_of: dict[str, int] = {}
+    for k, buffer in enumerate(header.buffers):
+        if buffer.uri is None:
+            raise InputError(f"buffer {k} of the glTF has no content", hint=_DAMAGED)
+        if buffer.uri not in start_of:
+            start_of[buffer.uri] = size.count
+            pieces.append(_buffer(path.parent, buffer.uri))
+            size.add(len(pieces[-1]))
+    views = []
+    for view in header.bufferViews:
+        uri = _header_entry(header.buffers, view.buffer, "buffer").uri or ""
+        views.append(view.model_copy(update={"byteOffset": view.byteOffset + start_of[uri]}))
+    header = header.model_copy(update={"bufferViews": views, "buffers": []})
+    _require_readable(header)
+    with np.errstate(all="ignore"):
+        return _solids(header, b"".join(pieces))
+
+
+def _buffer(folder: Path, uri: str) -> bytes:
+    """The content of a buffer: text in base 64, or a file."""
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.partition(",")[2])
+    try:
+        return read_bytes(named_path(folder, unquote(uri)))
+    except InputError as error:
+        raise InputError(f"buffer {uri!r:.80}: {error.what}", hint=error.hint) from None
 
 
 def _header_entry(rows: list[_Row], k: int, what: str) -> _Row:

@@ -18,6 +18,7 @@ Component = Literal[5120, 5121, 5122, 5123, 5125, 5126]
 class View(BaseModel):
     """A range of bytes of the binary chunk."""
 
+    buffer: Count = 0
     byteOffset: Count = 0
     byteStride: Annotated[int, Field(strict=True, gt=0)] | None = None
 

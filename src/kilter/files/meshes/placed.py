@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
+from kilter.assembly.interactions import Joint
 from kilter.assembly.part import GROUND
 from kilter.rigid import Pose
 from kilter.shape.primitives import Mesh
@@ -197,6 +198,10 @@ class FileBodies:
     materials: tuple[str | None, ...] = ()
     layers: tuple[str | None, ...] = ()
     """Names of the material and of the layer of each body; empty if the file states none."""
+    held: tuple[bool, ...] = ()
+    """Whether the file holds each body; empty if it holds none."""
+    joints: tuple[Joint, ...] = ()
+    """Joints of bodies by their names, in the length unit of the file."""
 
     @property
     def places(self) -> tuple[Pose, ...]:
@@ -205,11 +210,11 @@ class FileBodies:
 
     @property
     def stated(self) -> list[dict[str, Any]]:
-        """Density, colour, material and layer of each body, as keyword arguments of `Part`."""
-        none = (None,) * len(self.shapes)
+        """Density, colour, material, layer and hold of each body: keyword arguments of `Part`."""
+        none, free = (None,) * len(self.shapes), (False,) * len(self.shapes)
         columns = (self.densities, self.colors, self.materials, self.layers)
-        keys = ("density", "color", "material", "layer")
-        rows = zip(*(column or none for column in columns), strict=True)
+        keys = ("density", "color", "material", "layer", "grounded")
+        rows = zip(*(column or none for column in columns), self.held or free, strict=True)
         return [dict(zip(keys, row, strict=True)) for row in rows]
 
     def in_units(self, units: str) -> list[tuple[Mesh | Solid, Pose]]:

@@ -13,14 +13,14 @@ from typing import Any
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.files.cad.step_document import (
+from kilter.files.cad.product_tree import (
     StepDocument,
     TreeSolid,
-    bodies_of,
     number_repeats,
     occurrences,
     split,
 )
+from kilter.files.cad.step_document import bodies_of
 from kilter.files.cad.step_surfaces import failures, quiet, shape_map
 from kilter.files.format_options import FormatOptions
 from kilter.files.formats import assembly_of
@@ -46,7 +46,7 @@ def read(value: Any, choices: FormatOptions) -> Assembly:
         with quiet():
             walk.below([_unwrap_builder(value)], (), TopLoc_Location())
             solids = occurrences(walk.solids, shape_map())
-            document = StepDocument(tuple(solids), "mm", tuple(walk.passed), ())
+            document = StepDocument(tuple(solids), "mm", tuple(walk.passed))
             bodies = bodies_of(document, (), lambda stage, solid: None)
     except failures():
         raise InputError("it has no valid solid", hint=_HINT) from None
