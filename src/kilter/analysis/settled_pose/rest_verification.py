@@ -24,7 +24,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question
-from kilter.contact import ContactSet, detect
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.kept_contacts import contacts_among
 from kilter.tell.levels import holds
 
@@ -64,13 +64,20 @@ def parts_without_rest(rest: RestResult) -> Mask:
     return mask
 
 
-def held_aside(assembly: Assembly) -> Mask:
-    """Held parts whose boxes lie apart from those of all free parts, so that none touches; (N,)."""
+def held_aside(assembly: Assembly, *, moving: bool = False) -> Mask:
+    """Held parts whose boxes lie apart from those of all free parts, so that none touches; (N,).
+
+    `moving`: whether the free parts fall, and move to a side by their size.
+    """
     geometry = assembly.geometry
-    start, room = geometry.vertex_start[:-1], (geometry.slack + 1e-3 * geometry.size)[:, None]
+    wide = np.where(moving & ~geometry.grounded, 1.0, 1e-3)
+    start, room = geometry.vertex_start[:-1], (geometry.slack + wide * geometry.size)[:, None]
     low = np.minimum.reduceat(geometry.vertices, start) - room
     high = np.maximum.reduceat(geometry.vertices, start) + room
     free, held = np.flatnonzero(~geometry.grounded), np.flatnonzero(geometry.grounded)
+    if moving:
+        low[np.ix_(free, assembly.down < 0)] = -np.inf
+        high[np.ix_(free, assembly.down > 0)] = np.inf
     apart = (low[held, None] > high[None, free]) | (high[held, None] < low[None, free])
     aside = np.zeros(len(geometry.grounded), dtype=bool)
     aside[held] = np.asarray(apart.any(axis=2)).all(axis=1)
@@ -146,7 +153,7 @@ def _resting(
     """The resting parts with all held parts, and their closed points."""
     assembly = settled if chosen.all() else chosen_parts(settled, np.flatnonzero(chosen), [])
     listed = replace(assembly, contacts=closed.assembly.contacts, detect=False)
-    contacts = detect.contacts(listed)
+    contacts = detect.without_neighbours(listed, listed.tolerance or Tolerance())
     gap = closed_gap(closed.assembly)
     closed = replace(closed, assembly=listed, contacts=contacts)
     return RestingParts(assembly, closed, gap, verdict, verdict, *left_out)
