@@ -525,15 +525,17 @@ def _ease(state: _State) -> None:
 
     Bodies that would go farther than `EASED`, or find no rest, stay, and so do those beside them.
     """
+    size = state.bodies.size
     trial = _begin(state.bodies, state.contacts, state.tell)
-    trial.grip, trial.limit, trial.gone = EASY, EASED * state.bodies.size, state.gone.copy()
+    # a limit of the way shortens the steps, which must be long where the motion is slow
+    trial.grip, trial.limit, trial.gone = EASY, size.copy(), state.gone.copy()
     trial.bodies = replace(trial.bodies, moves=trial.bodies.moves & ~_idle(trial))
     trial.candidates, trial.ways = state.candidates, [list(way) for way in state.ways]
     _fall_and_settle(trial)
-    fails = state.bodies.moves & ~state.gone & (trial.gone | ~trial.asleep)
-    stays = fails
+    far = trial.gone | (trial.way > EASED * size)
+    fails = stays = trial.bodies.moves & ~state.gone & (far | ~trial.asleep)
     if fails.any():
-        near = np.where(state.bodies.moves, 2 * trial.limit, 0.0)
+        near = np.where(state.bodies.moves, 2 * EASED * size, 0.0)
         stays = _islands(state, _points(state, near), fails) >= 0
     state.bodies = state.bodies.where(stays, trial.bodies)
     for k in np.flatnonzero(~stays).tolist():
