@@ -37,7 +37,6 @@ from kilter.analysis.settled_pose.rest import RestResult, RestState, WayKind, Wa
 from kilter.analysis.settled_pose.rest_programs import RestPrograms, loads
 from kilter.analysis.settled_pose.rest_proof import closed_gap
 from kilter.analysis.settled_pose.rest_search import pressed_parts, units_of
-from kilter.analysis.settled_pose.rest_verification import held_aside
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.straight_falls import FEW_CURVED, falling_distance, straight_falls
 from kilter.arrays import Array, Index, Mask, connected
@@ -93,8 +92,9 @@ SIDEWAYS = 1e-6
 """Component of a normal along gravity up to which a contact is at a side [-]."""
 GRIP = 0.1
 """Factor of the friction of bodies that slide on beside a joint that they pushed [-]."""
-EASY, EASED = 1e-3, 0.1
-"""Factor of the friction with which resting bodies slide on, and longest way there [sizes]."""
+EASY, EASED, EASES = 1e-3, 0.1, 60
+"""Factor of the friction with which resting bodies slide on, longest way there [sizes], and largest
+number of steps."""
 STRAIGHT = 0.999
 """Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
 SUNK = 2.0
@@ -261,7 +261,7 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     length, weight = units_of(bodies)
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
-    closed = 0.1 * closed_gap(bodies.drawn, held_aside(bodies.drawn, moving=True))
+    closed = 0.1 * closed_gap(bodies.drawn)
     slack = np.zeros(count)
     np.maximum.at(slack, bodies.of_part, geometry.slack)
     return _State(
@@ -531,6 +531,7 @@ def _ease(state: _State) -> None:
     trial.grip, trial.limit, trial.gone = EASY, size.copy(), state.gone.copy()
     trial.bodies = replace(trial.bodies, moves=trial.bodies.moves & ~_idle(trial))
     trial.candidates, trial.ways = state.candidates, [list(way) for way in state.ways]
+    trial.most_rounds = EASES
     _fall_and_settle(trial)
     far = trial.gone | (trial.way > EASED * size)
     fails = stays = trial.bodies.moves & ~state.gone & (far | ~trial.asleep)

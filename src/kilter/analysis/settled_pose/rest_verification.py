@@ -64,20 +64,13 @@ def parts_without_rest(rest: RestResult) -> Mask:
     return mask
 
 
-def held_aside(assembly: Assembly, *, moving: bool = False) -> Mask:
-    """Held parts whose boxes lie apart from those of all free parts, so that none touches; (N,).
-
-    `moving`: whether the free parts fall, and move to a side by their size.
-    """
+def held_aside(assembly: Assembly) -> Mask:
+    """Held parts whose boxes lie apart from those of all free parts, so that none touches; (N,)."""
     geometry = assembly.geometry
-    wide = np.where(moving & ~geometry.grounded, 1.0, 1e-3)
-    start, room = geometry.vertex_start[:-1], (geometry.slack + wide * geometry.size)[:, None]
+    start, room = geometry.vertex_start[:-1], (geometry.slack + 1e-3 * geometry.size)[:, None]
     low = np.minimum.reduceat(geometry.vertices, start) - room
     high = np.maximum.reduceat(geometry.vertices, start) + room
     free, held = np.flatnonzero(~geometry.grounded), np.flatnonzero(geometry.grounded)
-    if moving:
-        low[np.ix_(free, assembly.down < 0)] = -np.inf
-        high[np.ix_(free, assembly.down > 0)] = np.inf
     apart = (low[held, None] > high[None, free]) | (high[held, None] < low[None, free])
     aside = np.zeros(len(geometry.grounded), dtype=bool)
     aside[held] = np.asarray(apart.any(axis=2)).all(axis=1)
