@@ -146,6 +146,7 @@ def settle(task: Task, rows: list[int]) -> Iterator[dict[str, Any]]:
         answer = kilter.settle_states(
             task.scene,
             task.states[some],
+            ease=True,
             time_limit=PATIENCE,
             progress=lambda done, of, clock=clock: clock.append(time.process_time()),
         )

@@ -1477,6 +1477,7 @@ def settle(
     reach: float | None = None,
     keep: str | Iterable[str] = (),
     nearest: bool = False,
+    ease: bool = False,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     require: str = "settles",
@@ -1502,6 +1503,9 @@ def settle(
         Parts that must not move although they are not held; ``*`` and ``?`` are wildcards.
     nearest : bool
         Whether to search for a pose at rest by the least motion instead.
+    ease : bool
+        Whether parts at rest slide on, by at most a tenth of their size, to where they need little
+        friction: in a simulator with soft contacts, friction that holds a part creeps.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Settled.at_rest` is true from this level.
     friction : float, optional
@@ -1567,6 +1571,7 @@ def settle_states(
     reach: float | None = None,
     keep: str | Iterable[str] = (),
     nearest: bool = False,
+    ease: bool = False,
     processes: int = 1,
     progress: Callable[[int, int], None] | None = None,
     tolerance: Tolerance | None = None,
@@ -1586,7 +1591,7 @@ def settle_states(
         activations. A file is that of `numpy.save`, or holds a pickled array.
     output : path, optional
         A NumPy file for the new states. A later run continues an interrupted one.
-    reach, keep, nearest
+    reach, keep, nearest, ease
         See `kilter.settle`.
     processes : int
         Number of worker processes.

@@ -174,7 +174,9 @@ def test_mixed_winding_is_turned_with_a_warning(shape, seed):
     turned, count = orient_faces(vertices, mixed)
     assert np.array_equal(turned, faces)
     assert count == wrong.sum()
-    geometry = Assembly([Part("stone", Mesh(vertices, mixed))]).geometry
+    mesh = Mesh(vertices, mixed)
+    assert Assembly([Part("first", mesh)]).geometry.warnings  # they name the part
+    geometry = Assembly([Part("stone", mesh)]).geometry
     true = Assembly([Part("stone", Mesh(vertices, faces))]).geometry
     assert geometry.warnings == (
         f"part 'stone': {count} faces had the wrong winding and were reversed",

@@ -60,6 +60,13 @@ class MeshSurface:
     """Whether the surface is the convex hull of the mesh, because its body is unknown."""
 
 
+MOST_MESHES, MOST_TRIANGLES = 100, 10_000
+"""Number of meshes whose surfaces are kept, and largest number of triangles of each."""
+_known: dict[int, tuple[Mesh, MeshSurface]] = {}
+"""The last meshes and their surfaces, by the identity of the mesh: poses of a part share its mesh.
+"""
+
+
 def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshSurface]:
     """Repair the mesh of each part that is a mesh; the result maps its index to the surface.
 
@@ -69,18 +76,27 @@ def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshS
     plane.
     """
     shapes = {k: part.shape for k, part in enumerate(parts) if isinstance(part.shape, Mesh)}
-    distinct = {id(mesh): mesh for mesh in shapes.values() if len(mesh.triangles)}
+    found = {k: _known[id(mesh)][1] for k, mesh in shapes.items() if id(mesh) in _known}
+    unknown = {k: mesh for k, mesh in shapes.items() if k not in found}
+    distinct = {id(mesh): mesh for mesh in unknown.values() if len(mesh.triangles)}
     corners = [(mesh.vertices, mesh.triangles) for mesh in distinct.values()]
     valid = dict(zip(distinct, weld_valid_meshes(corners), strict=True))
     no_caps = np.empty((0, 3, 3))
     ready = {key: mesh for key, mesh in valid.items() if mesh is not None}
     several = _with_several_shells(ready)
-    return {
-        k: MeshSurface(*ready[id(mesh)], no_caps)
-        if id(mesh) in ready and id(mesh) not in several
-        else mesh_surface(parts[k], mesh, warnings)
-        for k, mesh in shapes.items()
-    }
+    if len(_known) + len(unknown) > MOST_MESHES:
+        _known.clear()
+    for k, mesh in unknown.items():
+        before = len(warnings)
+        found[k] = (
+            MeshSurface(*ready[id(mesh)], no_caps)
+            if id(mesh) in ready and id(mesh) not in several
+            else mesh_surface(parts[k], mesh, warnings)
+        )
+        # warnings name the part
+        if len(warnings) == before and len(mesh.triangles) <= MOST_TRIANGLES:
+            _known[id(mesh)] = mesh, found[k]
+    return {k: found[k] for k in shapes}
 
 
 def _with_several_shells(meshes: Mapping[int, tuple[Array, Index]]) -> set[int]:

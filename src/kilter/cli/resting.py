@@ -56,6 +56,12 @@ class SettleOptions:
         "Search for a pose at rest by the least motion: parts do not fall, tip or roll.",
         MOVED,
     )
+    ease: bool = option(
+        "--ease",
+        "Let parts at rest slide on, by at most a tenth of their size, to where they need little "
+        "friction: in a simulator with soft contacts, friction that holds a part creeps.",
+        MOVED,
+    )
     states: Path | None = option(
         "--states FILE",
         "Settle each state of an MJCF scene in this file (.npy, .npz, or a pickled array such as "
@@ -96,6 +102,7 @@ def settle(asked: Asked, options: SettleOptions) -> int:
             "reach": options.reach,
             "keep": options.keep or (),
             "nearest": options.nearest,
+            "ease": options.ease,
             "require": options.require,
         }
         return settle_many(
@@ -117,6 +124,7 @@ def settle(asked: Asked, options: SettleOptions) -> int:
             reach=options.reach,
             keep=options.keep or (),
             nearest=options.nearest,
+            ease=options.ease,
             require=options.require,
             **asked.shared(find, contacts, progress),
         )

@@ -110,20 +110,33 @@ class ConvexPieces:
         return len(self.part)
 
 
+MOST_SHAPES = 500
+"""Number of shapes whose pieces are kept."""
+_known: dict[int, tuple[Shape, list[Polytope] | None]] = {}
+"""The last shapes and their pieces, by the identity of the shape: states of a scene share theirs.
+"""
+
+
 def convex_pieces(assembly: Assembly) -> ConvexPieces:
     """Divide the parts of an assembly into convex pieces, in the frames of the parts."""
     blocks: list[Polytope] = []
     owner: list[int] = []
     whole = np.zeros(len(assembly.parts), dtype=bool)
-    known: dict[int, list[Polytope] | None] = {}
     for k, part in enumerate(assembly.parts):
-        if id(part.shape) not in known:
-            known[id(part.shape)] = _pieces_of(part.shape)
-        pieces = known[id(part.shape)]
+        pieces = _known_pieces(part.shape)
         whole[k] = pieces is not None
         blocks += pieces or []
         owner += [k] * len(pieces or [])
     return _joined(blocks, np.array(owner, dtype=np.int64), whole)
+
+
+def _known_pieces(shape: Shape) -> list[Polytope] | None:
+    """The pieces of a shape, as `_pieces_of`, which are computed once."""
+    if id(shape) not in _known:
+        if len(_known) >= MOST_SHAPES:
+            _known.clear()
+        _known[id(shape)] = shape, _pieces_of(shape)
+    return _known[id(shape)][1]
 
 
 def _joined(blocks: Sequence[Polytope], part: Index, whole: Mask) -> ConvexPieces:

@@ -90,10 +90,8 @@ def contacts(
         raise InputError(
             f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
         )
-    tolerance.require_sound()
     with stop_after(time_limit):
-        search, findings = _search(assembly, tolerance, asked.tell, time_limit)
-        contact_set = _contact_set(assembly, search, findings, tolerance)
+        contact_set = without_neighbours(assembly, tolerance, asked.tell, time_limit)
         report_fact = facts_of(asked.progress)
         if report_fact is not None:
             report_fact("contacts", touching_words(contact_set))
@@ -110,6 +108,18 @@ def touching(asked: Question) -> ContactSet:
             f"contacts are {asked.contacts!r:.60}", hint="give what kilter.contacts returns"
         )
     return asked.contacts
+
+
+def without_neighbours(
+    assembly: Assembly,
+    tolerance: Tolerance,
+    report_stage: Callable[[str], None] = lambda stage: None,
+    time_limit: float | None = None,
+) -> ContactSet:
+    """The contacts of an assembly, as `contacts`; the nearest neighbours are left out."""
+    tolerance.require_sound()
+    search, findings = _search(assembly, tolerance, report_stage, time_limit)
+    return _contact_set(assembly, search, findings, tolerance)
 
 
 def _search(

@@ -130,6 +130,7 @@ def settle_states(
     reach: float | None = None,
     keep: str | Iterable[str] = (),
     nearest: bool = False,
+    ease: bool = False,
     processes: int = 1,
     progress: Callable[[int, int], None] | None = None,
     **reading: Any,
@@ -145,7 +146,7 @@ def settle_states(
         activations. A file is that of `numpy.save`, or holds a pickled array.
     output : path, optional
         A NumPy file for the new states. A later run continues an interrupted one.
-    reach, keep, nearest
+    reach, keep, nearest, ease
         See `kilter.settle`.
     processes : int
         Number of worker processes.
@@ -185,6 +186,7 @@ def settle_states(
         "reach": valid_reach(reach),
         "keep": keep if isinstance(keep, str) else tuple(keep),
         "nearest": bool(nearest),
+        "ease": bool(ease),
         "require": require_level(asked.require, strict=True),
         "effort": asked.effort,
         "time_limit": asked.time_limit,

@@ -20,6 +20,7 @@ from kilter.analysis.settled_pose.rest_search import SearchResult, search_rest
 from kilter.analysis.settled_pose.rest_verification import parts_without_rest
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies, rigid_bodies
 from kilter.arrays import Array
+from kilter.assembly import Assembly
 
 REACH = 1e-3
 """Reach of the last search, over the median size of the parts [-]."""
@@ -98,12 +99,13 @@ def sunk_depths(bodies: RigidBodies, points: NearPoints) -> Array:
     return total
 
 
-def closed_up(rest: RestResult) -> RestResult | None:
+def closed_up(rest: RestResult, settled: Assembly) -> RestResult | None:
     """The result after the least motion that brings its resting bodies to rest; None without one.
 
-    Bodies that leave the scene or have no pose do not take part.
+    Bodies that leave the scene or have no pose do not take part. `settled`: the assembly in the
+    pose of the result.
     """
-    bodies, settled = rest.bodies, rest.bodies.assembly()
+    bodies = rest.bodies
     chosen = np.flatnonzero(~parts_without_rest(rest))
     free = ~settled.geometry.grounded[chosen]
     if not free.any():

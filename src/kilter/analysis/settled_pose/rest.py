@@ -49,3 +49,5 @@ class RestResult:
     """Points that the engine regards as closed."""
     sunk: bool = False
     """Whether bodies that were sunk into each other came to rest by the least motion."""
+    eased: bool = False
+    """Whether resting bodies slid on to where they need little friction."""

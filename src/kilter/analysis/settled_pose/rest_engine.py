@@ -94,6 +94,9 @@ SIDEWAYS = 1e-6
 """Component of a normal along gravity up to which a contact is at a side [-]."""
 GRIP = 0.1
 """Factor of the friction of bodies that slide on beside a joint that they pushed [-]."""
+EASY, EASED, EASES = 1e-3, 0.1, 60
+"""Factor of the friction with which resting bodies slide on, longest way there [sizes], and largest
+number of steps."""
 STRAIGHT = 0.999
 """Cosine of the angle to gravity up to which a movement without a turn is a fall [-]."""
 SUNK = 2.0
@@ -226,13 +229,14 @@ def come_to_rest(
     limit: Array | None = None,
     rounds: int = ROUNDS,
     sunk: bool = True,
+    ease: bool = False,
 ) -> RestResult:
     """Bring bodies to rest from their current pose.
 
     Arguments: `contacts`: those of the drawn pose; `reach`: largest way of a part [length unit];
     None: no limit; `limit` (B,): way of each body from which it counts as leaving the scene;
     `rounds`: largest number of steps; `sunk`: whether sunk groups first come to rest by the least
-    motion.
+    motion; `ease`: whether resting bodies slide on to where they need little friction.
     """
     state = _begin(bodies, contacts, tell)
     state.most_rounds = rounds
@@ -246,8 +250,10 @@ def come_to_rest(
     _open_overlaps(state)
     aside = state.bodies
     state = _settle_beside_joints(state)
+    if ease:
+        _ease(state)
     _balance(state)
-    return replace(_result(state, reach), aside=aside, sunk=closed)
+    return replace(_result(state, reach), aside=aside, sunk=closed, eased=ease)
 
 
 def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
@@ -257,15 +263,15 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     length, weight = units_of(bodies)
     curved = np.zeros(count, dtype=bool)
     curved[bodies.of_part[np.diff(geometry.surfaces.start) > 0]] = True
+    closed = 0.1 * closed_gap(bodies.drawn)
     slack = np.zeros(count)
     np.maximum.at(slack, bodies.of_part, geometry.slack)
     return _State(
         bodies, CandidatePoints.of(bodies), contacts, length, weight,
-        0.1 * closed_gap(bodies.drawn), tell, FIRST * np.maximum(bodies.size, 1e-300),
+        closed, tell, FIRST * np.maximum(bodies.size, 1e-300),
         ~bodies.moves, np.zeros(count, dtype=bool), [[] for _ in range(count)], curved,
         np.zeros(count), np.zeros((count, 6)), np.zeros((count, 6)),
-        np.full(count, STILL * 0.1 * closed_gap(bodies.drawn)),
-        np.zeros(count),
+        np.full(count, STILL * closed), np.zeros(count),
         np.array([e for e in map(bodies.ends, bodies.drawn.joints) if len(set(e)) == 2],
                  np.int64).reshape(-1, 2),
         np.full(count, np.inf), bodies, FLOATS * length + 2 * slack,
@@ -516,6 +522,29 @@ def _fall_and_settle(state: _State) -> None:
     while again:
         state.falls_from = state.rounds if _fall(state) else state.rounds + PATIENCE
         again = _settle_down(state)
+
+
+def _ease(state: _State) -> None:
+    """Let resting bodies slide on with little friction, since soft friction creeps under load.
+
+    Bodies that would go farther than `EASED`, or find no rest, stay, and so do those beside them.
+    """
+    size = state.bodies.size
+    trial = _begin(state.bodies, state.contacts, state.tell)
+    # a limit of the way shortens the steps, which must be long where the motion is slow
+    trial.grip, trial.limit, trial.gone = EASY, size.copy(), state.gone.copy()
+    trial.bodies = replace(trial.bodies, moves=trial.bodies.moves & ~_idle(trial))
+    trial.candidates, trial.ways = state.candidates, [list(way) for way in state.ways]
+    trial.most_rounds = EASES
+    _fall_and_settle(trial)
+    far = trial.gone | (trial.way > EASED * size)
+    fails = stays = trial.bodies.moves & ~state.gone & (far | ~trial.asleep)
+    if fails.any():
+        near = np.where(state.bodies.moves, 2 * EASED * size, 0.0)
+        stays = _islands(state, _points(state, near), fails) >= 0
+    state.bodies = state.bodies.where(stays, trial.bodies)
+    for k in np.flatnonzero(~stays).tolist():
+        state.ways[k] = trial.ways[k]
 
 
 @dataclass(slots=True)

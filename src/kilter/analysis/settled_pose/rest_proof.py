@@ -69,19 +69,22 @@ class ClosedContacts:
     """The two parts of the fault; empty without a fault."""
 
 
-def closed_gap(assembly: Assembly) -> float:
+def closed_gap(assembly: Assembly, aside: Mask | None = None) -> float:
     """Gap at which a point counts as closed [length unit].
 
     It is a fraction of the median size of the parts, and at least the rounding of coordinates and
-    the warp of flat faces, whose corners lie off their common plane.
+    the warp of flat faces, whose corners lie off their common plane. `aside` (N,): held parts that
+    do not count.
     """
     geometry = assembly.geometry
-    warp = _warps(geometry, find_facets(geometry))
+    counts = np.ones(len(assembly), dtype=bool) if aside is None else ~aside
+    facets = find_facets(geometry)
+    warp = _warps(geometry, facets)[counts[facets.part]]
     free = ~geometry.grounded
     size = float(np.median(geometry.size[free] if free.any() else geometry.size))
     return max(
         CLOSED * size,
-        ROUNDINGS * float(geometry.accuracy.max()),
+        ROUNDINGS * float(geometry.accuracy[counts].max()),
         WARPS * float(warp.max(initial=0.0)),
     )
 
@@ -119,7 +122,8 @@ def closed_contacts(
     deepest, fault, ends = deepest_overlap(detected, gap)
     listed = _with_contacts(assembly, parts, points)
     widest = float(apart[closed].max(initial=0.0))
-    return ClosedContacts(listed, detect.contacts(listed), widest, deepest, fault, ends)
+    contacts = detect.without_neighbours(listed, listed.tolerance or Tolerance())
+    return ClosedContacts(listed, contacts, widest, deepest, fault, ends)
 
 
 def strict_contacts(
@@ -128,7 +132,7 @@ def strict_contacts(
     """Detect the contacts of a pose; overlaps deeper than `gap` [length unit] are listed."""
     usual = assembly.tolerance or Tolerance()
     tolerance = replace(usual, gap=gap, clearance=None)
-    return detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    return detect.without_neighbours(assembly, tolerance, progress or (lambda stage: None))
 
 
 def deepest_overlap(contacts: ContactSet, gap: float) -> tuple[float, str, tuple[int, ...]]:

@@ -24,7 +24,7 @@ from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Mask
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question
-from kilter.contact import ContactSet, detect
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.kept_contacts import contacts_among
 from kilter.tell.levels import holds
 
@@ -146,7 +146,7 @@ def _resting(
     """The resting parts with all held parts, and their closed points."""
     assembly = settled if chosen.all() else chosen_parts(settled, np.flatnonzero(chosen), [])
     listed = replace(assembly, contacts=closed.assembly.contacts, detect=False)
-    contacts = detect.contacts(listed)
+    contacts = detect.without_neighbours(listed, listed.tolerance or Tolerance())
     gap = closed_gap(closed.assembly)
     closed = replace(closed, assembly=listed, contacts=contacts)
     return RestingParts(assembly, closed, gap, verdict, verdict, *left_out)

@@ -113,6 +113,8 @@ class RigidBodies:
         A joint follows its first part, or its second part if the first is the ground.
         """
         drawn = self.drawn
+        if not self.changed.any():
+            return drawn
         parts = self.parts(range(len(drawn.parts)))
         joints, loads, bonds = list(drawn.joints), list(drawn.loads), list(drawn.bonds)
         for k, joint in enumerate(joints):

@@ -27,6 +27,7 @@ from kilter.analysis.settled_pose.rest_proof import ClosedContacts, closed_gap
 from kilter.analysis.settled_pose.rest_search import SLACK
 from kilter.analysis.settled_pose.rest_verification import (
     RestingParts,
+    held_aside,
     parts_without_rest,
     verify_rest,
     with_level,
@@ -37,7 +38,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.assembly.question import Question, question
 from kilter.assembly.supported_answer import SupportedAnswer
-from kilter.contact import ContactSet, detect
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError, TimeLimitReached
 from kilter.mechanics.proof import digest_of
 from kilter.tell.levels import holds, level_rank, require_level
@@ -249,6 +250,7 @@ def settle(
     reach: float | None = None,
     keep: str | Iterable[str] = (),
     nearest: bool = False,
+    ease: bool = False,
 ) -> Settled:
     """Bring the parts of an assembly to rest: a pose that it can reach without gaining energy.
 
@@ -267,6 +269,9 @@ def settle(
         Parts that must not move although they are not held; ``*`` and ``?`` are wildcards.
     nearest : bool
         Whether to search for a pose at rest by the least motion instead.
+    ease : bool
+        Whether parts at rest slide on, by at most a tenth of their size, to where they need little
+        friction: in a simulator with soft contacts, friction that holds a part creeps.
     require : {"equilibrium", "settles", "proved", "strict"}
         Level from which the answer is yes. `Settled.at_rest` is true from this level.
 
@@ -298,11 +303,15 @@ def settle(
     ('fell', array([0. , 0. , 0.5]))
     """
     with stop_after(asked.seconds_left):
-        return _settle(asked, reach, keep, nearest)
+        return _settle(asked, reach, keep, nearest, ease)
 
 
 def _settle(
-    asked: Question, reach: float | None, keep: str | Iterable[str], nearest: bool
+    asked: Question,
+    reach: float | None,
+    keep: str | Iterable[str],
+    nearest: bool,
+    ease: bool,
 ) -> Settled:
     """Settle the assembly of a question, as `settle`, within the time of the caller."""
     assembly, tell = asked.assembly, asked.tell
@@ -310,7 +319,12 @@ def _settle(
     assembly.require_grounded()
     reach = valid_reach(reach)
     kept = assembly.matching(keep)
-    contacts = detect.touching(asked)
+    contacts = asked.contacts
+    if nearest or contacts is not None:
+        contacts = detect.touching(asked)
+    else:
+        tolerance = asked.tolerance or assembly.tolerance or Tolerance()
+        contacts = detect.without_neighbours(assembly, tolerance, asked.tell)
     try:
         before = check_level(asked.but(require=ROUGHLY, contacts=contacts))
     except InputError:  # parts in the same place, which this answer moves apart
@@ -320,8 +334,11 @@ def _settle(
         rest, reach = find_nearest_rest(bodies, contacts, reach=reach, tell=tell)
         rest = without_rounding(rest)
     else:
-        rest = rest_of(bodies, contacts, reach=reach, tell=tell)
+        rest = rest_of(bodies, contacts, reach=reach, tell=tell, ease=ease)
     settled = rest.bodies.assembly()
+    closed = closed_up(rest, settled) if not nearest and leaves_gaps(rest, settled) else None
+    if closed is not None:
+        rest, settled = closed, closed.bodies.assembly()
     resting: RestingParts | str = rest.why
     if rest.state == "at-rest" or not nearest:
         tell("verification")
@@ -361,6 +378,16 @@ def _open_parts(rest: RestResult, resting: RestingParts | str) -> int:
     return len(set(rest.parts) | set(resting.unproved))
 
 
+def leaves_gaps(rest: RestResult, settled: Assembly) -> bool:
+    """Whether points that the engine regards as closed have gaps that the verification rejects.
+
+    Inexact parts that lie aside of the final pose `settled` make the engine less exact.
+    """
+    if rest.points is None:
+        return False
+    return bool((rest.points.gap > closed_gap(settled, held_aside(settled))).any())
+
+
 def other_rests(
     rest: RestResult,
     bodies: RigidBodies,
@@ -370,11 +397,13 @@ def other_rests(
 ) -> Iterator[RestResult]:
     """Results for a pose that the verification does not confirm; arguments as of `rest_of`.
 
-    First comes the last least motion, then the engine without the first one.
+    First comes the last least motion, then the engine without `ease`, and without the first one.
     """
-    closed = closed_up(rest)
+    closed = closed_up(rest, rest.bodies.assembly())
     if closed is not None:
         yield closed
+    if rest.eased:
+        yield rest_of(bodies, contacts, reach=reach, tell=tell)
     if rest.sunk:
         yield rest_of(bodies, contacts, reach=reach, tell=tell, sunk=False)
 
@@ -394,16 +423,17 @@ def rest_of(
     reach: float | None,
     tell: Callable[[str], None],
     sunk: bool = True,
+    ease: bool = False,
 ) -> RestResult:
     """The result of the engine; "not-found" for an assembly that it does not accept.
 
-    Arguments: `contacts`: contacts of the drawn pose; `sunk`: whether sunk groups first come to
-    rest by the least motion.
+    Arguments: `contacts`: contacts of the drawn pose; `sunk`, `ease`: as of `come_to_rest`.
     """
     why = refusal(bodies.drawn)
     if why:
         return RestResult("not-found", bodies, ways=((),) * len(bodies.mass), why=why)
-    rest = come_to_rest(bodies, contacts.of(bodies.drawn), reach=reach, tell=tell, sunk=sunk)
+    drawn = contacts.of(bodies.drawn)
+    rest = come_to_rest(bodies, drawn, reach=reach, tell=tell, sunk=sunk, ease=ease)
     if reach is not None:
         shift = np.linalg.norm(rest.bodies.movements()[:, :3], axis=1)
         beyond = [bodies.drawn.names[k] for k in np.flatnonzero(shift > reach * (1 + SLACK))]
