@@ -29,14 +29,15 @@ FASTER = 300
 def made(folder: Path = results.FOLDER) -> dict[str, str]:
     """Texts of the page and its plots, by path relative to docs."""
     files: dict[str, str] = {}
-    sections = []
+    sections, asked = [], set()
     for path in sorted(folder.glob("*.csv")):
         about, rows = results.read(path)
+        asked |= {row.tool for row in rows}
         name = PLOT.format(path.stem)
         files[name] = plotted(lines(rows), "bricks", "seconds", f"Leaning walls: {path.stem}")
         sections.append(section(path.stem, about, rows, name))
     words = TEMPLATE.read_text(encoding="utf-8").format(
-        tools="\n".join(f"| {tool.name} | {tool.words} |" for tool in TOOLS.values()),
+        tools="\n".join(f"| {t.name} | {t.words} |" for t in TOOLS.values() if t.name in asked),
         machines="\n\n".join(sections),
         sides=ask_programs.SIDES,
         short=1 - cos(pi / ask_programs.SIDES),

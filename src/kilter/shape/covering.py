@@ -11,14 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, squares, unit_rows
-from kilter.shape.shape_tolerances import GRAZING
+from kilter.shape.shape_tolerances import CANCELLED, GRAZING
 
 BATCH = 500_000
 """Number of pairs of point and triangle that are compared at once; more need more memory."""
-
-CANCELLED = 1e-9
-"""Rounding of the squared distances of lines from points, which cancel, over the square of the
-size [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
