@@ -185,9 +185,3 @@ class TestMissing:
     def test_parts_that_overlap_are_not_moved_apart_silently(self):
         sunk = stack(0).with_pose("upper", Pose([0, 0, 1.4]))
         assert kilter.check(sunk).verdict == "undecided"
-
-    def test_ply_files_are_not_read(self, tmp_path):
-        path = tmp_path / "cube.ply"
-        trimesh.creation.box([1, 1, 1]).export(path)
-        with pytest.raises(kilter.InputError, match="ply"):
-            kilter.load(path)

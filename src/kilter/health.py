@@ -43,6 +43,7 @@ EXTRAS = {
     "figures": ("matplotlib", "matplotlib", "kilter draw"),
     "graph": ("networkx", "networkx", "ContactSet.graph"),
     "trimesh": ("trimesh", "trimesh", "objects of trimesh"),
+    "meshes": ("collada", "pycollada", "PLY and COLLADA files"),
     "compas": ("compas", "compas", "objects of COMPAS"),
     "build123d": ("build123d", "build123d", "objects of build123d"),
     "cadquery": ("cadquery", "cadquery", "objects of CadQuery"),

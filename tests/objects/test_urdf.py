@@ -193,8 +193,8 @@ def test_several_shapes_of_a_link_are_one_part(tmp_path):
         ([link("a", '<cone radius="1"/>')], "part 'a': a shape has the type 'cone'; give a box"),
         ([link("a", '<box size="1 1"/>')], "part 'a': size of <box> is '1 1'; give 3 numbers"),
         (
-            [link("a", '<mesh filename="a.dae"/>')],
-            r"part 'a': mesh files of type \.dae cannot be read; write",
+            [link("a", '<mesh filename="a.wrl"/>')],
+            r"part 'a': mesh files of type \.wrl cannot be read; write",
         ),
         ([BASE, joint("base", "arm", "fixed", "0 0 0")], "the child 'arm' of the joint .* is not"),
         (
