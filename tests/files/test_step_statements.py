@@ -338,7 +338,7 @@ def test_bolts_whose_heads_are_off_by_less_than_the_file_knows():
     assert stated == pytest.approx([0.01 / 25.4] * 7)
     found = check(assembly)
     assert found.verdict == "undecided"
-    assert "0.000394 in" in found.sentence
+    assert "0.000394 in" in found.own_sentence
 
 
 @pytest.mark.slow
