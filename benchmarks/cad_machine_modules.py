@@ -23,6 +23,9 @@ from cad_solids import (
     torus,
 )
 
+from kilter.analysis.assumptions.assume import MOST_PLAY
+from kilter.units import METRES
+
 
 def flange(rng: np.random.Generator, drawn: Drawn, site: Site) -> None:
     """Two flanges of pipes with three to eight equal bolts in clearance holes, most with nuts."""
@@ -122,7 +125,9 @@ def snap_cover(rng: np.random.Generator, drawn: Drawn, site: Site) -> None:
         nose = box((min(7 * side, 10 * side), -4, 20 + gap), (max(7 * side, 10 * side), 4, 24))
         cover = fuse(cover, arm, nose)
     drawn.add(f"{site.prefix}_cover", cover, site.at())
-    if gap:
+    if gap * METRES[drawn.units] > MOST_PLAY:  # in a drawing in inches or metres
+        drawn.falls.add(f"{site.prefix}_cover")
+    elif gap:
         drawn.joined.append((f"{site.prefix}_cover", f"{site.prefix}_frame"))
     drawn.kinds.append("snap hooks with play" if gap else "snap hooks")
 
