@@ -44,6 +44,7 @@ EXTRAS = {
     "graph": ("networkx", "networkx", "ContactSet.graph"),
     "trimesh": ("trimesh", "trimesh", "objects of trimesh"),
     "meshes": ("collada", "pycollada", "PLY and COLLADA files"),
+    "rhino": ("rhino3dm", "rhino3dm", "Rhino files"),
     "compas": ("compas", "compas", "objects of COMPAS"),
     "build123d": ("build123d", "build123d", "objects of build123d"),
     "cadquery": ("cadquery", "cadquery", "objects of CadQuery"),

@@ -85,7 +85,7 @@ def load(source: Any, reading: Reading) -> Assembly:
     ----------
     source : path or object
         A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb,
-        .gltf, .ply, .off, .dae), a STEP or IGES file (.step, .stp, .igs, .iges), a FreeCAD
+        .gltf, .ply, .off, .dae, .3dm), a STEP or IGES file (.step, .stp, .igs, .iges), a FreeCAD
         document (.FCStd), a scene of a simulator (.xml, .mjcf, .urdf, .sdf, .usd), a model of
         toy bricks (LDraw .ldr and .mpd, StableLego .json, BrickGPT .txt), a folder of meshes,
         or ``-`` for JSON on standard input.

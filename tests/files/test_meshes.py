@@ -454,7 +454,7 @@ def test_damage_anywhere_gives_no_other_exception(suffix, at, put, cut, tmp_path
 def test_an_unknown_ending_lists_what_is_read(name, kind, write):
     message = str(refused(write(name, "x")))
     assert (
-        f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb, .gltf, .ply, .off, .dae,"
+        f"cannot read files of type {kind}; give .json, .obj, .stl, .3mf, .glb, .gltf, .ply, .off, .dae, .3dm,"
         in message
     )
     endings = ".step, .stp, .igs, .iges, .fcstd, .xml, .mjcf, .urdf, .sdf, .world, .usda, .usdc, .usd, .usdz, .ldr, .mpd, .txt, .csv"

@@ -24,6 +24,7 @@ from kilter.files.meshes.glb import read_glb, read_gltf
 from kilter.files.meshes.obj import read_obj
 from kilter.files.meshes.off import read_off
 from kilter.files.meshes.placed import FileBodies, fill_names, join_meshes
+from kilter.files.meshes.rhino import read_rhino
 from kilter.files.meshes.stl import read_stl
 from kilter.files.meshes.threemf import read_3mf
 from kilter.files.meshes.trimesh_files import read_with_trimesh
@@ -76,6 +77,12 @@ def _trimesh(path: Path) -> FileBodies:
         return read_with_trimesh(path)
 
 
+def _rhino(path: Path) -> FileBodies:
+    """Read the meshes of a Rhino file."""
+    with reader_guard(path):
+        return read_rhino(path)
+
+
 def _step(
     path: Path,
     without: Sequence[str] = (),
@@ -96,6 +103,7 @@ FORMATS: dict[str, Callable[[Path], FileBodies]] = {
     ".ply": _trimesh,
     ".off": _off,
     ".dae": _trimesh,
+    ".3dm": _rhino,
     ".step": _step,
     ".stp": _step,
     ".igs": _step,
