@@ -7,6 +7,7 @@ import re
 import struct
 import zipfile
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -417,7 +418,14 @@ def test_a_zip_without_a_model(write):
 # every kind ----------------------------------------------------------------------------
 
 
+def text_gltf_in_itself() -> bytes:
+    """The scene as .gltf with its buffers inside."""
+    with TemporaryDirectory() as folder:
+        return text_gltf(Path(folder), inside=True).read_bytes()
+
+
 GOOD = {
+    ".gltf": text_gltf_in_itself(),
     ".stl": trimesh.creation.box().export(file_type="stl"),
     ".glb": gltf(),
     ".ply": trimesh.creation.box().export(file_type="ply", encoding="ascii"),
