@@ -38,6 +38,19 @@ def test_a_box_presses_with_its_weight_and_with_nothing_else():
     assert ends(scene, ("floor", "box"), [1, 0, 0]) == (0, 0)
 
 
+def test_each_leg_of_a_table_carries_up_to_half_of_it():
+    feet = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    held = [Part(f"f{k}", Box(0.5, 0.5, 1), [*p, -0.5], grounded=True) for k, p in enumerate(feet)]
+    points = [
+        kilter.GivenContact((f"f{k}", "top"), [[*p, 0]], [0, 0, 1]) for k, p in enumerate(feet)
+    ]
+    top = Part("top", Box(3, 3, 0.5), [0, 0, 0.25])
+    scene = Assembly([*held, top], contacts=points, detect=False)
+    half = 0.5 * 4.5 * 1000 * G
+    for k in range(4):
+        assert ends(scene, (f"f{k}", "top")) == pytest.approx((0, half), rel=1e-9, abs=1e-6)
+
+
 def knife(name, x):
     """A held prism with its edge along y at (x, 0)."""
     low = [[x - 0.3, y, -1.0] for y in (0, 1)] + [[x + 0.3, y, -1.0] for y in (0, 1)]
