@@ -83,8 +83,8 @@ def test_what_is_left_out_is_noted(model, tmp_path):
     model.Objects.AddPoint(rhino3dm.Point3d(0, 0, 0))
     found = kilter.load(written(model, tmp_path))
     assert found.names == ("low",)
-    assert any("1 bodies have no render mesh and are left out: ball" in n for n in found.notes)
-    assert any("1 objects that are no bodies are left out" in n for n in found.notes)
+    assert any("bodies without a render mesh are left out: 1 (ball)" in n for n in found.notes)
+    assert any("other objects that are left out: 1" in n for n in found.notes)
 
 
 def test_a_unit_that_kilter_has_not_is_a_sentence(model, tmp_path):

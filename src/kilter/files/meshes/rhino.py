@@ -77,11 +77,11 @@ class _Content:
         if self.without_mesh:
             names = ", ".join(dict.fromkeys(self.without_mesh[:5]))
             notes.append(
-                f"{len(self.without_mesh)} bodies have no render mesh and are left out: {names}; "
+                f"bodies without a render mesh are left out: {len(self.without_mesh)} ({names}); "
                 "shade the view in Rhino and save the file without 'Save small', or export STEP"
             )
         if self.others:
-            notes.append(f"{self.others} objects that are no bodies are left out (curves, points)")
+            notes.append(f"curves, points and other objects that are left out: {self.others}")
         return tuple(notes)
 
     def _placed(self, one: Any, place: Array, depth: int) -> Iterator[tuple[str, Mesh, Array]]:
