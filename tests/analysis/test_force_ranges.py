@@ -142,6 +142,7 @@ def thrust_in_the_plane(count, thickness, mu):
     return linprog(cost, **given).fun / weight, -linprog(-cost, **given).fun / weight
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("count", "thickness", "least", "greatest"),
     [
@@ -160,6 +161,7 @@ def test_thrust_of_an_arch(count, thickness, least, greatest):
     assert (low / weight, high / weight) == pytest.approx(planar, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_at_the_critical_thickness_least_and_greatest_thrust_meet():
     low, high = 0.4, 0.7
     while high - low > 1e-9:

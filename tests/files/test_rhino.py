@@ -100,6 +100,7 @@ def test_a_file_without_bodies_has_no_faces(model, tmp_path):
         kilter.load(written(model, tmp_path))
 
 
+@pytest.mark.slow
 def test_two_hundred_damaged_files_give_a_sentence(model, tmp_path):
     model.Objects.AddMesh(cube(), named("low"))
     model.Objects.AddMesh(cube(z=1), named("high"))
