@@ -44,7 +44,7 @@ def read_rhino(path: Path) -> FileBodies:
     unit = str(model.Settings.ModelUnitSystem.name)
     if unit not in UNITS and unit not in ("None", "Unset"):
         raise InputError(f"the file is in {unit.lower()}", hint=f"use one of {', '.join(UNITS)}")
-    content = _Content(model)
+    content = _RhinoObjects(model)
     names, shapes = [], []
     for name, mesh, place in content.bodies():
         names.append(name)
@@ -54,7 +54,7 @@ def read_rhino(path: Path) -> FileBodies:
     )
 
 
-class _Content:
+class _RhinoObjects:
     """The objects of a Rhino file, and what is left out of them."""
 
     def __init__(self, model: Any) -> None:
