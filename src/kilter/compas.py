@@ -64,7 +64,7 @@ def solve(problem: Problem, *, shown: float = SHOWN, **options: Any) -> Results:
     model = problem.model
     answer: Verdict = check(load(problem), **options)
     blocks = [block.graphnode for block in model.elements() if block.geometry is not None]
-    nodes = sorted(blocks, key=lambda node: natural_key(str(node)))
+    nodes = sorted(blocks, key=lambda node: natural_key(str(node)))  # a floor comes last
     results = Results(model_id=str(model.guid), problem_id=str(problem.guid))
     _set_motions(results, nodes, answer, shown)
     _set_contacts(results, nodes, answer, model.graph)
@@ -83,14 +83,14 @@ def _set_motions(results: Results, nodes: list[int], answer: Verdict, shown: flo
     from compas.geometry import Transformation
 
     assembly = answer.assembly
-    screws = np.zeros((len(nodes), 6))
+    screws = np.zeros((len(assembly.parts), 6))
     if answer.verdict == "unstable":
         screws = answer.motion.screws(metres_per_unit(assembly.units))
     size = float(np.linalg.norm(np.diff(assembly.bounds, axis=0)))
     reach = np.linalg.norm(screws[:, :3], axis=1).max(initial=0.0)
     turn = np.linalg.norm(screws[:, 3:], axis=1).max(initial=0.0)
     amount = shown / max(reach / size, turn, np.finfo(float).tiny)
-    for node, screw, centre in zip(nodes, screws, assembly.geometry.center, strict=True):
+    for node, screw, centre in zip(nodes, screws, assembly.geometry.center, strict=False):
         matrix = np.eye(4)
         if screw.any():
             (turned,), (shift,) = screwed(screw, [amount])
@@ -107,6 +107,8 @@ def _set_contacts(results: Results, nodes: list[int], answer: Verdict, graph: An
         carried = dict(zip(forces.patch.tolist(), forces.patches, strict=True))
     pairs: dict[tuple[int, int], list[tuple[Array, Array, Array]]] = {}
     for k, (a, b) in enumerate(contacts.patch_parts.tolist()):
+        if max(a, b) >= len(nodes):
+            continue
         rows = slice(*contacts.patch_start[k : k + 2].tolist())
         points, force = contacts.points[rows], np.zeros((rows.stop - rows.start, 3))
         if k in carried:

@@ -166,6 +166,14 @@ def test_a_problem_brings_its_loads_as_an_object(tmp_path):
     assert solve(made).metadata["verdict"] == "unstable"
 
 
+def test_a_floor_of_kilter_is_no_block_of_the_results():
+    model = BlockModel.from_boxes([Box(1, 1, 1)])
+    results = solve(problem_of(model, mu=MU), floor=True)
+    assert results.metadata["level"] == "proved"
+    assert list(results.nodes()) == [0]
+    assert list(results.edges()) == []
+
+
 def test_a_problem_without_its_model_is_refused():
     made = compas.json_loads(compas.json_dumps(problem_of(stack(0.5), mu=MU)))
     with pytest.raises(InputError, match="the problem has no model"):

@@ -27,7 +27,7 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import RANGE_AGREES
 from kilter.arrays import Array, Index, Mask
 from kilter.errors import InputError
-from kilter.mechanics.certificate import check_forces
+from kilter.mechanics.certificate import check_forces, part_sizes
 from kilter.mechanics.clusters import clusters
 from kilter.mechanics.coulomb_cones import angles_across, pyramid, pyramid_forces
 from kilter.mechanics.forms import equilibrium, scaled_problem
@@ -41,6 +41,8 @@ ROUNDS = 6
 """Maximum number of rounds; each solves an inner and an outer program for each end."""
 MOST = 100.0
 """Largest force at a contact point for which the bounds hold [weight of the free parts]."""
+BALANCED = 1e-9
+"""Largest imbalance of a part by a squeeze, over the sum of its forces [-]."""
 ROUNDED = 1e-12
 """Smaller values count as 0 [weight of the free parts]."""
 SQUEEZED = 1e-6
@@ -79,6 +81,8 @@ class ForceRange(Record):
         """The range in words."""
         names = " - ".join(self.parts)
         low, high = self.least.value, self.greatest.value
+        if (low is None and not self.least.proved) or (high is None and not self.greatest.proved):
+            return f"{names}: no range is known"
         if low is None and high is None:
             return f"{names}: any force: a squeeze of any size is in balance"
         if high is None:
@@ -116,6 +120,12 @@ def force_ranges(
         if not of_parts.any():
             names = " and ".join(repr(program.names[part]) for part in parts)
             raise InputError(f"{names} have no contact", hint="name two parts that touch")
+        if not any(of_parts[cluster.rows].any() for cluster in parted):
+            names = " and ".join(repr(program.names[part]) for part in parts)
+            raise InputError(
+                f"the force between held parts is not determined: {names}",
+                hint="name a part that is free",
+            )
         ends, weight = [ForceEnd(value=0.0, bound=0.0, proved=True)] * 2, 0.0
         for cluster, search in zip(parted, searches, strict=True):
             rows = of_parts[cluster.rows]
@@ -269,7 +279,13 @@ class _Pyramids:
             lower=np.where(linear.lower < 0, -one, 0.0), upper=one,
         )  # fmt: skip
         answer = KeptProgram(squeeze).solve()
-        return answer.found and -squeeze.objective(answer.x) > SQUEEZED
+        if not answer.found or -squeeze.objective(answer.x) <= SQUEEZED:
+            return False
+        forces = self.problem.forces(np.clip(answer.x, squeeze.lower, squeeze.upper))
+        along, across = pyramid_forces(self.program, self.rays, forces)
+        left = part_sizes(self.program, self.program.wrenches(along, across), per_radius=True)
+        pressed = self.program.force_sums(along, across)
+        return bool((left <= BALANCED * pressed)[self.program.free].all())
 
 
 def _source_rows(program: Program, rays: Program) -> Index:

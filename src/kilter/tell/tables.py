@@ -251,7 +251,7 @@ def fastened_table(answer: Answer) -> Table:
 def ranges_table(answer: Answer) -> Table:
     """Return the table of the least and the greatest forces of pairs of parts."""
     if not answer["ranges"]:
-        return Table("No ranges of forces: no equilibrium exists.", (), (), tuple)
+        return Table("No ranges of forces: no equilibrium is known.", (), (), tuple)
 
     def end(entry: Answer, value: Answer) -> str:
         if entry["value"] is not None:

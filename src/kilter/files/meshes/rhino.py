@@ -55,7 +55,7 @@ def read_rhino(path: Path) -> FileBodies:
 
 
 class _RhinoObjects:
-    """The objects of a Rhino file, and what is left out of them."""
+    """The objects of a Rhino file; it also counts the objects that are left out."""
 
     def __init__(self, model: Any) -> None:
         self.model = model
@@ -118,7 +118,10 @@ class _RhinoObjects:
 
 
 def _meshes_of(geometry: Any, kind: str) -> list[Any] | None:
-    """The meshes of a body, None in place of a face without one; None for what is no body."""
+    """The meshes of a body; the result is None if the object is no body.
+
+    A face without a render mesh has the entry None.
+    """
     import rhino3dm
 
     if kind == "Mesh":

@@ -25,7 +25,7 @@ import shapely
 
 from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.planning.states.holds import bits_of, members
-from kilter.arrays import Array, Index, Mask, across, cross, unit_rows
+from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
 from kilter.contact.common.polygons import cut_convex
 
@@ -39,8 +39,6 @@ WELD = 1e-3
 
 SLIVER = 1e-3
 """Width up to which an overlap of two faces in projection comes from rounding [tolerances]."""
-FIRST = 200
-"""Number of pairs of faces, the lowest first, that are intersected at once; then four times it."""
 MEETS = 4.0
 """Curved faces that are less than this above other faces may meet first [distance of a triangle
 from its surface]."""
@@ -273,48 +271,28 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
     the triangles. Slivers that come from the rounding of touching outlines do not count.
     """
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
-    exits = exits[_meets_box(moving.plane[exits], still.plane[entries])]
-    entries = entries[_meets_box(still.plane[entries], moving.plane[exits])]
+    above = moving.height[exits].min(initial=np.inf)
+    entries = entries[still.height[entries].max(axis=1) >= above - tolerance]
     if not len(exits) or not len(entries):
         return np.inf, True
     below = shapely.polygons(moving.plane[exits])
     tree = shapely.STRtree(shapely.polygons(still.plane[entries]))
-    first, second = tree.query(below)
-    low = still.height.min(axis=1)[entries[second]] - moving.height.max(axis=1)[exits[first]]
-    high = still.height.max(axis=1)[entries[second]] - moving.height.min(axis=1)[exits[first]]
-    order = np.argsort(low, kind="stable")
-    order = order[high[order] >= -tolerance]
-    spare = MEETS * (moving.slack[exits].max(initial=0.0) + still.slack[entries].max(initial=0.0))
-    least, lowest, slack = np.inf, np.empty(0), np.empty(0)
-    begin, count = 0, FIRST
-    # the lowest pairs first: the others cannot be lower
-    while begin < len(order) and max(low[order[begin]], -tolerance) - spare < least:
-        rows = order[begin : begin + count]
-        shared = shapely.intersection(below[first[rows]], tree.geometries[second[rows]])
-        wide = shapely.area(shared) > SLIVER * tolerance * shapely.length(shared)
-        rows, shared = rows[wide], shared[wide]
-        begin, count = begin + count, 4 * count
-        if not len(rows):
-            continue
-        corner, owner = shapely.get_coordinates(shared, return_index=True)
-        p, q = exits[first[rows]], entries[second[rows]]
-        between = _heights(still, q[owner], corner) - _heights(moving, p[owner], corner)
-        starts = np.flatnonzero(np.diff(owner, prepend=-1))
-        ahead = np.maximum.reduceat(between, starts) >= -tolerance
-        found = np.maximum(np.minimum.reduceat(between, starts), -tolerance)[ahead]
-        lowest = np.append(lowest, found)
-        slack = np.append(slack, (moving.slack[p] + still.slack[q])[ahead])
-        least = min(least, float(found.min(initial=np.inf)))
-    may_meet = (slack > 0) & (lowest - MEETS * slack < least)
+    first, second = tree.query(below, predicate="intersects")
+    shared = shapely.intersection(below[first], tree.geometries[second])
+    first, second = exits[first], entries[second]
+    wide = shapely.area(shared) > SLIVER * tolerance * shapely.length(shared)
+    first, second, shared = first[wide], second[wide], shared[wide]
+    corner, owner = shapely.get_coordinates(shared, return_index=True)
+    if not len(corner):
+        return np.inf, True
+    between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
+    starts = np.flatnonzero(np.diff(owner, prepend=-1))
+    ahead = np.maximum.reduceat(between, starts) >= -tolerance
+    lowest = np.maximum(np.minimum.reduceat(between, starts), -tolerance)
+    least = float(lowest[ahead].min(initial=np.inf))
+    slack = moving.slack[first] + still.slack[second]
+    may_meet = ahead & (slack > 0) & (lowest - MEETS * slack < least)
     return least, not may_meet.any()
-
-
-def _meets_box(triangles: Array, others: Array) -> Mask:
-    """Mask of plane triangles, shape (n,), whose boxes meet the common box of other triangles."""
-    low, high = others.min(axis=(0, 1), initial=np.inf), others.max(axis=(0, 1), initial=-np.inf)
-    meets: Mask = (triangles.min(axis=1) <= high).all(axis=1)
-    meets &= (triangles.max(axis=1) >= low).all(axis=1)
-    return meets
 
 
 def _near_faces(
