@@ -18,7 +18,6 @@ from kilter.contact.common import facets as planar_facets
 from kilter.contact.common.broad import make_boxes, part_pairs
 from kilter.contact.common.distances import (
     TriangleTrees,
-    below,
     near_triangles,
     surface_distance,
 )
@@ -26,6 +25,7 @@ from kilter.contact.common.facets import find_facets
 from kilter.contact.common.patches import SAME_BODY
 from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.contact.kept_contacts import KeptContacts
+from kilter.contact.overlap import _farthest
 from kilter.errors import InputError
 from kilter.scenes.pieces import block, tube
 from kilter.shape.covering import FaceCover, covered
@@ -421,18 +421,17 @@ def test_a_copy_under_a_time_limit_and_in_kept_contacts(monkeypatch):
     assert len(in_time.overlaps) == 3
 
 
-def test_points_above_long_narrow_triangles_have_a_bound_at_their_exact_distance():
+@pytest.mark.parametrize("least", [0.0, 0.9, 5.0])
+def test_the_farthest_of_many_points_from_long_narrow_triangles(least):
     ends = np.linspace(0.0, 1.0, 60)
     tips = np.column_stack([ends, np.full(60, 30.0), 0 * ends])
     fan = np.stack([np.zeros((59, 3)), tips[1:], tips[:-1]], axis=1)
-    rng = np.random.default_rng(2)
-    points = rng.uniform([-1, -1, -1], [2, 31, 1], (400, 3))
-    bound, exact = below(points, fan, 1e-9), surface_distance(points, fan)
-    assert (bound >= exact).all()
-    x, y, z = points.T
-    above = (x > 0) & (x < y / 30) & (y < 30)
-    assert above.any()
-    assert np.allclose(bound[above], np.abs(z[above]), rtol=0, atol=1e-12)
+    points = np.random.default_rng(2).uniform([-1, -1, -1], [2, 31, 1], (3000, 3))
+    farthest = surface_distance(points, fan).max()
+    assert 0.9 < farthest < 5.0
+    for patch in (fan[:0], fan[:7], fan):
+        assert _farthest(points, patch, fan, least) == max(least, farthest)
+    assert _farthest(points[:0], fan, fan, least) == least
 
 
 def test_boxes_of_a_large_part_are_compared_as_those_of_small_parts(monkeypatch):

@@ -32,14 +32,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Mask, cross, distinct_rows
+from kilter.arrays import TINY, Array, Index, Mask, cross, distinct_rows, lengths, nearest
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import FREE
 from kilter.contact.common.contact_search import coincide, deep_boxes
 from kilter.contact.common.distances import (
     PartSolids,
+    TriangleTrees,
     at_most,
-    below,
     surface_distance,
 )
 from kilter.contact.common.findings import FacePatches, in_patch, is_settled
@@ -127,12 +128,8 @@ def _winding_number(points: Array, triangles: Array) -> Array:
     return winding
 
 
-FIRST = 200
-"""Points in the first batch of distances; each further batch is twice as large."""
-
-
-MOST_ABOVE = 50_000_000
-"""Largest number of pairs (point, triangle) whose heights bound the distances."""
+CELLS = 200
+"""Number of cells of the grid; the distance of a point in each is computed in each round."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -201,30 +198,48 @@ def _probes(corners: Array) -> Array:
 def _farthest(points: Array, patch: Array, surface: Array, least: float) -> float:
     """Largest distance of points from a surface; `least` if all points are nearer than that.
 
-    `patch` is a part of the surface, which bounds the distances from above.
+    `patch` is a part of the surface, which bounds the distances from above. A distance exceeds that
+    of another point by at most the distance of the two points. So each round computes the distances
+    of some points in cells of a grid, which bound those of all points around them.
     """
     if not len(points):
         return least
     bound = at_most(points, patch if len(patch) else surface)
     left = np.flatnonzero(bound > least)
-    if 0 < len(left) * len(patch) <= MOST_ABOVE:
-        bound[left] = np.minimum(bound[left], below(points[left], patch, least))
-        left = left[bound[left] > least]
-        bound[left] = surface_distance(points[left], patch, bound[left])
-    if bound.max() <= least:
+    if not len(left):
         return least
     # the nearest point of the surface is no farther than the bound
+    points, bound = points[left], bound[left]
     low, high = points.min(axis=0) - bound.max(), points.max(axis=0) + bound.max()
     near = (surface.min(axis=1) <= high).all(axis=1) & (surface.max(axis=1) >= low).all(axis=1)
-    surface = surface[near]
-    order = np.argsort(-bound, kind="stable")
-    begin, count = 0, FIRST
-    while begin < len(order) and bound[order[begin]] > least:
-        batch = order[begin : begin + count]
-        batch = batch[bound[batch] > least]
-        least = max(least, float(surface_distance(points[batch], surface, bound[batch]).max()))
-        begin, count = begin + count, 2 * count
+    trees = TriangleTrees(surface[near])
+    while len(points):
+        chosen = _highest_of_cells(points, bound, CELLS)
+        distance = trees.distance(points[chosen], bound[chosen])
+        least = max(least, float(distance.max()))
+        rest = np.delete(np.arange(len(points)), chosen)
+        points, bound, known = points[rest], bound[rest], points[chosen]
+        apart, number = nearest(known, points, 1)
+        bound = np.minimum(bound, distance[number.ravel()] + apart.ravel())
+        left = np.flatnonzero(bound > least)
+        points, bound = points[left], bound[left]
     return least
+
+
+def _highest_of_cells(points: Array, bound: Array, count: int) -> Index:
+    """The point with the largest bound in each cell of a grid of about `count` cells that are used.
+
+    All points are chosen if there are at most `count`.
+    """
+    if len(points) <= count:
+        return np.arange(len(points))
+    size = np.ptp(points, axis=0)
+    cell = max(float(size.max()) / np.sqrt(count), TINY)  # the points lie on a surface
+    number = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    order = np.argsort(-bound, kind="stable")
+    _, first = np.unique(number[order], axis=0, return_index=True)
+    chosen: Index = order[first]
+    return chosen
 
 
 def find_overlaps(
@@ -262,11 +277,11 @@ def find_overlaps(
     )
 
 
-FINER = range(1, 5)
+FINER = range(1, 6)
 """Rounds of refinement of triangles for the volume of an overlap; each halves the sides."""
-SETTLED = 0.01
-"""Relative change of the volume in a round below which the volume is extrapolated [-]. A smaller
-change takes more rounds, each of which takes about three times longer."""
+BEHIND = 0.01
+"""Volume between triangles and their surfaces, as a share of the overlap, up to which it is added
+[-]. The error of the sum is about half the square of this share."""
 MOST_FINER = 100_000
 """Largest number of triangles of two parts that are refined; each round makes up to four of one."""
 
@@ -310,27 +325,55 @@ def _thickness(geometry: Geometry, part: int) -> float:
 
 
 def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
-    """Volume that two parts share, extrapolated to exact curved surfaces [length unit^3].
+    """Volume that two parts share, within exact curved surfaces [length unit^3].
 
-    The polyhedra are inside the surfaces by the square of their sides: a round leaves a quarter of
-    the error of the volume.
+    The volume between the triangles and their surfaces is added. If it is not small, the triangles
+    are refined, which leaves a quarter of it.
     """
     slack = float(geometry.slack[list(parts)].sum())
     if not slack or not len(body.corners):
         return body.volume
     corners = body.corners.reshape(-1, 3)
     box = corners.min(axis=0) - slack, corners.max(axis=0) + slack
-    volume = body.volume
     for rounds in FINER:
+        sides = zip(parts, (body.of_first, ~body.of_first), strict=True)
+        behind = np.concatenate([_behind_surfaces(geometry, p, body.corners[x]) for p, x in sides])
+        volume = body.volume + float(behind.sum())
+        if np.abs(behind).sum() <= BEHIND * body.volume:
+            break
         solids = PartSolids(geometry, (rounds, box))
         finer = shared_body(solids, *parts)
-        if finer is None:
+        if finer is None or sum(solids.of(part).num_tri() for part in parts) > MOST_FINER:
             break
-        step, volume = finer.volume - volume, finer.volume
-        settled = rounds > FINER[0] and abs(step) <= SETTLED * volume
-        if settled or sum(solids.of(part).num_tri() for part in parts) > MOST_FINER:
-            return volume + step / 3
+        body = finer
     return volume
+
+
+def _behind_surfaces(geometry: Geometry, part: int, corners: Array) -> Array:
+    """Volumes between triangles of a part, shape (n, 3, 3), and its true surface, shape (n,).
+
+    They are positive where the surface bulges out. The distance from a surface is a quadratic
+    function on a small triangle, whose integral follows from the middles of the sides.
+    """
+    s, off = geometry.surfaces, np.zeros((len(corners), 3))
+    middles = (corners + np.roll(corners, -1, axis=1)) / 2
+    across = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    for row in np.arange(*s.start[part : part + 2]).tolist() if len(s) else ():
+        if s.kind[row] == FREE or s.doubt[row] > 0:
+            continue
+        most = float(s.sagitta[row] + geometry.accuracy[part])
+        on_surface = geometry.vertices[geometry.triangles[s.triangles_of(row)]].reshape(-1, 3)
+        near = (low <= on_surface.max(axis=0) + most) & (high >= on_surface.min(axis=0) - most)
+        chosen = np.flatnonzero(near.all(axis=1))
+        points = np.concatenate([corners[chosen], middles[chosen]], axis=1).reshape(-1, 3)
+        distance, outward = s.distance_and_outward(np.full(len(points), row), points)
+        distance, outward = distance.reshape(-1, 6), outward.reshape(-1, 6, 3)[:, 0]
+        lies = (np.abs(distance) <= most).all(axis=1)
+        lies &= np.einsum("ij,ij->i", outward, across[chosen]) > 0
+        off[chosen[lies]] = distance[lies, 3:]
+    behind: Array = -off.mean(axis=1) * lengths(across) / 2
+    return behind
 
 
 def _general_overlap(

@@ -111,9 +111,11 @@ class PairFindings:
         )
 
     def kept(self) -> KnownFindings:
-        """The findings without their search, for pairs with equal findings."""
+        """The findings about the pairs of the search, for pairs with equal findings."""
         families = {name: replace(getattr(self, name), joints=()) for name, _, _ in FAMILIES}
-        return KnownFindings(**families, overlaps=self.overlaps, near_edges=self.near_edges)
+        twice = {frozenset(pair) for pair in self.search.same_bodies.tolist()}  # not examined
+        overlaps = tuple(o for o in self.overlaps if frozenset(o.ends) not in twice)
+        return KnownFindings(**families, overlaps=overlaps, near_edges=self.near_edges)
 
     def among(self, kept: KeptPairs, search: ContactSearch) -> PairFindings:
         """The findings about some of the pairs; `search` has only these."""

@@ -60,8 +60,6 @@ FIRST_MIDDLES = 8
 """Number of middles of triangles that the first round examines for each point."""
 BATCH = 1_000_000
 """Pairs (point, triangle) computed at once; a larger value needs more memory."""
-CACHED = 100_000
-"""Pairs (point, triangle) of a product of matrices; more leave the processor's cache."""
 
 
 def surface_distance(points: Array, triangles: Array, most: Array | None = None) -> Array:
@@ -205,40 +203,6 @@ def at_most(points: Array, triangles: Array) -> Array:
     return bound
 
 
-def below(points: Array, triangles: Array, beside: float) -> Array:
-    """Distance of each point from the nearest of the triangles above which it lies, shape (n,).
-
-    It is infinite for a point above none of them. It bounds the distances from flat faces whose
-    triangles are long and narrow, where the middles of near triangles say little.
-
-    Arguments: `beside`: distance from a side up to which a point beside a triangle counts as above
-    it [length unit].
-
-    Examples
-    --------
-    >>> corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    >>> below(np.array([[0.2, 0.2, 3], [-2, 0, 0]]), corners, 1e-9)
-    array([ 3., inf])
-    """
-    middle = triangles.mean(axis=(0, 1))
-    a, b, c = (triangles - middle).transpose(1, 0, 2)
-    normal = unit_rows(cross(b - a, c - a))
-    sides = [(p, cross(normal, unit_rows(q - p))) for p, q in ((a, b), (b, c), (c, a))]
-    offset = np.where((normal != 0).any(axis=1), np.einsum("ij,ij->i", a, normal), np.inf)
-    distances = []
-    for batch in np.array_split(points, 1 + len(points) * len(triangles) // CACHED):
-        from_middle = batch - middle
-        height = np.abs(from_middle @ normal.T - offset)
-        for p, inward in sides:
-            outside = from_middle @ inward.T < np.einsum("ij,ij->i", p, inward) - beside
-            height[outside] = np.inf
-        nearest = height.argmin(axis=1)
-        off = lengths(batch - _nearest_point(batch, triangles[nearest]))
-        above = np.isfinite(height[np.arange(len(batch)), nearest])
-        distances.append(np.where(above, off, np.inf))
-    return np.concatenate(distances)
-
-
 def _nearest_point(points: Array, triangles: Array) -> Array:
     """The point of triangle k that is nearest to point k, shape (n, 3)."""
     normal = unit_rows(cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
@@ -267,8 +231,10 @@ def _projects_inside(points: Array, triangles: Array, normal: Array) -> Mask:
     return inside
 
 
-def near_triangles(first: Array, second: Array, reach: float) -> Array:
+def near_triangles(first: Array, second: Array, reach: float | Array) -> Array:
     """Middle points between the triangles of each row that are within `reach`, shape (m, 3).
+
+    `reach` [length unit] is one number, or one for each row, shape (n,).
 
     Examples
     --------
@@ -279,7 +245,7 @@ def near_triangles(first: Array, second: Array, reach: float) -> Array:
     (0, 3)
     """
     apart = _beyond_plane(first, second, reach) | _beyond_plane(second, first, reach)
-    first, second = first[~apart], second[~apart]
+    first, second, reach = first[~apart], second[~apart], np.broadcast_to(reach, len(apart))[~apart]
     off, point = _piercing_distance(first, second)
     for candidate in (
         _piercing_distance(second, first),
@@ -294,7 +260,7 @@ def near_triangles(first: Array, second: Array, reach: float) -> Array:
     return point[off <= reach]
 
 
-def _beyond_plane(first: Array, second: Array, reach: float) -> Mask:
+def _beyond_plane(first: Array, second: Array, reach: float | Array) -> Mask:
     """Mask of rows whose first triangle is beyond `reach` of the second triangle's plane."""
     normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
     height = np.einsum("nki,ni->nk", first - second[:, :1], normal)

@@ -278,8 +278,11 @@ def round_contacts(
     patched = np.column_stack([curved.patches.pair, curved.surface]).tolist()
     patched = {tuple(row) for row in patched}
     chosen = chosen[[tuple(row) not in patched for row in chosen.tolist()]]
-    for pair, i, j in chosen.tolist():
-        point = _close_triangles(geometry, pairs[pair], (i, j), float(reach[pair]))
+    for pair in np.unique(chosen[:, 0]).tolist():
+        if any(surface < 0 for _, surface in points_of_pair.get(pair, ())):
+            continue  # one point without a formula already lets any force act
+        faces = chosen[chosen[:, 0] == pair, 1:]
+        point = _close_triangles(geometry, pairs[pair], faces, float(reach[pair]))
         add_points(np.full(len(point), pair), point, np.full(len(point), -1))
     return _round_contacts_of(geometry, pairs, points_of_pair)
 
@@ -345,26 +348,29 @@ def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
 # faces without a formula: near triangles ---------------------------------------------------
 
 
-def _close_triangles(
-    geometry: Geometry, parts: Index, surfaces: tuple[int, int], tolerance: float
-) -> Array:
-    """Points, shape (n, 3), at which two triangulated faces come within the tolerance.
+def _close_triangles(geometry: Geometry, parts: Index, faces: Index, tolerance: float) -> Array:
+    """Points, shape (n, 3), at which triangulated faces of two parts come within the tolerance.
 
-    The tolerance includes the sagittas, the distances of triangles from true surfaces.
+    `faces`, shape (m, 2): a surface of each part, or -1 for its flat triangles. The tolerance
+    includes the sagittas, the distances of triangles from true surfaces.
     """
     s = geometry.surfaces
-    sides = []
-    for part, surface in zip(parts.tolist(), surfaces, strict=True):
-        if surface >= 0:
-            rows = s.triangles_of(surface)
-        else:
-            span = np.arange(geometry.triangle_start[part], geometry.triangle_start[part + 1])
-            rows = span[geometry.triangle_surface[span] < 0]
-        sides.append(geometry.vertices[geometry.triangles[rows]])
-    grow = tolerance + float(sum(s.sagitta[k] for k in surfaces if k >= 0))
+    sagitta, width = np.append(s.sagitta, 0.0), len(s) + 1
+    sides, labels = [], []
+    for part, wanted in zip(parts.tolist(), faces.T, strict=True):
+        span = slice(*geometry.triangle_start[part : part + 2].tolist())
+        label = np.maximum(geometry.triangle_surface[span], -1)
+        chosen = np.isin(label, wanted)
+        sides.append(geometry.vertices[geometry.triangles[span][chosen]])
+        labels.append(label[chosen])
     boxes = [(side.min(axis=1), side.max(axis=1)) for side in sides]
     owners = [np.zeros(len(side), dtype=np.int64) for side in sides]
+    widest = tolerance + float(sagitta[faces].sum(axis=1).max())
+    key = (faces + 1) @ [width, 1]
     blocks = [np.empty((0, 3))]
-    for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([grow])):
-        blocks.append(near_triangles(sides[0][i], sides[1][j], grow))
+    for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([widest])):
+        on = np.column_stack([labels[0][i], labels[1][j]])
+        kept = np.flatnonzero(np.isin((on + 1) @ [width, 1], key))
+        grow = tolerance + sagitta[on[kept]].sum(axis=1)
+        blocks.append(near_triangles(sides[0][i[kept]], sides[1][j[kept]], grow))
     return np.concatenate(blocks)
