@@ -10,11 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, squares, unit_rows
-from kilter.shape.shape_tolerances import CANCELLED, GRAZING
+from kilter.arrays import Array, Index, Mask, cross, lengths, ratio, unit_rows
+from kilter.shape.shape_tolerances import GRAZING
 
 BATCH = 500_000
 """Number of pairs of point and triangle that are compared at once; more need more memory."""
+DENSE = 0.05
+"""Share of these pairs above which all are compared by products of matrices [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,14 +60,15 @@ class FaceCover:
         near = self._boxes_near(points, reach + grow)
         step = max(1, BATCH // max(len(near), 1))
         for begin in range(0, len(points), step):
-            rows = slice(begin, begin + step)
-            if reach > np.ptp(points, axis=0).max() + np.ptp(self.corners, axis=(0, 1)).max():
-                point, number = self._near_lines(points[rows], normals[rows], near, grow)
-            else:
-                point, number = self._near_pairs(points[rows], near, reach, grow)
-            point += begin
-            hit = self._hits(near[number], points[point], normals[point], reach, grow)
-            inside[point[hit]] = True
+            x, n = points[begin : begin + step], normals[begin : begin + step]
+            meets = self._boxes_meet(x, near, reach, grow)
+            if np.count_nonzero(meets) > DENSE * meets.size:
+                hits = self._hits_of_all(x, n, near, reach, grow)
+                inside[begin : begin + step] = hits.any(axis=1)
+                continue
+            point, number = np.nonzero(meets)
+            hit = self._hits(near[number], x[point], n[point], reach, grow)
+            inside[begin + point[hit]] = True
         return inside
 
     def _hits(self, row: Index, x: Array, n: Array, reach: float, grow: float) -> Mask:
@@ -89,38 +92,31 @@ class FaceCover:
             meets &= (self.low[:, axis] <= high[axis]) & (self.high[:, axis] >= low[axis])
         return np.flatnonzero(meets)
 
-    def _near_pairs(
-        self, points: Array, near: Index, reach: float, grow: float
-    ) -> tuple[Index, Index]:
-        """Pairs of a point and a triangle of `near` that its line may meet, as indices."""
+    def _boxes_meet(self, points: Array, near: Index, reach: float, grow: float) -> Mask:
+        """Mask of pairs of a point and a triangle of `near` that its line may meet, by boxes."""
         margin = reach + grow + grow * self.pointed[near]
         meets = np.ones((len(points), len(near)), dtype=bool)
         for axis in range(3):
             x = points[:, axis, None]
             meets &= self.low[near, axis] - margin <= x
             meets &= self.high[near, axis] + margin >= x
-        point, number = np.nonzero(meets)
-        return point, number
+        return meets
 
-    def _near_lines(
-        self, points: Array, normals: Array, near: Index, grow: float
-    ) -> tuple[Index, Index]:
-        """Pairs of a point and a triangle of `near` whose ball its endless line may meet.
-
-        The distance of the line x + t n from the middle c of a triangle has the square |c - x|^2 -
-        ((c - x) . n)^2.
-        """
-        middle = (self.low[near] + self.high[near]) / 2
-        ball = lengths(self.high[near] - self.low[near]) / 2
-        radius = ball + grow * (1 + self.pointed[near])
-        origin = middle.mean(axis=0)
-        c, x = middle - origin, points - origin
-        square = squares(x)[:, None] + squares(c) - 2 * x @ c.T
-        along = normals @ c.T - np.einsum("ij,ij->i", x, normals)[:, None]
-        size = max(float(squares(x).max()), float(squares(c).max()))
-        off = np.sqrt(np.maximum(square - along**2, 0.0))
-        point, number = np.nonzero(off <= radius + np.sqrt(CANCELLED * size))
-        return point, number
+    def _hits_of_all(
+        self, points: Array, normals: Array, near: Index, reach: float, grow: float
+    ) -> Mask:
+        """Mask of pairs of a line and a triangle of `near` that meet, by products of matrices."""
+        upright, origin = self.upright[near], self.corners[0, near].mean(axis=0)
+        x, corners = points - origin, self.corners[:, near] - origin
+        along = normals @ upright.T
+        hit: Mask = np.abs(along) >= GRAZING
+        rise = np.einsum("ij,ij->i", corners[0], upright) - x @ upright.T
+        t = rise / np.where(hit, along, 1.0)
+        hit &= np.abs(t) <= reach + grow
+        for start, side in zip(corners, self.inward[:, near], strict=True):
+            from_side = x @ side.T + t * (normals @ side.T) - np.einsum("ij,ij->i", start, side)
+            hit &= from_side >= -grow
+        return hit
 
 
 def covered(triangles: Array, points: Array, normals: Array, reach: float, grow: float) -> Mask:

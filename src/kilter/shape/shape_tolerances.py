@@ -85,6 +85,3 @@ FIT_RANK = 1e-10
 STEP_RANK = 1e-14
 """Singular values of the normal equations of a step below this count as zero [fractions of the
 largest]."""
-CANCELLED = 1e-9
-"""Rounding of the squared distances of lines from points, which cancel, over the square of the
-size [-]."""

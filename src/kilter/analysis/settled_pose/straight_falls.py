@@ -94,6 +94,9 @@ ROUNDS = 6
 MOST_CURVED = 24
 """Largest number of curved faces of two parts whose distance in a fall is exact: each step is a
 search for contacts of both parts, which takes about .4 s for a case of 100 faces."""
+DEEP = 4.0
+"""Overlap of two parts above which their distance is not that of the exact surfaces [slacks of both
+parts]: they touch in any case."""
 UPRIGHT = 0.05
 """Least component of a contact normal along the vertical for a step [-]."""
 MOST_GROUPS = 200
@@ -143,7 +146,8 @@ def falling_distance(
         distance, exact = sweeps.heights(part, other, direction)
         if not np.isfinite(distance) or distance >= most:
             continue
-        if not exact and curved[[part, other]].sum() <= MOST_CURVED:
+        few = curved[[part, other]].sum() <= MOST_CURVED
+        if not exact and few and distance > -DEEP * spare:
             distance = _height_on_surfaces(sweeps, assembly, (part, other), distance)
         if best is None or distance < best.distance:
             best = StraightFall(distance, part, other)

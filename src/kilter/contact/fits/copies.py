@@ -15,7 +15,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.common.distances import PartSolids, surface_distance
+from kilter.contact.common.distances import PartSolids, TriangleTrees
 from kilter.contact.contact_tolerances import GAP, INSIDE, SAME_SURFACE
 from kilter.contact.overlap import shared_body
 from kilter.errors import InputError
@@ -83,7 +83,7 @@ def _repeats(geometry: Geometry, solids: PartSolids, inner: int, outer: int) -> 
     both = [inner, outer]
     near = GAP * geometry.size[both].max() + geometry.slack[both].sum()
     near += geometry.accuracy[both].sum()
-    on_inner = surface_distance(points, geometry.corners_of(inner)) <= near
+    on_inner = TriangleTrees(geometry.corners_of(inner)).within(points, near)
     if weights[on_inner].sum() <= SAME_SURFACE * weights.sum():
         return False
     body = shared_body(solids, inner, outer)

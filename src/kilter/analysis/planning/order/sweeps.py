@@ -42,6 +42,8 @@ SLIVER = 1e-3
 MEETS = 4.0
 """Curved faces that are less than this above other faces may meet first [distance of a triangle
 from its surface]."""
+FIRST_FACES = 500
+"""Pairs of faces that are compared first; each further batch is twice as large."""
 
 Direction = tuple[float, float, float]
 
@@ -268,7 +270,8 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
     """Least height from exit faces of a part to entry faces of another; infinite without any.
 
     It is exact if no pair with a curved surface may be lower, by `MEETS` times its distance from
-    the triangles. Slivers that come from the rounding of touching outlines do not count.
+    the triangles. Slivers that come from the rounding of touching outlines do not count. The pairs
+    of faces are compared in the order of the least heights at which they may meet.
     """
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     above = moving.height[exits].min(initial=np.inf)
@@ -277,22 +280,33 @@ def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[f
         return np.inf, True
     below = shapely.polygons(moving.plane[exits])
     tree = shapely.STRtree(shapely.polygons(still.plane[entries]))
-    first, second = tree.query(below, predicate="intersects")
-    shared = shapely.intersection(below[first], tree.geometries[second])
-    first, second = exits[first], entries[second]
-    wide = shapely.area(shared) > SLIVER * tolerance * shapely.length(shared)
-    first, second, shared = first[wide], second[wide], shared[wide]
-    corner, owner = shapely.get_coordinates(shared, return_index=True)
-    if not len(corner):
-        return np.inf, True
-    between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
-    starts = np.flatnonzero(np.diff(owner, prepend=-1))
-    ahead = np.maximum.reduceat(between, starts) >= -tolerance
-    lowest = np.maximum(np.minimum.reduceat(between, starts), -tolerance)
-    least = float(lowest[ahead].min(initial=np.inf))
-    slack = moving.slack[first] + still.slack[second]
-    may_meet = ahead & (slack > 0) & (lowest - MEETS * slack < least)
-    return least, not may_meet.any()
+    first, second = tree.query(below)
+    low = still.height[entries].min(axis=1)[second] - moving.height[exits].max(axis=1)[first]
+    high = still.height[entries].max(axis=1)[second] - moving.height[exits].min(axis=1)[first]
+    slack = moving.slack[exits][first] + still.slack[entries][second]
+    earliest = np.maximum(low, -tolerance) - MEETS * slack
+    order = np.argsort(earliest, kind="stable")
+    order = order[high[order] >= -tolerance]
+    least, may_meet, begin, count = np.inf, np.inf, 0, FIRST_FACES
+    while begin < len(order) and earliest[order[begin]] < least:
+        rows = order[begin : begin + count]
+        begin, count = begin + count, 2 * count
+        shared = shapely.intersection(below[first[rows]], tree.geometries[second[rows]])
+        wide = shapely.area(shared) > SLIVER * tolerance * shapely.length(shared)
+        rows, shared = rows[wide], shared[wide]
+        corner, owner = shapely.get_coordinates(shared, return_index=True)
+        if not len(corner):
+            continue
+        on_still = _heights(still, entries[second[rows]][owner], corner)
+        between = on_still - _heights(moving, exits[first[rows]][owner], corner)
+        starts = np.flatnonzero(np.diff(owner, prepend=-1))
+        ahead = np.maximum.reduceat(between, starts) >= -tolerance
+        lowest = np.maximum(np.minimum.reduceat(between, starts), -tolerance)[ahead]
+        least = min(least, float(lowest.min(initial=np.inf)))
+        curved = slack[rows][ahead] > 0
+        meets = (lowest - MEETS * slack[rows][ahead])[curved]
+        may_meet = min(may_meet, float(meets.min(initial=np.inf)))
+    return least, not may_meet < least
 
 
 def _near_faces(
