@@ -128,6 +128,8 @@ SHARE_AGREES = 1e-5
 """Largest difference of the bounds of a boundary direction along an arc, over max(share, 1) [-]."""
 RANGE_AGREES = 1e-8
 """Largest gap between both sides of an end of a range of forces [weight of the parts]."""
+OPENS_BY_MOVING = 1e-6
+"""Opening or slip of a contact that counts if supports move [largest movement of a support]."""
 LIMIT_AGREES = 2e-7
 """Largest gap between the proved bounds of a share of a load, over max(share, 1) [-]."""
 PROVED_APART = 1e-5

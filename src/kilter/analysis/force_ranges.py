@@ -20,24 +20,24 @@ greatest thrust of an arch.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import RANGE_AGREES
 from kilter.arrays import Array, Index, Mask
 from kilter.errors import InputError
-from kilter.mechanics.certificate import check_forces, part_sizes
+from kilter.mechanics.certificate import ForceProof, check_forces, part_sizes
 from kilter.mechanics.clusters import clusters
 from kilter.mechanics.coulomb_cones import angles_across, pyramid, pyramid_forces
-from kilter.mechanics.forms import equilibrium, scaled_problem
+from kilter.mechanics.forms import ScaledProblem, equilibrium, scaled_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.tell.record import InPython, Record, Vector, key
 
 EVEN = 8
 """Number of rays, and of sides, of each pyramid at even angles."""
-ROUNDS = 6
+ROUNDS = 12
 """Maximum number of rounds; each solves an inner and an outer program for each end."""
 MOST = 100.0
 """Largest force at a contact point for which the bounds hold [weight of the free parts]."""
@@ -113,7 +113,7 @@ def force_ranges(
     if program.cohesion.any() or program.pull.any():
         raise InputError("ranges of forces are not computed for bonds", hint="leave the bonds out")
     parted = clusters(program)
-    searches = [_EndSearch(cluster.program) for cluster in parted]
+    searches = [EndSearch(cluster.program) for cluster in parted]
     found = []
     for parts in about:
         of_parts = _rows_of(program, parts)
@@ -172,12 +172,19 @@ def _added(first: ForceEnd, second: ForceEnd) -> ForceEnd:
     )
 
 
-class _EndSearch:
-    """The search for ends of ranges in a cluster; programs at even angles are kept."""
+class EndSearch:
+    """The search for ends of ranges in a cluster; programs at even angles are kept.
+
+    - `forces`: the forces that attain the value of the last end, or None;
+    - `rays`, `multipliers`: pyramids whose multipliers prove its bound, or None.
+    """
 
     def __init__(self, program: Program) -> None:
         self.program = program
         self.weight = float(program.weight[program.free].sum())
+        self.forces: ForceProof | None = None
+        self.rays: ScaledProblem | None = None
+        self.multipliers = np.empty(0)
         self._kept: dict[bool, _Pyramids] = {}
 
     def end(self, gain: Array, sense: int) -> ForceEnd:
@@ -186,12 +193,17 @@ class _EndSearch:
         Arguments: `gain` (K, 3): vector of each row whose product with its force counts.
         """
         value, bound = -np.inf, np.inf
+        self.forces = self.rays = None
         guesses: list[Array] = []
         for _ in range(1 if self.program.planar else ROUNDS):
             for outer in (True, False):
-                found = self._pyramids(outer, guesses).best(sense * gain)
-                value = max(value, found.value)
-                bound = min(bound, found.bound) if outer else bound
+                pyramids = self._pyramids(outer, guesses)
+                found = pyramids.best(sense * gain)
+                if found.value > value:
+                    value, self.forces = found.value, found.forces
+                if outer and found.bound < bound:
+                    bound, self.multipliers = found.bound, found.multipliers
+                    self.rays = pyramids.problem
                 if found.large and self._pyramids(False, guesses).can_squeeze(sense * gain):
                     return ForceEnd(value=None, bound=None, proved=True)
                 if bound - value <= RANGE_AGREES * self.weight:
@@ -223,15 +235,18 @@ class _EndSearch:
 
 @dataclass(frozen=True, slots=True)
 class _Best:
-    """The optimum of a program: checked value, upper bound, forces across the contacts (K, 3).
+    """The optimum of a program: checked value, upper bound, forces, multipliers of the balance.
 
-    `large`: whether a force reaches half of the largest one of the program.
+    `across` (K, 3): forces across the contacts, None without a point; `large`: whether a force
+    reaches half of the largest one of the program.
     """
 
     value: float
     bound: float
-    across: Array | None
-    large: bool
+    across: Array | None = None
+    large: bool = False
+    forces: ForceProof | None = None
+    multipliers: Array = field(default_factory=lambda: np.empty(0))
 
 
 class _Pyramids:
@@ -259,14 +274,15 @@ class _Pyramids:
         """The greatest gain; its value is -inf if the forces leave the cones or do not balance."""
         answer = self.kept.solve(self._cost(gain))
         if not answer.found:
-            return _Best(-np.inf, np.inf, None, large=False)
+            return _Best(-np.inf, np.inf)
         along, across = pyramid_forces(self.program, self.rays, self.problem.forces(answer.x))
         proof = check_forces(self.program, along, across)
         total = proof.forces[:, None] * self.program.normal + proof.friction
         value = float(np.einsum("ki,ki->", gain, total)) if proof.holds else -np.inf
         linear = self.kept.program
         large = (np.abs(answer.x) > linear.upper / 2)[~self.limited].any()
-        return _Best(value, -linear.safe_bound(answer.multipliers), across, large=bool(large))
+        bound = -linear.safe_bound(answer.multipliers)
+        return _Best(value, bound, across, bool(large), proof, answer.multipliers)
 
     def can_squeeze(self, gain: Array) -> bool:
         """Whether forces that balance each other alone have a gain; none exceeds 1 unit."""

@@ -21,12 +21,13 @@ from kilter.cli.output import (
     write_whole,
     writes_json,
 )
-from kilter.cli.quantities import number_of
+from kilter.cli.quantities import named_numbers, number_of
 from kilter.errors import InputError, visible
 from kilter.values.declaration import argument, option
 
 if TYPE_CHECKING:
     from kilter.analysis.force_ranges import ForceRange
+    from kilter.analysis.support_movement import SupportMovement
     from kilter.analysis.verdict.verdict import Verdict
 
 
@@ -66,6 +67,17 @@ class CheckOptions:
         "normal force.",
         FORM,
     )
+    move: list[str] | None = option(
+        "--move NAME=DX,DY,DZ",
+        "A held part moves by this small vector [length unit of the file]: how the parts follow, "
+        "where they crack. Repeatable.",
+        FORM,
+    )
+    turn_support: list[str] | None = option(
+        "--turn-support NAME=AX,AY,AZ,DEG",
+        "A held part turns about its centre of mass: axis, and angle in degrees. Repeatable.",
+        FORM,
+    )
     suggest: bool = option(
         "--suggest-joints", "List the pairs that look fastened, each with the joint to add.", FORM
     )
@@ -89,13 +101,16 @@ def check(asked: Asked, options: CheckOptions) -> int:
     order for up to 20.
     """
     from kilter.contact.fits.suggestions import suggest_joints
-    from kilter.tell.tables import forces_table, ranges_table
+    from kilter.tell.tables import forces_table, movement_tables, ranges_table
     from kilter.tell.text import suggestions_text
 
     if len(options.files) > 1:
-        if asked.proof is not None or options.forces or options.between or options.suggest:
+        moved = options.move or options.turn_support
+        if asked.proof is not None or options.forces or options.between or options.suggest or moved:
             alone = (
-                "--proof" if asked.proof is not None else "--forces, --between, --suggest-joints"
+                "--proof"
+                if asked.proof is not None
+                else "--forces, --between, --move, --turn-support, --suggest-joints"
             )
             raise InputError(
                 f"{len(options.files)} files are given", hint=f"give a single file with {alone}"
@@ -111,8 +126,12 @@ def check(asked: Asked, options: CheckOptions) -> int:
     ranges = _ranges(verdict, options)
     if ranges is not None:
         answer["ranges"] = [one.to_dict() for one in ranges]
+    movement = _movement(verdict, options)
+    if movement is not None:
+        answer["movement"] = movement.to_dict()
     bricks = any(part.brick is not None for part in verdict.assembly.parts)
     tables = [] if ranges is None else [ranges_table(answer)]
+    tables += [] if movement is None else movement_tables(answer)
     tables += [forces_table(answer)] if options.forces else []
     asked.tell(answer, *tables, after=after, bricks=bricks)
     return code_of(answer)
@@ -133,6 +152,20 @@ def _ranges(verdict: Verdict, options: CheckOptions) -> tuple[ForceRange, ...] |
     if not options.forces or bonded or len(verdict.contact_set) > RANGED:
         return None
     return verdict.force_ranges(along=along)
+
+
+def _movement(verdict: Verdict, options: CheckOptions) -> SupportMovement | None:
+    """The movement of supports that the options ask for; None if they ask for none."""
+    if not options.move and not options.turn_support:
+        return None
+    moves = [named_numbers("--move", words, 3, "base=0,0,-0.01") for words in options.move or ()]
+    turns = [
+        named_numbers("--turn-support", words, 4, "base=0,1,0,0.5")
+        for words in options.turn_support or ()
+    ]
+    return verdict.support_movement(
+        {name: vector for name, *vector in moves}, {name: turn for name, *turn in turns}
+    )
 
 
 def _axis(text: str) -> list[float]:

@@ -275,6 +275,34 @@ def ranges_table(answer: Answer) -> Table:
     return Table(title, ["part", "and part", "least", "greatest"], answer["ranges"], row, True)
 
 
+def movement_tables(answer: Answer) -> list[Table]:
+    """Return the outcome of moving supports, contacts that open, and movements of parts."""
+    found, unit = answer["movement"], answer["units"]
+    low, high = (found[end]["value"] for end in ("least_work", "greatest_work"))
+    words = [found["sentence"]]
+    if low is not None and high is not None:
+        words.append(f"Work of the forces on the supports: {low:.5g} to {high:.5g} J.")
+    if found["moves"] and not found["exact"]:
+        words.append("The movement is one of a flow that opens as it slides: not exact.")
+
+    def opened(one: Answer) -> Sequence[str]:
+        names = [Name(name) for name in one["parts"]]
+        kind = "slides" if one["slides"] else "opens"
+        return *names, kind, number(one["opening"]), number(one["angle"]), vector(one["at"], 3)
+
+    def moved(one: Answer) -> Sequence[str]:
+        return Name(one["part"]), vector(one["translation"], 4), vector(one["rotation"], 4)
+
+    head = ["part", "and part", "", unit, "deg", f"at {unit}"]
+    tables = [
+        Table(" ".join(words), head if found["opened"] else (), found["opened"], opened, True)
+    ]
+    if found["moves"]:
+        head = ["part", f"moves by {unit}", "turns by deg"]
+        tables.append(Table("Movements, the largest first:", head, found["moves"], moved, True))
+    return tables
+
+
 def forces_table(answer: Answer) -> Table:
     """Return the table of contact forces of one equilibrium, the largest first."""
     forces = answer["forces"]

@@ -34,6 +34,7 @@ from kilter.analysis.decision.motion import (
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
 from kilter.analysis.force_ranges import ForceRange, force_ranges, pressed_pairs
+from kilter.analysis.support_movement import SupportMovement, support_movement
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -55,6 +56,7 @@ from kilter.assembly.supported_answer import SupportedAnswer
 from kilter.contact import ContactSet
 from kilter.contact.common.distances import LonePart
 from kilter.contact.common.patches import UnsupportedContact
+from kilter.errors import InputError
 from kilter.hooks import hook
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL, TOLERANCE
@@ -76,6 +78,7 @@ from kilter.tell.words import (
 )
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
+from kilter.validate import finite
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -114,6 +117,8 @@ class Verdict(InCells, SupportedAnswer):
     """Pairs that look fastened; of the option --suggest-joints."""
     ranges: OrAbsent[tuple[ForceRange, ...]] = None
     """Least and greatest forces; of the options --forces and --between."""
+    movement: OrAbsent[SupportMovement] = None
+    """How the parts follow moving supports; of the options --move and --turn-support."""
     own_sentence: InPython[str]
     """The verdict in words, without the assumptions and the ladder."""
     drawn: InPython[Assembly | None] = None
@@ -598,6 +603,52 @@ class Verdict(InCells, SupportedAnswer):
             named = [(one,) if isinstance(one, str) else tuple(one) for one in between]
             pairs = [tuple(self.assembly.index_of(name) for name in names) for names in named]
         return sealed(tuple(force_ranges(program, pairs, axis)))
+
+    @on_one_thread
+    def support_movement(
+        self,
+        moved: Mapping[str, Any] = MappingProxyType({}),
+        turned: Mapping[str, Any] = MappingProxyType({}),
+    ) -> SupportMovement:
+        """How the parts follow small movements of held parts, to first order.
+
+        Parameters
+        ----------
+        moved : mapping of str to array_like, shape (3,), optional
+            Movement of each held part that moves [length unit], world frame.
+        turned : mapping of str to array_like, shape (4,), optional
+            Axis, world frame, and angle [deg] by which a held part turns about its centre of mass.
+
+        Returns
+        -------
+        SupportMovement
+            Movements of the parts, contacts that open, and the work of the contact forces on the
+            supports. The outcome is "falls" if no contact forces balance the assembly.
+
+        Raises
+        ------
+        InputError
+            If a part is unknown or not held, a movement is larger than a tenth of the size of the
+            parts on it, or contacts are bonded.
+        """
+        twist = np.zeros((len(self.assembly.parts), 6))
+        for name, vector in moved.items():
+            twist[self._held(name), :3] = finite(vector, (3,), name)
+        for name, turn in turned.items():
+            *axis, angle = finite(turn, (4,), name)
+            twist[self._held(name), 3:] = np.radians(angle) * unit(axis)
+        program = build_program(self.assembly, self.contact_set)  # `program` may lack friction
+        return sealed(support_movement(program, twist, balanced=self.level is not None))
+
+    def _held(self, name: str) -> int:
+        """Index of a part that has to be held."""
+        k = self.assembly.index_of(name)
+        if not self.assembly.parts[k].grounded:
+            held = [part.name for part in self.assembly.parts if part.grounded]
+            raise InputError(
+                f"{name!r} is not held", hint=f"move a held part: {', '.join(held[:5])}"
+            )
+        return k
 
     @cached_property
     @key
