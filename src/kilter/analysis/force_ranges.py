@@ -209,7 +209,8 @@ class EndSearch:
                 if bound - value <= RANGE_AGREES * self.weight:
                     break
                 if found.across is not None and not self.program.planar:
-                    guesses.append(angles_across(self.program, found.across))
+                    entering = pyramids.entering(sense * gain, found.multipliers)
+                    guesses += [angles_across(self.program, x) for x in (found.across, entering)]
             if bound - value <= RANGE_AGREES * self.weight:
                 break
         if not np.isfinite(value):
@@ -283,6 +284,15 @@ class _Pyramids:
         large = (np.abs(answer.x) > linear.upper / 2)[~self.limited].any()
         bound = -linear.safe_bound(answer.multipliers)
         return _Best(value, bound, across, bool(large), proof, answer.multipliers)
+
+    def entering(self, gain: Array, multipliers: Array) -> Array:
+        """Direction across each contact along which a force would gain most, shape (K, 3)."""
+        motion = self.problem.motion(self.problem.over_weight(multipliers))
+        along = np.einsum("ki,ki->k", gain, self.program.normal)
+        across = gain - along[:, None] * self.program.normal
+        rows = np.arange(len(gain))
+        entering: Array = across + self.program.slips(motion, rows)
+        return entering
 
     def can_squeeze(self, gain: Array) -> bool:
         """Whether forces that balance each other alone have a gain; none exceeds 1 unit."""
