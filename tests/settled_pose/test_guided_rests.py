@@ -106,7 +106,9 @@ def test_a_flap_on_a_sprung_hinge_hangs_where_the_torques_agree():
     assert 3.0 * angle == pytest.approx(9.81 * 0.2 * np.cos(angle), abs=1e-8)
 
 
-@pytest.mark.parametrize(("angle", "count"), [(45, 1), (90, 1), (170, 1), (90, 2)])
+@pytest.mark.parametrize(
+    ("angle", "count"), [(45, 1), (90, 1), (170, 1), (30, 2), (45, 2), (90, 2)]
+)
 def test_bars_on_free_hinges_hang_straight_down(angle, count):
     """Bars with hinges .1 beyond their ends, a second one below the first, drawn in a line."""
     turn = np.radians(angle)

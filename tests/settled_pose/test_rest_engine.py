@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Joint, Mesh, Part, Pose, settle
+from kilter import Assembly, Box, Cylinder, Joint, Load, Mesh, Part, Pose, settle
+from kilter.analysis.settled_pose import rest_engine
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.closing_motion import sunk_depths
 from kilter.analysis.settled_pose.descent import Descent
@@ -193,6 +194,54 @@ def test_the_engine_searches_again_if_the_verification_refuses_the_least_motion(
 
 
 # groups -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tilt", [8.0, 12.0, 20.0])
+def test_a_jammed_rod_turns_little_more_than_it_must(tilt):
+    """A rod of 100 mm between walls 88 mm apart turns until it fits; it was turned by 177 deg."""
+    walls = [Part(f"wall {s}", Box([0.02, 0.2, 0.4]), [s * 0.054, 0, 0], grounded=True)
+             for s in (-1, 1)]  # fmt: skip
+    turn = Rotation.from_euler("y", tilt, degrees=True).as_quat(scalar_first=True)
+    rod = Part("rod", Box([0.1, 0.05, 0.01]), Pose([0, 0, 0], turn))
+    [way] = settle(Assembly([*walls, rod])).ways[2]
+    diagonal = np.hypot(0.1, 0.01)
+    needed = np.degrees(np.arccos(0.088 / diagonal) + np.arctan(0.1)) - tilt
+    assert way.how == "pushed-out"
+    assert needed <= way.angle_deg <= 1.25 * needed
+
+
+# steps without a descent ------------------------------------------------------------------------
+
+
+def cube_on_floor(*loads: Load) -> tuple[rest_engine._State, rest_engine._Last]:
+    """A cube that rests on the floor and counts as moving, and its last step."""
+    drawn = Assembly([FLOOR, Part("cube", Box([0.1, 0.1, 0.1]), [0, 0, 0.05])], loads=loads)
+    bodies = rigid_bodies(drawn, ())
+    state = rest_engine._begin(bodies, kilter.contacts(drawn), lambda stage: None)
+    last = rest_engine._Last(bodies, np.array([-1, 1]), state.stride, np.zeros(2), np.zeros(2))
+    return state, last
+
+
+def test_a_step_that_is_taken_back_is_no_descent():
+    state, last = cube_on_floor()
+    state.bodies = state.bodies.moved(np.array([[0.0] * 6, [0, 0, -0.01, 0, 0, 0]]))
+    points = rest_engine._points(state, 1e-3)
+    lowest = np.array([0.0, 0.01])
+    assert rest_engine._taken_back(state, last, points, lowest)
+    assert state.bodies.center[1] == pytest.approx([0, 0, 0.05])
+    assert lowest.tolist() == [0.0, 0.0]
+    assert not rest_engine._taken_back(state, last, rest_engine._points(state, 1e-3), lowest)
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+@pytest.mark.parametrize("steps", [rest_engine.STANDS, rest_engine.STANDS + 1])
+def test_a_body_without_a_load_stands_still_after_some_steps_without_a_descent(loaded, steps):
+    """The first step sets the height, from which no further one descends."""
+    state, last = cube_on_floor(*[Load("cube", force=[1, 0, 0])][:loaded])
+    lowest, stalled = np.full(2, -np.inf), np.zeros(2, dtype=np.int64)
+    for _ in range(steps):
+        rest_engine._count_stalls(state, last.island, lowest, stalled)
+    assert state.asleep[1] == (steps > rest_engine.STANDS and not loaded)
 
 
 @pytest.mark.slow

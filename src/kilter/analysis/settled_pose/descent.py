@@ -161,6 +161,12 @@ class Descent:
             return None
         return self._expanded(motion * scale)
 
+    def closing(self, times: Array, rough: Mask) -> Array | None:
+        """The part of a step that closes the joints, which has no loads; arguments as of `step`."""
+        if not len(self.drift):
+            return np.zeros((len(self.bodies.mass), 6))
+        return replace(self, load=np.zeros(len(self.load))).step(times, rough)
+
     def without_friction(
         self, times: Array, rough: Mask, smooth: Mask
     ) -> tuple[Array, Mask] | None:

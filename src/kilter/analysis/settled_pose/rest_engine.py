@@ -49,6 +49,10 @@ Tell = Callable[[str], None]
 
 PUSHES = 30
 """Largest number of rounds that open overlaps."""
+OPENED, STUCK, SHORTEST_PUSH = 0.25, 0.9, 1 / 64
+"""Share of the expected opening below which the next steps are shorter, remaining share of an
+overlap from which no motion opens it, and part of a step that is taken though it opens nothing [-].
+"""
 ROUNDS = 400
 """Largest number of steps."""
 SLIDES = 16
@@ -278,9 +282,12 @@ def _begin(bodies: RigidBodies, contacts: ContactSet, tell: Tell) -> _State:
     )  # fmt: skip
 
 
-def _points(state: _State, reach: float | Array) -> NearPoints:
-    """Points near contact between different bodies; `reach` [length unit] of all, or each (B,)."""
-    points = state.candidates.near(state.bodies, reach)
+def _points(state: _State, reach: float | Array, bodies: RigidBodies | None = None) -> NearPoints:
+    """Points near contact between different bodies; `reach` [length unit] of all, or each (B,).
+
+    `bodies`: those in another pose than that of the state.
+    """
+    points = state.candidates.near(bodies or state.bodies, reach)
     if state.grip < 1.0:
         points = replace(points, mu=state.grip * points.mu)
     gone, moves = (mask[state.bodies.of_part] for mask in (state.gone, state.bodies.moves))
@@ -317,35 +324,49 @@ def _close_sunk_groups(state: _State) -> None:
 def _open_overlaps(state: _State, *, upright: bool = False) -> None:
     """Open overlaps by the least motion; bodies whose overlaps nothing opens stay in place.
 
-    `upright`: whether bodies shift rather than turn, as they do within a limited way.
+    `upright`: whether bodies shift rather than turn, as they do within a limited way. A step that
+    opens less than a linear motion would is followed by shorter ones: a long turn of a jammed body
+    may lead it deeper into its neighbours.
     """
     deepest = max((o.depth for o in state.contacts.overlaps), default=0.0)
     reach = max(1.5 * deepest, 1e-3 * state.length)
     limited = bool(np.isfinite(state.limit).any())
     if limited:  # deeper overlaps would move bodies beyond their limits
         reach = min(reach, float(state.limit[np.isfinite(state.limit)].max()))
-    pushes = 0
+    pushes, longest, points = 0, reach, _points(state, reach)
     while pushes < PUSHES:
         stop_if_late()
-        points = _points(state, reach)
         bodies = state.bodies
         programs = RestPrograms.of(bodies, points, state.length, state.weight, inertia=bodies.mass)
         deep = -float(programs.gap.min(initial=0.0)) * state.length
         if deep <= 5 * state.closed:  # half of what counts as closed
             return
         state.tell(f"overlaps: {number(deep)}")
-        apart = programs.push_apart(upright=upright or limited)
+        left, apart = 0.0, programs.push_apart(upright=upright or limited)
         if apart is None:
-            depth, forces = programs.least_overlap()
-            if depth * state.length <= 10 * state.closed:
-                return
-            _stay(state, programs, depth * state.length, forces)
-            continue
+            least, forces, apart = programs.least_overlap()
+            left = least * state.length
+            if left > STUCK * deep:
+                if deep <= 10 * state.closed:
+                    return
+                _stay(state, programs, left, forces)
+                points = _points(state, reach)
+                continue
         pushes += 1
-        step = programs.steps(apart, state.bodies)
-        state.move(step, "pushed-out")
-        far = float(state.bodies.travel(step).max(initial=0.0))
-        reach = max(min(reach, 4 * far), 1e-4 * state.length)
+        step = programs.steps(apart, bodies)
+        far = float(bodies.travel(step).max(initial=0.0))
+        share = min(longest / max(far, 1e-300), 1.0)
+        step, far = share * step, share * far
+        wide = max(min(reach, 4 * far), 1e-4 * state.length)
+        after = _points(state, wide, bodies.screwed(step))
+        opened = (deep + float(after.gap.min(initial=0.0))) / (share * (deep - left))
+        if opened < OPENED:
+            longest = far / 4
+        elif opened > 1 - OPENED:
+            longest *= 2
+        if opened > 0 or share < SHORTEST_PUSH:
+            state.move(step, "pushed-out")
+            points, reach = after, wide
 
 
 def _stay(state: _State, programs: RestPrograms, depth: float, forces: Array) -> None:
@@ -558,6 +579,8 @@ class _Last:
     """Island and stride of each body, shape (B,)."""
     deep: Array
     """Deepest overlap of the island of each body before it [length unit], shape (B,)."""
+    lowest: Array
+    """Lowest place of the island of each body until then, as of `_count_stalls`, shape (B,)."""
 
 
 def _settle_down(state: _State) -> bool:
@@ -574,7 +597,7 @@ def _settle_down(state: _State) -> bool:
         points, island = _awake_points(state)
         if state.rounds % SLIDES == 0:
             _slide_away(state, points)
-        if last is not None and _taken_back(state, last, points):
+        if last is not None and _taken_back(state, last, points, lowest):
             points, island = _awake_points(state)
         floats = _floating_groups(state, points, _widest(state, points, _reach(state)) / 4)
         if state.rounds >= state.falls_from and floats.any():
@@ -594,7 +617,8 @@ def _settle_down(state: _State) -> bool:
             state.stride[island >= 0] /= 4
             state.asleep |= (island >= 0) & (state.stride < SHORTEST * state.length)
             continue
-        last = _Last(state.bodies, island, stride, _deepest(state, island, points))
+        deep = _deepest(state, island, points)
+        last = _Last(state.bodies, island, stride, deep, lowest.copy())
         _advance(state, island, stride, step)
         _count_stalls(state, island, lowest, stalled)
         rocks = (stalled > 0) & (stalled % STALLS == 0) & (last.deep > 10 * state.closed)
@@ -634,7 +658,8 @@ def _balance(state: _State) -> None:
     """Move resting bodies on joints and round bodies until their loads are balanced.
 
     Contacts may be open by rounding, but a force of a spring and the moment of a weight about a
-    hinge, or a point on which a body rolls, have no such tolerance.
+    hinge, or a point on which a body rolls, have no such tolerance. A joint is closed completely in
+    each step, of which only a share may balance the loads.
     """
     bodies, asleep = state.bodies, state.asleep & state.bodies.moves & ~state.gone
     sprung = np.zeros(len(asleep), dtype=bool)
@@ -651,9 +676,12 @@ def _balance(state: _State) -> None:
         island = _islands(state, points, chosen)
         program = Descent.of(state.bodies, points, island >= 0, state.length, state.weight)
         light = replace(program, inertia=LIGHT * program.inertia)
-        step = light.step(np.full(len(sprung), BALANCE_STRIDE), np.ones(len(points), dtype=bool))
-        if step is None:
+        times, rough = np.full(len(sprung), BALANCE_STRIDE), np.ones(len(points), dtype=bool)
+        step = light.step(times, rough)
+        closing = light.closing(times, rough)
+        if step is None or closing is None:
             break
+        step = step - closing
         far = _most_of_island(island, state.bodies.travel(step)) / state.length
         bodies, least = bodies.where(far >= least, state.bodies), np.minimum(far, least)
         springs = _most_of_island(island, sprung) > 0
@@ -664,7 +692,7 @@ def _balance(state: _State) -> None:
         goes_on, before = _most_of_island(island, chosen) > 0, step
         if not goes_on.any():
             break
-        state.bodies = state.bodies.screwed(np.where(goes_on, share, 0.0)[:, None] * step)
+        state.bodies = state.bodies.screwed(closing + np.where(goes_on, share, 0.0)[:, None] * step)
     state.bodies = bodies
 
 
@@ -675,7 +703,7 @@ def _most_of_island(island: Index, values: Array | Mask) -> Array:
     return np.where(island >= 0, most[island], 0.0)
 
 
-def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
+def _taken_back(state: _State, last: _Last, points: NearPoints, lowest: Array) -> bool:
     """Take the last step back for islands that it led into an overlap; whether there are any."""
     size = state.bodies.size
     deep = _deepest(state, last.island, points)
@@ -685,6 +713,7 @@ def _taken_back(state: _State, last: _Last, points: NearPoints) -> bool:
     if not bad.any():
         return False
     state.bodies = state.bodies.where(~bad, last.bodies)
+    lowest[bad] = last.lowest[bad]
     state.stride = np.where(bad, last.stride / 4, state.stride)
     state.asleep |= bad & (state.stride < SHORTEST * state.length)
     return True

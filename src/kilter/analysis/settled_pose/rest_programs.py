@@ -142,15 +142,15 @@ class RestPrograms:
         step = self._step(weights, np.zeros(len(self.columns)), self.gap / deep, deep)
         return None if step is None else deep * step
 
-    def least_overlap(self) -> tuple[float, Array]:
-        """Least depth of overlap that small motions leave, and the force that each point needs.
+    def least_overlap(self) -> tuple[float, Array, Array]:
+        """Least depth of overlap that small motions leave, forces at the points, and the motion.
 
         The forces, shape (K,), are a certificate: they press against each other in balance.
         """
         deep = float(-self.gap.min(initial=0.0))
         count, rows = len(self.columns), len(self.gap)
         if deep == 0.0 or not count:
-            return deep, (self.gap <= -deep).astype(np.float64)
+            return deep, (self.gap <= -deep).astype(np.float64), np.zeros(count)
         matrix = block_array(
             [
                 [self._joints(), csc_array((len(self.drift), 1))],
@@ -171,9 +171,9 @@ class RestPrograms:
         )
         answer = solve_conic(program)
         if not answer.found:
-            return deep, np.zeros(rows)
+            return deep, np.zeros(rows), np.zeros(count)
         forces = answer.multipliers[len(self.drift) : len(self.drift) + rows]
-        return deep * float(answer.x[-1]), np.maximum(forces, 0.0)
+        return deep * float(answer.x[-1]), np.maximum(forces, 0.0), deep * answer.x[:-1]
 
     def carry(self, cost: Array, allowed: Mask) -> tuple[Array, Array]:
         """Normal forces that carry the load at the least cost, and the imbalance they leave.

@@ -193,7 +193,7 @@ def _round(
     else:
         apart = programs.push_apart()
         if apart is None:
-            depth, forces = programs.least_overlap()
+            depth, forces, _ = programs.least_overlap()
             if depth > state.accepted:
                 return _does_not_fit(bodies, programs, depth, forces, rounds)
             if depth > state.closed:
