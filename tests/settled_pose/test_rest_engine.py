@@ -8,10 +8,11 @@ from scipy.spatial.transform import Rotation
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Joint, Load, Mesh, Part, Pose, settle
-from kilter.analysis.settled_pose import rest_engine
+from kilter.analysis.settled_pose import closing_motion, rest_engine
 from kilter.analysis.settled_pose.candidate_points import CandidatePoints
 from kilter.analysis.settled_pose.closing_motion import sunk_depths
 from kilter.analysis.settled_pose.descent import Descent
+from kilter.analysis.settled_pose.rest_search import SearchResult
 from kilter.analysis.settled_pose.rigid_bodies import rigid_bodies
 from kilter.shape.primitives import hull_surface
 
@@ -136,6 +137,22 @@ def test_a_light_plate_moves_at_most_three_times_its_sunk_depth():
     assert answer.at_rest
     assert answer.distance[1] <= 3 * low
     assert answer.movement[[1, 3], 0] @ [-1, 1] == pytest.approx(deep, abs=1e-8)
+
+
+@pytest.mark.parametrize(("many", "searches"), [(2, 2), (1, 1)])
+def test_the_least_motion_of_many_bodies_is_not_repeated(many, searches, monkeypatch):
+    """The search moves the only body by more than three times its depth, so it is repeated."""
+    bodies = rigid_bodies(Assembly([FLOOR, Part("cube", Box([0.1, 0.1, 0.1]), [0, 0, 0.05])]), ())
+    found = []
+
+    def far(bodies, **asked):
+        found.append(asked["inertia"])
+        return SearchResult("at-rest", bodies.moved(np.array([[0.0] * 6, [1e-3] + [0.0] * 5])), 1)
+
+    monkeypatch.setattr(closing_motion, "MANY", many)
+    monkeypatch.setattr(closing_motion, "search_rest", far)
+    closing_motion.least_motion(bodies, 1e-2, CandidatePoints.of(bodies).near, np.array([0, 1e-4]))
+    assert len(found) == searches
 
 
 def test_sunk_depths_are_summed_down_to_the_ground():

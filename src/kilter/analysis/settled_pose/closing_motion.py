@@ -30,6 +30,8 @@ FAR = 3.0
 """Movement of a body over its sunk depth up to which the least motion is not repeated [-]."""
 REPEATS, EASIER = 3, 0.3
 """Largest number of repetitions, and least share of `FAR` by which the inertia changes [-]."""
+MANY = 100
+"""Number of bodies from which a least motion is not repeated: it takes as long as all the rest."""
 
 
 def least_motion(
@@ -42,7 +44,8 @@ def least_motion(
 
     Arguments: `depth` (B,): sunk depths of the bodies [length unit]. The deeper bodies move more: a
     body on the floor stays where it is although others press against its sides. If a body moves by
-    more than `FAR` times its depth, the search is repeated with a larger inertia of this body.
+    more than `FAR` times its depth, the search is repeated with a larger inertia of this body,
+    unless the bodies are `MANY`.
     """
 
     def around(moved: RigidBodies, widest: float) -> NearPoints:
@@ -62,7 +65,7 @@ def least_motion(
     inertia = bodies.mass * (usual / depth) ** 2
     best, least = search(inertia), np.inf
     result = best
-    for _ in range(REPEATS):
+    for _ in range(REPEATS if bodies.moves.sum() < MANY else 0):
         shift = np.linalg.norm(result.bodies.center - bodies.center, axis=1)
         share = np.where(bodies.moves, shift / (FAR * depth), 0.0)
         if result.state != "at-rest" or share.max() >= least:
