@@ -105,13 +105,12 @@ def test_held_bodies_come_first_and_have_no_tilt():
     assert [(body.name, body.on_floor) for body in bodies(hung)] == [("cube", True), ("far", False)]
 
 
-def test_two_bodies_on_a_floor_are_not_one_body_and_have_no_tilt():
-    heavy, light = block("heavy", [0, 0, 0], [2, 2, 2]), block("light", [3, 0, 0], [4, 1, 1])
+def test_two_bodies_on_a_floor_are_not_one_body_and_each_has_its_tilt():
+    heavy, light = block("heavy", [0, 0, 0], [2, 2, 2]), block("light", [3, 0, 0], [4, 1, 0.5])
     found = bodies(Assembly([light, heavy]).with_floor())
-    assert [(body.name, body.on_floor, body.tilt_deg) for body in found] == [
-        ("heavy", True, None),
-        ("light", True, None),
-    ]
+    assert [(body.name, body.on_floor) for body in found] == [("heavy", True), ("light", True)]
+    tilts = [45.0, math.degrees(math.atan(2))]
+    assert [body.tilt_deg for body in found] == pytest.approx(tilts, abs=1e-9)
 
 
 def keypad() -> Assembly:
@@ -181,18 +180,18 @@ def test_the_answer_of_contacts_lists_the_bodies_in_words_and_data():
     assert [body["name"] for body in answer["bodies"]][:2] == ["board", "span"]
     assert found.bodies[2].to_dict() == answer["bodies"][2]
     text = text_of(answer)
-    tips = f"board (1 part, tips at {found.bodies[0].tilt_deg:.3g} deg)"
-    assert f"Bodies of parts that touch or overlap: 7. On a floor or held: {tips}.\n" in text
-    assert "6 loose bodies: span (" in text
-    assert "LED_* (5 bodies, 0.035 mm above board)." in text
+    assert "Bodies of parts that touch or overlap: 7, of which 6 are loose.\n" in text
+    tips = f"tips at {found.bodies[0].tilt_deg:.3g} deg"
+    assert f"board (1 part): on a floor or held, {tips}\n" in text
+    assert "LED_* (5 bodies): 0.035 mm above board\n" in text
     assert "falls 2 mm onto board" in text
 
 
 def test_without_a_floor_all_bodies_but_the_heaviest_are_loose():
     parts = keypad().without("floor")
     text = text_of(contacts(parts).to_dict())
-    assert "The heaviest: board (1 part)." in text
-    assert "6 loose bodies: " in text
+    assert "board (1 part): the heaviest\n" in text
+    assert "of which 6 are loose" in text
     [cube] = contacts(Assembly([block("cube", [0, 0, 0], [1, 1, 1])])).bodies
     assert (cube.on_floor, cube.nearest, cube.tilt_deg) == (False, None, None)
 
@@ -296,6 +295,36 @@ def test_a_board_on_two_screws_at_one_end_tips_and_rests_on_its_far_edge():
     assert body.tilt_deg == 0.0
     assert body.rest_deg == pytest.approx(math.degrees(math.atan(0.002 / (0.24 - 0.005))), abs=1e-9)
     assert body.rests_on == ("board", "screw_0", "screw_1")
+
+
+def test_bodies_beside_each_other_tip_or_stand_by_themselves():
+    tipping, standing = board_on_two_screws(), board_on_two_screws(far=0.13)
+    aside = [
+        replace(part, name=f"far {part.name}", pose=Pose(part.pose.position + [1, 0, 0]))
+        for part in standing.without("floor").parts
+    ]
+    assembly = Assembly([*tipping.without("floor").parts, *aside]).with_floor()
+    found = {body.name: body for body in bodies(assembly)}
+    [alone], [still] = bodies(tipping), bodies(standing)
+    assert found["board"].rest_deg == pytest.approx(alone.rest_deg, abs=1e-9)
+    assert (found["board"].tilt_deg, found["board"].rests_on) == (0.0, alone.rests_on)
+    assert found["far board"].tilt_deg == pytest.approx(still.tilt_deg, abs=1e-9)
+    assert found["far board"].rest_deg is None
+
+
+@pytest.mark.parametrize("high", [0.05, 0.0])
+def test_a_body_above_a_floor_falls_and_then_tips_like_one_on_it(high):
+    lifted = [
+        replace(part, pose=Pose(part.pose.position + [0, 0, high]))
+        for part in board_on_two_screws().without("floor").parts
+    ]
+    post = block("post", [1, 0, 0], [1.1, 0.1, 0.1])
+    found = {body.name: body for body in bodies(Assembly([*lifted, post]).with_floor(0.0))}
+    [alone] = bodies(board_on_two_screws())
+    assert (found["board"].on_floor, found["board"].rests_on) == (high == 0, alone.rests_on)
+    assert found["board"].rest_deg == pytest.approx(alone.rest_deg, abs=1e-9)
+    if high:
+        assert (found["board"].below, found["board"].fall) == ("floor", pytest.approx(high))
 
 
 def test_a_board_on_screws_below_its_middle_stands():

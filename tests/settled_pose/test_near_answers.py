@@ -12,7 +12,7 @@ import kilter
 from kilter import Assembly, Box, Cylinder, FrictionPair, Mesh, Part, Pose
 from kilter.files.robots.one_body import one_body
 from kilter.rigid import rotation_between
-from kilter.scenes.pieces import block, floor, moved, turn
+from kilter.scenes.pieces import block, floor, moved, prism, turn
 from kilter.shape.primitives import hull_surface
 
 TABLE = Part("table", Box(4, 4, 1), [0, 0, -0.5], grounded=True)
@@ -81,6 +81,17 @@ def test_a_compound_rests_on_the_exact_rim_of_a_member():
     answer = kilter.settle(Assembly([TABLE, cup], friction=0.5), require="equilibrium")
     assert answer.state == "at-rest"
     assert answer.movement[1] == pytest.approx([0, 0, 1e-5, 0, 0, 0], abs=1e-9)
+
+
+@pytest.mark.parametrize("width", [0.0, 1e-6, 1e-5])
+@pytest.mark.parametrize(("place", "rests"), [(0.079, True), (0.03, False)])
+def test_a_plate_rests_on_a_ridge_of_any_width_beyond_its_centre(width, place, rests):
+    """A strip of 1e-6 is too thin for faces that overlap, and too wide for an edge."""
+    ridge = [(place - 1e-3, 2e-4), (place, 0), (place + width, 0), (place + 1e-3, 2e-3)]
+    profile = [(0, 0), *ridge, (0.081, 2e-3), (0.081, 0.01), (0, 0.01)]
+    answer = kilter.settle(Assembly([prism("plate", profile, 0.03)]).with_floor())
+    assert (answer.state, answer.level) == ("at-rest", "proved")
+    assert bool(answer.distance.max() < 1e-9) is rests
 
 
 @pytest.mark.parametrize("sunk", [0.0, 1e-5])

@@ -66,13 +66,14 @@ class Body(Record):
     on_floor: bool
     """Whether the body touches a floor, a table or a part that is held."""
     tilt_deg: float | None = None
-    """Tilt at which the body tips over [deg]; 0 if it tips as it stands. Null unless it is the only
-    body on a floor, without a held part, and its contacts with the floor are modelled."""
+    """Tilt at which the body tips over [deg]; 0 if it tips as it stands. Null unless it is on a
+    floor, without a held part, and its contacts with the floor are modelled."""
     tilt_down: Vector | None = None
     """Direction of gravity at this tilt [-]; null without a tilt."""
     rest_deg: float | None = None
-    """Angle by which a body that tips as it stands tips over until it rests on its triangles [deg];
-    else null."""
+    """Angle by which a body tips over on the floor until it rests on its triangles, as if no other
+    body were there [deg]; null if it stands, and for a loose body that does not fall onto a floor.
+    """
     rests_on: tuple[str, ...] = ()
     """Its parts that touch the floor then."""
     nearest: str | None = None
@@ -83,4 +84,4 @@ class Body(Record):
     """Part or floor onto which the body falls straight down; null if it is on the floor, or if
     nothing is below it."""
     fall: float | None = None
-    """Way of this fall [length unit]."""
+    """Way of this fall [length unit]; 0 if both touch in a way that is not modelled."""

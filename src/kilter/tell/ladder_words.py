@@ -156,8 +156,12 @@ lid, pin).'
         falls = fall_words(top or drawn)
         return f"{begin} as drawn; unstable on every other assumption: {falls}.{then}"
     if top is None or top["falls"] >= drawn["falls"]:
-        return f"{begin} as drawn and on every other assumption: {fall_words(drawn)}."
-    return f"{begin}: {fall_words(top)}, even {condition(top)} (as drawn {fall_words(drawn)})."
+        then = f" Joined: {words}." if words else ""
+        return f"{begin} as drawn and on every other assumption: {fall_words(drawn)}.{then}"
+    then = f" Joined: {words}." if words and top["assume"] == JOINED else ""
+    return (
+        f"{begin}: {fall_words(top)}, even {condition(top)} (as drawn {fall_words(drawn)}).{then}"
+    )
 
 
 def fall_words(row: Row) -> str:

@@ -20,7 +20,11 @@ from kilter.analysis.analysis_tolerances import ALONG
 from kilter.analysis.assumptions.joining import adjoining, body_labels, tables
 from kilter.analysis.assumptions.tipping_over import rest_after_tipping
 from kilter.analysis.planning.order.sweeps import Sweeps
-from kilter.analysis.settled_pose.straight_falls import StraightFall, falling_distance
+from kilter.analysis.settled_pose.straight_falls import (
+    StraightFall,
+    falling_distance,
+    touching_gap,
+)
 from kilter.arrays import Array, Index, Mask, across, cross, members_by_label, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.assumption import Body
@@ -46,10 +50,10 @@ def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
     mass = assembly.geometry.mass
     groups.sort(key=lambda group: (not carried[group].any(), -mass[group].sum()))
     standing = [group for group in groups if carried[group].any()]
-    tilt: dict[str, Any] = {}
-    if len(standing) == 1:
-        tilt = _tilt_keys(assembly, contacts, standing[0])
-    bodies = [_body(assembly, group, on_floor=True, **tilt) for group in standing]
+    bodies = [
+        _body(assembly, group, on_floor=True, **_tilt_keys(assembly, contacts, group))
+        for group in standing
+    ]
     hanging = groups[len(standing) :]
     falls = loose.falls(hanging[:MOST_PARTS])
     for number, group in enumerate(hanging):
@@ -59,25 +63,31 @@ def bodies_of(assembly: Assembly, contacts: ContactSet) -> tuple[Body, ...]:
 
 
 def _tilt_keys(assembly: Assembly, contacts: ContactSet, group: Index) -> dict[str, Any]:
-    """The keys of the only body on a floor about its tilt, and about its rest if it tips over."""
+    """The keys of a body on a floor about its tilt, and about its rest if it tips over.
+
+    Bodies beside each other do not touch, so each stands or tips over by itself.
+    """
     limit = tipping(assembly, contacts, group)
     if limit is None and not beyond_feet(assembly, group, 0.0):
         return {}
     angle, over = limit or (0.0, assembly.down)
     found: dict[str, Any] = {"tilt_deg": float(np.degrees(angle)), "tilt_down": over}
-    if angle:
-        return found
+    return found if angle else found | _rest_keys(assembly, group)
+
+
+def _rest_keys(assembly: Assembly, group: Index) -> dict[str, Any]:
+    """The keys about the rest of a body that tips over on a level floor; none if it stands."""
     geometry = assembly.geometry
     rows = np.flatnonzero(np.isin(geometry.vertex_part, group))
     center = _common_center(geometry, group)
     rest = rest_after_tipping(geometry.vertices[rows], center, assembly.down)
-    if rest is not None and rest[0] > 0.0:
-        feet = np.unique(geometry.vertex_part[rows[rest[1]]])
-        found |= {
-            "rest_deg": float(np.degrees(rest[0])),
-            "rests_on": tuple(assembly.names[k] for k in feet.tolist()),
-        }
-    return found
+    if rest is None or rest[0] <= 0.0:
+        return {}
+    feet = np.unique(geometry.vertex_part[rows[rest[1]]])
+    return {
+        "rest_deg": float(np.degrees(rest[0])),
+        "rests_on": tuple(assembly.names[k] for k in feet.tolist()),
+    }
 
 
 def _common_center(geometry: Geometry, parts: Index) -> Array:
@@ -178,6 +188,8 @@ class _LooseBodies:
 
     def __init__(self, assembly: Assembly, contacts: ContactSet) -> None:
         self._assembly = assembly
+        self._contacts = contacts
+        self._tables = tables(assembly)
         self._sweeps = Sweeps.of(contacts)
         self._solids = PartSolids(assembly.geometry)
         self._boxes = assembly.geometry.part_boxes
@@ -213,7 +225,10 @@ class _LooseBodies:
         return falling_distance(self._assembly, self._sweeps, group, self._assembly.down)
 
     def found(self, group: Index, fall: StraightFall | None) -> dict[str, Any]:
-        """The keys of a loose body about its nearest part and its fall."""
+        """The keys of a loose body about its nearest part, its fall, and its rest on a floor.
+
+        A fall within the gap of parts that touch has the length 0.
+        """
         names = self._assembly.names
         if len(group) == len(names):
             return {}
@@ -224,7 +239,10 @@ class _LooseBodies:
         distance = exact if abs(exact - near.gap) <= near.accuracy else near.gap
         found: dict[str, Any] = {"nearest": names[near.other], "distance": distance}
         if fall is not None:
-            found |= {"below": names[fall.other], "fall": max(fall.distance, 0.0)}
+            touches = fall.distance <= touching_gap(self._assembly, self._contacts, fall)
+            found |= {"below": names[fall.other], "fall": 0.0 if touches else fall.distance}
+            if self._tables[fall.other]:
+                found |= _rest_keys(self._assembly, group)
         return found
 
 

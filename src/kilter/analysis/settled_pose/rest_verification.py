@@ -1,8 +1,9 @@
 """The parts of a pose that rest by verification, with the verdicts that prove it.
 
-The verification uses only the points of the search. Parts that leave the scene or have no pose are
-left out. If parts overlap, or if no forces balance them, they are left out too, and the others are
-verified again; the contacts of the pose are detected once.
+The verification uses only the points of the search, and corners of parts on a floor, whose faces
+may be too thin for the search. Parts that leave the scene or have no pose are left out. If parts
+overlap, or if no forces balance them, they are left out too, and the others are verified again; the
+contacts of the pose are detected once.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 
 from kilter.analysis.check import check, check_equilibrium, check_level
 from kilter.analysis.chosen_parts import chosen_parts
+from kilter.analysis.settled_pose.near_points import NearPoints
 from kilter.analysis.settled_pose.rest import RestResult
 from kilter.analysis.settled_pose.rest_proof import (
     ClosedContacts,
@@ -21,10 +23,12 @@ from kilter.analysis.settled_pose.rest_proof import (
     strict_contacts,
 )
 from kilter.analysis.verdict.verdict import Verdict
-from kilter.arrays import Mask
+from kilter.arrays import Mask, across
 from kilter.assembly import Assembly
 from kilter.assembly.question import Question
 from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.common.polygons import convex_hull
+from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.kept_contacts import contacts_among
 from kilter.tell.levels import holds
 
@@ -96,12 +100,35 @@ def closed_parts(
     rank = np.cumsum(chosen) - 1
     points = points.take(chosen[points.part_a] & chosen[points.part_b])
     points = replace(points, part_a=rank[points.part_a], part_b=rank[points.part_b])
+    gap = closed_gap(sub)
+    points = NearPoints.join([points, _corners_on_floors(sub, gap)])
     if detected is None:
-        detected = strict_contacts(sub, closed_gap(sub), asked.progress)
+        detected = strict_contacts(sub, gap, asked.progress)
     elif not chosen.all():
         detected = contacts_among(detected, sub)
     closed = closed_contacts(sub, points, detected=detected)
     return closed, detected
+
+
+def _corners_on_floors(assembly: Assembly, gap: float) -> NearPoints:
+    """The outermost corners of each part that lie on a floor within `gap` [length unit]."""
+    geometry, down = assembly.geometry, assembly.down
+    depth, plane = geometry.vertices @ down, np.stack(across(down), axis=1)
+    blocks = []
+    for floor in np.flatnonzero([part.table for part in assembly.parts]).tolist():
+        top = float(depth[geometry.vertex_part == floor].min())
+        near = (np.abs(depth - top) <= gap) & ~geometry.grounded[geometry.vertex_part]
+        for part in np.unique(geometry.vertex_part[near]).tolist():
+            rows = np.flatnonzero(near & (geometry.vertex_part == part))
+            flat = geometry.vertices[rows] @ plane
+            away = np.linalg.norm(convex_hull(flat)[:, None] - flat[None], axis=2)
+            point = geometry.vertices[rows[away.argmin(axis=1)]]
+            a, b = (np.full(len(point), k) for k in (part, floor))
+            mu = friction_coefficients(assembly, np.column_stack([a, b]))
+            height = top - point @ down
+            block = NearPoints(a, b, point, np.tile(down, (len(a), 1)), height, mu, a >= 0)
+            blocks.append(block)
+    return NearPoints.join(blocks)
 
 
 def verify_rest(rest: RestResult, settled: Assembly, asked: Question) -> RestingParts | str:
