@@ -300,7 +300,7 @@ def test_a_board_on_two_screws_at_one_end_tips_and_rests_on_its_far_edge():
 def test_bodies_beside_each_other_tip_or_stand_by_themselves():
     tipping, standing = board_on_two_screws(), board_on_two_screws(far=0.13)
     aside = [
-        replace(part, name=f"far {part.name}", pose=Pose(part.pose.position + [1, 0, 0]))
+        replace(part, name=f"far {part.name}", pose=Pose(part.pose.position + np.array([1, 0, 0])))
         for part in standing.without("floor").parts
     ]
     assembly = Assembly([*tipping.without("floor").parts, *aside]).with_floor()
@@ -315,7 +315,7 @@ def test_bodies_beside_each_other_tip_or_stand_by_themselves():
 @pytest.mark.parametrize("high", [0.05, 0.0])
 def test_a_body_above_a_floor_falls_and_then_tips_like_one_on_it(high):
     lifted = [
-        replace(part, pose=Pose(part.pose.position + [0, 0, high]))
+        replace(part, pose=Pose(part.pose.position + np.array([0, 0, high])))
         for part in board_on_two_screws().without("floor").parts
     ]
     post = block("post", [1, 0, 0], [1.1, 0.1, 0.1])

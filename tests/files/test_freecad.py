@@ -426,6 +426,9 @@ def test_labels_are_names_and_hidden_parts_have_a_note(tmp_path):
     assert "hidden in the file: '<b>', 'd'" in notes(assembly)
     left = load(tmp_path / "a.FCStd", without=["<b>"])
     assert left.names == ("<a>", "<c>", "d")
+    all_hidden = load(tmp_path / "a.FCStd", without=["<a>", "<c>"])
+    assert all_hidden.names == ("<b>", "d")
+    assert "hidden in the file" not in notes(all_hidden)  # it says nothing about variants
 
 
 def test_inputs_of_shapes_are_no_parts(tmp_path):

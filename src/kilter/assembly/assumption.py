@@ -52,6 +52,9 @@ class LadderRow(Record):
     """Names of the largest parts that fall, at most five."""
     decided: bool = True
     """Whether the row was decided within its share of the work; else further parts may fall."""
+    why: Annotated[str, OneOf(("size", "work"))] | None = None
+    """Why it was not decided: the assembly is too large for a search for a pose at rest beside the
+    verdict, or the search did not end within its work. Null if it was decided."""
 
 
 class Body(Record):

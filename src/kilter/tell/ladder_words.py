@@ -27,6 +27,11 @@ STANDS = ("stable", "settles")
 """Verdicts of which a sentence says that the assembly stands."""
 NAMED = 3
 """Number of falling parts that a sentence names."""
+UNDECIDED = {
+    "size": "a search for its pose at rest takes long",
+    "work": "the search for its pose at rest did not end",
+}
+"""Reasons for which a row is not decided."""
 
 
 def condition(row: Row) -> str:
@@ -184,12 +189,15 @@ def ladder_facts(answer: Mapping[str, Any]) -> list[Fact]:
     ...        "decided": True, "falls": 1, "names": ["lid"]}
     >>> ladder_facts({"ladder": [row]})
     [('fits', 'unstable: 1 part falls: lid')]
+    >>> ladder_facts({"ladder": [{**row, "decided": False, "falls": 0, "why": "size"}]})
+    [('fits', 'not decided, since a search for its pose at rest takes long: --assume fits')]
     """
     facts = []
     for row in answer.get("ladder", ()):
         name = row["assume"] if row["friction"] is None else f"mu {number(row['friction'])}"
         if not row["decided"] and not row["falls"]:
-            words = f"not decided: {' '.join(_options(row))}"
+            reason = UNDECIDED[row["why"]]
+            words = f"not decided, since {reason}: {' '.join(_options(row))}"
         elif row["level"] is not None:
             words = VERDICTS[row["verdict"]].lower()
         else:

@@ -16,6 +16,8 @@ LISTED = 20
 """Largest number of rows of a list in a terminal; --json gives all rows."""
 WIDE = 400
 """Largest number of characters of each sentence after the first."""
+COLUMN = 50
+"""Largest number of characters of a cell that widens its column."""
 
 
 def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
@@ -52,7 +54,7 @@ def listed(table: Table) -> list[str]:
 
 
 def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
-    """Return table rows as lines in which the columns are aligned.
+    """Return table rows as lines in which the columns are aligned, but for very long cells.
 
     Examples
     --------
@@ -61,7 +63,8 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
     """
     short = shortened(cell for row in rows for cell in row if isinstance(cell, Name))
     shown = [[short.get(cell) or visible(cell) for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
+    columns = zip(*shown, strict=True)
+    widths = [max((w for w in map(len, column) if w <= COLUMN), default=0) for column in columns]
     return [
         (indent + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
         for row in shown

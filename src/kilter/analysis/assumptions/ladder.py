@@ -62,7 +62,12 @@ def ladder_rows(verdict: Verdict, drawn: Assembly, contacts: ContactSet) -> tupl
             rows.append(replace(row, friction=MU))
         else:
             rows.append(_with_friction(asked, PLAY if searched else DRAWN))
-    return tuple(rows)
+    return tuple(row if row.decided else _with_reason(asked, row) for row in rows)
+
+
+def _with_reason(asked: Question, row: LadderRow) -> LadderRow:
+    """An undecided row with the reason why it was not decided."""
+    return replace(row, why="work" if _searches(asked, row.assume) else "size")
 
 
 def rubs(assembly: Assembly, contacts: ContactSet) -> bool:
@@ -139,13 +144,18 @@ def _floats(found: Assumed) -> bool:
 
 def _settled(asked: Question, rung: str, *, moves: bool) -> Assumed:
     """The assembly on a rung; a large one without a search for a pose at rest."""
-    parts, vertices = len(asked.assembly.parts), len(asked.assembly.geometry.vertices)
-    large = parts > MOST_PARTS or vertices > (MOST_JOINED if rung == JOINED else FEW_VERTICES)
-    if large or not moves or (rung == JOINED and vertices > FEW_VERTICES):
+    moves = moves and _searches(asked, rung)
+    if not moves or (rung == JOINED and len(asked.assembly.geometry.vertices) > FEW_VERTICES):
         found = assume(asked, rung, searches=False)
-        if large or not moves or found.ended:
+        if not moves or found.ended:
             return found
     return assume(asked, rung, work=WORK)
+
+
+def _searches(asked: Question, rung: str) -> bool:
+    """Whether the row of a rung searches for a pose at rest."""
+    parts, vertices = len(asked.assembly.parts), len(asked.assembly.geometry.vertices)
+    return parts <= MOST_PARTS and vertices <= (MOST_JOINED if rung == JOINED else FEW_VERTICES)
 
 
 def _with_friction(asked: Question, rung: str) -> LadderRow:

@@ -190,7 +190,7 @@ def bodies_of(
     notes += [f"ignored, not solids: {some(passed, 8)}"] if passed else []
     notes += [f"left out, without volume: {some_names(empty, 8)}"] if empty else []
     hidden = [row.name for row, _ in bodies if row.stated.hidden]
-    if hidden:
+    if 0 < len(hidden) < len(bodies):
         notes.append(
             f"hidden in the file: {some_names(hidden, 8)}; leave out hidden variants with --without"
         )
