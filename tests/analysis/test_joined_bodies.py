@@ -255,6 +255,20 @@ def test_bodies_that_fall_straight_have_the_verdict_of_the_search(gap, beside, l
         assert not level or found.moved == pytest.approx(gap, abs=1e-12)
 
 
+def test_listed_contacts_of_faces_on_a_floor_are_flat_and_others_are_open():
+    """A chip may slide over the edge of its board; a floor has no edge."""
+    assembly = Assembly([
+        block("board", [0, 0, 0], [0.1, 0.1, 0.002]),
+        block("chip", [0.04, 0.04, 0.00205], [0.06, 0.06, 0.006]),
+    ]).with_floor()  # fmt: skip
+    asked = Question(assembly=assembly, contacts=contacts(assembly))
+    listed = assume(asked, "joined", searches=False).assembly.contacts
+    assert {frozenset(contact.parts): contact.feature is None for contact in listed} == {
+        frozenset(("board", "floor")): False,
+        frozenset(("chip", "board")): True,
+    }
+
+
 def test_a_body_beyond_its_play_falls_whatever_a_search_finds_for_others():
     assembly = Assembly([
         block("board", [0, 0, 0], [0.1, 0.1, 0.002]),

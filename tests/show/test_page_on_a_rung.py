@@ -41,7 +41,7 @@ def test_a_page_shows_the_poses_of_its_rung(rung, height, held):
 
 def row(**changes):
     plain = {"assume": "play", "friction": None, "verdict": "unstable", "level": None}
-    return {**plain, "falls": 1, "names": ["lid"], "decided": True, **changes}
+    return {**plain, "falls": 1, "names": ["lid"], "decided": True, "why": None, **changes}
 
 
 def test_rows_have_the_words_of_the_command_and_the_signs_of_their_levels():

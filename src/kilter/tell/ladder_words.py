@@ -196,7 +196,7 @@ def ladder_facts(answer: Mapping[str, Any]) -> list[Fact]:
     for row in answer.get("ladder", ()):
         name = row["assume"] if row["friction"] is None else f"mu {number(row['friction'])}"
         if not row["decided"] and not row["falls"]:
-            reason = UNDECIDED[row["why"]]
+            reason = UNDECIDED[row["why"] or "work"]
             words = f"not decided, since {reason}: {' '.join(_options(row))}"
         elif row["level"] is not None:
             words = VERDICTS[row["verdict"]].lower()

@@ -15,14 +15,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kilter.analysis.assumptions.joined_bodies import beyond_feet, on_floor
+from kilter.analysis.assumptions.joining import tables
 from kilter.analysis.chosen_parts import chosen_parts
 from kilter.analysis.planning.order.sweeps import Sweeps
 from kilter.analysis.settled_pose.rigid_bodies import RigidBodies
 from kilter.analysis.settled_pose.straight_falls import straight_falls
 from kilter.arrays import Array, Index, Mask
-from kilter.assembly import Assembly, GivenContact
+from kilter.assembly import Assembly, Feature, GivenContact
 from kilter.assembly.changed_copies import with_fields
 from kilter.contact import ContactSet, detect
+
+FLAT = Feature("face")
+"""A flat face at a contact."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,8 +117,12 @@ def with_listed_contacts(dropped: Dropped, contacts: ContactSet) -> Assembly | N
 
 
 def _patches(contacts: ContactSet, chosen: Mask, label: Index) -> list[GivenContact]:
-    """Patches between different bodies of the chosen parts (N,), as given contacts."""
+    """Patches between different bodies of the chosen parts (N,), as given contacts.
+
+    Flat faces on a floor, which has no edges, are flat there.
+    """
     names, parts = contacts.assembly.names, contacts.patch_parts
+    flat = (contacts.patch_kind == "plane") & tables(contacts.assembly)[parts].any(axis=1)
     kept = chosen[parts].all(axis=1) & (label[parts[:, 0]] != label[parts[:, 1]])
     rows = np.flatnonzero(kept[contacts.point_patch])
     patch = contacts.point_patch[rows]
@@ -122,7 +130,7 @@ def _patches(contacts: ContactSet, chosen: Mask, label: Index) -> list[GivenCont
     return [
         GivenContact(
             (names[a], names[b]), [contacts.points[row]], contacts.normals[row],
-            mu=float(contacts.patch_mu[k]),
+            mu=float(contacts.patch_mu[k]), feature=(FLAT, FLAT) if flat[k] else None,
         )
         for row, k, (a, b) in ends
     ]  # fmt: skip
