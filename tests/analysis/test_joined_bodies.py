@@ -326,6 +326,19 @@ def test_bodies_beside_each_other_tip_or_stand_by_themselves():
     assert found["far board"].rest_deg is None
 
 
+@pytest.mark.parametrize("heavy", [0.0, 0.45])
+def test_a_ball_does_not_tip_onto_its_triangles_but_its_heavy_side_sinks(heavy):
+    ball = Part("ball", Sphere(0.5), Pose([0.0, 0, 1.0], [0.8, 0.6, 0, 0]), mass=1.0,
+                center_of_mass=[heavy, 0, 0])  # fmt: skip
+    post = block("post", [1, 0, 0], [1.1, 0.1, 0.1])
+    found = {body.name: body for body in bodies(Assembly([ball, post]).with_floor(0.0))}
+    assert found["ball"].fall == pytest.approx(0.5)
+    if heavy:
+        assert found["ball"].rest_deg == pytest.approx(90.0, abs=10.0)  # a facet of the triangles
+    else:
+        assert found["ball"].rest_deg is None
+
+
 @pytest.mark.parametrize("high", [0.05, 0.0])
 def test_a_body_above_a_floor_falls_and_then_tips_like_one_on_it(high):
     lifted = [

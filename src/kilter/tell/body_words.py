@@ -149,7 +149,7 @@ def _loose_words(loose: Sequence[Entry], units: str, *, holds: bool | None) -> s
         return f"{name} {verbs.format(_range(falls, units))}"
     others = {body["nearest"] for body in loose}
     above = all(map(_is_above, loose))
-    if falls and not above and (not many or 1 < len(others) and len(loose) < MOST_LINES):
+    if falls and not above and (not many or (len(others) > 1 and len(loose) < MOST_LINES)):
         largest = [f"{plain(body['name'])} {_fall_words(body, units)}" for body in loose]
         return f"{name}: {some(largest, FALLING)}" if many else largest[0]
     gaps = [body["distance"] for body in loose if body["distance"] is not None]

@@ -80,7 +80,8 @@ def _rest_keys(assembly: Assembly, group: Index) -> dict[str, Any]:
     geometry = assembly.geometry
     rows = np.flatnonzero(np.isin(geometry.vertex_part, group))
     center = _common_center(geometry, group)
-    rest = rest_after_tipping(geometry.vertices[rows], center, assembly.down)
+    slack = float(geometry.slack[group].max())
+    rest = rest_after_tipping(geometry.vertices[rows], center, assembly.down, slack)
     if rest is None or rest[0] <= 0.0:
         return {}
     feet = np.unique(geometry.vertex_part[rows[rest[1]]])

@@ -24,13 +24,18 @@ MOST_STEPS = 500
 """Largest number of steps of a body that rolls on its curved faces."""
 
 
-def rest_after_tipping(points: Array, center: Array, down: Array) -> tuple[float, Index] | None:
+def rest_after_tipping(
+    points: Array, center: Array, down: Array, slack: float = 0.0
+) -> tuple[float, Index] | None:
     """The angle by which a body tips over until it rests [rad], and its points on the floor then.
 
-    The angle is 0 for a body that stands. None if it does not end within `MOST_STEPS` steps.
+    The angle is 0 for a body that stands, and for a ball whose points lie below its surface: its
+    centre of mass sinks by no more than their distances from the surface. None if the body does not
+    end within `MOST_STEPS` steps.
 
     Arguments: `points` (n, 3): points of the body; `center` (3,): its centre of mass, in the same
-    length unit; `down` (3,): unit direction of gravity. The floor is level.
+    length unit; `down` (3,): unit direction of gravity; `slack`: largest distance of the surface from
+    the triangles of the points [length unit]. The floor is level.
     """
     try:
         outer = ConvexHull(points).vertices.astype(np.int64)
@@ -38,13 +43,14 @@ def rest_after_tipping(points: Array, center: Array, down: Array) -> tuple[float
         outer = np.arange(len(points))
     hull = points[outer] - center
     same = SAME_HEIGHT * float(np.ptp(hull, axis=0).max())
-    d = down
+    d, first = down, float((hull @ down).max())
     for _ in range(MOST_STEPS):
         depth, plane = hull @ d, np.stack(across(d), axis=1)
         low = depth >= depth.max() - same
         feet = shapely.convex_hull(shapely.multipoints(hull[low] @ plane))
         if shapely.distance(feet, shapely.points(0.0, 0.0)) <= same:
-            angle = np.arccos(np.clip(d @ down, -1.0, 1.0))
+            sinks = first - depth.max() > slack
+            angle = np.arccos(np.clip(d @ down, -1.0, 1.0)) if sinks else 0.0
             return float(angle), outer[low]
         line = shapely.shortest_line(feet, shapely.points(0.0, 0.0))
         q = shapely.get_coordinates(line)[0]
