@@ -34,8 +34,8 @@ def rest_after_tipping(
     end within `MOST_STEPS` steps.
 
     Arguments: `points` (n, 3): points of the body; `center` (3,): its centre of mass, in the same
-    length unit; `down` (3,): unit direction of gravity; `slack`: largest distance of the surface from
-    the triangles of the points [length unit]. The floor is level.
+    length unit; `down` (3,): unit direction of gravity; `slack`: largest distance of the surface
+    from the triangles of the points [length unit]. The floor is level.
     """
     try:
         outer = ConvexHull(points).vertices.astype(np.int64)
