@@ -71,15 +71,35 @@ def _place_words(bodies: Sequence[Entry], units: str) -> str:
     body = bodies[0]
     if body["on_floor"]:
         return f"on a floor or held{_tilt_words(body)}"
-    words = []
+    words, above = [], all(map(_is_above, bodies))
     if body["nearest"] is not None and body["fall"] != 0.0:
-        where = "above" if all(map(_is_above, bodies)) else "from"
         other = plain(pattern([entry["nearest"] for entry in bodies]))
-        words.append(f"{_range([entry['distance'] for entry in bodies], units)} {where} {other}")
-    if body["below"] is not None and not all(map(_is_above, bodies)):
-        words.append(support_words(body, units))
+        gaps = _range([entry["distance"] for entry in bodies], units)
+        words.append(f"{gaps} {'above' if above else 'from'} {other}")
+    if not above and all(entry["below"] is not None for entry in bodies):
+        words.append(_falls_words(bodies, units))
     words = ["; ".join(words)] if words else ["touches nothing"]
-    return " and ".join(filter(None, [*words, _rest_words(body)]))
+    return " and ".join(filter(None, [*words, _rest_words(body) if len(bodies) == 1 else ""]))
+
+
+def _falls_words(bodies: Sequence[Entry], units: str) -> str:
+    """Return the support of a body, or the range of the falls of several bodies.
+
+    Examples
+    --------
+    >>> pins = [{"on_floor": False, "below": f"hole_{k}", "fall": k} for k in range(1, 4)]
+    >>> _falls_words(pins, "mm"), _falls_words(pins[:1], "mm")
+    ('fall 1 to 3 mm onto hole_*', 'falls 1 mm onto hole_1')
+    >>> _falls_words([{**pin, "fall": 0.0} for pin in pins], "mm")
+    'touch hole_* in a way that is not modelled'
+    """
+    if len(bodies) == 1:
+        return support_words(bodies[0], units)
+    names, falls = [body["below"] for body in bodies], [body["fall"] for body in bodies]
+    onto = plain(pattern(names)) if len({*map(stem, names)}) == 1 else "other parts"
+    if not any(falls):
+        return f"touch {onto} in a way that is not modelled"
+    return f"fall {_range(falls, units)} onto {onto}"
 
 
 def _tilt_words(body: Entry) -> str:
