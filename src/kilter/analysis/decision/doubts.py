@@ -45,11 +45,14 @@ class Doubts:
         """Whether open pairs, or contacts that are not modelled, may exert further forces."""
         return len(self.contacts.possible) > 0 or len(self.contacts.open_pairs) > 0
 
-    def explain_motion(self, program: Program) -> str:
-        """Reason why even a proved motion leaves the verdict undecided; empty if it decides."""
+    def explain_motion(self, program: Program, proved: Array | None = None) -> str:
+        """Reason why even a proved motion leaves the verdict undecided; empty if it decides.
+
+        Arguments: `proved` (N, 6): the motion, if it is known.
+        """
         if not self.stated.any():
             return ""
-        return explained_by_accuracy(self.assembly, self.contacts, program)
+        return explained_by_accuracy(self.assembly, self.contacts, program, proved)
 
 
 def doubts_of(assembly: Assembly, contacts: ContactSet) -> Doubts:

@@ -362,7 +362,9 @@ def round_mantle(part: Part) -> RoundMantle | None:
 # Decide whether inaccurate coordinates, as the input states them, explain a proved motion.
 
 
-def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
+def explained_by_accuracy(
+    assembly: Assembly, contacts: ContactSet, program: Program, proved: Array | None = None
+) -> str:
     """Explain how inaccurate coordinates may cause a proved motion; empty if they cannot cause it.
 
     Parameters
@@ -371,12 +373,16 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     contacts : ContactSet
     program : Program
         Program of all parts against which a motion is proved.
+    proved : ndarray, shape (N, 6), optional
+        This motion. If it is too fast to be explained, no accelerations are computed.
     """
     off = stated_accuracy(assembly)
     # the bounds above compare accelerations with weights alone, so loads and bonds are left out
     if not off.any() or assembly.loads or assembly.straps or len(program.gripping):
         return ""
     aside, width = _inaccuracy_and_width(contacts, off)
+    if proved is not None and _too_fast(program, proved, aside / width, aside):
+        return ""
     speed = np.zeros(len(off))
     for group in cluster_groups(program):
         motion = find_motion(group.program)
@@ -392,6 +398,24 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
         f"the coordinates are not accurate enough to decide: as drawn {fastest!r} starts to move, "
         f"but it would hold if points moved by {stated}, which is the accuracy that the file states"
     )
+
+
+def _too_fast(program: Program, motion: Array, force: Array, lever: Array) -> bool:
+    """Whether an admissible motion proves that parts accelerate more than inaccuracy explains.
+
+    In the norm of the kinetic energy, the accelerations a of least constraint satisfy
+    |a| >= g . y / |y| for each admissible motion y. Net forces over weight `force` [-], shape (N,),
+    and torques over weight `lever` [length unit], (N,), bound |a| from above. As y is admissible
+    only to within rounding, twice this bound is required.
+    """
+    free = program.free
+    mass, inertia, moved = program.mass[free], program.inertia[free], motion[free]
+    shift, turn = moved[:, :3], moved[:, 3:]
+    energy = float(mass @ (shift**2).sum(axis=1) + np.einsum("ni,nij,nj->", turn, inertia, turn))
+    power = float(mass @ (shift @ program.down))
+    least = np.maximum(np.linalg.eigvalsh(inertia)[:, 0], TINY)
+    most = float(mass @ force[free] ** 2 + ((mass * lever[free]) ** 2 / least).sum())
+    return power > 0 and power**2 > 4.0 * most * energy
 
 
 def stated_accuracy(assembly: Assembly) -> Array:

@@ -107,16 +107,26 @@ def find_unreachable(states: States, work: Work | None = None) -> tuple[Mask, li
     """
     work = Work() if work is None else work
     reached = states.assembly.geometry.grounded.copy()
+    for alone in [group.states for group in states.groups] or [states]:
+        reached |= _reached_parts(alone, work)
+        if work.over:
+            return reached, []
+    falling = np.flatnonzero(~reached).tolist()
+    return reached, [_state_of_part(states, reached, part, work) for part in falling]
+
+
+def _reached_parts(states: States, work: Work) -> Mask:
+    """Mask of the parts of a group that an order may reach, and of the grounded parts."""
+    reached = states.assembly.geometry.grounded.copy()
     grown = True
     while grown:
         grown = False
-        for part in np.flatnonzero(~reached).tolist():
+        for part in np.flatnonzero(states.free & ~reached).tolist():
             if work.over:
-                return reached, []
+                return reached
             if _state_of_part(states, reached, part, work).stable is not False:
                 reached[part] = grown = True
-    falling = np.flatnonzero(~reached).tolist()
-    return reached, [_state_of_part(states, reached, part, work) for part in falling]
+    return reached
 
 
 def _state_of_part(states: States, standing: Mask, part: int, work: Work) -> State:

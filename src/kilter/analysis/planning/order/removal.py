@@ -130,6 +130,20 @@ class Removal:
             return None
         return self._by_two_legs(moved, others, directions)
 
+    def passes(self, legs: Sequence[Leg], moved: int, present: int) -> bool:
+        """Whether a path, which is free without some parts, is free in a set of parts."""
+        others, start = np.array(self._members(present & ~moved), dtype=int), np.zeros(3)
+        for leg in legs:
+            for part in self._members(moved):
+                if self.sweeps.leg_stops(
+                    part, others, leg.direction, distance=leg.length, start=start
+                ):
+                    return False
+            start = start + (leg.length if np.isfinite(leg.length) else 0.0) * np.array(
+                leg.direction
+            )
+        return True
+
     def stopping(self, moved: int, present: int, direction: Direction) -> int:
         """Present parts, as a bit set, that block the moved parts along a direction."""
         others = self._members(present & ~moved)
@@ -216,16 +230,16 @@ class Removal:
     ) -> tuple[Leg, ...] | None:
         """Free path of two legs for moved parts past the other parts; None if none was found."""
         parts, rest = self._members(moved), self._members(others)
-        pairs = [(part, other) for part in parts for other in rest]
+        ahead, stops = np.array(rest, dtype=int), self.sweeps.leg_stops
         for first in self._free_directions(moved, others, directions):
             for distance in self._places(parts, rest, first):
                 start = distance * np.array(first)
-                if any(self.sweeps.pair_stops(*pair, first, distance=distance) for pair in pairs):
+                if any(stops(part, ahead, first, distance=distance) for part in parts):
                     break
                 for second in directions:
                     if second in (first, _negative(first)):
                         continue
-                    if not any(self.sweeps.pair_stops(*p, second, start=start) for p in pairs):
+                    if not any(stops(part, ahead, second, start=start) for part in parts):
                         return Leg(first, distance), Leg(second, float("inf"))
         return None
 

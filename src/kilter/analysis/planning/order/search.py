@@ -20,6 +20,7 @@ among the orders along the tried paths.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import TypeVar
@@ -28,6 +29,7 @@ import numpy as np
 
 from kilter.analysis.planning.order.removal import Direction, Leg, Pressing, Removal
 from kilter.analysis.planning.states.holds import (
+    Cut,
     Holds,
     bits_of,
     find_fewest_holds,
@@ -193,6 +195,12 @@ class OrderSearch:
     exhausted: bool = False
     """Whether the last search tried every possible removal."""
     base: int = field(init=False)
+    scope: int = field(init=False)
+    """Bit set of the parts that are removed: all, or those of a group."""
+    groups: list[int] = field(init=False)
+    """Bit sets of groups that can be taken apart one after the other; empty without two groups."""
+    _group_of: dict[int, int] = field(init=False)
+    _searches: dict[int, OrderSearch] = field(default_factory=dict)
     _near: list[int] = field(init=False)
     _layer: Array = field(init=False)
     _middle: Array = field(init=False)
@@ -203,6 +211,8 @@ class OrderSearch:
         geometry = self.states.assembly.geometry
         self._near = neighbours_of(self.states)
         self.base = bits_of(geometry.grounded)
+        self.scope = bits_of(~geometry.grounded)
+        self.groups, self._group_of = self._separate_groups()
         up = geometry.center @ -self.states.assembly.down
         wide = float(np.ptp(geometry.center, axis=0).max())
         layer = (up / max(wide, TINY) / LAYER).round()
@@ -212,17 +222,110 @@ class OrderSearch:
         self._middle = self._middle.reshape(-1, 3)
         self._height = dict(zip(self.units, self._layer.tolist(), strict=True))
 
+    def _separate_groups(self) -> tuple[list[int], dict[int, int]]:
+        """Groups without units or precedence across them, and the group of each unit."""
+        groups = [group.bits for group in self.states.groups]
+        if not groups or self.together or self.pressing is not None:
+            return [], {}
+        group_of = {}
+        for unit in self.units:
+            part = unit & -unit
+            group = next(bits for bits in groups if bits & part)
+            if (unit | self.later_of(unit)) & ~group:
+                return [], {}
+            group_of[unit] = group
+        return groups, group_of
+
     @property
     def whole(self) -> int:
-        """All parts of the assembly as a bit set."""
-        return (1 << len(self._near)) - 1
+        """All parts that are removed, and the base, as a bit set."""
+        return self.base | self.scope
 
     def find(self, hold: int, *, direct: bool = False) -> list[Removed] | None:
         """Find removals that form an order with at most `hold` held parts; None if not found.
 
         A `direct` search takes the first possible removal from the highest parts of each set that
-        have a path, and ends at the first set without one.
+        have a path, and ends at the first set without one. Groups that do not touch are taken apart
+        one after the other. A group without an order excludes an order of all; if groups are in the
+        way of each other, the search continues with all parts together.
         """
+        if self.groups:
+            found = self._find_by_groups(hold, direct=direct)
+            if found is not None or self.exhausted or self.work.over:
+                return found
+        return self._find_together(hold, direct=direct)
+
+    def _find_by_groups(self, hold: int, *, direct: bool) -> list[Removed] | None:
+        """Find an order of each group alone, and put these one after the other; None if not found.
+
+        The search is exhausted if that of a group is, and this group has no order.
+        """
+        order: list[Removed] = []
+        present, left = self.whole, dict.fromkeys(self.groups)
+        self.exhausted = False
+        while left:
+            last = order[-1].set if order else 0
+            near = (self._group_of[unit] for unit in self._candidates(present, last))
+            for group in dict.fromkeys(near):
+                alone = self._alone(group)
+                before = alone.visited
+                found = alone.find(hold, direct=direct)
+                self.visited += alone.visited - before
+                if found is None:
+                    self.exhausted = alone.exhausted
+                    return None
+                placed = self._in_place(found, present)
+                if placed is not None:
+                    break
+            else:
+                return None
+            order += placed
+            self.note(order, hold)
+            present &= ~group
+            del left[group]
+        return order
+
+    def _alone(self, group: int) -> OrderSearch:
+        """The search in a group, as if there were no other groups."""
+        if group not in self._searches:
+            kept = [k for k, unit in enumerate(self.units) if unit & group]
+            alone = copy(self)
+            alone.states = next(g.states for g in self.states.groups if g.bits & group)
+            alone.scope, alone.groups, alone.visited = group, [], 0
+            alone._holds, alone.best = {}, []
+            alone.units = [self.units[k] for k in kept]
+            alone._layer, alone._middle = self._layer[kept], self._middle[kept]
+            alone.work = self.work.beside(self.work.allowed)
+            self._searches[group] = alone
+        return self._searches[group]
+
+    def _in_place(self, order: list[Removed], present: int) -> list[Removed] | None:
+        """The removals of a group among other parts; None if these are in the way."""
+        placed = []
+        for removed in order:
+            legs: tuple[Leg, ...] | None = removed.legs
+            if not self.removal.passes(removed.legs, removed.set, present):
+                legs = self.way_out(removed.set, present, 1) or self.way_out(
+                    removed.set, present, 2
+                )
+            if legs is None:
+                return None
+            present &= ~removed.set
+            here = mask_of(present, len(self._near))
+            state = self.states.judge(here, removed.state.present & ~removed.state.free)
+            if not state.stable:
+                return None
+            needs = removed.needs
+            if needs is not None:
+                cuts = tuple(
+                    Cut(cut.parts, self.states.judge(here, here & ~cut.parts)) for cut in needs.cuts
+                )
+                needs = replace(needs, state=state, cuts=cuts)
+            placed.append(replace(removed, legs=legs, state=state, needs=needs))
+        return placed
+
+    def _find_together(self, hold: int, *, direct: bool = False) -> list[Removed] | None:
+        """Find removals of parts in any sequence, as `find`."""
         dead: set[int] = set()
         order: list[Removed] = []
         self.exhausted = False

@@ -123,6 +123,31 @@ class Sweeps:
             self._endless[part, direction] = (stopping, free)
         return False
 
+    def leg_stops(
+        self,
+        part: int,
+        others: Index,
+        direction: Direction,
+        *,
+        distance: float = np.inf,
+        start: Array | None = None,
+    ) -> bool:
+        """Whether any of the other parts blocks a part on a leg of a path, as in `pair_stops`.
+
+        Parts whose projected boxes are beside the path are left out.
+        """
+        low, high = self._boxes(direction)
+        by = np.zeros(3) if start is None else _basis(np.array(direction)) @ start
+        first, last = low[part] + by, high[part] + by
+        most = self._tolerances(part, others)
+        near = ((low[others, :2] < last[:2]) & (high[others, :2] > first[:2])).all(axis=1)
+        near &= high[others, 2] - first[2] >= -most
+        near &= low[others, 2] - last[2] <= distance - most
+        return any(
+            self.pair_stops(part, other, direction, distance=distance, start=start)
+            for other in others[near].tolist()
+        )
+
     def _ahead(self, part: int, direction: Direction) -> int:
         """Bit set of the parts ahead of a part along a direction whose projected boxes overlap."""
         key = part, direction

@@ -70,6 +70,21 @@ class StatePrograms:
         whole = self.whole.turned(down)
         return replace(self, whole=whole, outer=self.outer.turned(down) if self.open else whole)
 
+    def among(self, parts: Mask) -> StatePrograms:
+        """Copy in which only the given parts, a mask of shape (N,), are free; no row is left out
+        that acts on them."""
+        rows = [np.flatnonzero(rows_of_state(p, ~self.free | parts, parts)) for p in self.both]
+        whole, outer = (
+            replace(p, free=self.free & parts).taking(row)
+            for p, row in zip(self.both, rows, strict=True)
+        )
+        return replace(self, whole=whole, outer=outer if self.open else whole)
+
+    @property
+    def both(self) -> tuple[Program, Program]:
+        """The program without and with the possible forces."""
+        return self.whole, self.outer
+
     def of(self, present: Mask, held: Mask) -> Program:
         """The program of the state with the given present and held parts, masks of shape (N,)."""
         return self.taken(self.whole, present, held)

@@ -50,7 +50,7 @@ from kilter.analysis.planning.states.known_proofs import (
     rows_of_state,
 )
 from kilter.analysis.planning.states.load_paths import LoadPaths
-from kilter.arrays import Mask
+from kilter.arrays import Index, Mask, connected
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.question import Question, question
@@ -75,6 +75,64 @@ from kilter.work import Work, units_of
 SMALL, NEAR = 20, 4
 """Numbers of free parts, and of parts that differ from the last state, up to which a state is
 solved by the linear program before the exact cones."""
+
+# Parts that touch each other, but no other free part: a state holds if each of its groups does.
+
+
+def label_groups(contacts: ContactSet, outer: Program) -> Index:
+    """Number of the group of each part, shape (N,): free parts of one group may touch each other.
+
+    Arguments: `outer`: the program with all possible forces.
+    """
+    free = np.append(outer.free, False)
+    points = contacts.degenerate
+    degenerate = np.column_stack([points.part_a, points.part_b])
+    rows = np.column_stack([outer.part_a, outer.part_b])
+    pairs = np.concatenate([rows, contacts.adjacent, degenerate])
+    inner = np.unique(pairs[free[pairs].all(axis=1)], axis=0)
+    return connected(len(outer.free), inner[:, 0], inner[:, 1])
+
+
+class StateGroup:
+    """A group of parts that touch no other free part, with the verdicts on its states.
+
+    - `free`: mask of its parts, shape (N,); `bits`: the same as a bit set.
+    """
+
+    def __init__(self, states: States, programs: StatePrograms, parts: Mask) -> None:
+        self._of, self._programs = states, programs
+        self.free = programs.free & parts
+        self.bits = bits_of(self.free)
+        self._rows: dict[tuple[int, int], Index] = {}
+        self._found: dict[tuple[int, int], State] = {}
+        self._states: States | None = None
+
+    @property
+    def states(self) -> States:
+        """The verdicts on states of this group alone, with the grounded parts."""
+        if self._states is None:
+            whole = self._of
+            programs = self._programs.among(self.free)
+            self._states = States(whole.assembly, whole.contacts, programs=programs)
+            self._states.counts, self._states._count = whole.counts, whole._count
+        return self._states
+
+    def judge(self, key: tuple[int, int], state: State) -> State:
+        """The state of this group in a state of all parts with the given bit sets."""
+        known = key[0] & self.bits, key[1] & self.bits
+        if known not in self._found:
+            present = state.present & (self.free | ~self._programs.free)
+            self._found[known] = self.states.judge(present, present & ~state.free)
+        return self._found[known]
+
+    def rows_of(self, state: State) -> Index:
+        """Indices of the rows of a state of this group in the program of all parts."""
+        key = bits_of(state.present), bits_of(state.free)
+        if key not in self._rows:
+            rows = rows_of_state(self._programs.whole, state.present, state.free)
+            self._rows[key] = np.flatnonzero(rows)
+        return self._rows[key]
+
 
 _Found = ForceProof | MotionProof | Judgement | None
 
@@ -126,6 +184,7 @@ class States:
         self._motions: list[KnownMotion] = []
         self._found: dict[tuple[int, int], State] = {}
         self._under: dict[tuple[float, ...], States] = {}
+        self._groups: tuple[StateGroup, ...] | None = None
         if not isinstance(accelerations, Iterable):
             raise InputError(
                 f"accelerations is {accelerations!r:.40}", hint="give a list of vectors in m/s^2"
@@ -261,6 +320,26 @@ class States:
         """Number of stored motions; each proves that every state that allows the motion falls."""
         return len(self._motions)
 
+    @property
+    def free(self) -> Mask:
+        """Mask of the parts that no state holds by itself, shape (N,)."""
+        return self._programs.free
+
+    @property
+    def groups(self) -> tuple[StateGroup, ...]:
+        """Groups of parts that touch each other, but no part of another group.
+
+        Each group is judged by itself. It is empty if there are fewer than two groups.
+        """
+        if self._groups is None:
+            labels = label_groups(self.contacts, self._programs.outer)
+            numbers = np.unique(labels[self.free]) if not self._programs.outer.has_limits else []
+            self._groups = tuple(
+                StateGroup(self, self._programs, labels == number)
+                for number in (numbers if len(numbers) > 1 else ())
+            )
+        return self._groups
+
     def mask(self, patterns: str | Iterable[str]) -> Mask:
         """Mask of the parts whose names match the patterns, shape (N,).
 
@@ -305,6 +384,10 @@ class States:
         outer = self._programs.outer_of(present, held) if self._programs.open else program
         state = State(self.assembly.names, present, free, None, self._programs)
         proof: _Found = self._by_load_paths(state, program)
+        if proof is None and self.groups:
+            known = self._by_groups(state, program, key)
+            if known is not None:
+                return known
         if proof is None:
             proof = self._matching_proof(state, program, outer, key)
         if proof is None:
@@ -320,9 +403,32 @@ class States:
                 self._learn_forces(state, proof)
         if isinstance(proof, ForceProof):
             return replace(state, stable=True, forces=proof)
-        if isinstance(proof, MotionProof) and not self._doubts.explain_motion(outer):
+        if isinstance(proof, MotionProof) and not self._doubts.explain_motion(outer, proof.motion):
             return replace(state, stable=False, outer=self._programs.open, motion=proof)
         return self._state_by_check(state)
+
+    def _by_groups(self, state: State, program: Program, key: tuple[int, int]) -> State | None:
+        """A state whose groups are judged one by one; None if that does not decide it."""
+        forces = np.zeros(len(self._programs.whole.part_a))
+        friction = np.zeros((len(forces), 3))
+        for group in self.groups:
+            if not group.bits & key[1]:
+                continue
+            own = group.judge(key, state)
+            if own.motion is not None:
+                return replace(state, stable=False, outer=own.outer, motion=own.motion)
+            if own.forces is None:
+                return None
+            rows = group.rows_of(own)
+            forces[rows] = own.forces.forces
+            if own.forces.friction.any():
+                friction[rows] = own.forces.friction
+        taken = rows_of_state(self._programs.whole, state.present, state.free)
+        across = friction[taken] if friction.any() else None
+        self._count.weighed(len(program.part_a))
+        proof = check_forces(program, forces[taken], across)
+        self.counts["known"] += proof.holds
+        return replace(state, stable=True, forces=proof) if proof.holds else None
 
     def _by_load_paths(self, state: State, program: Program) -> ForceProof | None:
         """Forces along gravity that hold a layered state without held parts; None without proof."""
