@@ -37,6 +37,8 @@ DEPTHS = 2.0
 WELD = 1e-3
 """Distance by which polygons of an overlap are widened to join their neighbours [tolerances]."""
 
+LARGEST = 32
+"""Number of pairs of faces that are tested before all others, the largest faces first."""
 SLIVER = 1e-3
 """Width up to which an overlap of two faces in projection comes from rounding [tolerances]."""
 MEETS = 4.0
@@ -258,8 +260,37 @@ def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: 
     """Whether a moving part meets a still part within a distance; see the module docstring."""
     exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
     first, second = _near_faces(moving, exits, still, entries, tolerance, distance)
-    if not len(first):
+    reach = -tolerance, distance - tolerance
+    if len(first) > 2 * LARGEST:  # the largest faces decide most pairs of parts
+        size = np.minimum(_areas(moving.plane[first]), _areas(still.plane[second]))
+        large = np.argpartition(-size, LARGEST)[:LARGEST]
+        some = _met_areas(moving, first[large], still, second[large], reach)
+        if _fits_a_disk(some[0], tolerance):
+            return True
+    whole, partly = _met_areas(moving, first, still, second, reach)
+    if _fits_a_disk(whole, tolerance):
+        return True
+    region = np.array([*whole, *partly])
+    if not len(region):
         return False
+    welded = shapely.buffer(region, tolerance * WELD, quad_segs=1)
+    return not shapely.is_empty(shapely.buffer(shapely.union_all(welded), -tolerance))
+
+
+def _areas(triangles: Array) -> Array:
+    """Areas of triangles on the plane, shape (n, 3, 2)."""
+    edge, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    area: Array = np.abs(edge[:, 0] * two[:, 1] - edge[:, 1] * two[:, 0]) / 2
+    return area
+
+
+def _met_areas(
+    moving: _Shadow, first: Index, still: _Shadow, second: Index, reach: tuple[float, float]
+) -> tuple[Array, list[object]]:
+    """Polygons on which exit faces meet entry faces at a height within the two bounds of `reach`.
+
+    Returns those of the pairs of faces that meet in their whole overlap, and the pieces of others.
+    """
     shared = shapely.intersection(
         shapely.polygons(moving.plane[first]), shapely.polygons(still.plane[second])
     )
@@ -267,28 +298,19 @@ def _blocks_within(moving: _Shadow, still: _Shadow, tolerance: float, distance: 
     first, second, shared = first[flat], second[flat], shared[flat]
     corner, owner = shapely.get_coordinates(shared, return_index=True)
     if not len(corner):
-        return False
+        return shared, []
     between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
-    low, high = -tolerance, distance - tolerance
+    low, high = reach
     starts = np.flatnonzero(np.diff(owner, prepend=-1))
     lowest = np.minimum.reduceat(between, starts)
     highest = np.maximum.reduceat(between, starts)
     whole = (lowest >= low) & (highest <= high)
     partly = ~whole & (highest >= low) & (lowest <= high)
-    if _fits_a_disk(shared[whole], tolerance):
-        return True
-    region = [
-        *shared[whole],
-        *(
-            _polygon_between(corner[owner == k][:-1], between[owner == k][:-1], low, high)
-            for k in np.flatnonzero(partly)
-        ),
+    pieces = [
+        _polygon_between(corner[owner == k][:-1], between[owner == k][:-1], low, high)
+        for k in np.flatnonzero(partly)
     ]
-    region = [piece for piece in region if piece is not None]
-    if not region:
-        return False
-    joined = shapely.union_all(shapely.buffer(np.array(region), tolerance * WELD))
-    return not shapely.is_empty(shapely.buffer(joined, -tolerance))
+    return shared[whole], [piece for piece in pieces if piece is not None]
 
 
 def _least_heights(moving: _Shadow, still: _Shadow, tolerance: float) -> tuple[float, bool]:
