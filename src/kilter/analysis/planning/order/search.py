@@ -250,15 +250,16 @@ class OrderSearch:
         way of each other, the search continues with all parts together.
         """
         if self.groups:
-            found = self._find_by_groups(hold, direct=direct)
-            if found is not None or self.exhausted or self.work.over:
+            found, blocked = self._find_by_groups(hold, direct=direct)
+            if not blocked or direct or self.work.over:
                 return found
         return self._find_together(hold, direct=direct)
 
-    def _find_by_groups(self, hold: int, *, direct: bool) -> list[Removed] | None:
+    def _find_by_groups(self, hold: int, *, direct: bool) -> tuple[list[Removed] | None, bool]:
         """Find an order of each group alone, and put these one after the other; None if not found.
 
-        The search is exhausted if that of a group is, and this group has no order.
+        Returns also whether groups are in the way of each other. The search is exhausted if that of
+        a group is, and this group has no order.
         """
         order: list[Removed] = []
         present, left = self.whole, dict.fromkeys(self.groups)
@@ -273,17 +274,17 @@ class OrderSearch:
                 self.visited += alone.visited - before
                 if found is None:
                     self.exhausted = alone.exhausted
-                    return None
+                    return None, False
                 placed = self._in_place(found, present)
                 if placed is not None:
                     break
             else:
-                return None
+                return None, True
             order += placed
             self.note(order, hold)
             present &= ~group
             del left[group]
-        return order
+        return order, False
 
     def _alone(self, group: int) -> OrderSearch:
         """The search in a group, as if there were no other groups."""

@@ -17,6 +17,7 @@ in the file must still block each other.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
@@ -28,6 +29,7 @@ from kilter.analysis.planning.states.holds import bits_of, members
 from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
 from kilter.contact.common.polygons import cut_convex
+from kilter.contact.contact_tolerances import COPY_PLACE
 
 SLACKS = 4.0
 """Overlap on a path that counts as no collision [slacks of both parts]; larger: fewer collisions.
@@ -37,6 +39,8 @@ DEPTHS = 2.0
 WELD = 1e-3
 """Distance by which polygons of an overlap are widened to join their neighbours [tolerances]."""
 
+MANY = 400
+"""Product of the numbers of corners of two parts from which copies of a test are tested once."""
 LARGEST = 32
 """Number of pairs of faces that are tested before all others, the largest faces first."""
 SLIVER = 1e-3
@@ -77,6 +81,7 @@ class Sweeps:
 
     def __init__(self, contacts: ContactSet) -> None:
         self._geometry = contacts.assembly.geometry
+        self._assembly = contacts.assembly
         self._tolerance = contacts.searched
         self._depths: dict[int, dict[int, float]] = {}
         for overlap in contacts.overlaps:
@@ -87,6 +92,7 @@ class Sweeps:
         self._before: dict[tuple[int, Direction], int] = {}
         self._box: dict[Direction, tuple[Array, Array]] = {}
         self._heights: dict[tuple[int, int, Direction], tuple[float, bool]] = {}
+        self._copies: dict[Hashable, bool] = {}
         self.falls: dict[tuple[int, int, Direction], float] = {}
         self.tests = 0
 
@@ -187,6 +193,39 @@ class Sweeps:
         Arguments: `distance`: length of the path [length unit]; `start` (3,): displacement of the
         part at the start of the path [length unit].
         """
+        count = np.diff(self._geometry.vertex_start)
+        if count[part] * count[other] < MANY:
+            return self._test_pair(part, other, direction, distance, start)
+        key = self._key(part, other, direction, distance, start)
+        if key not in self._copies:
+            self._copies[key] = self._test_pair(part, other, direction, distance, start)
+        return self._copies[key]
+
+    def _key(
+        self, part: int, other: int, direction: Direction, distance: float, start: Array | None
+    ) -> Hashable:
+        """Key of a test, which is equal for copies of both parts that meet in the same way.
+
+        Lengths are rounded to `COPY_PLACE` of the tolerance of the pair.
+        """
+        moving, still = self._assembly.parts[part], self._assembly.parts[other]
+        step = COPY_PLACE * self.tolerance(part, other)
+        size = self._geometry.size[[part, other]].max()
+        turn, by = moving.pose.matrix.T, np.zeros(3) if start is None else start
+        lengths = [
+            turn @ (still.pose.position - moving.pose.position),
+            turn @ by,
+            (turn @ still.pose.matrix).ravel() * size,
+            turn @ np.array(direction) * size,
+            [distance],
+        ]
+        rounded = np.round(np.concatenate(lengths) / step) + 0.0  # no negative zeros
+        return id(moving.shape), id(still.shape), step, rounded.tobytes()
+
+    def _test_pair(
+        self, part: int, other: int, direction: Direction, distance: float, start: Array | None
+    ) -> bool:
+        """Test a pair as in `pair_stops`."""
         self.tests += 1
         moving, still = self._shadow(part, direction), self._shadow(other, direction)
         if start is not None:
