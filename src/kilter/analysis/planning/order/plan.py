@@ -107,12 +107,19 @@ def find_unreachable(states: States, work: Work | None = None) -> tuple[Mask, li
     """
     work = Work() if work is None else work
     reached = states.assembly.geometry.grounded.copy()
-    for alone in [group.states for group in states.groups] or [states]:
-        reached |= _reached_parts(alone, work)
-        if work.over:
-            return reached, []
+    if not states.groups:
+        reached = _reached_parts(states, work)
+    for group in states.groups:
+        source = states.copies.get(group.bits, (group.bits, None))[0]
+        if source == group.bits:
+            reached |= _reached_parts(group.states, work)
+        else:  # as in an equal group: parts that are not reached have a proof of their own below
+            reached[np.flatnonzero(group.free)] = reached[members(source, len(reached))]
+    if work.over:
+        return reached, []
     falling = np.flatnonzero(~reached).tolist()
-    return reached, [_state_of_part(states, reached, part, work) for part in falling]
+    alone = [_state_of_part(states, reached, part, work) for part in falling]
+    return reached, alone if all(state.stable is False for state in alone) else []
 
 
 def _reached_parts(states: States, work: Work) -> Mask:

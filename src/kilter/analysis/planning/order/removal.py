@@ -43,6 +43,7 @@ __all__ = [
     "Pressing",
     "Removal",
     "Screw",
+    "direction_of",
     "find_screws",
     "press_loads",
 ]
@@ -91,7 +92,7 @@ class Removal:
         self._angle = contacts.searched.angle
         self._contacts_by_part = _contacts_by_part(contacts)
         self._given = [
-            _direction(direction) if not isinstance(direction, str) else direction
+            direction_of(direction) if not isinstance(direction, str) else direction
             for direction in directions
         ]
         unknown = [
@@ -205,7 +206,7 @@ class Removal:
 
     def _axes(self) -> list[Direction]:
         """The six axis directions in which removal is tried, the most upward direction first."""
-        axes = [_direction(sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
+        axes = [direction_of(sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
         return sorted(axes, key=lambda d: -round(float(np.array(d) @ self._up), 9))
 
     def _normals(self, moved: int) -> list[Direction]:
@@ -214,7 +215,7 @@ class Removal:
         away = away[np.sort(np.unique(away.round(9), axis=0, return_index=True)[1])]
         mean = away.sum(axis=0)
         first = [mean] if np.linalg.norm(mean) > self._angle else []
-        return [_direction(vector) for vector in [*first, *away[:NORMALS]]]
+        return [direction_of(vector) for vector in [*first, *away[:NORMALS]]]
 
     def _free_directions(
         self, moved: int, others: int, directions: Iterable[Direction]
@@ -268,7 +269,7 @@ SUGGESTED = ("axes", "normals")
 """Names of the suggested groups of directions."""
 
 
-def _direction(vector: ArrayLike) -> Direction:
+def direction_of(vector: ArrayLike) -> Direction:
     """Unit vector of a direction as a dictionary key, rounded and without negative zeros."""
     x, y, z = (unit(np.asarray(vector, dtype=np.float64), "direction") + 0.0).round(12) + 0.0
     return float(x), float(y), float(z)

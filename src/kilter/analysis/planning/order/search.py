@@ -27,7 +27,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from kilter.analysis.planning.order.removal import Direction, Leg, Pressing, Removal
+from kilter.analysis.planning.order.removal import (
+    Direction,
+    Leg,
+    Pressing,
+    Removal,
+    direction_of,
+)
 from kilter.analysis.planning.states.holds import (
     Cut,
     Holds,
@@ -38,7 +44,7 @@ from kilter.analysis.planning.states.holds import (
 )
 from kilter.analysis.planning.states.known_proofs import State
 from kilter.analysis.planning.states.states import States
-from kilter.arrays import TINY, Array, Mask
+from kilter.arrays import TINY, Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.errors import InputError, some_names
 from kilter.work import Work
@@ -159,6 +165,27 @@ class Removed:
     """State of the standing parts before the assembly is turned after this step; None if it is
     not turned."""
 
+    def moved(self, where: Index, turn: Array) -> Removed:
+        """The removal of copies of the parts, without proofs.
+
+        Arguments: `where` (N,): the copy of each part, or the part itself; `turn` (3, 3).
+        """
+
+        def mask(parts: Mask) -> Mask:
+            copied = np.zeros_like(parts)
+            copied[where[parts]] = True
+            return copied
+
+        legs = [Leg(direction_of(turn @ np.array(leg.direction)), leg.length) for leg in self.legs]
+        present, free = mask(self.state.present), mask(self.state.free)
+        state = State(self.state.names, present, free, None, self.state.programs)
+        needs = self.needs
+        if needs is not None:
+            held = None if needs.held is None else mask(needs.held)
+            cuts = tuple(Cut(mask(cut.parts), cut.state) for cut in needs.cuts)
+            needs = replace(needs, held=held, state=state, cuts=cuts)
+        return Removed(tuple(where[list(self.parts)].tolist()), tuple(legs), state, needs)
+
     @property
     def set(self) -> int:
         """The removed parts as a bit set (`kilter.analysis.planning.states.holds`)."""
@@ -262,20 +289,19 @@ class OrderSearch:
         a group is, and this group has no order.
         """
         order: list[Removed] = []
-        present, left = self.whole, dict.fromkeys(self.groups)
+        present, orders = self.whole, dict[int, list[Removed]]()
         self.exhausted = False
-        while left:
+        while present != self.base:
             last = order[-1].set if order else 0
-            near = (self._group_of[unit] for unit in self._candidates(present, last))
-            for group in dict.fromkeys(near):
-                alone = self._alone(group)
-                before = alone.visited
-                found = alone.find(hold, direct=direct)
-                self.visited += alone.visited - before
-                if found is None:
-                    self.exhausted = alone.exhausted
-                    return None, False
-                placed = self._in_place(found, present)
+            for group in dict.fromkeys(self._group_of[k] for k in self._candidates(present, last)):
+                placed = None if direct else self._like_its_copy(group, present, orders)
+                if placed is None:
+                    if group not in orders:
+                        found = self._order_alone(group, hold, direct=direct)
+                        if found is None:
+                            return None, False
+                        orders[group] = found
+                    placed = self._in_place(orders[group], present)
                 if placed is not None:
                     break
             else:
@@ -283,8 +309,34 @@ class OrderSearch:
             order += placed
             self.note(order, hold)
             present &= ~group
-            del left[group]
         return order, False
+
+    def _order_alone(self, group: int, hold: int, *, direct: bool) -> list[Removed] | None:
+        """Find an order of a group, as if there were no other groups; None if not found."""
+        alone = self._alone(group)
+        before = alone.visited
+        found = alone.find(hold, direct=direct)
+        self.visited += alone.visited - before
+        self.exhausted = found is None and alone.exhausted
+        return found
+
+    def _like_its_copy(
+        self, group: int, present: int, orders: dict[int, list[Removed]]
+    ) -> list[Removed] | None:
+        """Removals of a group in the order of an equal group; None if that is no order of it."""
+        source, turn = self.states.copies.get(group, (0, np.eye(3)))
+        if group in orders or source not in orders:
+            return None
+        count = len(self._near)
+        where = np.arange(count)
+        where[members(source, count)] = members(group, count)
+        moved = [removed.moved(where, turn) for removed in orders[source]]
+        for removed in moved:
+            held = bits_of(removed.state.present & ~removed.state.free) & ~self.base
+            later = self.later_of(removed.set) & bits_of(removed.state.present)
+            if removed.set not in self._group_of or later or held & ~bits_of(self.holdable):
+                return None
+        return self._in_place(moved, present)
 
     def _alone(self, group: int) -> OrderSearch:
         """The search in a group, as if there were no other groups."""
@@ -321,6 +373,8 @@ class OrderSearch:
                 cuts = tuple(
                     Cut(cut.parts, self.states.judge(here, here & ~cut.parts)) for cut in needs.cuts
                 )
+                if any(cut.state.stable is not False for cut in cuts):
+                    return None
                 needs = replace(needs, state=state, cuts=cuts)
             placed.append(replace(removed, legs=legs, state=state, needs=needs))
         return placed

@@ -71,8 +71,10 @@ class StatePrograms:
         return replace(self, whole=whole, outer=self.outer.turned(down) if self.open else whole)
 
     def among(self, parts: Mask) -> StatePrograms:
-        """Copy in which only the given parts, a mask of shape (N,), are free; no row is left out
-        that acts on them."""
+        """Copy in which only the given parts, a mask of shape (N,), are free.
+
+        It has the rows between them and with parts that are not free.
+        """
         rows = [np.flatnonzero(rows_of_state(p, ~self.free | parts, parts)) for p in self.both]
         whole, outer = (
             replace(p, free=self.free & parts).taking(row)

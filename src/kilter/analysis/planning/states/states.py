@@ -26,8 +26,9 @@ parts: both adding and removing a part can make a state fall.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,7 @@ from kilter.analysis.planning.states.known_proofs import (
     rows_of_state,
 )
 from kilter.analysis.planning.states.load_paths import LoadPaths
-from kilter.arrays import Index, Mask, connected
+from kilter.arrays import Array, Index, Mask, connected
 from kilter.assembly import Assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.assembly.question import Question, question
@@ -66,12 +67,14 @@ from kilter.mechanics.certificate import (
 )
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
-from kilter.rigid import unit
+from kilter.rigid import quaternion_to_matrix, unit
 from kilter.tell.levels import level_rank
 from kilter.threads import on_one_thread
 from kilter.validate import finite, number
 from kilter.work import Work, units_of
 
+COPY_DIGITS = 8
+"""Decimal digits to which places in equal groups agree, relative to the largest part [-]."""
 SMALL, NEAR = 20, 4
 """Numbers of free parts, and of parts that differ from the last state, up to which a state is
 solved by the linear program before the exact cones."""
@@ -103,7 +106,7 @@ class StateGroup:
         self._of, self._programs = states, programs
         self.free = programs.free & parts
         self.bits = bits_of(self.free)
-        self._rows: dict[tuple[int, int], Index] = {}
+        self._last, self._on = (0, 0), np.empty(0, dtype=int)
         self._found: dict[tuple[int, int], State] = {}
         self._states: States | None = None
 
@@ -117,21 +120,25 @@ class StateGroup:
             self._states.counts, self._states._count = whole.counts, whole._count
         return self._states
 
-    def judge(self, key: tuple[int, int], state: State) -> State:
-        """The state of this group in a state of all parts with the given bit sets."""
-        known = key[0] & self.bits, key[1] & self.bits
+    def judge(self, known: tuple[int, int], state: State) -> State:
+        """The state of this group in a state of all parts; `known`: its present and free parts."""
         if known not in self._found:
             present = state.present & (self.free | ~self._programs.free)
             self._found[known] = self.states.judge(present, present & ~state.free)
         return self._found[known]
 
-    def rows_of(self, state: State) -> Index:
-        """Indices of the rows of a state of this group in the program of all parts."""
-        key = bits_of(state.present), bits_of(state.free)
-        if key not in self._rows:
-            rows = rows_of_state(self._programs.whole, state.present, state.free)
-            self._rows[key] = np.flatnonzero(rows)
-        return self._rows[key]
+    def put(self, known: tuple[int, int], state: State, forces: Array, friction: Array) -> None:
+        """Put the forces of a state of this group in the place of those that it put last.
+
+        `forces`, shape (K,), and `friction`, (K, 3), have the rows of all parts.
+        """
+        if known == self._last:
+            return
+        forces[self._on], friction[self._on] = 0.0, 0.0
+        rows = rows_of_state(self._programs.whole, state.present, state.free)
+        self._last, self._on = known, np.flatnonzero(rows)
+        if state.forces is not None:
+            forces[self._on], friction[self._on] = state.forces.forces, state.forces.friction
 
 
 _Found = ForceProof | MotionProof | Judgement | None
@@ -185,6 +192,7 @@ class States:
         self._found: dict[tuple[int, int], State] = {}
         self._under: dict[tuple[float, ...], States] = {}
         self._groups: tuple[StateGroup, ...] | None = None
+        self._parted = False
         if not isinstance(accelerations, Iterable):
             raise InputError(
                 f"accelerations is {accelerations!r:.40}", hint="give a list of vectors in m/s^2"
@@ -340,6 +348,33 @@ class States:
             )
         return self._groups
 
+    @cached_property
+    def copies(self) -> dict[int, tuple[int, Array]]:
+        """Earlier group to which a group is equal, and the turn (3, 3) from that to this group.
+
+        The groups are bit sets. Equal groups have the same shapes in the same order, in the same
+        places up to a shift and a turn about the vertical. Their contacts and loads may differ.
+        """
+        parts, down = self.assembly.parts, self.assembly.down
+        turns = quaternion_to_matrix(np.array([part.pose.rotation for part in parts]))
+        places = np.array([part.pose.position for part in parts])
+        first: dict[Hashable, int] = {}
+        found = {}
+        for group in self.groups:
+            own = np.flatnonzero(group.free)
+            back, size = turns[own[0]].T, float(self.assembly.geometry.size[own].max())
+            arms = (places[own] - places[own[0]]) @ back.T / size
+            data = np.concatenate([arms.ravel(), (back @ turns[own]).ravel(), back @ down])
+            key = tuple(id(parts[k].shape) for k in own.tolist()), data.round(COPY_DIGITS) + 0.0
+            source = first.setdefault((key[0], key[1].tobytes()), int(own[0]))
+            if source != own[0]:
+                found[group.bits] = self._group_at(source), turns[own[0]] @ turns[source].T
+        return found
+
+    def _group_at(self, part: int) -> int:
+        """The group of a part, as a bit set."""
+        return next(group.bits for group in self.groups if group.bits >> part & 1)
+
     def mask(self, patterns: str | Iterable[str]) -> Mask:
         """Mask of the parts whose names match the patterns, shape (N,).
 
@@ -380,14 +415,17 @@ class States:
     def _decide_state(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
         """Decide a state by the methods of the module docstring in turn, if it is not stored."""
         held = present & ~free
-        program = self._programs.of(present, held)
-        outer = self._programs.outer_of(present, held) if self._programs.open else program
         state = State(self.assembly.names, present, free, None, self._programs)
-        proof: _Found = self._by_load_paths(state, program)
-        if proof is None and self.groups:
-            known = self._by_groups(state, program, key)
+        if self._parted:
+            known = self._by_groups(state, key)
             if known is not None:
                 return known
+        program = self._programs.of(present, held)
+        proof: _Found = self._by_load_paths(state, program)
+        if proof is None and self.groups and not self._parted:
+            self._part()
+            return self._decide_state(present, free, key)
+        outer = self._programs.outer_of(present, held) if self._programs.open else program
         if proof is None:
             proof = self._matching_proof(state, program, outer, key)
         if proof is None:
@@ -407,28 +445,33 @@ class States:
             return replace(state, stable=False, outer=self._programs.open, motion=proof)
         return self._state_by_check(state)
 
-    def _by_groups(self, state: State, program: Program, key: tuple[int, int]) -> State | None:
-        """A state whose groups are judged one by one; None if that does not decide it."""
-        forces = np.zeros(len(self._programs.whole.part_a))
-        friction = np.zeros((len(forces), 3))
+    def _part(self) -> None:
+        """Judge states by their groups from now on."""
+        count = len(self._programs.whole.part_a)
+        self._parted = True
+        self._group_forces, self._group_friction = np.zeros(count), np.zeros((count, 3))
+
+    def _by_groups(self, state: State, key: tuple[int, int]) -> State | None:
+        """A state whose groups are judged one by one; None if that does not decide it.
+
+        Forces that balance each group balance the whole (`kilter.mechanics.clusters`).
+        """
+        residual = 0.0
         for group in self.groups:
-            if not group.bits & key[1]:
-                continue
-            own = group.judge(key, state)
+            known = key[0] & group.bits, key[1] & group.bits
+            own = group.judge(known, state)
             if own.motion is not None:
                 return replace(state, stable=False, outer=own.outer, motion=own.motion)
             if own.forces is None:
                 return None
-            rows = group.rows_of(own)
-            forces[rows] = own.forces.forces
-            if own.forces.friction.any():
-                friction[rows] = own.forces.friction
+            residual = max(residual, own.forces.residual)
+            group.put(known, own, self._group_forces, self._group_friction)
         taken = rows_of_state(self._programs.whole, state.present, state.free)
-        across = friction[taken] if friction.any() else None
-        self._count.weighed(len(program.part_a))
-        proof = check_forces(program, forces[taken], across)
-        self.counts["known"] += proof.holds
-        return replace(state, stable=True, forces=proof) if proof.holds else None
+        friction = self._group_friction
+        across = friction[taken] if friction.any() else np.broadcast_to(0.0, (taken.sum(), 3))
+        self.counts["known"] += 1
+        proof = ForceProof(self._group_forces[taken], across, residual, holds=True)
+        return replace(state, stable=True, forces=proof)
 
     def _by_load_paths(self, state: State, program: Program) -> ForceProof | None:
         """Forces along gravity that hold a layered state without held parts; None without proof."""
