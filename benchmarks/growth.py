@@ -151,6 +151,8 @@ def words_of(command: str, family: str, path: Path) -> list[str]:
     """The command line of a cell."""
     own = [one.format(out=path, box=BOXES[family]) for one in WORDS[command]]
     held = ["--ground", "base"] if path.suffix == ".step" else []
+    if held and command == "plan":  # as drawn, the nuts fall
+        held += ["--assume", "fits"]
     return [command, str(path), "--quiet", *held, *own]
 
 

@@ -324,9 +324,13 @@ class OrderSearch:
         self, group: int, present: int, orders: dict[int, list[Removed]]
     ) -> list[Removed] | None:
         """Removals of a group in the order of an equal group; None if that is no order of it."""
-        source, turn = self.states.copies.get(group, (0, np.eye(3)))
-        if group in orders or source not in orders:
+        copies = self.states.copies
+        first, turn = copies.get(group, (group, np.eye(3)))
+        source = next((k for k in orders if copies.get(k, (k,))[0] == first), group)
+        if source == group:
             return None
+        if source != first:
+            turn = turn @ copies[source][1].T
         count = len(self._near)
         where = np.arange(count)
         where[members(source, count)] = members(group, count)

@@ -17,6 +17,7 @@ in the file must still block each other.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
@@ -220,7 +221,8 @@ class Sweeps:
             [distance],
         ]
         rounded = np.round(np.concatenate(lengths) / step) + 0.0  # no negative zeros
-        return id(moving.shape), id(still.shape), step, rounded.tobytes()
+        level = round(math.log2(step) / COPY_PLACE)
+        return id(moving.shape), id(still.shape), level, rounded.tobytes()
 
     def _test_pair(
         self, part: int, other: int, direction: Direction, distance: float, start: Array | None

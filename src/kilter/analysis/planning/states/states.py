@@ -118,6 +118,10 @@ class StateGroup:
             programs = self._programs.among(self.free)
             self._states = States(whole.assembly, whole.contacts, programs=programs)
             self._states.counts, self._states._count = whole.counts, whole._count
+            self._states.carried = tuple(
+                next(group.states for group in other.groups if group.bits == self.bits)
+                for other in whole.carried
+            )
         return self._states
 
     def judge(self, known: tuple[int, int], state: State) -> State:
@@ -341,10 +345,11 @@ class States:
         """
         if self._groups is None:
             labels = label_groups(self.contacts, self._programs.outer)
-            numbers = np.unique(labels[self.free]) if not self._programs.outer.has_limits else []
+            numbers = np.unique(labels[self.free])
+            apart = len(numbers) > 1 and not self._programs.outer.has_limits
             self._groups = tuple(
                 StateGroup(self, self._programs, labels == number)
-                for number in (numbers if len(numbers) > 1 else ())
+                for number in (numbers if apart else numbers[:0])
             )
         return self._groups
 
