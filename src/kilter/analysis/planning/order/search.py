@@ -12,6 +12,10 @@ T + p holds too if p is held. The parts of the highest layer leave first, neares
 removed part first: first the parts whose T needs no hold, then the others. (Removing a held part
 from below instead would keep it held for many steps.) Paths of two legs are tried last.
 
+Groups of parts that touch only the base are separate problems (`OrderSearch.groups`). Each has an
+order by itself, or the whole has none. These orders are put one after the other, and every path and
+state is proved again among all parts. Equal groups take the order of the first.
+
 Sets from which no order continues are recorded, so that no set is searched twice. A search has a
 fixed K. After a failure K is raised, so the first order found has the fewest parts held at once
 among the orders along the tried paths.
