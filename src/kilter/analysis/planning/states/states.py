@@ -16,8 +16,8 @@ certificate that is verified in the state itself decides.
 6. `kilter.check` of the state, if fitted normals, the accuracy that the file declares, or the
    numerics leave it undecided.
 
-If forces along gravity do not decide a state of several groups of parts that do not touch, each group
-is judged by itself, and kept: a state that changes by one part needs the proof of one group.
+If forces along gravity do not decide a state of several groups of parts that do not touch, each
+group is judged by itself, and kept: a state that changes by one part needs the proof of one group.
 
 Each state may also have to hold while its carrier accelerates: it then holds under the gravity
 g - a for each given acceleration a, by proofs of its own (`kilter.analysis.transport`). The
