@@ -231,7 +231,7 @@ class OrderSearch:
     groups: list[int] = field(init=False)
     """Bit sets of groups that can be taken apart one after the other; empty without two groups."""
     _group_of: dict[int, int] = field(init=False)
-    _searches: dict[int, OrderSearch] = field(default_factory=dict)
+    _searches: dict[tuple[int, bool], OrderSearch] = field(default_factory=dict)
     _near: list[int] = field(init=False)
     _layer: Array = field(init=False)
     _middle: Array = field(init=False)
@@ -317,7 +317,7 @@ class OrderSearch:
 
     def _order_alone(self, group: int, hold: int, *, direct: bool) -> list[Removed] | None:
         """Find an order of a group, as if there were no other groups; None if not found."""
-        alone = self._alone(group)
+        alone = self._alone(group, direct=direct)
         before = alone.visited
         found = alone.find(hold, direct=direct)
         self.visited += alone.visited - before
@@ -346,19 +346,19 @@ class OrderSearch:
                 return None
         return self._in_place(moved, present)
 
-    def _alone(self, group: int) -> OrderSearch:
-        """The search in a group, as if there were no other groups."""
-        if group not in self._searches:
+    def _alone(self, group: int, *, direct: bool) -> OrderSearch:
+        """The search in a group, as if there were no other groups, with its own work limit."""
+        alone = self._searches.get((group, direct))
+        if alone is None:
             kept = [k for k, unit in enumerate(self.units) if unit & group]
-            alone = copy(self)
+            alone = self._searches[group, direct] = copy(self)
             alone.states = next(g.states for g in self.states.groups if g.bits & group)
             alone.scope, alone.groups, alone.visited = group, [], 0
             alone._holds, alone.best = {}, []
             alone.units = [self.units[k] for k in kept]
             alone._layer, alone._middle = self._layer[kept], self._middle[kept]
             alone.work = self.work.beside(self.work.allowed)
-            self._searches[group] = alone
-        return self._searches[group]
+        return alone
 
     def _in_place(self, order: list[Removed], present: int) -> list[Removed] | None:
         """The removals of a group among other parts; None if these are in the way."""

@@ -128,10 +128,13 @@ class StateGroup:
         return self._states
 
     def judge(self, known: tuple[int, int], state: State) -> State:
-        """The state of this group in a state of all parts; `known`: its present and free parts."""
+        """The state of this group in a state of all parts.
+
+        Arguments: `known`: its present parts and those that are not free, and its free parts.
+        """
         if known not in self._found:
             present = state.present & (self.free | ~self._programs.free)
-            self._found[known] = self.states.judge(present, present & ~state.free)
+            self._found[known] = self.states._judge_at_rest(present, present & ~state.free)
         return self._found[known]
 
     def put(self, known: tuple[int, int], state: State, forces: Array, friction: Array) -> None:
@@ -456,7 +459,7 @@ class States:
     def _part(self) -> None:
         """Judge states by their groups from now on."""
         count = len(self._programs.whole.part_a)
-        self._parted = True
+        self._parted, self._base = True, bits_of(~self._programs.free)
         self._group_forces, self._group_friction = np.zeros(count), np.zeros((count, 3))
 
     def _by_groups(self, state: State, key: tuple[int, int]) -> State | None:
@@ -466,7 +469,7 @@ class States:
         """
         residual = 0.0
         for group in self.groups:
-            known = key[0] & group.bits, key[1] & group.bits
+            known = key[0] & (group.bits | self._base), key[1] & group.bits
             own = group.judge(known, state)
             if own.motion is not None:
                 return replace(state, stable=False, outer=own.outer, motion=own.motion)
