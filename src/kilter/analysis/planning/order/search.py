@@ -254,9 +254,13 @@ class OrderSearch:
         self._height = dict(zip(self.units, self._layer.tolist(), strict=True))
 
     def _separate_groups(self) -> tuple[list[int], dict[int, int]]:
-        """Groups without units or precedence across them, and the group of each unit."""
+        """Groups without units or precedence across them, and the group of each unit.
+
+        They are left out if each is a single unit.
+        """
         groups = [group.bits for group in self.states.groups]
-        if not groups or self.together or self.pressing is not None:
+        alone = len(groups) in (0, len(self.units))
+        if alone or self.together or self.pressing is not None:
             return [], {}
         group_of = {}
         for unit in self.units:
