@@ -259,9 +259,6 @@ def precedence_pairs(
     return (*asked, *((names[screw.bolt], names[screw.nut]) for screw in screws))
 
 
-DIRECT = 300
-"""Number of parts from which a search without backtracking has a work limit of its own, which
-grows with the square of the number of parts."""
 SEARCH = 12.0
 """Work of the search of an order, relative to the work of an effort [-]; larger: longer searches.
 
@@ -445,15 +442,10 @@ def _search_directly(search: OrderSearch, rules: PlanRules, whole: State) -> Sea
     if not whole.stable or rules.sequence is not None or rules.turn:
         return None
     search.work.stage("an order without held parts")
-    work, parts = search.work, len(search.states.assembly)
-    if parts > DIRECT:  # each step is a step ahead, and takes work in proportion to the parts
-        search.work = work.beside(work.allowed * (parts / DIRECT) ** 2)
     try:
         order = search.find(0, direct=True)
     except KeyboardInterrupt:
         return Searched(None, interrupted=True)
-    finally:
-        search.work = work
     return None if order is None else Searched(order, proved=True)
 
 
