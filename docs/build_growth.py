@@ -27,7 +27,7 @@ CPU seconds of each command on one core, and in brackets the largest memory [GiB
 parts. The seconds exclude imports and the reading of the file. The last column is the exponent p of
 seconds = c n^p over the cells of at least 0.1 s. `>` marks a cell that was ended at its limit, and
 `-` a cell that was not measured. The cells up to 1,000 parts of walls and piles, of boxes without
-`place`, and of `plan` of frames are of one version, on a busy machine, which takes up to twice as
+`place`, and of `plan` of frames are of the same version, on a busy machine: it takes up to twice as
 long; the others are of earlier versions. `plan` of walls, piles and scenes of 3,000 parts ends at
 its effort limit and finds no order. `plan` of frames joins what looks fastened (`--assume fits`),
 since the nuts fall as drawn.
