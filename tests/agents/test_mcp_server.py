@@ -119,6 +119,7 @@ def dialogues() -> list[str]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("number", range(3))
+@pytest.mark.slow
 def test_the_dialogues_of_the_page_are_real(number, tmp_path, monkeypatch):
     assert len(dialogues()) == 3
     monkeypatch.chdir(tmp_path)

@@ -107,6 +107,7 @@ def test_the_list_of_examples_has_the_words_of_check(names, capsys):
     assert [words[name] for name in TWINS] == ["stable", "balanced"] * (len(TWINS) // 2)
 
 
+@pytest.mark.slow
 def test_a_ball_on_a_ball_is_balanced_in_every_command(run):
     balls = Assembly(
         [

@@ -176,6 +176,7 @@ def test_at_the_critical_thickness_least_and_greatest_thrust_meet():
     assert widths[1] == pytest.approx(widths[0] / 10, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_shown_forces_lie_within_their_ranges():
     verdict = kilter.check(arch(10, 1))
     shown = {frozenset(p.parts): p.normal_force for p in verdict.forces.patches}
@@ -229,6 +230,7 @@ def test_wrong_names_and_pairs_are_sentences():
         verdict.force_ranges([("w0", "v5")])
 
 
+@pytest.mark.slow
 def test_the_command_lists_ranges_and_one_possible_set(tmp_path, capsys):
     path = str(tmp_path / "arch.kilter.json")
     assert main(["example", "arch", "-o", path, "--force"]) == 0

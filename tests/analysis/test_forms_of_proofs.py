@@ -174,6 +174,7 @@ def wrong(assembly: Any, contacts: Any, proof: Any) -> str:
 @pytest.mark.quick("25-plan", "25-hold")
 @pytest.mark.parametrize("kind", MAKERS)
 @pytest.mark.parametrize("tried", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_whatever_is_exchanged_it_is_no_fault(kind, tried):
     assembly, contacts, proof = made(kind)
     every = list(places(proof))

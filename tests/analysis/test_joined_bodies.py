@@ -239,6 +239,7 @@ def test_a_folder_of_bolts_without_holes_is_answered(tmp_path):
         (0.01, 0.0, None, ("chip",)),  # beyond its play
     ],
 )
+@pytest.mark.slow
 def test_bodies_that_fall_straight_have_the_verdict_of_the_search(gap, beside, level, falls):
     low, high = [0.04 + beside, 0.04, 0.002 + gap], [0.06 + beside, 0.06, 0.006 + gap]
     assembly = Assembly([

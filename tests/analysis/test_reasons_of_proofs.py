@@ -287,6 +287,7 @@ def test_a_motion_that_breaks_the_law_of_friction():
         ("squeezed", "equilibrium", "0 of 8 tries come to rest when repeated"),
     ],
 )
+@pytest.mark.slow
 def test_a_claim_that_it_settles_is_repeated(name, level, note):
     """A claim without a motion or an exclusion, for assemblies that settle or do not settle."""
     made_of = {

@@ -65,6 +65,7 @@ def test_facets_that_a_cluster_excludes_change_no_optimum(monkeypatch: pytest.Mo
         assert facet.z - 1e-9 <= bound.z <= exact.z + 1e-9
 
 
+@pytest.mark.slow
 def test_few_parts_near_a_place_decide_as_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     wall, box = wall_of(40), kilter.box_to_place([0.2, 0.1, 0.06], 1.0)
     whole = kilter.place(wall, box)

@@ -132,6 +132,7 @@ def test_a_program_that_counts_as_large_is_decided_alike(name, monkeypatch):
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", sorted(SCENES))
 @pytest.mark.parametrize("simplex_rows", [0, 1000])
+@pytest.mark.slow
 def test_without_an_answer_of_a_solver_nothing_wrong_is_decided(name, simplex_rows, monkeypatch):
     program = program_of(SCENES[name]())
     known = judge(program).stable

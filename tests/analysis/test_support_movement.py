@@ -27,10 +27,15 @@ def spread(assembly, by=SMALL):
 @pytest.mark.parametrize(
     ("count", "thickness", "thrust", "drop", "opened"),
     [
-        (20, 1.0, 0.161579331, 0.539357, {3: 6, 10: 5, 17: 6}),
-        (20, 0.75, 0.180916505, 0.644591, {4: 5.75, 10: 5, 16: 5.75}),
         (10, 1.0, 0.161980057, 0.521540, {2: 6, 5: 5, 8: 6}),
-        (20, 1.5, 0.131513909, 0.473131, {3: 6.5, 10: 5, 17: 6.5}),
+        *(
+            pytest.param(*row, marks=pytest.mark.slow)
+            for row in (
+                (20, 1.0, 0.161579331, 0.539357, {3: 6, 10: 5, 17: 6}),
+                (20, 0.75, 0.180916505, 0.644591, {4: 5.75, 10: 5, 16: 5.75}),
+                (20, 1.5, 0.131513909, 0.473131, {3: 6.5, 10: 5, 17: 6.5}),
+            )
+        ),
     ],
 )
 def test_an_arch_on_spreading_supports(count, thickness, thrust, drop, opened):
@@ -86,6 +91,7 @@ def test_the_middle_one_of_three_supports_opens():
     assert risen.outcome == "cracks"
 
 
+@pytest.mark.slow
 def test_two_leaves_that_lean_on_each_other():
     half, height, by = 2.0, 1.5, 1e-3
     feet = [
@@ -115,6 +121,7 @@ def test_two_leaves_that_lean_on_each_other():
         assert side * found.motion[k, 0] < 0
 
 
+@pytest.mark.slow
 def test_all_supports_that_sink_take_the_assembly_along():
     scene = arch(10, 1.0)
     down = dict.fromkeys(("left", "right"), (0, 0, -0.01))
@@ -186,6 +193,7 @@ def test_wrong_movements_are_sentences():
         verdict.support_movement({"left": (1, 0, 0)})
 
 
+@pytest.mark.slow
 def test_the_command_moves_supports(tmp_path, capsys):
     path = str(tmp_path / "arch.kilter.json")
     assert main(["example", "arch", "-o", path, "--force"]) == 0

@@ -76,6 +76,7 @@ def checked(friction: float) -> tuple[Assembly, kilter.Verdict]:
     ],
 )
 @pytest.mark.parametrize("word", ["balanced", "stable", "potentially-stable"])
+@pytest.mark.slow
 def test_a_word_is_compared_with_its_evidence(second, friction, fits, word):
     assembly, verdict = checked(friction)
     forces = verdict.judgement.forces

@@ -404,6 +404,7 @@ def test_without_webgl_the_words_and_the_ball_remain(without_webgl, pages):
     assert page.inner_text("#verdict") == "Unstable"
 
 
+@pytest.mark.slow
 def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened):
     page = opened(wall_of(1000))
     assert page.text("verdict") == "Stable"

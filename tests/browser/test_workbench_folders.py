@@ -119,8 +119,14 @@ def through(
         end()
 
 
+QUICK = ("a forwarded port", "a proxy that replaces the host")
+"""Ways of which the others are combinations."""
+
+
 @pytest.mark.browser
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    "way", [way if way in QUICK else pytest.param(way, marks=pytest.mark.slow) for way in WAYS]
+)
 def test_a_user_acts_exports_drops_and_saves_through(way, through, tmp_path):
     page, port = through(*WAYS[way])
     page.until("Boolean(window.bench && window.bench.session && window.bench.session.file)")

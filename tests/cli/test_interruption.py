@@ -402,6 +402,7 @@ def test_the_margin_at_limit_zero_names_the_limits_that_are_not_known():
     assert any("because the time limit was reached" in text for text in answer.warnings)
 
 
+@pytest.mark.slow
 def test_a_solver_that_the_limit_cut_short_is_not_reported_as_failed(monkeypatch):
     late = {"now": False}
 
@@ -563,6 +564,7 @@ def test_an_interrupted_margin_prints_the_limits_that_are_known(tmp_path, monkey
         kilter.margin(stacks.tower(4, friction=0.5), pushes=True, effort=0)
 
 
+@pytest.mark.slow
 def test_progress_without_a_terminal_is_lines_in_growing_intervals(monkeypatch, capsys):
     monkeypatch.setattr(output, "EACH", 0.02)
     with Progress(quiet=False, lines=True) as progress:

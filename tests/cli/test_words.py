@@ -561,6 +561,7 @@ def test_no_table_begins_a_cell_with_a_formula(part, tmp_path, monkeypatch):
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["\ud800.step", "a\0b.step", "x" * 5000 + ".step"])
+@pytest.mark.slow
 def test_choices_about_a_name_that_the_system_rejects(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("c.json").write_text(json.dumps({"kilter": 1, "file": name}))

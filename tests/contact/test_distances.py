@@ -243,6 +243,7 @@ def covered_by_all(triangles, points, normals, reach, grow):
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("grow", [0.0, 0.02, 0.3])
 @pytest.mark.parametrize("flatness", [1.0, 0.02])
+@pytest.mark.slow
 def test_pruned_triangles_cover_what_all_triangles_cover(flatness, grow):
     """Also for slivers, whose tips move outwards by many times `grow`."""
     rng = np.random.default_rng(7)

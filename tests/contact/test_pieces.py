@@ -112,6 +112,7 @@ def tripod(mu: tuple[float, float], slope: float) -> Assembly:
     ("mu", "verdict"),
     [((0.4, 0.4), "stable"), ((0.2, 0.2), "unstable"), ((0.2, 0.4), "undecided")],
 )
+@pytest.mark.slow
 def test_a_contact_of_uncertain_pieces_is_decided_by_both(mu, verdict):
     found = kilter.contacts(tripod(mu, 0.3))
     assert found.patch_mu.tolist() == [min(mu)] * 3

@@ -641,6 +641,7 @@ def test_damaged_documents_are_rejected_or_read_in_part(seed, tmp_path, monkeypa
         assert message.startswith(f"{path}: ")
 
 
+@pytest.mark.slow
 def test_a_shape_that_stalls_occt_is_left_out(tmp_path, monkeypatch):
     """A count of a billion curves keeps OCCT busy."""
     monkeypatch.setattr(step_process, "STALLS", 1.0)

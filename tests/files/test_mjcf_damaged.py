@@ -112,6 +112,7 @@ def test_counts_are_limited_before_anything_is_built(name, tmp_path, capfd):
 
 
 @pytest.mark.parametrize("name", DAMAGED)
+@pytest.mark.slow
 def test_a_damaged_scene_is_a_sentence(name, tmp_path, capfd):
     text, words = DAMAGED[name]
     path = tmp_path / "scene.xml"

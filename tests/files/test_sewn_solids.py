@@ -54,6 +54,7 @@ STACK = [box(9, 9, 3), box(4, 4, 5, 1, 1, 3), moved(drilled(), placement((0, 0, 
 
 
 @pytest.mark.parametrize("apart", [False, True], ids=["one product", "a product each"])
+@pytest.mark.slow
 def test_shells_of_one_face_are_sewn_to_the_solids_that_they_bound(apart, tmp_path):
     shells = [shell_of([face]) for face in loose_faces(*STACK)]
     whole = [(f"skin{k}", shell, None) for k, shell in enumerate(shells)]

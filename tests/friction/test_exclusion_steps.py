@@ -309,6 +309,7 @@ def last_powers(step):
 
 
 @pytest.mark.quick("slope", "trough")
+@pytest.mark.slow
 def test_the_greatest_multiplier_of_each_kind_matters(proven):
     one, data = proven
     last = len(data["steps"]) - 1

@@ -310,6 +310,7 @@ def verified(kind: str, change: Callable[[Bundle], object]) -> kilter.Verificati
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", ["margin", "transport"])
+@pytest.mark.slow
 def test_each_limit_is_stated_with_both_sides(kind):
     found = verified(kind, lambda bundle: None)
     assert found.holds, found.reasons

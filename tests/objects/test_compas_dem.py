@@ -94,6 +94,7 @@ def test_file_object_and_blocks_by_hand_have_the_same_verdict(make, thickness, t
 
 
 @pytest.mark.parametrize(("thickness", "stands"), [(0.3682, False), (0.3683, True)])
+@pytest.mark.slow
 def test_the_arch_stands_from_its_critical_thickness(thickness, stands):
     assert (kilter.check(kilter.load(arch(thickness), friction=MU)).level is not None) == stands
 

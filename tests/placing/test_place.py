@@ -191,6 +191,7 @@ def test_a_turned_box_has_a_turned_footprint():
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png"])
+@pytest.mark.slow
 def test_the_map_has_a_figure(suffix, tmp_path):
     file, figure = tmp_path / "plank.kilter.json", tmp_path / f"map{suffix}"
     kilter.dump(overhang(1, 2, 0.3), file)

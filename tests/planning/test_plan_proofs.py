@@ -99,6 +99,7 @@ def test_steps_exchanged_with_their_states_are_refused(name):
         ("row", (0, 2), "'b0' is inserted before 'b2'"),
     ],
 )
+@pytest.mark.slow
 def test_parts_exchanged_are_refused(name, steps, why):
     found = judged(name, lambda proof: exchange(proof, *steps))
     assert why in found
@@ -215,6 +216,7 @@ def test_a_number_that_is_changed_without_a_signature_is_refused():
     assert "digest does not match" in judged("tower", change, anew=False)
 
 
+@pytest.mark.slow
 def test_a_file_has_the_changes_of_a_state_and_not_the_state():
     """A wall of twice the length has twice the changes, and its states have four times the rows."""
     sizes = []

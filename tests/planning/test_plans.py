@@ -62,6 +62,7 @@ def test_the_wedge_that_leaves_first_is_the_only_one_that_can():
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(("count", "ratio", "reached"), [(9, 0.3, 4), (20, 0.2, 8)])
+@pytest.mark.slow
 def test_an_arch_needs_one_part_held_and_that_is_proved(count, ratio, reached):
     made = arch(count, ratio=ratio, friction=0.6)
     none = kilter.plan(made, kilter.PlanRules(hold=0))

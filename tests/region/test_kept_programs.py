@@ -204,6 +204,7 @@ def test_what_it_raises_is_raised():
         run_aside(broken, lambda: None)
 
 
+@pytest.mark.slow
 def test_an_interruption_stops_the_call_and_goes_on():
     stopped = threading.Event()
     started = time.perf_counter()
@@ -226,6 +227,7 @@ def test_it_is_just_called_in_another_thread():
     assert where == [thread]
 
 
+@pytest.mark.slow
 def test_what_is_raised_in_a_process_of_its_own_is_raised():
     with pytest.raises(ValueError, match="domain"):
         call_apart(math.sqrt, -1.0)

@@ -186,6 +186,7 @@ def test_a_box_on_a_slope_of_one_half(friction, state):
 @pytest.mark.parametrize(
     ("gap", "state"), [(0.0, "at-rest"), (1e-3, "open"), (1e-1, "falls")], ids=str
 )
+@pytest.mark.slow
 def test_a_near_support_leaves_only_its_object_open(gap, state):
     """A plate that overhangs its block rests on a post, ends a little above it, or falls."""
     block = Part("block", Box([1, 1, 1]), [0, 0, 0.5], grounded=True)
@@ -281,6 +282,7 @@ NEAR_POST = [
     ],
     ids=["rest", "fault", "lower", "open"],
 )
+@pytest.mark.slow
 def test_the_exit_code_of_the_command(parts, options, code, tmp_path, capsys):
     kilter.dump(Assembly([TABLE, *parts]), tmp_path / "s.kilter.json")
     assert main(["scene", str(tmp_path / "s.kilter.json"), *options]) == code
@@ -387,6 +389,7 @@ def random_scene(seed: int) -> Assembly:
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow
 def test_clusters_that_are_decided_at_once_have_the_states_of_single_ones(seed, monkeypatch):
     drawn = random_scene(seed)
     together = kilter.scene(drawn, assume="drawn")

@@ -53,6 +53,7 @@ def tray(nx: int, ny: int, nz: int) -> list[Part]:
 
 
 @pytest.mark.parametrize("count", [(2, 2, 1), (2, 2, 2), (3, 1, 3), (3, 3, 3), (5, 4, 3)])
+@pytest.mark.slow
 def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(count):
     """Each box slides and turns: three motions for each box, flush or not."""
     found = kilter.check(Assembly([FLOOR, *boxes(*count)]))
@@ -250,6 +251,7 @@ def over_an_edge(*, beside: bool = True) -> list[Part]:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("opens_at_once", [True, False])
+@pytest.mark.slow
 def test_a_path_that_parts_them_later_is_refused(opens_at_once):
     """The board tips, while the other post moves along, or separates only to second order."""
     assembly = Assembly(over_an_edge())

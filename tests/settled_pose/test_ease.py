@@ -24,6 +24,7 @@ def on_a_slope(gap):
 
 
 @pytest.mark.parametrize(("gap", "way"), [(0.01, 0.01), (0.2, 0.0)])
+@pytest.mark.slow
 def test_a_box_slides_to_a_wall_that_is_near_and_stays_otherwise(gap, way):
     drawn = on_a_slope(gap)
     assert settle(drawn).distance == pytest.approx([0, 0, 0], abs=1e-8)
@@ -33,6 +34,7 @@ def test_a_box_slides_to_a_wall_that_is_near_and_stays_otherwise(gap, way):
     assert answer.distance[:2].tolist() == [0.0, 0.0]
 
 
+@pytest.mark.slow
 def test_a_box_that_stays_leaves_those_beside_it_alone():
     """A box beside one that would slide away stays too, and a box elsewhere slides to its wall."""
     alone, near = on_a_slope(0.2), on_a_slope(0.01)

@@ -39,6 +39,7 @@ def way_along(answer: kilter.Settled) -> float:
     ("share", "limits", "way"),
     [(1.001, None, 0.0), (1.001, (-0.1, 0.3), 0.0), (0.999, (-0.1, 0.3), 0.3), (0, (0, 0.2), 0.2)],
 )
+@pytest.mark.slow
 def test_a_drawer_stays_by_friction_or_slides_to_its_stop(share, limits, way):
     answer = settle(on_rail(friction=share * PULL, limits=limits))
     assert answer.at_rest
@@ -67,6 +68,7 @@ def test_a_drawer_without_a_stop_leaves_unless_a_wall_ends_its_way(wall):
 
 
 @pytest.mark.parametrize("start", [-0.05, 0.45])
+@pytest.mark.slow
 def test_a_drawer_that_is_drawn_beyond_a_stop_is_pushed_to_it(start):
     """Its limits are [0, .4]; from below it slides on to the upper one, unless friction holds."""
     limits = (-start, 0.4 - start)
@@ -80,6 +82,7 @@ def test_a_drawer_that_is_drawn_beyond_a_stop_is_pushed_to_it(start):
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("stiffness", [5.0, 100.0, 1000.0])
+@pytest.mark.slow
 def test_a_drawer_on_a_spring_rests_where_the_spring_carries_it(stiffness):
     answer = settle(on_rail(stiffness=stiffness, rest=0.02))
     assert answer.at_rest
@@ -96,6 +99,7 @@ def test_a_spring_and_friction_stop_the_drawer_where_both_carry_it():
     assert way_along(answer) == pytest.approx(0.02 + (PULL - 1.0) / 100.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_flap_on_a_sprung_hinge_hangs_where_the_torques_agree():
     """The angle a from the drawn pose satisfies k a = m g (L / 2) cos a."""
     flap = Part("flap", Box([0.4, 0.4, 0.02]), [0.2, 0, 0], mass=1.0)
@@ -109,6 +113,7 @@ def test_a_flap_on_a_sprung_hinge_hangs_where_the_torques_agree():
 @pytest.mark.parametrize(
     ("angle", "count"), [(45, 1), (90, 1), (170, 1), (30, 2), (45, 2), (90, 2)]
 )
+@pytest.mark.slow
 def test_bars_on_free_hinges_hang_straight_down(angle, count):
     """Bars with hinges .1 beyond their ends, a second one below the first, drawn in a line."""
     turn = np.radians(angle)
@@ -129,6 +134,7 @@ def test_bars_on_free_hinges_hang_straight_down(angle, count):
 
 
 @pytest.mark.parametrize("limit", [0.4, 1.5])
+@pytest.mark.slow
 def test_a_flap_on_a_hinge_falls_to_its_limit(limit):
     flap = Part("flap", Box([0.4, 0.4, 0.02]), [0.2, 0, 0], mass=1.0)
     hinge = Joint(
@@ -181,6 +187,7 @@ def test_a_drawer_takes_its_contents_along(share, way):
 
 
 @pytest.mark.parametrize(("length", "angle", "way"), [(0.09, 50, 0), (0.09, 70, 0), (0.15, 50, 1)])
+@pytest.mark.slow
 def test_a_plank_slides_down_in_a_drawer_that_it_need_not_push(length, angle, way):
     """It leans on the wall behind; a longer one does not fit, and pushes the drawer to its stop.
 
@@ -205,6 +212,7 @@ def test_a_plank_slides_down_in_a_drawer_that_it_need_not_push(length, angle, wa
     assert kilter.verify(answer.assembly, answer.proof()).holds
 
 
+@pytest.mark.slow
 def test_a_scene_counts_the_stops_as_settle_does():
     drawn = on_rail(limits=(-0.1, 0.3))
     report, answer = scene(drawn, settle=True), settle(drawn)

@@ -85,6 +85,7 @@ def test_a_compound_rests_on_the_exact_rim_of_a_member():
 
 @pytest.mark.parametrize("width", [0.0, 1e-6, 1e-5])
 @pytest.mark.parametrize(("place", "rests"), [(0.079, True), (0.03, False)])
+@pytest.mark.slow
 def test_a_plate_rests_on_a_ridge_of_any_width_beyond_its_centre(width, place, rests):
     """A strip of 1e-6 is too thin for faces that overlap, and too wide for an edge."""
     ridge = [(place - 1e-3, 2e-4), (place, 0), (place + width, 0), (place + 1e-3, 2e-3)]
@@ -95,6 +96,7 @@ def test_a_plate_rests_on_a_ridge_of_any_width_beyond_its_centre(width, place, r
 
 
 @pytest.mark.parametrize("sunk", [0.0, 1e-5])
+@pytest.mark.slow
 def test_a_bowl_of_flat_wedges_rests_on_their_corners(sunk: float):
     """A sphere through the corners would reach 1.5 mm into the table."""
     angles, low = np.radians(np.arange(0, 361, 15)), np.radians(10)
@@ -116,6 +118,7 @@ def test_a_bowl_of_flat_wedges_rests_on_their_corners(sunk: float):
 
 
 @pytest.mark.parametrize("over", [0.49, 0.51])
+@pytest.mark.slow
 def test_a_sunk_stack_topples_if_its_upper_box_overhangs_by_more_than_half(over: float):
     """Answer 12: a sunk contact is no joint."""
     e, size = 3e-4, 0.1
@@ -226,6 +229,7 @@ def three_cylinders(between: float, ground: float, *, held: bool = False) -> Ass
     ("between", "ground", "rests"),
     [(1.01, 1.01, True), (0.99, 1.5, False), (1.5, 0.99, False)],
 )
+@pytest.mark.slow
 def test_a_cylinder_on_two_free_ones_rests_above_both_limits_of_friction(between, ground, rests):
     """Answer 16: they part below either limit."""
     drawn = three_cylinders(between * BETWEEN, ground * GROUND)
@@ -336,6 +340,7 @@ def test_a_plate_on_four_posts_rests_on_three(nearest: bool, side: float):
 @pytest.mark.quick("0.51-default", "0.49-nearest")
 @BOTH
 @pytest.mark.parametrize("friction", [0.51, 0.49])
+@pytest.mark.slow
 def test_a_box_on_a_slope_rests_or_slides_off(nearest: bool, friction: float):
     rotation = rotation_between([0, 0, 1], [-0.5, 0, 1])
     normal = np.array([-0.5, 0, 1]) / math.hypot(0.5, 1)

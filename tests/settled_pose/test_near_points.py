@@ -247,6 +247,7 @@ def on_both(points: NearPoints, axes: list[Part], radii: list[float]) -> None:
 
 @pytest.mark.parametrize("tilt", [0.0, 0.01, 1.0])
 @pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (1e-4, -5e-5, 2e-3), (0.0, 2.9e-4, 0.0)])
+@pytest.mark.slow
 def test_points_of_a_pin_in_a_hole_lie_between_the_exact_cylinders(tilt, shift):
     hole = tube("hole", 0.0103, 0.02, 0.025, grounded=True)
     pin = Part("pin", Cylinder(0.01, 0.05), Pose(shift, turn([1, 2, 0], tilt)))
@@ -357,6 +358,7 @@ def test_a_segment_crosses_a_triangle_from_both_sides(x, crosses):
     assert not _crosses(*along, corners, np.array([1e-9])).any()
 
 
+@pytest.mark.slow
 def test_pairs_that_stay_keep_the_points_of_a_new_search():
     parts = []
     for k, x in enumerate((0.0, 0.1)):

@@ -167,6 +167,7 @@ def test_sunk_depths_are_summed_down_to_the_ground():
 
 
 @pytest.mark.parametrize(("overhang", "state"), [(0.49, "at-rest"), (0.51, "partly")])
+@pytest.mark.slow
 def test_a_sunk_stack_rests_or_falls_on_both_sides_of_its_edge(overhang, state):
     sunk = 3e-4
     table = Part("table", Box([4, 4, 1]), [0, 0, -0.5], grounded=True)
@@ -280,6 +281,7 @@ def test_bodies_that_do_not_touch_a_tipping_plate_change_nothing_of_its_way():
 
 
 @pytest.mark.parametrize(("tilt", "yaw"), [(15, 25), (30, 3), (30, 25), (45, 10)])
+@pytest.mark.slow
 def test_a_coin_that_leans_on_a_wall_rolls_until_its_axis_is_square_to_the_wall(tilt, yaw):
     """Its weight is balanced on two points of its rims only if its centre is above their line.
 

@@ -387,6 +387,7 @@ def test_an_owned_file_replaces_no_link(trap, victim, tmp_path):
 @pytest.mark.quick(1)
 @POSIX
 @pytest.mark.parametrize("trap", TRAPS)
+@pytest.mark.slow
 def test_a_click_writes_through_no_link(trap, victim, page, folder):
     trap(autosave_path(folder / "f8.kilter.json"), victim)
     trap(folder / "f8.choices.kilter.json", victim)

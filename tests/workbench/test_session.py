@@ -91,6 +91,7 @@ def test_the_map_of_places_is_that_of_its_command(page, folder, capsys, monkeypa
 
 
 @pytest.mark.parametrize("options", [{}, {"size": [1, 1, 1]}, {"size": [1, 1, -1], "mass": 1}])
+@pytest.mark.slow
 def test_a_wrong_box_to_place_is_a_sentence(page, options):
     page.after(do="hold", parts=["C2"], on=True)
     page.say(do="ask", tab="place", options=options)
