@@ -27,6 +27,8 @@ from kilter.tell.why_words import WHY_HEAD, why_cells
 INTERFERENCE = "an interference fit: a press fit or a thread"
 NO_FORCE = 1e-9
 """A force below this share of the greatest force is left out, since it comes from rounding [-]."""
+NO_MOVEMENT = 1e-6
+"""A component of a movement below this share of the largest is shown as 0 [-]."""
 NO_GAP = 1e-14
 """A gap below this share of the largest part is shown as 0, since it comes from rounding [-]."""
 NO_ACCELERATION = (
@@ -290,8 +292,13 @@ def movement_tables(answer: Answer) -> list[Table]:
         kind = "slides" if one["slides"] else "opens"
         return *names, kind, number(one["opening"]), number(one["angle"]), vector(one["at"], 3)
 
+    def small(values: Sequence[float]) -> str:
+        """Three numbers with digits of their own; those from rounding are 0."""
+        most = NO_MOVEMENT * max(map(abs, values))
+        return f"({', '.join(number(x if abs(x) > most else 0.0, 4) for x in values)})"
+
     def moved(one: Answer) -> Sequence[str]:
-        return Name(one["part"]), vector(one["translation"], 4), vector(one["rotation"], 4)
+        return Name(one["part"]), small(one["translation"]), small(one["rotation"])
 
     head = ["part", "and part", "", unit, "deg", f"at {unit}"]
     tables = [

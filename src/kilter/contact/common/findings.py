@@ -219,8 +219,15 @@ def is_settled(face_patches: FacePatches) -> Mask:
     return settled
 
 
+POINTS = 50_000
+"""Number of points whose patches are searched at once; each takes a number for each corner."""
+
+
 def explained(face_patches: FacePatches, pair: int, points: Array, slack: float) -> Mask:
     """Mask of points, shape (n, 3), within `slack` of a flat or curved patch of a pair."""
+    if len(points) > POINTS:
+        parts = np.array_split(points, 1 + len(points) // POINTS)
+        return np.concatenate([explained(face_patches, pair, some, slack) for some in parts])
     is_explained = np.zeros(len(points), dtype=bool)
     for patch in face_patches.curved.patches.of_pair(pair):
         is_explained |= _on_curved_patch(face_patches, patch, points, slack)
@@ -301,8 +308,9 @@ def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
     """Mask of points, shape (n, 3), within `slack` of a flat convex polygon."""
     level = np.abs((points - corners[0]) @ normal) <= slack
     along = np.roll(corners, -1, axis=0) - corners
-    side = cross(along[None], points[:, None] - corners[None]) @ normal
-    side = ratio(side, np.linalg.norm(along, axis=1))
+    across = ratio(cross(normal[None], along), np.linalg.norm(along, axis=1)[:, None])
+    from_corner = corners - corners[0]
+    side = (points - corners[0]) @ across.T - np.einsum("ij,ij->i", from_corner, across)
     if float((cross(along, corners.mean(axis=0) - corners) @ normal).sum()) < 0:
         side = -side  # the corners run clockwise
     inside: Mask = level & (side >= -slack).all(axis=1)

@@ -11,6 +11,7 @@ polygons; the circumscribed polygons bound the answer from the other side
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -232,6 +233,10 @@ BLOCK = 200_000
 """Number of pairs (point, surface) whose distances are computed at once."""
 
 
+TRIANGLES = 20_000
+"""Number of pairs of triangles that are compared at once; each takes about 2 kB."""
+
+
 def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array) -> Mask:
     """Mask of points, shape (n, 3), within `slack` of a curved surface of either part."""
     s = geometry.surfaces
@@ -279,11 +284,15 @@ def round_contacts(
     patched = {tuple(row) for row in patched}
     chosen = chosen[[tuple(row) not in patched for row in chosen.tolist()]]
     for pair in np.unique(chosen[:, 0]).tolist():
+        # one point without a formula already lets any force act
         if any(surface < 0 for _, surface in points_of_pair.get(pair, ())):
-            continue  # one point without a formula already lets any force act
+            continue
+        before = len(points_of_pair.get(pair, ()))
         faces = chosen[chosen[:, 0] == pair, 1:]
-        point = _close_triangles(geometry, pairs[pair], faces, float(reach[pair]))
-        add_points(np.full(len(point), pair), point, np.full(len(point), -1))
+        for point in _close_triangles(geometry, pairs[pair], faces, float(reach[pair])):
+            add_points(np.full(len(point), pair), point, np.full(len(point), -1))
+            if len(points_of_pair.get(pair, ())) > before:
+                break
     return _round_contacts_of(geometry, pairs, points_of_pair)
 
 
@@ -348,11 +357,13 @@ def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
 # faces without a formula: near triangles ---------------------------------------------------
 
 
-def _close_triangles(geometry: Geometry, parts: Index, faces: Index, tolerance: float) -> Array:
+def _close_triangles(
+    geometry: Geometry, parts: Index, faces: Index, tolerance: float
+) -> Iterator[Array]:
     """Points, shape (n, 3), at which triangulated faces of two parts come within the tolerance.
 
-    `faces`, shape (m, 2): a surface of each part, or -1 for its flat triangles. The tolerance
-    includes the sagittas, the distances of triangles from true surfaces.
+    They come in blocks. `faces`, shape (m, 2): a surface of each part, or -1 for its flat
+    triangles. The tolerance includes the sagittas, the distances of triangles from true surfaces.
     """
     s = geometry.surfaces
     sagitta, width = np.append(s.sagitta, 0.0), len(s) + 1
@@ -367,10 +378,9 @@ def _close_triangles(geometry: Geometry, parts: Index, faces: Index, tolerance: 
     owners = [np.zeros(len(side), dtype=np.int64) for side in sides]
     widest = tolerance + float(sagitta[faces].sum(axis=1).max())
     key = (faces + 1) @ [width, 1]
-    blocks = [np.empty((0, 3))]
     for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([widest])):
         on = np.column_stack([labels[0][i], labels[1][j]])
         kept = np.flatnonzero(np.isin((on + 1) @ [width, 1], key))
-        grow = tolerance + sagitta[on[kept]].sum(axis=1)
-        blocks.append(near_triangles(sides[0][i[kept]], sides[1][j[kept]], grow))
-    return np.concatenate(blocks)
+        for few in np.array_split(kept, 1 + len(kept) // TRIANGLES):
+            grow = tolerance + sagitta[on[few]].sum(axis=1)
+            yield near_triangles(sides[0][i[few]], sides[1][j[few]], grow)
