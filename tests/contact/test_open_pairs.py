@@ -317,7 +317,7 @@ def test_check_and_contacts_name_the_nearest_in_words_and_data(tmp_path, capsys)
     assert (
         "Held, but touching nothing:\n  part  gap      nearest part\n  base  0.25 mm  top\n" in out
     )
-    assert "The heaviest: top (1 part)." in out
+    assert "top (1 part): 0.25 mm above base" in out
 
 
 # parts on one another ---------------------------------------------------------------------

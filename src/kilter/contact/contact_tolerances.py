@@ -218,6 +218,8 @@ WIDEST_OPENING = 10.0
 a larger value widens the zone that belongs to its contact."""
 AXIS_ROUNDING = 1e-15
 """Components of a unit axis below this are rounding and are written as 0 [-]."""
+SLOPE_ROUNDING = 1e-15
+"""Cosine between an edge and the normal of a face that counts as zero [-]."""
 
 # smooth faces of meshes ----------------------------------------------------------------------
 

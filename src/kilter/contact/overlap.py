@@ -89,9 +89,7 @@ def _depth_inside(
 
 def inside_part(geometry: Geometry, part: int, points: Array) -> Mask:
     """Mask of points inside the surface of a part, shape (n,)."""
-    triangles = geometry.corners_of(part)
-    batches = np.array_split(points, 1 + len(points) * len(triangles) // BATCH)
-    return np.concatenate([_winding_number(batch, triangles) > 0.5 for batch in batches])
+    return _winding_numbers(points, geometry.corners_of(part)) > 0.5
 
 
 def _some_without(probes: Array, without: Callable[[Array], Mask]) -> Array:
@@ -106,26 +104,30 @@ def _some_without(probes: Array, without: Callable[[Array], Mask]) -> Array:
     return chosen
 
 
-def _winding_number(points: Array, triangles: Array) -> Array:
+def _winding_numbers(points: Array, triangles: Array) -> Array:
     """Winding number of a closed surface about each point: 1 inside, 0 outside, shape (n,)."""
     middle = triangles.mean(axis=(0, 1))
-    x, corners = points - middle, triangles - middle
     # products of two or three of a - x, b - x, c - x are linear in x, except for |x|^2: expanded,
     # they need no array of points times triangles times coordinates
-    a, b, c = corners.transpose(1, 0, 2)
-    square = (x**2).sum(axis=1)[:, None]
-    la, lb, lc = (
-        np.sqrt(np.maximum(square + (corner**2).sum(axis=1) - 2 * (x @ corner.T), 0.0))
-        for corner in (a, b, c)
-    )
+    corners = (triangles - middle).transpose(1, 0, 2)
+    a, b, c = corners
     bc = cross(b, c)
-    top = np.einsum("ti,ti->t", a, bc) - x @ (bc + cross(c, a) + cross(a, b)).T
-    bottom = la * lb * lc
-    for p, q, length in ((a, b, lc), (b, c, la), (c, a, lb)):
-        product = np.einsum("ti,ti->t", p, q) - x @ (p + q).T + square
-        bottom += product * length
-    winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
-    return winding
+    volume, area = np.einsum("ti,ti->t", a, bc), (bc + cross(c, a) + cross(a, b)).T
+    squares_of = [(corner**2).sum(axis=1) for corner in corners]
+    pairs = [(np.einsum("ti,ti->t", p, q), (p + q).T) for p, q in ((a, b), (b, c), (c, a))]
+    winding = []
+    for x in np.array_split(points - middle, 1 + len(points) * len(triangles) // BATCH):
+        square = (x**2).sum(axis=1)[:, None]
+        la, lb, lc = (
+            np.sqrt(np.maximum(square + own - 2 * (x @ corner.T), 0.0))
+            for own, corner in zip(squares_of, corners, strict=True)
+        )
+        bottom = la * lb * lc
+        for (product, total), length in zip(pairs, (lc, la, lb), strict=True):
+            bottom += (product - x @ total + square) * length
+        angles = np.arctan2(volume - x @ area, bottom)
+        winding.append(angles.sum(axis=1) / (2 * np.pi))
+    return np.concatenate(winding)
 
 
 CELLS = 200

@@ -33,6 +33,7 @@ from kilter.contact.contact_tolerances import (
     ARC_SLOPE,
     CONE_ANGLE,
     SEAM_ANGLE,
+    SLOPE_ROUNDING,
     STRAIGHT_EDGE,
 )
 from kilter.contact.curved.contact_points import TURN, ring, slices
@@ -51,8 +52,6 @@ the face, and height and radius as multiples of a length."""
 
 HALVINGS = 40
 """Largest number of steps that locate the point of an edge that is nearest to a face."""
-SLOPE_ROUNDING = 1e-15
-"""Cosine between an edge and the normal of a face that counts as zero [-]."""
 ROOT_HALVINGS = 20
 """Bisection steps that locate the point at which an edge passes through a face."""
 
