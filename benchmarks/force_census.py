@@ -2,10 +2,11 @@
 
     python benchmarks/force_census.py 200
 
-Each irregular assembly (arches, piles, wedges, squeezed blocks, Voronoi cells) is asked for three
-ranges: the normal force of a pair, the force of a pair along an axis, and the force on a held part.
-The second program has the exact friction cones: Clarabel finds the least and the greatest value
-over forces at the contact points, whose balance is written here from points, normals and weights.
+The census computes three ranges of each irregular assembly (arches, piles, wedges, squeezed blocks,
+Voronoi cells): the normal force of a pair, the force of a pair along an axis, and the force on a
+held part. The second program has the exact friction cones: Clarabel finds the least and the
+greatest value over forces at the contact points. Their balance is written here from points, normals
+and weights.
 Then the held parts of every second assembly move a little: the released energy and the least work
 agree, no contact closes, and none opens and carries if the answer is called exact. The exit code is
 1 if anything disagrees.
@@ -129,7 +130,7 @@ def compared(verdict: Any, program: Any, random: np.random.Generator) -> list[st
 
 
 def moved(verdict: Any, program: Any, random: np.random.Generator) -> tuple[str, list[str]]:
-    """Outcome of a random movement of the held parts, and what is wrong with it."""
+    """The outcome of a random movement of the held parts, and a sentence for each fault."""
     size = MOVEMENT * float(program.radius[program.free].min())
     touched = np.unique(np.concatenate([program.part_a, program.part_b]))
     held = [k for k in touched.tolist() if k >= 0 and not program.free[k]]

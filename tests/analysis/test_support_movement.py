@@ -154,6 +154,15 @@ def test_an_assembly_that_falls_falls_however_little_its_supports_move():
     assert (found.outcome, found.exact, found.moves) == ("falls", False, ())
 
 
+def test_the_movement_of_an_undecided_assembly_is_unknown():
+    round_floor = Part("floor", kilter.Sphere(1.0), grounded=True)
+    scene = Assembly([round_floor, Part("ball", kilter.Sphere(0.5), [0, 0, 1.4])])
+    verdict = kilter.check(scene)
+    assert (verdict.verdict, verdict.level) == ("undecided", None)
+    found = verdict.support_movement({"floor": (0.01, 0, 0)})
+    assert (found.outcome, found.exact) == ("unknown", False)
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_released_energy_and_least_work_agree_in_irregular_piles(seed):
     rng = np.random.default_rng(seed)

@@ -132,7 +132,7 @@ def force_ranges(
             if rows.any():
                 gain = _gain(cluster.program, rows, parts, along)
                 ends = [
-                    _added(end, search.end(gain, s)) for end, s in zip(ends, (-1, 1), strict=True)
+                    added(end, search.end(gain, s)) for end, s in zip(ends, (-1, 1), strict=True)
                 ]
                 weight += search.weight
         named = tuple(program.names[part] for part in parts)
@@ -161,13 +161,12 @@ def _gain(program: Program, rows: Mask, parts: tuple[int, ...], along: Array | N
     return np.where(rows[:, None], sign[:, None] * along, 0.0)
 
 
-def _added(first: ForceEnd, second: ForceEnd) -> ForceEnd:
-    """The end of the sum of two independent forces."""
-    values = [first.value, second.value]
-    bounds = [first.bound, second.bound]
+def added(first: ForceEnd, second: ForceEnd, unit: float = 1.0) -> ForceEnd:
+    """The end of the sum of two independent forces, of which the second is in another unit."""
+    values, bounds = (first.value, second.value), (first.bound, second.bound)
     return ForceEnd(
-        value=None if None in values else sum(values),  # type: ignore[arg-type]
-        bound=None if None in bounds else sum(bounds),  # type: ignore[arg-type]
+        value=None if None in values else values[0] + unit * values[1],  # type: ignore[operator]
+        bound=None if None in bounds else bounds[0] + unit * bounds[1],  # type: ignore[operator]
         proved=first.proved and second.proved,
     )
 

@@ -1,4 +1,4 @@
-"""Supports that move a little: how the parts follow, which contacts open, and what is released.
+"""Small movements of supports: motions of the parts, contacts that open, and released energy.
 
 The held parts get small movements. With the opening speeds h that these alone give the contacts,
 and motions p of the free parts, to first order
@@ -28,7 +28,7 @@ import numpy as np
 from scipy.sparse import csc_array, eye_array, vstack
 
 from kilter.analysis.analysis_tolerances import OPENS_BY_MOVING, RANGE_AGREES
-from kilter.analysis.force_ranges import EndSearch, ForceEnd
+from kilter.analysis.force_ranges import EndSearch, ForceEnd, added
 from kilter.arrays import TINY, Array, Mask
 from kilter.errors import InputError
 from kilter.mechanics.certificate import row_openings
@@ -100,7 +100,8 @@ class SupportMovement(Record):
     """Movements of all parts, supports included: translation [length unit] and rotation [rad],
     shape (N, 6)."""
     forces: InPython[tuple[Array, Array] | None]
-    """Forces along and across the contact rows of the least work [N], shapes (K,) and (K, 3)."""
+    """Forces along and across the rows at the least work [N], shapes (K,) and (K, 3); 0 between
+    parts that no moved support touches, also by other parts."""
 
     @property
     @key
@@ -126,23 +127,25 @@ class SupportMovement(Record):
         return f"The assembly cracks: {contacts} open, the widest between {where}."
 
 
-def support_movement(program: Program, twist: Array, *, balanced: bool = True) -> SupportMovement:
+def support_movement(
+    program: Program, twist: Array, *, known: Outcome | None = None
+) -> SupportMovement:
     """Compute how the parts follow small movements of held parts.
 
     Arguments: `twist` (N, 6): translation [length unit] and rotation about the centre of mass
-    [rad] of each held part, 0 for free parts; `balanced`: whether contact forces balance the
-    assembly. Raises `InputError` if a movement is too large for a
-    statement of first order, or contacts are bonded.
+    [rad] of each held part, 0 for free parts; `known`: the outcome without any movement, if no
+    contact forces are known that balance the assembly. Raises `InputError` if a movement is too
+    large for a statement of first order, or contacts are bonded.
     """
     if program.cohesion.any() or program.pull.any():
         raise InputError("movements of supports are not computed for bonds", hint="leave them out")
     _refuse_large(program, twist)
-    if not balanced:
-        unknown = [ForceEnd(value=None, bound=None, proved=False)] * 2
-        return _record(program, twist, twist, None, (unknown[0], unknown[1]), word="falls")
+    if known is not None:
+        no_end = ForceEnd(value=None, bound=None, proved=False)
+        return _record(program, twist, twist, None, (no_end, no_end), word=known)
     motion, ends = twist.copy(), [ForceEnd(value=0.0, bound=0.0, proved=True)] * 2
     forces, friction = np.zeros(len(program.part_a)), np.zeros((len(program.part_a), 3))
-    squeezed, known = False, True
+    squeezed, found = False, True
     metres = metres_per_unit(program.units)
     for cluster in clusters(program):
         inner = cluster.program
@@ -153,17 +156,17 @@ def support_movement(program: Program, twist: Array, *, balanced: bool = True) -
         greatest = search.end(gain / scale, 1)
         least = search.end(gain / scale, -1)
         work = scale * metres
-        ends = [_plus(end, more, work) for end, more in zip(ends, (least, greatest), strict=True)]
+        ends = [added(end, more, work) for end, more in zip(ends, (least, greatest), strict=True)]
         if least.value is None:
-            squeezed, known = squeezed or least.proved, known and least.proved
+            squeezed, found = squeezed or least.proved, found and least.proved
             continue
         of_cluster = _motion(inner, twist, search, least.value, scale)
         if of_cluster is None or search.forces is None:
-            known = False
+            found = False
             continue
         motion[inner.free] = of_cluster[inner.free]
         forces[cluster.rows], friction[cluster.rows] = search.forces.forces, search.forces.friction
-    proof = None if squeezed or not known else (forces, friction)
+    proof = None if squeezed or not found else (forces, friction)
     word: Outcome = "squeezed" if squeezed else "unknown"
     return _record(program, twist, motion, proof, (ends[0], ends[1]), word=word)
 
@@ -193,24 +196,10 @@ def _refuse_large(program: Program, twist: Array) -> None:
 
 def _speeds(program: Program, twist: Array) -> Array:
     """Relative movement at each row by movements of parts, shape (K, 3); rotation if angular."""
-    total = np.zeros((len(program.part_a), 3))
-    for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
-        k = np.flatnonzero(part >= 0)
-        moved = twist[part[k]]
-        arm = program.point[k] - program.center[part[k]]
-        at_point = moved[:, :3] + np.cross(moved[:, 3:], arm)
-        total[k] += sign * np.where(program.angular[k][:, None], moved[:, 3:], at_point)
-    return total
-
-
-def _plus(end: ForceEnd, more: ForceEnd, unit: float) -> ForceEnd:
-    """The sum of an end and another one times a unit."""
-    values, bounds = (end.value, more.value), (end.bound, more.bound)
-    return ForceEnd(
-        value=None if None in values else values[0] + unit * values[1],  # type: ignore[operator]
-        bound=None if None in bounds else bounds[0] + unit * bounds[1],  # type: ignore[operator]
-        proved=end.proved and more.proved,
-    )
+    turned = np.append(twist[:, 3:], np.zeros((1, 3)), axis=0)  # the ground is the last
+    turns = turned[program.part_b] - turned[program.part_a]
+    at_point = program.relative(twist, np.arange(len(program.part_a)))
+    return np.where(program.angular[:, None], turns, at_point)
 
 
 def _motion(
@@ -303,8 +292,7 @@ def _opened(
     """Contacts at which a point opens or slides by more than `least`, the widest first."""
     rows = np.flatnonzero(program.kind == CONTACT)
     open_by = program.velocities(motion)[rows]
-    relative = _speeds(program, motion)[rows]
-    slip = np.linalg.norm(relative - open_by[:, None] * program.normal[rows], axis=1)
+    slip = np.linalg.norm(program.slips(motion, rows), axis=1)
     carries = forces[rows] > RANGE_AGREES * float(program.weight[program.free].sum())
     slides = carries & (slip > least) & (program.mu[rows] > 0)
     pairs = np.column_stack([program.part_a[rows], program.part_b[rows]])

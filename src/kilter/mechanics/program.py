@@ -331,14 +331,19 @@ class Program(RowArrays):
             result[k] += np.einsum("ij,ij->i", lever, motion[part])
         return result
 
-    def slips(self, motion: Array, rows: Index) -> Array:
-        """Sliding velocity of part b relative to part a at the contact rows, shape (k, 3)."""
+    def relative(self, motion: Array, rows: Index) -> Array:
+        """Velocity of part b relative to part a at the points of linear rows, shape (k, 3)."""
         relative = np.zeros((len(rows), 3))
         for part, sign in ((self.part_b[rows], 1.0), (self.part_a[rows], -1.0)):
             k = np.flatnonzero(part >= 0)
             arm = self.point[rows[k]] - self.center[part[k]]
             twist = motion[part[k]]
             relative[k] += sign * (twist[:, :3] + cross(twist[:, 3:], arm))
+        return relative
+
+    def slips(self, motion: Array, rows: Index) -> Array:
+        """Sliding velocity of part b relative to part a at the contact rows, shape (k, 3)."""
+        relative = self.relative(motion, rows)
         normal = self.normal[rows]
         along = np.einsum("ij,ij->i", relative, normal)
         slip: Array = relative - along[:, None] * normal

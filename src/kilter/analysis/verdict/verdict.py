@@ -34,7 +34,7 @@ from kilter.analysis.decision.motion import (
 )
 from kilter.analysis.decision.open_question import AnsweredPair, OpenQuestion, answered_pairs
 from kilter.analysis.force_ranges import ForceRange, force_ranges, pressed_pairs
-from kilter.analysis.support_movement import SupportMovement, support_movement
+from kilter.analysis.support_movement import Outcome, SupportMovement, support_movement
 from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.verdict.displacement import Displacement, find_displacement
@@ -623,7 +623,7 @@ class Verdict(InCells, SupportedAnswer):
         -------
         SupportMovement
             Movements of the parts, contacts that open, and the work of the contact forces on the
-            supports. The outcome is "falls" if no contact forces balance the assembly.
+            supports. The outcome is "falls" if the assembly is unstable.
 
         Raises
         ------
@@ -638,7 +638,10 @@ class Verdict(InCells, SupportedAnswer):
             *axis, angle = finite(turn, (4,), name)
             twist[self._held(name), 3:] = np.radians(angle) * unit(axis)
         program = build_program(self.assembly, self.contact_set)  # `program` may lack friction
-        return sealed(support_movement(program, twist, balanced=self.level is not None))
+        known: Outcome = "falls" if self.verdict == "unstable" else "unknown"
+        return sealed(
+            support_movement(program, twist, known=None if self.level is not None else known)
+        )
 
     def _held(self, name: str) -> int:
         """Index of a part that has to be held."""
