@@ -10,7 +10,8 @@ boxes, bolted frames in STEP (`cad_frames.py`), and piles of objects on a table 
 1). `--friction` replaces the coefficient of the first three.
 
 Each cell runs one command line in its own process. The seconds start after imports, which a run
-with three parts makes, and exclude the reading of the file, which the row `reading` has. For STEP
+with three parts and a first reading make, and exclude the reading of the file, which the row
+`reading` has. For STEP
 files the other rows contain the contacts. `peak` is the largest memory of the process. A cell over
 its limit is printed as `>` with the limit. The exponent is the slope of the logarithms of seconds
 and parts, by least squares over the cells of at least 0.1 s.
@@ -178,6 +179,7 @@ def measured(command: str, family: str, small: Path, path: Path, limit: float) -
     kilter.load(small)
     if command != "reading":
         run(words_of(command, family, small))
+    kilter.load(path, **held)  # imports the readers of large files
     started = time.process_time()
     kilter.load(path, **held)
     read = time.process_time()
